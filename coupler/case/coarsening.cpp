@@ -7,6 +7,7 @@
 #include "coupler/case/case.hpp"
 #include "coupler/case/case_check.hpp"
 #include "coupler/case/case_sections.hpp"
+#include "coupler/case/limits.hpp"
 #include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {
@@ -146,6 +147,27 @@ void check_fine_boxes(Findings& findings) {
   }
 }
 
+/// About the thickness of the layer in which the flow around a body changes, at most half its diameter.
+void check_layers(Findings& findings) {
+  const Case& setup = findings.setup;
+  const double nu = setup.fluid->kinematic_viscosity, distance = setup.coarsening->distance;
+  for (const Entry& entry : entries_of(setup)) {
+    const double diameter = sphere_of_volume(setup.shapes[entry.shape]);
+    double speed = fastest_given(setup);
+    if (entry.is_free())
+      speed = std::max(speed, terminal_velocity(diameter, entry.density, setup.gravity.norm(), nu));
+    const double reynolds = speed * diameter / nu;
+    const double layer = std::min(diameter / std::sqrt(std::max(reynolds, 1.)), diameter / 2);
+    if (distance < layer)
+      findings.warning(
+          "coarsening.distance",
+          "coarsening.distance is {}, but the flow around {} changes over about {} (Reynolds number {}): "
+          "use {} or more",
+          cells_text(setup, distance), entry.key, cells_text(setup, std::ceil(layer)), shown(reynolds),
+          shown_length(setup, std::ceil(layer)));
+  }
+}
+
 }  // namespace
 
 void find_coarsening_faults(const Case& setup, Findings& findings) {
@@ -172,6 +194,7 @@ void find_coarsening_faults(const Case& setup, Findings& findings) {
   check_size(findings);
   check_intervals(findings);
   check_fine_boxes(findings);
+  check_layers(findings);
 }
 
 }  // namespace silt::coupler

@@ -106,6 +106,15 @@ void add_domain(const Case& setup, Table& table) {
   }
 }
 
+/// Of the coarser lattices; how many cells each has depends on where bodies are.
+void add_levels(const Case& setup, Table& table) {
+  const CoarseningSpec& spec = *setup.coarsening;
+  for (int level = 1; level <= spec.levels; ++level)
+    table.line(fmt::format("  of cells {} times as wide", 1 << level), "",
+               shown(0.5 + (setup.fluid->relaxation_time - 0.5) / (1 << level)));
+  table.quantity("finest cells, up to", spec.distance, dimension::length);
+}
+
 void add_fluid(const Case& setup, Table& table) {
   if (!setup.fluid) {
     table.heading("fluid: none (dry run)");
@@ -119,6 +128,7 @@ void add_fluid(const Case& setup, Table& table) {
     table.line("density", "1");
   table.quantity("kinematic viscosity", fluid.kinematic_viscosity, dimension::viscosity);
   table.line("relaxation time", "", shown(fluid.relaxation_time));
+  if (setup.coarsening) add_levels(setup, table);
   const lbm::CollisionModel& model = lbm::model_of(fluid.collision);
   std::string of = model.has_magic() ? ", Lambda = " + shown(fluid.magic) : "";
   if (model.has_eddies()) of += ", Smagorinsky constant " + shown(fluid.smagorinsky);
@@ -133,7 +143,8 @@ void add_fluid(const Case& setup, Table& table) {
   }
   if (fluid.body_force.norm() > 0)
     table.quantity("body force", fluid.body_force.norm(), dimension::acceleration);
-  table.line("memory", fmt::format("{:.1f} MB in all", fluid_memory(setup) / 1e6));
+  table.line("memory", fmt::format("{:.1f} MB in all{}", fluid_memory(setup) / 1e6,
+                                   setup.coarsening ? " if every cell were finest" : ""));
 }
 
 void add_kind(const Case& setup, Table& table, const std::string& name, const Entry& kind) {

@@ -27,7 +27,7 @@ namespace {
 /// Throws what building the scene would throw, while all ranks still hear of it.
 void require_buildable(const Case& setup, int ranks) {
   const lbm::Domain domain = make_domain(setup, ranks);
-  for (int b = 0; setup.fluid && setup.has_surfaces() && b < domain.blocks(); ++b)
+  for (int b = 0; setup.fluid && !setup.coarsening && setup.has_surfaces() && b < domain.blocks(); ++b)
     if (domain.block(b).box.cells() > lbm::most_cells_with_links)
       throw CaseError(
           setup.place(setup.block_cells ? "domain.blocks" : "domain.size"),
@@ -49,14 +49,16 @@ double memory_of_machines(MPI_Comm comm) {
   return parallel::sum_over_ranks(comm, here);
 }
 
-/// Throws CaseError for a fluid that so much memory has no room for.
+/// Throws CaseError for a fluid that so much memory has no room for. How many cells are fine is not known
+/// yet.
 void require_memory(const Case& setup, double here) {
-  if (fluid_memory(setup) > here)
+  const double needed = fluid_memory(setup) / (setup.coarsening ? 1 << 3 * setup.coarsening->levels : 1);
+  if (needed > here)
     throw CaseError(
         setup.place("domain.size"),
         fmt::format("the fluid needs {:.0f} GB, and the machines of this run have {:.0f} GB together: "
                     "use larger cells, or more machines",
-                    fluid_memory(setup) / 1e9, here / 1e9));
+                    needed / 1e9, here / 1e9));
 }
 
 /// How many machines like this one a check on so many ranks is about: one has a rank a core.
@@ -143,7 +145,8 @@ std::string examine_case(const RunOptions& options) {
   if (const auto found = time_warning(setup, estimate)) warnings.push_back(*found);
   if (const auto found = disk_warning(setup, estimate.disk, result_folder(options)))
     warnings.push_back(*found);
-  return derived_table(setup) + estimate_table(estimate) + listed(warnings);
+  warnings.insert(warnings.end(), estimate.of_borders.begin(), estimate.of_borders.end());
+  return derived_table(setup) + estimate_table(setup, estimate) + listed(warnings);
 }
 
 bool PreparedRun::has_ended() const {

@@ -6,6 +6,7 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <numeric>
 #include <thread>
 #include <variant>
 
@@ -15,7 +16,9 @@
 #include "coupler/case/case_check.hpp"
 #include "coupler/flow.hpp"
 #include "coupler/placement/body_records.hpp"
+#include "coupler/regions/level_views.hpp"
 #include "lbm/fluid.hpp"
+#include "rigid/bodies/walls.hpp"
 #include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {
@@ -167,10 +170,10 @@ double seconds_of_fields(const FieldsSpec& fields, double cell) {
 }
 
 /// What one rank that has everything to itself takes for all that is written; `cell` is what a step of a cell
-/// in single precision takes.
-double seconds_of_output(const Case& setup, double bodies, double cell) {
+/// in single precision takes, `share` as in disk_needed.
+double seconds_of_output(const Case& setup, double bodies, double cell, double share) {
   const OutputSpec& output = setup.output;
-  const double cells = setup.fluid ? 1. * setup.cells[0] * setup.cells[1] * setup.cells[2] : 0;
+  const double cells = setup.fluid ? share * setup.volume() : 0;
   const int words = setup.fluid && setup.fluid->precision == Precision::double_ ? 2 : 1;
   double report_cell = words * of_a_report_cell, report_body = seconds_of_a_reported_body;
   for (const QuantitySpec& q : setup.quantities) {
@@ -186,10 +189,65 @@ double seconds_of_output(const Case& setup, double bodies, double cell) {
   if (bodies > 0)
     seconds += times(output.bodies, setup.steps, true) * (seconds_of_all_rows + bodies * of_a_row * cell);
   if (setup.fluid)
-    seconds += times(output.fields, setup.steps, true) * seconds_of_fields(output.fields, cell);
+    seconds += times(output.fields, setup.steps, true) * seconds_of_fields(output.fields, share * cell);
   for (const FieldsSpec& slice : output.slices)
-    seconds += times(slice, setup.steps, true) * seconds_of_fields(slice, cell);
+    seconds += times(slice, setup.steps, true) * seconds_of_fields(slice, share * cell);
   return seconds;
+}
+
+/// The levels of all cells at the start.
+lbm::CutTree levels_of(const Case& setup, Scenery all) {
+  for (const CurvedWall& wall : setup.walls)
+    std::visit([&](const auto& surface) { rigid::add_wall(all.bodies, all.world, surface); }, wall.surface);
+  return LevelViews(setup, cut_for_levels(setup, 1), all.world, MPI_COMM_SELF).view(all.bodies);
+}
+
+/// Adds the cells of each level, and the work of a step's updates of them. A cell of a level stands for
+/// 8^level finest ones, and is updated in one of 2^level steps.
+void add_work_of_levels(const lbm::CutTree& levels, std::int64_t work_of_a_cell, std::vector<WorkItem>& items,
+                        std::vector<double>& cells) {
+  for (int k = 0; k < levels.leaves(); ++k) {
+    const int level = levels.kinds()[k].level;
+    const lbm::CellBox box = levels.leaf(k).box;
+    cells[level] += static_cast<double>(box.cells() >> (3 * level));
+    items.push_back({box, std::max<std::int64_t>(1, (work_of_a_cell * box.cells()) >> (4 * level))});
+  }
+}
+
+/// Sides where fluid comes in or goes out, and across which cells change their width.
+std::vector<Diagnostic> border_warnings(const Case& setup, const lbm::CutTree& levels) {
+  std::vector<Diagnostic> warnings;
+  for (int side = 0; side < 6; ++side) {
+    const BoundaryKind kind = setup.boundary[side].kind;
+    if (kind != BoundaryKind::velocity_inlet && kind != BoundaryKind::pressure_outlet) continue;
+    lbm::CellBox layer{{}, levels.cells()};
+    layer.size[side / 2] = 1;
+    if (side % 2) layer.lower[side / 2] = levels.cells()[side / 2] - 1;
+    int finest = setup.coarsening->levels, coarsest = 0;
+    levels.for_leaves_meeting(layer, [&](const lbm::CutTree::Leaf& leaf) {
+      finest = std::min<int>(finest, levels.kinds()[leaf.index].level);
+      coarsest = std::max<int>(coarsest, levels.kinds()[leaf.index].level);
+    });
+    if (finest < coarsest)
+      warnings.push_back(
+          {Diagnostic::Severity::warning, setup.place("coarsening"),
+           fmt::format("coarsening: cells of {} are from {} to {} finest cells wide at the start, and what "
+                       "comes in or goes out is disturbed where they change: add \"{}\" to "
+                       "coarsening.fine_sides, or leave more room before it",
+                       side_key(side), 1 << finest, 1 << coarsest, side_names[Side(side)])});
+  }
+  return warnings;
+}
+
+/// Tells of the levels in the estimate, and adds the work of their cells. Returns how many cells there are
+/// over those there were if all were finest.
+double foresee_levels(const Case& setup, const Scenery& all, std::int64_t work_of_a_cell,
+                      std::vector<WorkItem>& items, RunEstimate& estimate) {
+  const lbm::CutTree levels = levels_of(setup, all);
+  estimate.cells.resize(setup.coarsening->levels + 1);
+  add_work_of_levels(levels, work_of_a_cell, items, estimate.cells);
+  estimate.of_borders = border_warnings(setup, levels);
+  return std::accumulate(estimate.cells.begin(), estimate.cells.end(), 0.) / setup.volume();
 }
 
 std::string bytes_text(double bytes) {
@@ -224,8 +282,11 @@ RunEstimate estimate_run(const Case& setup, const PlacedBodies& placed, int rank
   add_surfaces(all.bodies, all.world, costs, work);
   add_contacts(setup, all, costs, work);
   const double wall_links = links_of_walls(setup);
-  const auto items = work.items();
+  auto items = work.items();
   const lbm::Domain domain = make_domain(setup, ranks);
+  RunEstimate estimate;
+  const double share = setup.coarsening ? foresee_levels(setup, all, costs.cell, items, estimate) : 1;
+  if (setup.coarsening) costs.cell = 0;  // that of cells is among the items
   WorkShares shares = shares_of(domain, costs.cell, items);
   if (ranks > 1 && !setup.block_cells) {
     const WorkShares better = foreseen_cut(domain.cells(), costs.cell, items, ranks);
@@ -233,7 +294,6 @@ RunEstimate estimate_run(const Case& setup, const PlacedBodies& placed, int rank
   }
   const double of_walls = wall_links * double(costs.link) / ranks;  // wherever they are
   shares.largest += of_walls, shares.mean += of_walls;
-  RunEstimate estimate;
   estimate.ranks = ranks;
   estimate.largest_over_mean = shares.largest_over_mean();
   const double cores = std::max(1u, std::thread::hardware_concurrency());
@@ -241,37 +301,52 @@ RunEstimate estimate_run(const Case& setup, const PlacedBodies& placed, int rank
   estimate.seconds_a_step =
       shares.largest / 10 * cell * crowd + overhead_of_a_step + (ranks > 1 ? overhead_of_ranks : 0);
   estimate.seconds_of_output =
-      seconds_of_output(setup, static_cast<double>(placed.size()), cell) * crowd / ranks;
-  const double start = seconds_of_a_start + fluid_memory(setup) * of_a_new_byte * cell * crowd / ranks;
+      seconds_of_output(setup, static_cast<double>(placed.size()), cell, share) * crowd / ranks;
+  const double of_fluid = share * fluid_memory(setup);
+  const double start = seconds_of_a_start + of_fluid * of_a_new_byte * cell * crowd / ranks;
   estimate.seconds =
       start + estimate.seconds_a_step * static_cast<double>(setup.steps) + estimate.seconds_of_output;
-  estimate.memory = fluid_memory(setup) + memory_of_a_rank * ranks +
+  estimate.memory = of_fluid + memory_of_a_rank * ranks +
                     memory_of_a_body * static_cast<double>(placed.size()) +
                     memory_of_a_link * (wall_links + links_of_bodies(setup, all));
-  estimate.disk = disk_needed(setup, placed.size());
+  estimate.disk = disk_needed(setup, placed.size(), share);
   return estimate;
 }
 
-double disk_needed(const Case& setup, std::uint64_t bodies) {
+double disk_needed(const Case& setup, std::uint64_t bodies, double share) {
   const OutputSpec& output = setup.output;
   const double n = static_cast<double>(bodies);
   double bytes = times(output.fields, setup.steps, true) * bytes_of_fields(output.fields);
   for (const FieldsSpec& slice : output.slices)
     bytes += times(slice, setup.steps, true) * bytes_of_fields(slice);
+  bytes *= share;
   const bool buoyancy = setup.fluid && !setup.gravity.isZero(0);
   const double row = file_row_of_a_body + (buoyancy ? file_buoyancy_of_a_body : 0) +
                      (output.body_contacts ? file_contacts_of_a_body : 0);
   bytes += times(output.bodies, setup.steps, true) * n * row;
   const double kept = std::min<double>(times(output.checkpoint, setup.steps, false), output.keep_checkpoints);
-  return bytes + kept * (fluid_memory(setup) + n * checkpoint_of_a_body);
+  return bytes + kept * (share * fluid_memory(setup) + n * checkpoint_of_a_body);
 }
 
-std::string estimate_table(const RunEstimate& e) {
+std::string estimate_table(const Case& setup, const RunEstimate& e) {
   std::string text = fmt::format("estimate (to a factor of 2 or so, on {} rank{} of this machine)\n", e.ranks,
                                  e.ranks > 1 ? "s" : "");
   const auto line = [&](const char* name, const std::string& value) {
     text += fmt::format("  {:<24}  {}\n", name, value);
   };
+  double cells = 0, updates = 0;
+  for (std::size_t level = 0; level < e.cells.size(); ++level) {
+    const double width = double(1 << level), volume = e.cells[level] * width * width * width;
+    line(fmt::format("cells of level {}", level).c_str(),
+         fmt::format("{:.0f}, {:.2g} % of the domain", e.cells[level], 100 * volume / setup.volume()));
+    cells += e.cells[level], updates += e.cells[level] / width;
+  }
+  if (!e.cells.empty()) {
+    line("  memory for them",
+         fmt::format("{:.2g} of that if every cell were finest", cells / setup.volume()));
+    line("  updates a step",
+         fmt::format("{:.3g}, {:.2g} of those if every cell were finest", updates, updates / setup.volume()));
+  }
   line("time", fmt::format("{}, {:.2g} s a step", seconds_text(e.seconds), e.seconds_a_step));
   line("  of it for output", fmt::format("{} ({:.0f} %)", seconds_text(e.seconds_of_output),
                                          100 * e.seconds_of_output / e.seconds));

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "coupler/case/case_error.hpp"
 #include "coupler/placement/place_bodies.hpp"
@@ -17,6 +18,8 @@ struct RunEstimate {
   double memory = 0;                                              // bytes of all ranks
   double disk = 0;                                                // bytes of all files at the end
   double largest_over_mean = 1;                                   // of the work of a rank
+  std::vector<double> cells;           // of the fluid, by level, at the start; with [coarsening]
+  std::vector<Diagnostic> of_borders;  // what is doubtful about where cells change their width
 };
 
 /// Estimates a run on so many ranks of machines like this one: work as cuts of the domain count it
@@ -25,11 +28,12 @@ struct RunEstimate {
 /// will take". Takes some milliseconds besides the bodies.
 RunEstimate estimate_run(const Case&, const PlacedBodies&, int ranks);
 
-/// Returns the bytes of the files of a run with so many bodies.
-double disk_needed(const Case&, std::uint64_t bodies);
+/// Returns the bytes of the files of a run with so many bodies, and with this share of the cells that there
+/// were if all were finest.
+double disk_needed(const Case&, std::uint64_t bodies, double share = 1);
 
 /// Returns lines in the form of the derived table.
-std::string estimate_table(const RunEstimate&);
+std::string estimate_table(const Case&, const RunEstimate&);
 
 /// Warns of files that the file system of a folder, which need not be there yet, has no room for.
 std::optional<Diagnostic> disk_warning(const Case&, double needed, const std::filesystem::path& folder);

@@ -44,6 +44,20 @@ TEST(CaseCheck, WarnsOfDoubtfulRelaxationTimes) {
   EXPECT_TRUE(contains(warnings(c), "above 2 walls and slow flow lose accuracy")) << warnings(c);
 }
 
+TEST(CaseCheck, WarnsOfCoarserCellsWithinTheFlowAroundABody) {
+  CaseText c;
+  c.domain = domain_of({96, 96, 96});
+  c.rest = "[coarsening]\nlevels = 1\ndistance = 6\n";
+  c.shapes = shape_of("ball", "sphere", "radius = 12");
+  c.bodies = body_of("ball", 1, "position = [48, 48, 48]\nvelocity = [0.05, 0, 0]");
+  EXPECT_TRUE(contains(warnings(c),
+                       "coarsening.distance is 6 cells, but the flow around bodies[0] changes over "
+                       "about 7 cells (Reynolds number 12): use 7 or more"))
+      << warnings(c);
+  c.rest = "[coarsening]\nlevels = 1\n";
+  EXPECT_FALSE(contains(warnings(c), "coarsening.distance is")) << warnings(c);
+}
+
 TEST(CaseCheck, WarnsOfHighSpeedsAndSmallBodies) {
   CaseText c;
   c.bodies += "velocity = [0.15, 0, 0]\n";

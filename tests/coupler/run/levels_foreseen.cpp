@@ -1,0 +1,60 @@
+// What is foreseen of a run whose cells are of several levels.
+#include <gtest/gtest.h>
+
+#include "coupler/case/case.hpp"
+#include "coupler/case/case_check.hpp"
+#include "coupler/case/case_file.hpp"
+#include "coupler/flow.hpp"
+#include "coupler/run/run_estimate.hpp"
+#include "tests/coupler/case/case_text.hpp"
+
+namespace silt::coupler::testing {
+namespace {
+
+/// A ball near the side where fluid comes in.
+CaseText ball_in_a_stream(const std::string& coarsening) {
+  CaseText c;
+  c.domain = domain_of({128, 96, 96},
+                       "{ x = [{ type = \"velocity-inlet\", velocity = [0.02, 0, 0] }, \"pressure-outlet\"], "
+                       "y = \"periodic\", z = \"periodic\" }");
+  c.rest = coarsening;
+  c.bodies = body_of("ball", 1, "position = [16, 48, 48]\nmotion = \"fixed\"");
+  return c;
+}
+
+RunEstimate foreseen(const Case& setup, int ranks = 1) {
+  return estimate_run(setup, place_bodies(setup, make_domain(setup, 1), MPI_COMM_SELF), ranks);
+}
+
+TEST(LevelsForeseen, CellsMemoryAndUpdates) {
+  const Case uniform = ball_in_a_stream("").read(),
+             coarse = ball_in_a_stream("[coarsening]\nlevels = 2\n").read();
+  const RunEstimate all = foreseen(uniform), some = foreseen(coarse), two = foreseen(coarse, 2);
+  EXPECT_TRUE(all.cells.empty());
+  ASSERT_EQ(some.cells.size(), 3u);
+  EXPECT_EQ(some.cells[0], 24 * 24 * 24);  // 4 + 8 on either side of the middle
+  EXPECT_EQ(some.cells[0] + 8 * some.cells[1] + 64 * some.cells[2], coarse.volume());
+  EXPECT_LT(two.largest_over_mean, 1.2);
+  const double saved =
+      fluid_memory(uniform) * (1 - (some.cells[0] + some.cells[1] + some.cells[2]) / coarse.volume());
+  EXPECT_NEAR(all.memory - some.memory, saved, 1);
+  const std::string text = estimate_table(coarse, some);
+  for (const char* part : {"cells of level 0          13824, 1.2 % of the domain\n", "cells of level 2",
+                           "  updates a step", "of those if every cell were finest\n"})
+    EXPECT_NE(text.find(part), text.npos) << text;
+  EXPECT_NE(derived_table(coarse).find("of cells 4 times as wide"), std::string::npos);
+}
+
+TEST(LevelsForeseen, ASideWhereCellsChangeTheirWidthIsWarnedOf) {
+  const auto warnings = foreseen(ball_in_a_stream("[coarsening]\nlevels = 2\n").read()).of_borders;
+  EXPECT_EQ(
+      listed(warnings),
+      "case.toml:8:2: warning: coarsening: cells of domain.boundary.x[0] are from 2 to 4 finest cells wide "
+      "at the start, and what comes in or goes out is disturbed where they change: add \"x-low\" to "
+      "coarsening.fine_sides, or leave more room before it");
+  const std::string fine = "[coarsening]\nlevels = 2\nfine_sides = [\"x-low\"]\n";
+  EXPECT_TRUE(foreseen(ball_in_a_stream(fine).read()).of_borders.empty());
+}
+
+}  // namespace
+}  // namespace silt::coupler::testing
