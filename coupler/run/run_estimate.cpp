@@ -14,6 +14,7 @@
 #include "coupler/balance/weighted_cut.hpp"
 #include "coupler/case/case.hpp"
 #include "coupler/case/case_check.hpp"
+#include "coupler/exchange/coupling_state.hpp"
 #include "coupler/flow.hpp"
 #include "coupler/placement/body_records.hpp"
 #include "coupler/regions/level_views.hpp"
@@ -197,6 +198,8 @@ double seconds_of_output(const Case& setup, double bodies, double cell, double s
 
 /// The levels of all cells at the start.
 lbm::CutTree levels_of(const Case& setup, Scenery all) {
+  for (std::size_t row = 0; row < all.bodies.owned; ++row)
+    set_mapping_pose(all.bodies, row, all.bodies.pose(row));
   for (const CurvedWall& wall : setup.walls)
     std::visit([&](const auto& surface) { rigid::add_wall(all.bodies, all.world, surface); }, wall.surface);
   return LevelViews(setup, cut_for_levels(setup, 1), all.world, MPI_COMM_SELF).view(all.bodies);

@@ -2,7 +2,7 @@
 // Bodies and walls of a case with [coarsening], as a rank that has all of them or its own holds them.
 #include "coupler/case/case.hpp"
 #include "coupler/case/case_file.hpp"
-#include "coupler/exchange/holders.hpp"
+#include "coupler/exchange/coupling_state.hpp"
 #include "coupler/regions/level_views.hpp"
 #include "rigid/bodies/walls.hpp"
 #include "rigid/shapes/shape.hpp"
@@ -28,6 +28,7 @@ struct LevelScene {
       bodies.add(r);
     }
     bodies.reindex();
+    for (std::size_t row = 0; row < bodies.owned; ++row) set_mapping_pose(bodies, row, bodies.pose(row));
     for (const CurvedWall& wall : setup.walls)
       std::visit([&](const auto& surface) { rigid::add_wall(bodies, world, surface); }, wall.surface);
   }
