@@ -47,6 +47,11 @@ struct CollisionSpec {
   /// How much `regularised` relaxes third and fourth moments as trt does: not at all where that amplifies
   /// (README.md, equation 26).
   constexpr double ghosts_as_trt() const { return std::clamp((excess() - 0.05) / 0.05, 0.0, 1.0); }
+  /// tau_odd as `magic` says, as far as that is stable.
+  constexpr double stable_odd_relaxation_time() const {
+    return 1 + std::min(magic / excess() - 0.5, 0.0) +
+           ghosts_as_trt() * std::max(magic / excess() - 0.5, 0.0);
+  }
   /// tau_odd.
   constexpr double odd_relaxation_time() const {
     switch (model_of(model).odd) {
@@ -55,8 +60,7 @@ struct CollisionSpec {
       case OddRate::as_even:
         return relaxation_time;
       case OddRate::by_magic_if_stable:
-        return 1 + std::min(magic / excess() - 0.5, 0.0) +
-               ghosts_as_trt() * std::max(magic / excess() - 0.5, 0.0);
+        return stable_odd_relaxation_time();
     }
     __builtin_unreachable();
   }
