@@ -129,6 +129,7 @@ class FlowOf final : public Flow {
   }
   void start(rigid::BodySet& bodies) override {
     map_(bodies);
+    for (const auto& coarser : coarser_) coarser->map.map_walls(bodies);
     rebuild_links(bodies);
     account_.set_mapping(counts_);
     cells_changed();

@@ -67,6 +67,21 @@ void MapBodies::operator()(const rigid::BodySet& bodies) {
   for (auto& block : blocks_) map_block(block, bodies);
 }
 
+void MapBodies::map_walls(const rigid::BodySet& bodies) {
+  const double width = 1 << domain_.level();
+  for (BlockMap& block : blocks_) {
+    const Int3 ends = block.box.lower + block.box.lower + block.box.size;
+    const Vec3 middle = width / 2 * Vec3(ends.x, ends.y, ends.z);
+    block.solid = block.walls;
+    for (std::size_t row = bodies.first_wall(); row < bodies.size(); ++row) {
+      const rigid::Shape& shape = world_.shapes[bodies.shape[row]];
+      if (!rigid::is_endless(shape) && !std::holds_alternative<rigid::Mesh>(shape)) continue;
+      if (rigid::signed_distance(shape, bodies.pose(row).to_body(middle)) < 0)
+        std::fill(block.solid.all().begin(), block.solid.all().end(), ~std::uint64_t{0});
+    }
+  }
+}
+
 bool MapBodies::changed() const {
   return std::any_of(blocks_.begin(), blocks_.end(), [](const BlockMap& b) { return b.changed; });
 }

@@ -21,6 +21,9 @@ class MapBodies {
   /// Maps every held body at its mapping pose. A block in which no such pose changed keeps its map: `changed`
   /// is false there and `before` equals `solid`.
   void operator()(const rigid::BodySet&);
+  /// In the place of mapping, of coarser cells, which no surface is near: a block is in a wall as a whole, or
+  /// in none.
+  void map_walls(const rigid::BodySet&);
   /// Whether the last mapping changed some block.
   bool changed() const;
   const std::vector<BlockMap>& blocks() const { return blocks_; }
