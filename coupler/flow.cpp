@@ -91,11 +91,12 @@ class FlowOf final : public Flow {
     cells_changed();
     if (account_.corrects_mass()) levels_.set_mass_correction(correction);
     levels_.begin_step();
-    if (world_.shapes.empty() || schedule_ == LinkSchedule::sequential) return fluid_.stream_collide();
+    if (world_.shapes.empty() || schedule_ == LinkSchedule::sequential) return levels_.stream_collide();
     fluid_.begin_pass();
     for (int b = 0; b < int(links_.size()); ++b)
       for (int part = 0; part < fluid_.parts(b); ++part) {
         fluid_.collide(b, part);
+        levels_.after_part(b, part);
         const GroupRange ready = links_[b].inner_after(part);
         if (!ready.empty()) clock.timed(Stage::force_evaluation, [&] { apply_inner(b, ready); });
       }

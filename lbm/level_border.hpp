@@ -26,9 +26,13 @@ class LevelBorder {
   /// Call before the pass of the coarse fluid, and when its exchange is done.
   void before_coarse_pass();
   void after_coarse_pass();
-  /// Call when the exchange of the fine fluid is done, twice in a coarse step: what arrives in fine cells is
-  /// given them; the second time coarse cells too receive what the fine ones sent in this coarse step.
-  void after_fine_pass();
+  /// Call around both passes of the fine fluid in a coarse step: when one begins, if you like when a part of
+  /// a block has collided, and when its exchange is done. What arrives in fine cells is given them; the
+  /// second time coarse cells too receive what the fine ones sent in this coarse step. After a part what is
+  /// there of it is still in a cache: at faces across x each population is in a cache line of its own.
+  void begin_fine_pass();
+  void after_part(int block, int part);
+  void end_fine_pass();
 
  private:
   struct Builder;
@@ -81,8 +85,15 @@ class LevelBorder {
     T addend;
   };
 
-  void explode(int sub_step);
-  void coalesce(int sub_step);
+  /// Which of them are ready after a part of a block; those that need more than one block, or what was
+  /// fetched from other ranks, and those that take from what others read, come after the pass.
+  struct Ready {
+    std::vector<std::uint32_t> explosions, coalescences;
+  };
+
+  void explode(const Explosion&);
+  void coalesce(const Coalescence&);
+  void do_ready(const Ready&);
 
   Fluid<T>&fine_, &coarse_;
   SlotExchange<T> before_, coarse_left_, fine_left_[2];
@@ -90,6 +101,14 @@ class LevelBorder {
   std::vector<Explosion> explosions_;
   std::vector<Coalescence> coalescences_;
   std::vector<Passing> passing_;
+  std::vector<std::vector<Ready>> ready_;  // by block and part
+  std::vector<char> by_parts_;             // whether parts of a block were told of in this pass
+  Ready late_;
+  struct {  // of the pass at hand
+    int sub_step = 0;
+    std::vector<T*> fine_arriving, coarse_arriving;
+    std::vector<const T*> fine_left, coarse_left;
+  } now_;
 };
 
 }  // namespace silt::lbm

@@ -132,6 +132,34 @@ struct LevelBorder<T>::Builder {
                    fine_next[sub_step], std::uint32_t(border.fine_.blocks().size() * directions));
   }
 
+  // ---- after which part of a pass ----
+  /// The part of a block after which some rows of fine cells have collided; none if they are of several
+  /// blocks, or of another rank's.
+  class Part {
+   public:
+    explicit Part(Builder& builder) : builder_(builder) {}
+    void add(Int3 cell) {
+      const BlockPlace& place = builder_.leaves.at(cell);
+      const int b = place.rank == builder_.rank ? builder_.fine.local_index(place, builder_.rank) : -1;
+      several_ |= b < 0 || (block_ >= 0 && b != block_);
+      if (several_) return;
+      block_ = b;
+      const Int3 x = cell - place.box.lower;
+      const int last_y = x.y + (builder_.axis == 1 ? 2 * int(builder_.length - 1) : 0);
+      const PassOrder& order = builder_.border.fine_.pass_order(b);
+      part_ = std::max(
+          {part_, order.part_of(x.y, x.z), order.part_of(std::min(last_y, place.box.size.y - 1), x.z)});
+    }
+    Ready& list() const {
+      return several_ || block_ < 0 ? builder_.border.late_ : builder_.border.ready_[block_][part_];
+    }
+
+   private:
+    Builder& builder_;
+    int block_ = -1, part_ = 0;
+    bool several_ = false;
+  };
+
   // ---- ways of packets ----
   /// The packets of what left the coarse cell y along j that enter fine cells.
   std::vector<Entry> entries_of(Int3 y, int j) {
@@ -247,15 +275,20 @@ void LevelBorder<T>::Builder::add_explosion(int j) {
     }
     if (user != rank) continue;
     if (in_time) border.coarse_before_.resize(border.coarse_before_.size() + length);
+    Part part(*this);
     for (const Entry& entry : entries) {
       if (leaves.at(entry.to.cell).rank != rank) continue;
+      part.add(entry.to.cell);
       const double addend = entry.to.addend + (in_time ? 0 : entry.to.by_force);
       add_packet((entry.to.by_outlet ? returned : one).packets,
                  {entry.sub_step, entry.corner,
                   own_row(border.fine_, leaves, entry.to.cell, entry.to.direction), T(addend)});
     }
-    if (!one.packets.empty()) border.explosions_.push_back(std::move(one));
-    if (!returned.packets.empty()) border.explosions_.push_back(std::move(returned));
+    for (Explosion* its : {&one, &returned}) {
+      if (its->packets.empty()) continue;
+      part.list().explosions.push_back(std::uint32_t(border.explosions_.size()));
+      border.explosions_.push_back(std::move(*its));
+    }
   }
 }
 
@@ -301,9 +334,12 @@ void LevelBorder<T>::Builder::add_coalescence(int j) {
     return;
   }
   Coalescence one{length, {}, {}, int(packets.size()), sums, T(addend), {}};
-  for (const Left& left : packets)
+  Part part(*this);
+  for (const Left& left : packets) {
+    part.add(left.from.cell);
     add_packet(one.packets[left.sub_step],
                fine_row(user, left.from.cell, left.from.direction, left.sub_step));
+  }
   Int3 corners{};
   for (const Entry& entry : entered)
     corners = corners + corner(entry.corner) + corner(entry.corner) - Int3{1, 1, 1};
@@ -315,6 +351,8 @@ void LevelBorder<T>::Builder::add_coalescence(int j) {
   if (user != rank) return;
   one.to = own_row(border.coarse_, coarse_leaves, x, j);
   sums += length;
+  (from_coarse ? border.late_ : part.list())
+      .coalescences.push_back(std::uint32_t(border.coalescences_.size()));
   border.coalescences_.push_back(std::move(one));
 }
 
@@ -385,6 +423,8 @@ void LevelBorder<T>::Builder::add_rows(const CellBox& box) {
 
 template <class T>
 void LevelBorder<T>::Builder::build() {
+  for (int b = 0; b < int(border.fine_.blocks().size()); ++b)
+    border.ready_.emplace_back(border.fine_.pass_order(b).parts());
   std::set<int> near;  // blocks whose cells may have to do with this rank's, in an order on which ranks agree
   const auto add_near = [&](const CellBox& box) {
     for (const int b : coarse.blocks_meeting(grown(box, 2))) near.insert(b);

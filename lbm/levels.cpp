@@ -40,17 +40,37 @@ template <class T>
 void Levels<T>::begin_step() {
   for (int level = count() - 1; level > 0; --level) {
     if (finest_.passes() % (1 << level) != 0) continue;
+    begin_pass(level);
     borders_[level - 1].before_coarse_pass();
-    fluid(level).stream_collide();
+    pass_over(level);
     fluid(level).exchange();
     borders_[level - 1].after_coarse_pass();
     end_pass(level);
   }
+  begin_pass(0);
+}
+
+template <class T>
+void Levels<T>::begin_pass(int level) {
+  if (!is_coarsest(level)) borders_[level].begin_fine_pass();
+}
+
+template <class T>
+void Levels<T>::pass_over(int level) {
+  Fluid<T>& its = fluid(level);
+  if (is_coarsest(level)) return its.stream_collide();
+  its.begin_pass();
+  for (int b = 0; b < int(its.blocks().size()); ++b)
+    for (int part = 0; part < its.parts(b); ++part) {
+      its.collide(b, part);
+      borders_[level].after_part(b, part);
+    }
+  its.end_pass();
 }
 
 template <class T>
 void Levels<T>::end_pass(int level) {
-  if (level < count() - 1) borders_[level].after_fine_pass();
+  if (!is_coarsest(level)) borders_[level].end_fine_pass();
 }
 
 template class Levels<float>;

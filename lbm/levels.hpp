@@ -30,10 +30,19 @@ class Levels {
   /// Call before the pass of the finest fluid. A level whose step begins now collides, coarser levels first:
   /// what it sends the next finer one is then there for the two steps that this one takes meanwhile.
   void begin_step();
+  /// Call when a part of a block of the finest fluid has collided, if you collide it by parts.
+  void after_part(int block, int part) {
+    if (!borders_.empty()) borders_[0].after_part(block, part);
+  }
+  /// The pass of the finest fluid, for who does nothing in between.
+  void stream_collide() { pass_over(0); }
   /// Call after the exchange of the finest fluid.
   void end_step() { end_pass(0); }
 
  private:
+  bool is_coarsest(int level) const { return level == count() - 1; }
+  void begin_pass(int level);
+  void pass_over(int level);
   void end_pass(int level);
 
   Fluid<T>& finest_;

@@ -28,7 +28,7 @@ class TwoLevels {
   void step(int coarse_steps) {
     for (int k = 0; k < 2 * coarse_steps; ++k) {
       levels_.begin_step();
-      fluid_.stream_collide();
+      levels_.stream_collide();
       fluid_.exchange();
       levels_.end_step();
     }

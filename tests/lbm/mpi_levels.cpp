@@ -34,7 +34,7 @@ struct Case {
   void step(int finest_steps) {
     for (int n = 0; n < finest_steps; ++n) {
       levels.begin_step();
-      finest.stream_collide();
+      levels.stream_collide();
       finest.exchange();
       levels.end_step();
     }
