@@ -116,8 +116,8 @@ void LevelBorder<T>::end_fine_pass() {
 
 template <class T>
 void LevelBorder<T>::do_ready(const Ready& ready) {
-  for (const std::uint32_t k : ready.explosions) explode(explosions_[k]);
-  for (const std::uint32_t k : ready.coalescences) coalesce(coalescences_[k]);
+  for (const Explosion& e : ready.explosions) explode(e);
+  for (const Coalescence& c : ready.coalescences) coalesce(c);
 }
 
 /// A packet carries the population of its cell in its corner, and of what collision has just added to it a

@@ -43,20 +43,31 @@ class LevelBorder {
     std::uint32_t array = 0;
     std::int32_t first = 0, step = 0;
   };
+  /// Up to eight values in place: lists are read from one end to the other in every pass.
+  template <class Value>
+  struct UpToEight {
+    std::array<Value, 8> values;
+    std::uint32_t count = 0;
+    bool empty() const { return count == 0; }
+    Value& back() { return values[count - 1]; }
+    void push_back(const Value& value) { values[count++] = value; }
+    const Value* begin() const { return values.data(); }
+    const Value* end() const { return values.data() + count; }
+  };
   /// Coarse populations of one direction that left a row of cells.
   struct Explosion {
     std::uint32_t length;
     Row value;
     std::array<Row, 3> above, below;  // beside it along each axis; itself where no coarse cell is
     std::array<T, 3> slope;           // times their difference: the change to a packet's place
-    std::int32_t before;     // in coarse_before_, what had arrived in the first cell; -1: does not count
-    struct Packet {          // into a fine cell
-      int sub_step, corner;  // corner: bit d for the upper half along axis d
+    std::int32_t before;  // in coarse_before_, what had arrived in the first cell; -1: does not count
+    struct Packet {       // into a fine cell
       Row to;
-      T addend;             // by walls that it met, and the force
-      bool paired = false;  // the next element is for the other corner along x
+      T addend;                       // by walls that it met, and the force
+      std::uint8_t sub_step, corner;  // corner: bit d for the upper half along axis d
+      bool paired = false;            // the next element is for the other corner along x
     };
-    std::vector<Packet> packets;
+    UpToEight<Packet> packets;
   };
   /// What arrives along one direction in a row of coarse cells.
   struct Coalescence {
@@ -66,9 +77,9 @@ class LevelBorder {
       Row from;
       bool paired = false;  // the next element is one more
     };
-    std::vector<Packets> packets[2];  // by sub-step
-    int count;                        // of all
-    std::uint32_t sum;                // in sums_, of the first sub-step's
+    UpToEight<Packets> packets[2];  // by sub-step
+    int count;                      // of all
+    std::uint32_t sum;              // in sums_, of the first sub-step's
     T addend;
     struct Taken {
       Row above, below;
@@ -88,7 +99,8 @@ class LevelBorder {
   /// Which of them are ready after a part of a block; those that need more than one block, or what was
   /// fetched from other ranks, and those that take from what others read, come after the pass.
   struct Ready {
-    std::vector<std::uint32_t> explosions, coalescences;
+    std::vector<Explosion> explosions;
+    std::vector<Coalescence> coalescences;
   };
 
   void explode(const Explosion&);
@@ -98,8 +110,6 @@ class LevelBorder {
   Fluid<T>&fine_, &coarse_;
   SlotExchange<T> before_, coarse_left_, fine_left_[2];
   std::vector<T> coarse_before_, coarse_fetched_, fine_fetched_[2], sums_;
-  std::vector<Explosion> explosions_;
-  std::vector<Coalescence> coalescences_;
   std::vector<Passing> passing_;
   std::vector<std::vector<Ready>> ready_;  // by block and part
   std::vector<char> by_parts_;             // whether parts of a block were told of in this pass

@@ -201,7 +201,7 @@ struct LevelBorder<T>::Builder {
   static bool goes_on(const Row& row, const Row& next) {
     return row.array == next.array && row.first + 1 == next.first && row.step == next.step;
   }
-  static void add_packet(std::vector<typename Explosion::Packet>& packets,
+  static void add_packet(UpToEight<typename Explosion::Packet>& packets,
                          const typename Explosion::Packet& one) {
     if (!packets.empty() && !packets.back().paired && one.corner == (packets.back().corner | 1) &&
         one.corner != packets.back().corner && one.sub_step == packets.back().sub_step &&
@@ -210,7 +210,7 @@ struct LevelBorder<T>::Builder {
     else
       packets.push_back(one);
   }
-  static void add_packet(std::vector<typename Coalescence::Packets>& packets, const Row& one) {
+  static void add_packet(UpToEight<typename Coalescence::Packets>& packets, const Row& one) {
     if (!packets.empty() && !packets.back().paired && goes_on(packets.back().from, one))
       packets.back().paired = true;
     else
@@ -281,14 +281,11 @@ void LevelBorder<T>::Builder::add_explosion(int j) {
       part.add(entry.to.cell);
       const double addend = entry.to.addend + (in_time ? 0 : entry.to.by_force);
       add_packet((entry.to.by_outlet ? returned : one).packets,
-                 {entry.sub_step, entry.corner,
-                  own_row(border.fine_, leaves, entry.to.cell, entry.to.direction), T(addend)});
+                 {own_row(border.fine_, leaves, entry.to.cell, entry.to.direction), T(addend),
+                  std::uint8_t(entry.sub_step), std::uint8_t(entry.corner)});
     }
-    for (Explosion* its : {&one, &returned}) {
-      if (its->packets.empty()) continue;
-      part.list().explosions.push_back(std::uint32_t(border.explosions_.size()));
-      border.explosions_.push_back(std::move(*its));
-    }
+    for (const Explosion& its : {one, returned})
+      if (!its.packets.empty()) part.list().explosions.push_back(its);
   }
 }
 
@@ -351,9 +348,7 @@ void LevelBorder<T>::Builder::add_coalescence(int j) {
   if (user != rank) return;
   one.to = own_row(border.coarse_, coarse_leaves, x, j);
   sums += length;
-  (from_coarse ? border.late_ : part.list())
-      .coalescences.push_back(std::uint32_t(border.coalescences_.size()));
-  border.coalescences_.push_back(std::move(one));
+  (from_coarse ? border.late_ : part.list()).coalescences.push_back(std::move(one));
 }
 
 /// What left a fine cell in the first step, is in the coarse cell between them, and enters a fine one in the
