@@ -73,6 +73,7 @@ class FlowOf final : public Flow {
 
   int levels() const override { return levels_.count(); }
   FluidFields& fields(int level) override { return level == 0 ? *fields_ : *coarser_[level - 1]->fields; }
+  double seconds(int level) const override { return levels_.seconds()[level]; }
   FlowAccount& account() override { return account_; }
 
   void map_bodies(rigid::BodySet& bodies, const BodyChanges& changes) override {
@@ -126,6 +127,7 @@ class FlowOf final : public Flow {
     lbm::move_populations(from.levels_, levels_);
     account_.take_over(from.account_);
     levels_.set_passes(from.fluid_.passes());
+    levels_.set_seconds(from.levels_.seconds());
     resumed_ = true;
   }
   void start(rigid::BodySet& bodies) override {

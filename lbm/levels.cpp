@@ -14,7 +14,7 @@ CollisionSpec coarser(CollisionSpec spec, int levels) {
 }
 
 template <class T>
-Levels<T>::Levels(Fluid<T>& finest, int coarser_levels) : finest_(finest) {
+Levels<T>::Levels(Fluid<T>& finest, int coarser_levels) : finest_(finest), seconds_(coarser_levels + 1) {
   const Domain& domain = finest.domain();
   borders_.reserve(coarser_levels);
   for (int level = 1; level <= coarser_levels; ++level) {
@@ -40,12 +40,14 @@ template <class T>
 void Levels<T>::begin_step() {
   for (int level = count() - 1; level > 0; --level) {
     if (finest_.passes() % (1 << level) != 0) continue;
+    const double begin = MPI_Wtime();
     begin_pass(level);
     borders_[level - 1].before_coarse_pass();
     pass_over(level);
     fluid(level).exchange();
     borders_[level - 1].after_coarse_pass();
     end_pass(level);
+    seconds_[level] += MPI_Wtime() - begin;
   }
   begin_pass(0);
 }

@@ -36,6 +36,9 @@ class Levels {
   }
   /// The pass of the finest fluid, for who does nothing in between.
   void stream_collide() { pass_over(0); }
+  /// What passes of the coarser levels have taken here, by level.
+  const std::vector<double>& seconds() const { return seconds_; }
+  void set_seconds(std::vector<double> seconds) { seconds_ = std::move(seconds); }
   /// Call after the exchange of the finest fluid.
   void end_step() { end_pass(0); }
 
@@ -48,6 +51,7 @@ class Levels {
   Fluid<T>& finest_;
   std::vector<std::unique_ptr<Fluid<T>>> coarser_;
   std::vector<LevelBorder<T>> borders_;  // between a level and the next
+  std::vector<double> seconds_;
 };
 
 /// Collective, between steps of the coarsest: gives the cells of `to` what those of `from` hold, two cuts of

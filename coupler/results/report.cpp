@@ -8,10 +8,10 @@
 #include <limits>
 #include <numeric>
 
+#include "coupler/body_turnover.hpp"
 #include "coupler/case/case.hpp"
 #include "coupler/case/fluid_spec.hpp"
 #include "coupler/case/quantity_spec.hpp"
-#include "coupler/body_turnover.hpp"
 #include "coupler/results/build_info.hpp"
 #include "coupler/state_hash.hpp"
 #include "cpu/isa.hpp"
@@ -248,6 +248,25 @@ void add_counters(const Simulation& simulation, const FlowTotals* totals, Json& 
   report["links"] = simulation.links();
 }
 
+/// Of each level, the finest first: its cells, and the time of its passes.
+Json levels_of(const Simulation& simulation) {
+  const Flow& flow = *simulation.scene().flow;
+  const StageSeconds stages = simulation.stage_seconds();
+  double finest = stages[int(Stage::stream_collide)] + stages[int(Stage::lbm_communication)];
+  for (int level = 1; level < flow.levels(); ++level) finest -= flow.seconds(level);
+  Json levels = Json::array();
+  flow.for_levels([&](const FluidFields& fields) {
+    std::uint64_t cells = 0;
+    for (int b = 0; b < fields.blocks(); ++b) cells += std::uint64_t(fields.block(b).cells());
+    const MPI_Comm comm = simulation.scene().comm;
+    const double seconds = fields.level() > 0 ? flow.seconds(fields.level()) : finest;
+    levels.push_back(Json::object({{"width", fields.width()},
+                                   {"cells", parallel::sum_over_ranks(comm, cells)},
+                                   {"seconds", parallel::max_over_ranks(comm, seconds)}}));
+  });
+  return levels;
+}
+
 void add_times(const Simulation& simulation, const RunStatus& status, Json& report) {
   const Scene& scene = simulation.scene();
   const double in_steps = parallel::max_over_ranks(scene.comm, simulation.step_seconds());
@@ -258,6 +277,7 @@ void add_times(const Simulation& simulation, const RunStatus& status, Json& repo
   report["step_seconds"] = in_steps;
   report["stage_seconds"] =
       by_stage(scene, [&](int s) { return spread(simulation, simulation.stage_seconds()[s]).json(); });
+  if (scene.flow && scene.flow->levels() > 1) report["levels"] = levels_of(simulation);
 }
 
 /// A rank and step, since this start: the mean over the ranks, of the collectives the most.
