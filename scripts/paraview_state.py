@@ -30,13 +30,14 @@ def middle_plane(fluid):
     plane = simple.Slice(registrationName="middle plane", Input=fluid)
     plane.SliceType.Normal = [float(axis == depth) for axis in range(3)]
     plane.SliceType.Origin = [(bounds[2 * axis] + bounds[2 * axis + 1]) / 2 for axis in range(3)]
-    names = [fluid.PointData.GetArray(k).Name for k in range(fluid.PointData.GetNumberOfArrays())]
+    of, data = ("POINTS", fluid.PointData) if fluid.PointData.GetNumberOfArrays() else ("CELLS", fluid.CellData)
+    names = [data.GetArray(k).Name for k in range(data.GetNumberOfArrays())]
     if "solid" in names:
-        plane = simple.Threshold(registrationName="fluid in the middle plane", Input=plane, Scalars=["POINTS", "solid"],
+        plane = simple.Threshold(registrationName="fluid in the middle plane", Input=plane, Scalars=[of, "solid"],
                                  ThresholdMethod="Between", LowerThreshold=0, UpperThreshold=0)
     shown = simple.Show(plane, view)
     if "velocity" in names:
-        simple.ColorBy(shown, ("POINTS", "velocity", "Magnitude"))
+        simple.ColorBy(shown, (of, "velocity", "Magnitude"))
         shown.SetScalarBarVisibility(view, True)
         coloured.append(shown)
     simple.Show(fluid, view, "OutlineRepresentation")

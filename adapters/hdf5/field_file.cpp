@@ -3,6 +3,7 @@
 #include <zlib.h>
 
 #include <algorithm>
+#include <bit>
 #include <cerrno>
 #include <charconv>
 #include <fstream>
@@ -123,7 +124,9 @@ std::uint64_t create_level(File& file, const FieldSnapshot& snapshot, const Grou
   const std::string name = level.name.substr(0, level.name.rfind("CellData"));
   std::array<double, 3> spacing = snapshot.grid.spacing;
   for (double& width : spacing) width *= level.width;
-  file.numbers(file.create_group(name), "Spacing", spacing);
+  const Handle group = file.create_group(name);
+  file.numbers(group, "Spacing", spacing);
+  file.number(group, "level", std::int64_t(std::countr_zero(unsigned(level.width))));
   for (const char* data : {"CellData", "PointData", "FieldData"}) file.create_group(name + data);
   return file.place_of(file.create_dataset(name + "AMRBox", H5T_NATIVE_INT32, {level.boxes_of_all, 6}));
 }

@@ -44,7 +44,7 @@ struct FieldSnapshot {
 /// FieldLevel is the cells of one of several widths; their boxes count from the grid's origin in cells of
 /// this width. No two levels have cells at the same place.
 struct FieldLevel {
-  int width;  // in cells of the grid
+  int width;  // in cells of the grid: 2^level
   std::vector<CellBox> boxes;
   std::vector<FieldQuantity> quantities;
 };

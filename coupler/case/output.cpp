@@ -48,7 +48,9 @@ constexpr std::tuple field_keys{
     Key{"precision", &FieldsSpec::double_precision, Choice{names_of<bool>("single", "double")},
         "of the numbers in the files"},
     Key{"compression", &FieldsSpec::compression, Whole{0, 9},
-        "level of gzip, 1 to 9, after a shuffle of bytes; 0: none"}};
+        "level of gzip, 1 to 9, after a shuffle of bytes; 0: none"},
+    Key{"finest", &FieldsSpec::finest, Flag{},
+        "whether all is written on the finest lattice, where `[coarsening]` makes cells of several levels"}};
 constexpr std::tuple slice_keys{
     HandKey{"name", "string", "", required, "of its files, slice_NAME_*.hdf"},
     HandKey{"axis", "\"x\", \"y\", \"z\"", "", "one of two", "axis that the plane is across"},

@@ -25,6 +25,7 @@ struct FieldsSpec : SeriesSpec {
   std::array<int, 3> lower{}, upper{};
   bool double_precision = false;
   int compression = 0;  // level of gzip; 0: none
+  bool finest = false;  // cells of several levels as finest ones
 };
 
 struct OutputSpec {

@@ -199,7 +199,7 @@ py::array field(LiveSimulation& live, const std::string& name) {
 
 py::tuple box(const Simulation& simulation) {
   const Flow* const flow = simulation.scene().flow.get();
-  const adapters::CellBox here = flow ? box_of(flow->fields()) : adapters::CellBox{};
+  const adapters::CellBox here = flow ? box_of(*flow) : adapters::CellBox{};
   return py::make_tuple(py::tuple(py::cast(here.lower)), py::tuple(py::cast(here.upper)));
 }
 

@@ -2,15 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
 #include <limits>
 
 #include "adapters/hdf5/field_file.hpp"
 #include "coupler/case/case.hpp"
-#include "coupler/exchange/coupling_state.hpp"
+#include "coupler/results/lattice_of_levels.hpp"
+#include "coupler/results/solid_cells.hpp"
 #include "coupler/results/velocity_gradient.hpp"
 #include "lbm/fluid.hpp"
 #include "parallel/together.hpp"
-#include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {
 
@@ -19,43 +20,20 @@ namespace {
 using lbm::Int3;
 using rigid::Vec3;
 
-/// Cells of a block that are written: [first, last), counted from the block's first.
-struct Piece {
-  int block;
-  Int3 first, last;
-
-  /// Calls visit(cell, i) for each cell, x fastest.
-  template <class Visit>
-  void for_each(Visit&& visit) const {
-    std::size_t i = 0;
-    for_cells(first, last, [&](Int3 cell) { visit(cell, i++); });
-  }
-  /// Planes [begin, end), which count from its first.
-  Piece planes(int begin, int end) const {
-    Piece part = *this;
-    part.first.z = first.z + begin, part.last.z = first.z + end;
-    return part;
-  }
-  std::size_t index(Int3 cell) const {
-    const Int3 n = last - first, x = cell - first;
-    return (std::size_t(x.z) * n.y + x.y) * n.x + x.x;
-  }
-};
-
 Int3 int3(const std::array<int, 3>& x) {
   return {x[0], x[1], x[2]};
 }
 
 /// What of this rank's blocks is in a box of cells.
-std::vector<Piece> pieces_of(const FluidFields& fields, const FieldsSpec& spec) {
+std::vector<Piece> pieces_of(const FluidFields& fields, const adapters::CellBox& within) {
   std::vector<Piece> pieces;
   for (int b = 0; b < fields.blocks(); ++b) {
     const lbm::CellBox& box = fields.block(b);
     Piece piece{b, {}, {}};
     bool any = true;
     for (int d = 0; d < 3; ++d) {
-      piece.first[d] = std::max(spec.lower[d] - box.lower[d], 0);
-      piece.last[d] = std::min(spec.upper[d] - box.lower[d], box.size[d]);
+      piece.first[d] = std::max(within.lower[d] - box.lower[d], 0);
+      piece.last[d] = std::min(within.upper[d] - box.lower[d], box.size[d]);
       any &= piece.first[d] < piece.last[d];
     }
     if (any) pieces.push_back(piece);
@@ -63,78 +41,32 @@ std::vector<Piece> pieces_of(const FluidFields& fields, const FieldsSpec& spec) 
   return pieces;
 }
 
-/// The bodies as they were when cells were last mapped.
-class SolidCells {
- public:
-  explicit SolidCells(const Simulation& simulation)
-      : fields_(simulation.scene().flow->fields()),
-        bodies_(simulation.bodies()),
-        world_(simulation.scene().world),
-        extent_(simulation.scene().exchange->extent()) {
-    for (std::size_t row = 0; row < bodies_.first_wall(); ++row)
-      reach_.push_back(rigid::bounding_box(world_.shapes[bodies_.shape[row]], mapping_pose(bodies_, row)));
-  }
-
-  /// Calls visit(row, cell, r) for the solid cells of a piece and the bodies they lie in, r from the body's
-  /// centre to that of the cell.
-  template <class Visit>
-  void for_each(const Piece& piece, Visit&& visit) const {
-    for (std::size_t row = 0; row < reach_.size(); ++row) for_images(piece, row, 2, Vec3::Zero(), visit);
-  }
-
- private:
-  /// Narrows the piece to what images of a body reach, from this axis down: few planes meet any along z.
-  template <class Visit>
-  void for_images(const Piece& piece, std::size_t row, int axis, Vec3 shift, Visit&& visit) const {
-    if (axis < 0) return for_image(piece, row, shift, visit);
-    const int corner = fields_.block(piece.block).lower[axis], images = extent_.periodic[axis] ? 1 : 0;
-    for (int image = -images; image <= images; ++image) {
-      shift[axis] = image * extent_.size[axis];
-      Piece part = piece;
-      const rigid::BoundingBox& reach = reach_[row];
-      part.first[axis] =
-          std::max(part.first[axis], int(std::floor(reach.lower[axis] + shift[axis])) - corner);
-      part.last[axis] = std::min(part.last[axis], int(std::ceil(reach.upper[axis] + shift[axis])) - corner);
-      if (part.first[axis] < part.last[axis]) for_images(part, row, axis - 1, shift, visit);
-    }
-  }
-  template <class Visit>
-  void for_image(const Piece& piece, std::size_t row, const Vec3& shift, Visit&& visit) const {
-    const Int3 corner = fields_.block(piece.block).lower;
-    rigid::Pose pose = mapping_pose(bodies_, row);
-    pose.position += shift;
-    const rigid::Shape& shape = world_.shapes[bodies_.shape[row]];
-    piece.for_each([&](Int3 cell, std::size_t) {
-      const Int3 global = corner + cell;
-      const Vec3 centre(global.x + 0.5, global.y + 0.5, global.z + 0.5);
-      if (!fields_.is_fluid(piece.block, cell) && rigid::contains(shape, pose.to_body(centre)))
-        visit(row, cell, Vec3(centre - pose.position));
-    });
-  }
-
-  const FluidFields& fields_;
-  const rigid::BodySet& bodies_;
-  const rigid::World& world_;
-  const rigid::Extent& extent_;
-  std::vector<rigid::BoundingBox> reach_;  // of the rows
-};
-
-/// Makes the fields of a simulation for the pieces of a box.
+/// Makes the fields of a level of a simulation for the pieces of a box.
 class Fields {
  public:
-  /// Their values are in these units.
-  Fields(const Simulation& simulation, const FieldsSpec& spec, const Units& units)
+  /// Their values are in these units, the box in cells of the level.
+  Fields(const Simulation& simulation, int level, const FieldsSpec& spec, const adapters::CellBox& within,
+         const Units& units)
       : simulation_(simulation),
-        fields_(simulation.scene().flow->fields()),
+        fields_(simulation.scene().flow->fields(level)),
         units_(units),
-        pieces_(pieces_of(fields_, spec)),
-        solid_cells_(simulation),
+        pieces_(pieces_of(fields_, within)),
+        solid_cells_(simulation, fields_),
         storage_(spec.double_precision ? adapters::Storage::double_ : adapters::Storage::single) {
     if (std::count(spec.quantities.begin(), spec.quantities.end(), Field::vorticity))
-      velocities_.emplace(fields_, simulation.scene().comm, int3(spec.lower), int3(spec.upper));
+      velocities_.emplace(fields_, simulation.scene().comm, int3(within.lower), int3(within.upper));
   }
 
-  const std::vector<Piece>& pieces() const { return pieces_; }
+  /// The pieces as boxes of cells of the level.
+  LevelBoxes boxes() const {
+    LevelBoxes all{fields_.width(), {}};
+    for (const Piece& piece : pieces_) {
+      const Int3 corner = fields_.block(piece.block).lower, low = corner + piece.first,
+                 high = corner + piece.last;
+      all.boxes.push_back({{low.x, low.y, low.z}, {high.x, high.y, high.z}});
+    }
+    return all;
+  }
 
   adapters::FieldQuantity quantity(Field field) const {
     switch (field) {
@@ -163,7 +95,8 @@ class Fields {
   }
 
  private:
-  /// A function of the moments of fluid cells; solid ones have a value of their own.
+  /// A function of the moments of fluid cells; solid ones have a value of their
+  /// own.
   template <class Of>
   adapters::FieldQuantity scalar(const char* name, const char* unit, double scale, double solid,
                                  Of of) const {
@@ -178,8 +111,9 @@ class Fields {
     return {name, unit, 1, values, storage_};
   }
 
-  /// of_fluid(piece) returns a function of the fluid cells of a piece; of_body(row, r) is that of cells in
-  /// bodies, where r is from the body's centre to that of the cell; zero in walls.
+  /// of_fluid(piece) returns a function of the fluid cells of a piece;
+  /// of_body(row, r) is that of cells in bodies, where r is from the body's
+  /// centre to that of the cell; zero in walls.
   template <class OfFluid, class OfBody>
   adapters::FieldQuantity vector(const char* name, const char* unit, double scale, OfFluid of_fluid,
                                  OfBody of_body) const {
@@ -214,7 +148,8 @@ class Fields {
 
   adapters::FieldQuantity vorticity() const {
     return vector(
-        "vorticity", units_.si ? "1/s" : "1/step", units_.scale(dimension::angular_velocity),
+        "vorticity", units_.si ? "1/s" : "1/step",
+        units_.scale(dimension::angular_velocity) / fields_.width(),
         [this](const Piece& piece) {
           return [around = VelocitiesAround(fields_, *velocities_, piece.block, piece.first, piece.last)](
                      Int3 cell) mutable { return coupler::vorticity(around, cell); };
@@ -224,7 +159,8 @@ class Fields {
         });
   }
 
-  /// 0 in fluid and in walls. In double precision ids are exact to 2^53, in single to 2^24.
+  /// 0 in fluid and in walls. In double precision ids are exact to 2^53, in
+  /// single to 2^24.
   adapters::FieldQuantity body_id() const {
     const auto values = [this](std::size_t k, int begin, int end, double* out) {
       const Piece piece = pieces_[k].planes(begin, end);
@@ -270,75 +206,136 @@ std::vector<adapters::CellBox> boxes_of(const FluidFields& fields) {
   return boxes;
 }
 
-adapters::CellBox box_of(const FluidFields& fields) {
-  const std::vector<adapters::CellBox> boxes = boxes_of(fields);
-  if (boxes.empty()) return {};
-  adapters::CellBox all = boxes.front();
-  for (const adapters::CellBox& box : boxes)
-    for (int d = 0; d < 3; ++d) {
-      all.lower[d] = std::min(all.lower[d], box.lower[d]);
-      all.upper[d] = std::max(all.upper[d], box.upper[d]);
+adapters::CellBox box_of(const Flow& flow) {
+  adapters::CellBox all{};
+  flow.for_levels([&](const FluidFields& fields) {
+    for (const adapters::CellBox& box : boxes_of(fields)) {
+      const bool first = all.cells() == 0;
+      for (int d = 0; d < 3; ++d) {
+        const int lower = box.lower[d] * fields.width(), upper = box.upper[d] * fields.width();
+        all.lower[d] = first ? lower : std::min(all.lower[d], lower);
+        all.upper[d] = first ? upper : std::max(all.upper[d], upper);
+      }
     }
+  });
   return all;
 }
 
+namespace {
+
+/// The fields of all levels in a box of finest cells.
+class LevelledFields {
+ public:
+  LevelledFields(const Simulation& simulation, const FieldsSpec& spec, const adapters::CellBox& within,
+                 const Units& units)
+      : within_(within) {
+    simulation.scene().flow->for_levels([&](const FluidFields& fields) {
+      const int level = fields.level();
+      boxes_.push_back(
+          levels_.emplace_back(simulation, level, spec, in_cells_of(fields.width(), within, 1), units)
+              .boxes());
+    });
+  }
+
+  int levels() const { return int(levels_.size()); }
+  /// What the levels up to one have, on a lattice of cells so many times as
+  /// wide as finest ones.
+  LatticeOfLevels lattice(int up_to, int width) const {
+    return {{boxes_.begin(), boxes_.begin() + up_to + 1}, width, in_cells_of(width, within_, 1)};
+  }
+  adapters::FieldQuantity quantity(const LatticeOfLevels& lattice, Field field) const {
+    std::vector<adapters::FieldQuantity> of_levels;
+    for (const Fields& level : levels_) of_levels.push_back(level.quantity(field));
+    return lattice.quantity(std::move(of_levels));
+  }
+
+ private:
+  adapters::CellBox within_;
+  std::deque<Fields> levels_;  // to which quantities refer
+  std::vector<LevelBoxes> boxes_;
+};
+
+}  // namespace
+
 FieldHere field_here(const Simulation& simulation, Field field) {
-  const FluidFields& cells = simulation.scene().flow->fields();
   FieldsSpec all;
-  all.upper = simulation.setup().cells;
   all.quantities = {field};
-  const Fields fields(simulation, all, Units{});
-  const adapters::FieldQuantity quantity = fields.quantity(field);
+  const LevelledFields fields(simulation, all, {{}, simulation.setup().cells}, Units{});
+  const LatticeOfLevels lattice = fields.lattice(fields.levels() - 1, 1);
+  const adapters::FieldQuantity quantity = fields.quantity(lattice, field);
   const std::size_t components = quantity.components;
-  FieldHere here{box_of(cells), quantity.components, {}};
+  FieldHere here{box_of(*simulation.scene().flow), quantity.components, {}};
   here.values.assign(here.box.cells() * components, std::numeric_limits<double>::quiet_NaN());
   const Piece whole{0, int3(here.box.lower), int3(here.box.upper)};
   std::vector<double> plane;
-  for (std::size_t k = 0; k < fields.pieces().size(); ++k) {
-    const lbm::CellBox& block = cells.block(fields.pieces()[k].block);
-    const std::size_t row = block.size.x * components;
-    plane.resize(row * block.size.y);
-    for (int z = 0; z < block.size.z; ++z) {
+  for (std::size_t k = 0; k < lattice.boxes().size(); ++k) {
+    const Int3 low = int3(lattice.boxes()[k].lower), size = int3(lattice.boxes()[k].upper) - low;
+    const std::size_t row = size.x * components;
+    plane.resize(row * size.y);
+    for (int z = 0; z < size.z; ++z) {
       quantity.values(k, z, z + 1, plane.data());
-      for (int y = 0; y < block.size.y; ++y)
+      for (int y = 0; y < size.y; ++y)
         std::copy_n(plane.data() + y * row, row,
-                    here.values.data() + whole.index(block.lower + Int3{0, y, z}) * components);
+                    here.values.data() + whole.index(low + Int3{0, y, z}) * components);
     }
   }
   return here;
 }
 
-void write_flow_fields(const Simulation& simulation, const FieldsSpec& spec,
-                       const std::filesystem::path& folder, const adapters::Provenance& provenance) {
+namespace {
+
+/// A snapshot without quantities of a box; in a file of levels boxes count from
+/// the corner of the domain.
+adapters::FieldSnapshot snapshot_of(const Simulation& simulation, const FieldsSpec& spec, bool by_level) {
   const Units& units = simulation.setup().units;
-  const FluidFields& cells = simulation.scene().flow->fields();
-  const Fields fields(simulation, spec, units);
   adapters::FieldSnapshot snapshot;
   for (int d = 0; d < 3; ++d) {
     snapshot.grid.cells[d] = spec.upper[d] - spec.lower[d];
-    snapshot.grid.origin[d] = spec.lower[d] * units.cell_size;
+    snapshot.grid.origin[d] = by_level ? 0 : spec.lower[d] * units.cell_size;
     snapshot.grid.spacing[d] = units.cell_size;
   }
   if (units.si) {
     snapshot.grid.length_unit = std::string("m");
     snapshot.grid.time_unit = std::string("s");
   }
-  for (const Field field : spec.quantities) snapshot.quantities.push_back(fields.quantity(field));
   snapshot.compression = spec.compression;
   snapshot.step = simulation.steps_done();
   snapshot.time = static_cast<double>(snapshot.step) * units.time_step;
-  std::vector<adapters::CellBox> boxes;
-  for (const Piece& piece : fields.pieces()) {
-    adapters::CellBox box;
-    for (int d = 0; d < 3; ++d) {
-      const int corner = cells.block(piece.block).lower[d] - spec.lower[d];
-      box.lower[d] = corner + piece.first[d], box.upper[d] = corner + piece.last[d];
-    }
-    boxes.push_back(box);
-  }
+  return snapshot;
+}
+
+}  // namespace
+
+void write_flow_fields(const Simulation& simulation, const FieldsSpec& spec,
+                       const std::filesystem::path& folder, const adapters::Provenance& provenance) {
+  const int levels = simulation.scene().flow->levels(), widest = 1 << (levels - 1);
+  const bool by_level = levels > 1 && !spec.finest;
+  adapters::CellBox within{spec.lower, spec.upper};
+  if (by_level) within = in_cells_of(1, in_cells_of(widest, within, 1), widest);
+  adapters::FieldSnapshot snapshot = snapshot_of(simulation, spec, by_level);
   const auto path = adapters::step_path(folder, spec.name, snapshot.step, ".hdf");
+  const LevelledFields fields(simulation, spec, within, simulation.setup().units);
+  std::deque<LatticeOfLevels> lattices;  // to which quantities refer
+  const auto level_of = [&](int up_to, int width) {
+    const LatticeOfLevels& lattice = lattices.emplace_back(fields.lattice(up_to, width));
+    adapters::FieldLevel level{width, lattice.boxes(), {}};
+    for (const Field field : spec.quantities) level.quantities.push_back(fields.quantity(lattice, field));
+    return level;
+  };
+  if (by_level) {  // under the cells of each, as VTK wants it, there are those
+                   // of the next
+    std::vector<adapters::FieldLevel> written;
+    for (int level = 0; level < levels; ++level) written.push_back(level_of(level, 1 << level));
+    return parallel::naming(path.string(), [&] {
+      adapters::write_fields(simulation.scene().comm, path, written, snapshot, provenance);
+    });
+  }
+  adapters::FieldLevel image = level_of(levels - 1, 1);
+  for (adapters::CellBox& box : image.boxes)
+    for (int d = 0; d < 3; ++d) box.lower[d] -= spec.lower[d], box.upper[d] -= spec.lower[d];
+  snapshot.quantities = std::move(image.quantities);
   parallel::naming(path.string(), [&] {
-    adapters::write_fields(simulation.scene().comm, path, boxes, snapshot, provenance);
+    adapters::write_fields(simulation.scene().comm, path, image.boxes, snapshot, provenance);
   });
 }
 

@@ -12,10 +12,11 @@ namespace silt::coupler {
 /// Returns the boxes of this rank's blocks.
 std::vector<adapters::CellBox> boxes_of(const FluidFields&);
 
-/// Returns the smallest box around them; an empty one without.
-adapters::CellBox box_of(const FluidFields&);
+/// Returns the smallest box around those of all levels, in finest cells; an empty one without.
+adapters::CellBox box_of(const Flow&);
 
-/// FieldHere is a field on the box of this rank's blocks, in lattice units.
+/// FieldHere is a field on that box, in lattice units; a coarse cell's value is that of the finest ones that
+/// fill it.
 struct FieldHere {
   adapters::CellBox box;
   int components = 1;          // or 3
@@ -27,8 +28,8 @@ FieldHere field_here(const Simulation&, Field);
 
 /// Writes the fields that a part of [output] asks for, in its box, in the units of the case. A solid cell has
 /// the velocity, the vorticity and the id of its body (in a wall: none), the reference density, no pressure
-/// and no shear; `solid` is 1 in bodies and 2 in walls.
-/// Collective; std::runtime_error on every rank.
+/// and no shear; `solid` is 1 in bodies and 2 in walls. Cells of several levels are written as such, or on
+/// the finest lattice where the case asks for it. Collective; std::runtime_error on every rank.
 void write_flow_fields(const Simulation&, const FieldsSpec&, const std::filesystem::path& folder,
                        const adapters::Provenance&);
 

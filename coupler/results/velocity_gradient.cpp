@@ -91,8 +91,10 @@ std::optional<Vec3> CellVelocities::at(int block, Int3 local_cell) const {
   if (!domain.inside(cell)) return std::nullopt;
   const auto known = std::lower_bound(known_.begin(), known_.end(), index(cell),
                                       [](const Known& k, std::int64_t i) { return k.cell < i; });
-  if (known == known_.end() || known->cell != index(cell))
+  if (known == known_.end() || known->cell != index(cell)) {
+    if (!domain.has(cell)) return std::nullopt;
     throw std::logic_error("the velocity of a cell was not asked for");
+  }
   if (!known->is_fluid) return std::nullopt;
   return Vec3(known->velocity[0], known->velocity[1], known->velocity[2]);
 }

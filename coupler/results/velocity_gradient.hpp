@@ -28,7 +28,8 @@ class CellVelocities {
   CellVelocities(const FluidFields&, MPI_Comm, lbm::Int3 lower, lbm::Int3 upper);
 
   /// Returns the velocity in a cell beyond a block of this rank, up to `reach` cells along an axis from one
-  /// of the box and of the block; nothing where there is no fluid. Lattice units.
+  /// of the box and of the block; nothing where there is no fluid, or cells are of another level. Lattice
+  /// units.
   std::optional<rigid::Vec3> at(int block, lbm::Int3 local_cell) const;
 
  private:
@@ -72,9 +73,10 @@ class VelocitiesAround {
   std::array<int, kept> height_;  // of the planes; -1: none yet
 };
 
-/// Returns the vorticity in a fluid cell, lattice units. Differences are central; beside what is not fluid
-/// they are taken from the other side, exact for velocities that are quadratic along the axis where two cells
-/// there are fluid, else of the first order; 0 between walls on both sides.
+/// Returns the vorticity in a fluid cell, in units of the cell's level. Differences are central; beside what
+/// is not fluid, or of another level, they are taken from the other side, exact for velocities that are
+/// quadratic along the axis where two cells there are fluid, else of the first order; 0 between walls on both
+/// sides.
 rigid::Vec3 vorticity(VelocitiesAround&, lbm::Int3 cell);
 
 /// S : S of what arrives at a cell, from S = -3/(2 tau) [sum_i c_i c_i (g_i - g_i^eq) + (u F + F u) / 2]

@@ -17,7 +17,7 @@ sys.path.insert(0, str(ROOT / "scripts"))
 
 import silt_results  # noqa: E402
 
-SOMETIMES = {"exit_text", "resumed_at"}  # of a run that was stopped, of one that went on
+SOMETIMES = {"exit_text", "resumed_at", "levels"}  # of a run that was stopped, of one that went on, of one with coarser cells
 
 
 def section(name):
