@@ -40,6 +40,10 @@ class FluidFields {
   int width() const { return 1 << level(); }
   std::int64_t volume() const { return std::int64_t{1} << 3 * level(); }
   lbm::Int3 finest(lbm::Int3 cell) const { return {cell.x * width(), cell.y * width(), cell.z * width()}; }
+  /// The cell of this level that a finest one lies in.
+  lbm::Int3 coarse(lbm::Int3 finest) const {
+    return {finest.x >> level(), finest.y >> level(), finest.z >> level()};
+  }
   rigid::Vec3 centre(lbm::Int3 cell) const {
     return width() * rigid::Vec3(cell.x + 0.5, cell.y + 0.5, cell.z + 0.5);
   }

@@ -176,9 +176,7 @@ std::optional<FluidFault> fault_of(const Case& setup, const FlowTotals& totals) 
 bool holds(const Flow& flow, lbm::Int3 cell) {
   bool found = false;
   flow.for_levels([&](const FluidFields& fields) {
-    const int w = fields.width();
-    for (int b = 0; b < fields.blocks(); ++b)
-      found |= fields.block(b).contains({cell.x / w, cell.y / w, cell.z / w});
+    for (int b = 0; b < fields.blocks(); ++b) found |= fields.block(b).contains(fields.coarse(cell));
   });
   return found;
 }

@@ -71,7 +71,7 @@ bool Scene::has_surfaces() const {
   return setup.has_surfaces();
 }
 
-Scene::Scene(Case given, MPI_Comm communicator, const SavedBodies* saved)
+Scene::Scene(Case given, MPI_Comm communicator, const SavedBodies* saved, const SavedLevels& levels)
     : own_setup_(std::make_shared<const Case>(std::move(given))),
       setup(*own_setup_),
       comm(communicator),
@@ -110,6 +110,8 @@ Scene::Scene(Case given, MPI_Comm communicator, const SavedBodies* saved)
         world, *contacts.backend, *contacts.resolver, *exchange,
         adapters::make_broad_phase(setup.contacts.broad_phase, setup.contacts.backend));
   }
+  if (levels)
+    level_view_ = lbm::Domain(level_views_->view(levels(level_views_->part())), domain.sides(), ranks);
   if (setup.fluid) flow = make_flow(setup, level_view_ ? *level_view_ : domain, comm, *exchange);
 }
 

@@ -3,6 +3,7 @@
 // between ranks, and those parts of the step the scene needs. What it does not need is not there (null).
 #include <mpi.h>
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -24,15 +25,19 @@ struct BodySpec;
 struct Case;
 struct CentredShape;
 
+/// Returns the levels of cells in a part of the domain, as boxes; collective.
+using SavedLevels = std::function<std::vector<lbm::LevelBox>(const lbm::CellBox& part)>;
+
 class Scene {
   std::shared_ptr<const Case> own_setup_;
 
  public:
   /// Collective. The case must have passed check_case; CaseError on every rank if a fill does not fit. With
-  /// `saved` the bodies are those, each of them saved on exactly one rank, whichever, instead of the case's.
+  /// `saved` the bodies are those, each of them saved on exactly one rank, whichever, instead of the case's,
+  /// and the levels of cells those saved.
   /// std::invalid_argument for a domain that cannot be cut for this many ranks, or an unknown backend or
   /// resolver. The flow is at rest and not started.
-  Scene(Case, MPI_Comm, const SavedBodies* saved = nullptr);
+  Scene(Case, MPI_Comm, const SavedBodies* saved = nullptr, const SavedLevels& = {});
 
   const Case& setup;
   MPI_Comm comm;

@@ -36,14 +36,14 @@ Simulation::Simulation(Case setup, MPI_Comm comm) : Simulation(std::move(setup),
   start_fresh();
 }
 Simulation::Simulation(Case setup, MPI_Comm comm, const SavedState& saved,
-                       const std::function<void(const Case&, FluidFields&)>& set_populations)
+                       const std::function<void(const Case&, Flow&)>& set_populations)
     : Simulation(std::move(setup), comm, &saved) {
   resume(saved, set_populations);
 }
 
 /// All but the state that either start gives.
 Simulation::Simulation(Case&& setup, MPI_Comm comm, const SavedState* saved)
-    : scene_(std::move(setup), comm, saved ? &saved->bodies : nullptr),
+    : scene_(std::move(setup), comm, saved ? &saved->bodies : nullptr, saved ? saved->levels : SavedLevels{}),
       coupled_step_(scene_.parts()),
       turnover_(scene_, saved ? saved->next_id : scene_.at_start.first_free_id,
                 saved && scene_.rank == 0 ? saved->momentum_brought : rigid::FixedVec3{}),
@@ -65,10 +65,10 @@ void Simulation::start_fresh() {
 }
 
 void Simulation::resume(const SavedState& saved,
-                        const std::function<void(const Case&, FluidFields&)>& set_populations) {
+                        const std::function<void(const Case&, Flow&)>& set_populations) {
   if (saved.step > 0) scene_.move_walls(saved.step - 1);  // where the last step mapped them
   if (scene_.flow) {
-    set_populations(setup(), scene_.flow->fields());
+    set_populations(setup(), *scene_.flow);
     MassCorrectionState correction = saved.mass_correction;
     correction.steps = saved.step;
     scene_.flow->resume(correction);

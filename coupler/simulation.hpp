@@ -40,6 +40,7 @@ struct SavedState {
   rigid::FixedVec3 momentum_brought;  // by bodies that came and went
   double fluid_speed = 0;
   MassCorrectionState mass_correction;
+  SavedLevels levels;
 };
 
 class Simulation : private rigid::StepObserver {
@@ -48,7 +49,7 @@ class Simulation : private rigid::StepObserver {
   Simulation(Case, MPI_Comm);
   /// Goes on from a state, with populations that set_populations gives the fluid, if there is one.
   Simulation(Case, MPI_Comm, const SavedState&,
-             const std::function<void(const Case&, FluidFields&)>& set_populations);
+             const std::function<void(const Case&, Flow&)>& set_populations);
   Simulation(const Simulation&) = delete;
 
   /// Does one step; before it, where the case asks for it and it is time to, looks at how the work is shared,
@@ -121,7 +122,7 @@ class Simulation : private rigid::StepObserver {
  private:
   Simulation(Case&&, MPI_Comm, const SavedState*);
   void start_fresh();
-  void resume(const SavedState&, const std::function<void(const Case&, FluidFields&)>& set_populations);
+  void resume(const SavedState&, const std::function<void(const Case&, Flow&)>& set_populations);
   // of the bodies' step
   void before_drift(rigid::BodySet&) override;
   bool wants_contact_impulses() const override;

@@ -50,7 +50,7 @@ constexpr std::tuple field_keys{
     Key{"compression", &FieldsSpec::compression, Whole{0, 9},
         "level of gzip, 1 to 9, after a shuffle of bytes; 0: none"},
     Key{"finest", &FieldsSpec::finest, Flag{},
-        "whether all is written on the finest lattice, where `[coarsening]` makes cells of several levels"}};
+        "whether all is written on the finest lattice, where [coarsening] makes cells of several levels"}};
 constexpr std::tuple slice_keys{
     HandKey{"name", "string", "", required, "of its files, slice_NAME_*.hdf"},
     HandKey{"axis", "\"x\", \"y\", \"z\"", "", "one of two", "axis that the plane is across"},

@@ -127,9 +127,9 @@ LevelCut LevelViews::told_by(const parallel::Bytes& bytes) const {
   return cut;
 }
 
-CutTree LevelViews::view(const rigid::BodySet& bodies) {
+CutTree LevelViews::view(std::span<const lbm::LevelBox> boxes) {
   std::map<int, LevelCut> cuts;
-  const LevelCut& mine = cuts[rank_] = level_cut(part_, boxes_here(bodies), setup_.coarsening->levels);
+  const LevelCut& mine = cuts[rank_] = level_cut(part_, boxes, setup_.coarsening->levels);
   for (const int rank : beside_) {
     parallel::Bytes& to = messages_.to(rank);
     parallel::put(to, std::int32_t(mine.levels.size()));

@@ -26,7 +26,10 @@ class LevelViews {
 
   /// Collective: the view that follows from where bodies and walls are. The leaves of a part that is not
   /// beside this rank's are far.
-  lbm::CutTree view(const rigid::BodySet&);
+  lbm::CutTree view(const rigid::BodySet& bodies) { return view(boxes_here(bodies)); }
+  /// Collective: that of given levels of the cells of this rank's part.
+  lbm::CutTree view(std::span<const lbm::LevelBox>);
+  const lbm::CellBox& part() const { return part_; }
   /// The other ranks whose parts are beside this one, sorted: they agree.
   const std::vector<int>& beside() const { return beside_; }
 

@@ -10,7 +10,7 @@
 
 #include "coupler/case/case.hpp"
 #include "coupler/exchange/coupling_state.hpp"
-#include "coupler/results/flow_fields.hpp"
+#include "coupler/results/populations.hpp"
 #include "parallel/together.hpp"
 
 namespace silt::coupler {
@@ -19,7 +19,6 @@ namespace {
 
 using adapters::CheckpointReader;
 using adapters::CheckpointWriter;
-using adapters::Storage;
 
 // ---- numbers in /state: one list serves writing and reading ----
 
@@ -111,51 +110,7 @@ bool has_watch_of(const CheckpointReader& reader, const SteadySpec& spec) {
          reader.number("steady.change") == spec.change && reader.integer("steady.every") == spec.every;
 }
 
-// ---- populations ----
-
-/// Calls visit(local cells, offset in the block's cells) for the planes of a block.
-template <class Visit>
-void for_planes(const lbm::CellBox& block, Visit&& visit) {
-  lbm::CellBox plane{{}, {block.size.x, block.size.y, 1}};
-  for (; plane.lower.z < block.size.z; ++plane.lower.z) visit(plane, plane.lower.z * plane.cells());
-}
-
-Storage storage_of(const Case& setup) {
-  return setup.fluid->precision == Precision::double_ ? Storage::double_ : Storage::single;
-}
-
-template <class T>
-void write_populations(CheckpointWriter& writer, const Case& setup, const FluidFields& fields) {
-  std::vector<double> g;
-  writer.cells("populations", storage_of(setup), setup.cells, lbm::directions, boxes_of(fields),
-               [&](int q, std::size_t b, void* out) {
-                 for_planes(fields.block(int(b)), [&](const lbm::CellBox& plane, std::int64_t first) {
-                   g.resize(std::size_t(plane.cells()));
-                   fields.read(int(b), plane, q, g.data());
-                   std::copy(g.begin(), g.end(), static_cast<T*>(out) + first);
-                 });
-               });
-}
-
-template <class T>
-void read_populations(const CheckpointReader& reader, const Case& setup, FluidFields& fields) {
-  std::vector<double> g;
-  reader.cells("populations", storage_of(setup), boxes_of(fields), [&](int q, std::size_t b, const void* in) {
-    const lbm::CellBox& block = fields.block(int(b));
-    for_planes(block, [&](const lbm::CellBox& plane, std::int64_t first) {
-      const T* const values = static_cast<const T*>(in) + first;
-      g.assign(values, values + plane.cells());
-      for (std::size_t n = 0; n < g.size(); ++n) {
-        if (std::abs(g[n]) <= largest_population) continue;
-        const lbm::Int3 at =
-            block.lower + plane.lower + lbm::Int3{int(n) % block.size.x, int(n) / block.size.x, 0};
-        reader.refuse(fmt::format("/cells/populations, population {} of the cell [{}, {}, {}]: it is {}", q,
-                                  at.x, at.y, at.z, values[n]));
-      }
-      fields.write(int(b), plane, q, g.data());
-    });
-  });
-}
+// ---- bodies ----
 
 void write_bodies(CheckpointWriter& writer, const rigid::BodySet& bodies) {
   using Impulses = std::vector<rigid::StoredImpulse>;
@@ -218,10 +173,7 @@ void write_state(CheckpointWriter& writer, const Simulation& simulation, const Q
   }
   if (const Flow* flow = simulation.scene().flow.get()) {
     visit_mass_correction(state.mass_correction, cells_of(setup), Write{writer});
-    if (storage_of(setup) == Storage::double_)
-      write_populations<double>(writer, setup, flow->fields());
-    else
-      write_populations<float>(writer, setup, flow->fields());
+    write_populations(writer, setup, *flow);
   }
   write_bodies(writer, simulation.bodies());
 }
@@ -261,20 +213,18 @@ SavedState read_state(const CheckpointReader& reader, const Case& setup) {
   state.bodies = {std::move(bodies.records), std::move(bodies.impulses)};
   if (!setup.fluid) return state;
   visit_mass_correction(state.mass_correction, cells_of(setup), Read{reader});
-  if (reader.lattice("populations") != setup.cells || reader.components("populations") != lbm::directions)
-    reader.refuse("its populations are of another lattice than the case's");
+  require_populations(reader, setup);
+  if (setup.coarsening)
+    state.levels = [&reader, coarsest = setup.coarsening->levels](const lbm::CellBox& part) {
+      return saved_levels(reader, coarsest, part);
+    };
   return state;
 }
 
 std::unique_ptr<Simulation> resumed_simulation(const CheckpointReader& reader, Case setup, MPI_Comm comm) {
   const SavedState state = read_state(reader, setup);
-  return std::make_unique<Simulation>(std::move(setup), comm, state,
-                                      [&](const Case& of, FluidFields& fields) {
-                                        if (storage_of(of) == Storage::double_)
-                                          read_populations<double>(reader, of, fields);
-                                        else
-                                          read_populations<float>(reader, of, fields);
-                                      });
+  return std::make_unique<Simulation>(
+      std::move(setup), comm, state, [&](const Case& of, Flow& flow) { read_populations(reader, of, flow); });
 }
 
 std::optional<SteadyWatch> read_steady_watch(const CheckpointReader& reader, const Case& setup) {

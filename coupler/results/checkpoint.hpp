@@ -42,7 +42,4 @@ std::optional<SteadyWatch> read_steady_watch(const adapters::CheckpointReader&, 
 /// every checksum right and still not be one that a run wrote. next_id: the first that no body has had.
 void require_possible(const Case&, const adapters::CheckpointReader::Bodies&, rigid::BodyId next_id);
 
-/// No population that a run can go on from is above it, in the mass of a cell at its reference density.
-inline constexpr double largest_population = 1024;
-
 }  // namespace silt::coupler

@@ -91,6 +91,8 @@ Exit Run::go() {
       advance();
       watch();
       outputs_.write_due();
+      const auto& coarsening = simulation_.setup().coarsening;  // coarse cells end their step
+      if (coarsening && simulation_.steps_done() % coarsening->stride() != 0) continue;
       const std::string why = stop_request_.why(simulation_.steps_done());
       if (why.empty() || prepared_.has_ended()) continue;
       const std::string text = fmt::format("{} at step {}; go on with: silt resume {}", why,

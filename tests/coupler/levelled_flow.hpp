@@ -11,6 +11,7 @@
 #include "lbm/fluid.hpp"
 #include "parallel/collectives.hpp"
 #include "tests/coupler/case/case_text.hpp"
+#include "tests/coupler/single_cells.hpp"
 
 namespace silt::coupler::testing {
 
@@ -26,6 +27,7 @@ class LevelledFlow final : public Flow {
   int levels() const override { return int(levels_.size()); }
   using Flow::fields;
   FluidFields& fields(int level = 0) override { return *levels_[level]->fields; }
+  double seconds(int) const override { return 0; }
   FlowAccount& account() override { return *account_; }
   void set_solid(int level, int block, lbm::Int3 cell) { levels_[level]->maps[block].solid.set(cell); }
 
@@ -94,6 +96,24 @@ inline CaseText levelled_case(const std::string& fluid = "relaxation_time = 0.8\
   c.fluid = "[fluid]\nprecision = \"double\"\n" + fluid;
   c.shapes = c.bodies = "";
   return c;
+}
+
+/// Gives each cell of this rank the equilibrium of what of(fields of its level, global cell) returns: density
+/// deviation and velocity.
+struct LocalFlow {
+  double density_deviation;
+  rigid::Vec3 velocity;
+};
+template <class Of>
+void set_cells(Flow& flow, Of&& of) {
+  for (int level = 0; level < flow.levels(); ++level) {
+    FluidFields& fields = flow.fields(level);
+    for_each_cell(fields, [&](int b, lbm::Int3 x, lbm::Int3 cell) {
+      const auto [density, u] = of(fields, cell);
+      for (int i = 0; i < lbm::directions; ++i)
+        set_arriving(fields, b, x, i, lbm::equilibrium(i, density, u.data()));
+    });
+  }
 }
 
 /// Puts it in the place of a simulation's fluid.

@@ -9,7 +9,6 @@
 #include "coupler/results/velocity_gradient.hpp"
 #include "coupler/state_hash.hpp"
 #include "tests/coupler/levelled_flow.hpp"
-#include "tests/coupler/single_cells.hpp"
 #include "tests/world.hpp"
 
 namespace silt::coupler::testing {
@@ -17,30 +16,13 @@ namespace {
 
 constexpr int finest_cells = 24 * 16 * 8, of_each_level = finest_cells / 3;
 
-/// Gives each cell the equilibrium of what of(fields, global cell) returns: density deviation and velocity.
-template <class Of>
-void set_cells(LevelledFlow& flow, Of&& of) {
-  for (int level = 0; level < flow.levels(); ++level) {
-    FluidFields& fields = flow.fields(level);
-    for_each_cell(fields, [&](int b, lbm::Int3 x, lbm::Int3 cell) {
-      const auto [density, u] = of(fields, cell);
-      for (int i = 0; i < lbm::directions; ++i)
-        set_arriving(fields, b, x, i, lbm::equilibrium(i, density, u.data()));
-    });
-  }
-}
-struct Local {
-  double density_deviation;
-  rigid::Vec3 velocity;
-};
-
 /// A third of the box each is of every level; the values are whole numbers of quanta, so that sums are exact.
 TEST(Levels, TotalsCountCellsByTheirVolume) {
   Simulation s = levelled_case("relaxation_time = 0.8\nbody_force = [0.0625, 0, 0]\n").start(MPI_COMM_WORLD);
   LevelledFlow& flow = put_levels(s);
   const auto density = [](int level) { return 0.125 * (1 + level); };
   set_cells(flow, [&](const FluidFields& fields, lbm::Int3) {
-    return Local{density(fields.level()), {0.25, 0, -0.125}};
+    return LocalFlow{density(fields.level()), {0.25, 0, -0.125}};
   });
   const FlowTotals totals = flow.account().totals();
   EXPECT_EQ(totals.fluid_cells, std::uint64_t(finest_cells));
@@ -66,7 +48,7 @@ TEST(Levels, ACellAtFaultIsNamedInFinestCells) {
   LevelledFlow& flow = put_levels(s);
   set_cells(flow, [](const FluidFields& fields, lbm::Int3 cell) {
     const bool fast = fields.level() == 1 && (cell == lbm::Int3{5, 6, 3} || cell == lbm::Int3{6, 6, 3});
-    return Local{fields.level() == 2 && cell == lbm::Int3{1, 2, 1} ? -0.5 : 0, {fast ? 0.5 : 0, 0, 0}};
+    return LocalFlow{fields.level() == 2 && cell == lbm::Int3{1, 2, 1} ? -0.5 : 0, {fast ? 0.5 : 0, 0, 0}};
   });
   const FlowTotals totals = flow.account().totals();
   EXPECT_EQ(totals.fastest_cell, (lbm::Int3{10, 12, 6}));
@@ -86,7 +68,7 @@ TEST(Levels, HashIsTheSameOnAnyRanksAndKnowsTheLevel) {
     LevelledFlow& flow = put_levels(s);
     set_cells(flow, [&](const FluidFields& fields, lbm::Int3 cell) {
       const bool changed = fields.level() == changed_level && cell.y == 1 && cell.z == 0;
-      return Local{changed ? 1e-3 : 0, {1e-3 * cell.x, 0, 1e-3 * fields.level()}};
+      return LocalFlow{changed ? 1e-3 : 0, {1e-3 * cell.x, 0, 1e-3 * fields.level()}};
     });
     return s.hash();
   };

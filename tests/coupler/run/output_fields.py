@@ -67,6 +67,48 @@ fields = { every = 4000, quantities = ["vorticity"], precision = "double" }
 """
 
 
+# A ball that moves on has the regions of cells move with it: at step 32 at the latest.
+LEVELS = """
+[units]
+system = "lattice"
+[domain]
+size = [96, 32, 32]
+boundary = "periodic"
+[fluid]
+relaxation_time = 0.8
+[coarsening]
+levels = 2
+distance = 8
+[[shapes]]
+name = "ball"
+type = "sphere"
+radius = 3
+[[bodies]]
+shape = "ball"
+density = 2
+position = [12.5, 16, 16]
+velocity = [0.1, 0, 0]
+[run]
+steps = 64
+[output]
+fields = { every = 32, quantities = ["velocity", "density", "vorticity", "body-id"] }
+checkpoint = { every = 32 }
+[[output.slices]]
+name = "middle"
+every = 64
+axis = "z"
+at = 16
+quantities = ["velocity"]
+[[output.slices]]
+name = "finest"
+every = 64
+axis = "z"
+at = 16
+quantities = ["velocity"]
+finest = true
+"""
+
+
 class Fields(SiltTest):
     def slices(self, name, folder=None):
         return [silt_results.Field(path) for path in sorted((folder or self.out).glob(f"slice_{name}_*.hdf"))]
@@ -189,6 +231,36 @@ position = [12, 12, 4]
             image.Update()
             self.assertEqual(image.GetOutput().GetDimensions(), silt_results.Field(self.out / name).size)
             self.assertGreater(image.GetOutput().GetPointData().GetNumberOfArrays(), 1)
+
+    def test_cells_of_several_levels(self):
+        """On any ranks the same cells, regions and values, and so for a run that goes on in the middle."""
+        self.write(LEVELS)
+        self.silt("run", self.case)
+        first, last = silt_results.open(self.case).fields[::2]
+        self.assertEqual((last.levels, last.size, list(last.spacing)), (3, (96, 32, 32), [1, 1, 1]))
+        level = last["level"]
+        self.assertEqual([level[x, 16, 16] for x in (18, 40, 70)], [0, 1, 2])
+        self.assertTrue((level[last["body-id"] > 0] == 0).all())
+        self.assertFalse((level == first["level"]).all())
+        self.assertEqual((abs(np.diff(level, axis=0)).max(), set(np.unique(level))), (1, {0, 1, 2}))
+        for box in last.boxes("density"):
+            self.assertEqual(list(box.spacing), [2**box.level] * 3)
+        (middle,), (finest,) = (self.slices(name)[1:] for name in ("middle", "finest"))
+        self.assertEqual((middle.size, middle.z[0], finest.size, finest.z[0]), ((96, 32, 8), 12.5, (96, 32, 2), 15.5))
+        self.assertTrue((middle["velocity"] == last["velocity"][:, :, 12:20]).all())
+        self.assertTrue((finest["velocity"] == last["velocity"][:, :, 15:17]).all())
+        report = silt_results.open(self.case).report
+        self.assertEqual([entry["width"] for entry in report["levels"]], [1, 2, 4])
+        self.assertEqual([entry["cells"] for entry in report["levels"]], [(level == k).sum() / 8**k for k in range(3)])
+        self.assertEqual(report["fluid_cells"], 96 * 32 * 32 - (last["body-id"] > 0).sum())
+        other = self.case / "other"
+        self.silt("run", self.case, "--out", other, "--steps", 32, ranks=2)
+        self.silt("resume", self.case, "--out", other, "--steps", 64)
+        again = silt_results.open(other)
+        self.assertEqual(again.report["state_hash"], report["state_hash"])
+        for here, there in zip(silt_results.open(self.case).fields, again.fields, strict=True):
+            for name in [*here.names, "level"]:
+                self.assertTrue((here[name] == there[name]).all(), (here.step, name))
 
     def test_planes_at_sides(self):
         for at, first in ((0, 0), (0.9, 0), (1.6, 1), (15.4, 14), (16, 14)):
