@@ -23,9 +23,8 @@ constexpr std::tuple coarsening_keys{
         "as long",
         required},
     Key{"distance", &CoarseningSpec::distance, Number{dimension::length, range::above(0)},
-        "from bodies, curved walls and fine sides up to which cells are finest; the next level up to twice "
-        "as "
-        "far, and so on",
+        "from bodies, curved walls and fine sides up to which cells are finest; those of level 1 reach twice "
+        "that further, and so on",
         "half the largest body, at least 8 cells"},
     HandKey{"fine_sides", "list of sides", "", "none",
             "sides of the domain at which cells are finest as at bodies, as in [\"z-low\"]"},
@@ -81,11 +80,13 @@ std::string cells_text(const Case& setup, double n) {
                         : shown(n) + " cells";
 }
 
-/// Refuses a number of steps that is no whole multiple of the coarsest; `unit`: of what the key says, in
-/// steps.
-void require_whole(Findings& findings, const std::string& key, std::int64_t steps, double unit = 1) {
+/// Refuses a number of steps that is no whole multiple of the stride, by default that of the coarsest cells;
+/// `unit`: of what the key says, in steps.
+void require_whole(Findings& findings, const std::string& key, std::int64_t steps, double unit = 1,
+                   std::int64_t stride = 0) {
   const CoarseningSpec& spec = *findings.setup.coarsening;
-  const std::int64_t stride = spec.stride(), below = steps / stride * stride;
+  if (stride == 0) stride = spec.stride();
+  const std::int64_t below = steps / stride * stride;
   if (below == steps) return;
   const auto said = [&](std::int64_t n) { return shown(static_cast<double>(n) * unit); };
   const std::string units = unit == 1 ? " steps" : fmt::format(" s ({} steps)", steps);
@@ -117,7 +118,7 @@ void check_intervals(Findings& findings) {
   else
     require_whole(findings, "run.steps", setup.steps);
   if (setup.steady) require_whole(findings, "run.steady.every", setup.steady->every);
-  require_whole(findings, "run.balance.every", setup.balance_every);
+  require_whole(findings, "run.balance.every", setup.balance_every, 1, regrid_interval);
   const OutputSpec& output = setup.output;
   require_whole(findings, "output.fields.every", output.fields.every);
   for (std::size_t i = 0; i < output.slices.size(); ++i)
