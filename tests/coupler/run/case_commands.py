@@ -107,7 +107,7 @@ class Commands(SiltTest):
         self.assertEqual(completed("_silt", program, "check", "case", folder=self.scratch.name), ["case"])
         self.assertEqual(completed("_silt", program, "run", "--set", "contacts.fr"), ["contacts.friction="])
         self.assertEqual(completed("_silt", program, "run", "--unset", "run.bal"), ["run.balance", "run.balance.every"])
-        self.assertEqual(completed("_silt_script", "scripts/run", "settling-sphere-"), ["settling-sphere-e1"])
+        self.assertEqual(completed("_silt_script", "scripts/run", "settling-sphere-"), ["settling-sphere-e1", "settling-sphere-levels"])
         self.assertEqual(completed("_silt_script", "scripts/run", "cases/bouncing"), ["cases/bouncing-ball"])
         self.assertIn("--hostfile", completed("_silt_script", "scripts/run", "--"))
         self.assertEqual(completed("_silt_script", "/bin/run", "--"), [])
