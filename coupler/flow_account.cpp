@@ -25,7 +25,7 @@ const MassCorrectionState& FlowAccount::mass_correction() const {
 
 double FlowAccount::begin_pass() {
   settle();
-  return corrects_mass_ ? correction_.take_surplus() : 0;
+  return corrects_mass_ ? correction_.take_surplus(1 << (levels_.size() - 1)) : 0;
 }
 
 void FlowAccount::recount() {

@@ -18,9 +18,11 @@ rigid::FixedSum to_quanta(double mass) {
 
 }  // namespace
 
-double MassCorrection::take_surplus() {
-  const rigid::FixedSum surplus = state_.surplus + state_.link_gain;
-  source_ = state_.fluid_cells > 0 ? -double(surplus) * lbm::mass_quantum / double(state_.fluid_cells) : 0;
+double MassCorrection::take_surplus(int steps_of_coarsest) {
+  if (state_.steps % steps_of_coarsest != 0) return source_;
+  const rigid::FixedSum surplus = state_.surplus + steps_of_coarsest * state_.link_gain;
+  const double cells = double(state_.fluid_cells) * steps_of_coarsest;
+  source_ = cells > 0 ? -double(surplus) * lbm::mass_quantum / cells : 0;
   state_.surplus -= surplus;  // to the quantum; the rounding of single cells is not seen
   return source_;
 }

@@ -24,8 +24,9 @@ class MassCorrection {
   void set_state(const MassCorrectionState& state) { state_ = state; }
 
   /// Begins a step: takes the surplus out of the account, with as much as links gained in the last step, and
-  /// returns the density that every cell is to be given for it.
-  double take_surplus();
+  /// returns the density that every cell is to be given for it. Where the coarsest cells take so many steps
+  /// for one of theirs, this is done when theirs begins, and every step of it gives its share.
+  double take_surplus(int steps_of_coarsest);
   /// A body has left a cell of this rank (1) or covered it (-1): the fluid has gained or lost what is in it.
   /// Counted when the step ends.
   void gain_cells(int cells, double density_deviation);
@@ -47,7 +48,7 @@ class MassCorrection {
 
  private:
   MassCorrectionState state_;
-  double source_ = 0;                // density added to every cell in this step
+  double source_ = 0;                // density added to every cell in a step
   rigid::FixedSum mass_gained_ = 0;  // this rank's in this step, by cells that changed sides
   std::int64_t cells_gained_ = 0;
 };

@@ -19,7 +19,7 @@ rigid::FixedSum quanta(double mass) {
 TEST(MassCorrection, TakesOutASurplusOfAThousandthOfATrillionCells) {
   MassCorrection correction;
   correction.recount({all_cells, quanta(1e9)});
-  EXPECT_DOUBLE_EQ(correction.take_surplus(), -1e-3);
+  EXPECT_DOUBLE_EQ(correction.take_surplus(1), -1e-3);
   EXPECT_EQ(correction.state().surplus, 0);
 }
 
@@ -30,7 +30,20 @@ TEST(MassCorrection, SumsWhatLinksAndCellsOfATrillionBring) {
   EXPECT_EQ(correction.state().surplus, quanta(2e8));
   EXPECT_EQ(correction.state().fluid_cells, std::int64_t(all_cells) - 1'000'000'000);
   // what is known, and as much again as links brought in the last step
-  EXPECT_DOUBLE_EQ(correction.take_surplus(), -5e8 / double(all_cells - 1'000'000'000));
+  EXPECT_DOUBLE_EQ(correction.take_surplus(1), -5e8 / double(all_cells - 1'000'000'000));
+}
+
+TEST(MassCorrection, IsSpreadOverTheStepsOfTheCoarsestCells) {
+  MassCorrection correction;
+  correction.recount({all_cells, quanta(4e8)});
+  EXPECT_DOUBLE_EQ(correction.take_surplus(4), -1e8 / double(all_cells));
+  for (int step = 0; step < 3; ++step) {
+    correction.end_step({quanta(1e7), 0, 0});
+    EXPECT_DOUBLE_EQ(correction.take_surplus(4), -1e8 / double(all_cells));  // what coarse cells were given
+  }
+  correction.end_step({quanta(1e7), 0, 0});
+  EXPECT_EQ(correction.state().surplus, quanta(4e7));
+  EXPECT_DOUBLE_EQ(correction.take_surplus(4), -2e7 / double(all_cells));  // and what links will bring
 }
 
 TEST(MassCorrection, CountsACellAsItsDensity) {
