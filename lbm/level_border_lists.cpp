@@ -225,7 +225,7 @@ struct LevelBorder<T>::Builder {
   /// The levels around a cell: whether a fine one is among them, and how many cells from it on, along the
   /// axis at hand, have the same leaves around them.
   struct Surroundings {
-    bool any_fine = false, any_outside = false;
+    bool any_fine = false, any_outside = false, any_far = false;
     bool fine[3][3][3] = {};  // by z, y, x
     int alike = 1 << 30;
     /// Whether what moves along j may meet fine cells.
@@ -385,6 +385,7 @@ auto LevelBorder<T>::Builder::around(Int3 cell) -> Surroundings {
       return;
     }
     const BlockPlace& place = coarse_leaves.at(image);
+    s.any_far |= !coarse.is_known(place);
     const bool is_fine = fine.is_of_level(place);
     const Int3 v = y - cell;
     s.fine[1 + v.z][1 + v.y][1 + v.x] = is_fine;
@@ -405,7 +406,7 @@ void LevelBorder<T>::Builder::add_rows(const CellBox& box) {
     for (x = first; x[axis] < end[axis]; x[axis] += int(length)) {
       const Surroundings s = around(x);
       length = std::uint32_t(std::min(s.alike, end[axis] - x[axis]));
-      if (!s.any_fine) continue;
+      if (!s.any_fine || s.any_far) continue;  // far: it has nothing to do with this rank
       for (int j = 1; j < directions; ++j) {
         const bool enters = s.may_meet(j), comes = s.may_meet(opposite(j));
         if (enters) add_explosion(j);

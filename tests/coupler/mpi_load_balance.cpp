@@ -5,6 +5,7 @@
 
 #include "coupler/balance/body_work.hpp"
 #include "coupler/case/case.hpp"
+#include "coupler/regions/level_views.hpp"
 #include "coupler/simulation.hpp"
 #include "lbm/equal_cut.hpp"
 #include "tests/coupler/coupled_scenes.hpp"
@@ -120,6 +121,37 @@ TEST(LoadBalance, ALookMovesWhereThatPays) {
     return s.hash();
   };
   EXPECT_EQ(run(MPI_COMM_WORLD, 60), tests::alone([&] { return run(MPI_COMM_SELF, 0); }));
+}
+
+/// Balls in a corner of a tank whose cells are of three levels.
+CaseText corner() {
+  CaseText c;
+  c.domain = domain_of({64, 96, 128}, R"({ x = "periodic", y = "periodic", z = ["no-slip", "no-slip"] })");
+  c.rest = "[gravity]\nacceleration = [0, 0, -1e-4]\n[coarsening]\nlevels = 2\ndistance = 6\n";
+  c.shapes = sphere_of("sphere", 6);
+  c.bodies = body_of("sphere", 1.5, "positions = [[8, 8, 20], [20, 14, 24], [30, 10, 15], [12, 22, 12]]");
+  return c;
+}
+
+TEST(LoadBalance, AMoveChangesNoBitOfLevels) {
+  const auto run = [](MPI_Comm comm, bool moves) {
+    Simulation s = corner().start(comm);
+    throw_about(s);
+    for (int t = 0; t < 64; ++t) {
+      if (moves && t % 16 == 0)
+        s.cut_anew(of_cells(odd_cut(tiles_of(s.setup()), ranks(), 2, 1 + t / 16), s.setup()));
+      s.step();
+    }
+    return s.hash();
+  };
+  EXPECT_EQ(run(MPI_COMM_WORLD, true), tests::alone([&] { return run(MPI_COMM_SELF, false); }));
+}
+
+TEST(LoadBalance, CellsOfLevelsAreSharedOut) {
+  Simulation s = corner().start(MPI_COMM_WORLD);
+  const Evenness start = s.balance_record().at_start;
+  EXPECT_LE(start.after, start.before);
+  if (ranks() == 2) EXPECT_LE(start.after, 1.2);
 }
 
 TEST(LoadBalance, EvenScenesKeepTheEqualCut) {
