@@ -284,8 +284,8 @@ void LevelBorder<T>::Builder::add_explosion(int j) {
                  {own_row(border.fine_, leaves, entry.to.cell, entry.to.direction), T(addend),
                   std::uint8_t(entry.sub_step), std::uint8_t(entry.corner)});
     }
-    for (const Explosion& its : {one, returned})
-      if (!its.packets.empty()) part.list().explosions.push_back(its);
+    if (!one.packets.empty()) part.list().explosions.push_back(one);
+    if (!returned.packets.empty()) part.list().explosions.push_back(returned);
   }
 }
 

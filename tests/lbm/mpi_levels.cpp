@@ -265,6 +265,20 @@ TEST(Levels, EveryLayoutGivesTheSameBits) {
   }
 }
 
+TEST(Levels, BordersBetweenTwoOtherRanksNeedNotBeSeen) {
+  const auto rank_at = [](Int3 x) { return x.z / 16; };
+  const auto level = [&](Int3 x) {
+    if (std::abs(rank_at(x) - parallel::rank_of(MPI_COMM_WORLD)) > 1) return -1;  // not known here
+    return x.x >= 16 && x.x < 32 && x.z >= 16 ? 0 : 1;
+  };
+  const LevelledCut cut({48, 16, 16 * ranks()}, 8, level, ranks(), 1 << 30, rank_at);
+  Case<double> flow(cut.tree(), all({SideKind::bounce}), {0.8, 1.0 / 6}, 1);
+  stir(flow, {48, 16, 16 * ranks()});
+  const double before = flow.sum().mass;
+  flow.step(4);
+  EXPECT_NEAR(flow.sum().mass, before, 1e-11);
+}
+
 TEST(Levels, StreamThroughBordersLastsAtLowViscosity) {
   const LevelledCut cut(
       {48, 48, 48}, 8, [](Int3 x) { return bent(x, 2); }, ranks());
