@@ -276,10 +276,6 @@ void Simulation::set_velocity(BodyId id, const Vec3& velocity, const Vec3& angul
 
 void Simulation::set_pose(BodyId id, const rigid::Pose& pose) {
   require_movable(id);
-  if (setup().coarsening && step_ % regrid_interval != 0)
-    throw std::invalid_argument(
-        fmt::format("with [coarsening] a body can be moved only after a multiple of {} steps, not after {}",
-                    regrid_interval, step_));
   rigid::BodySet& bodies = scene_.bodies;
   const std::size_t row = bodies.row_of(id);
   if (row < bodies.owned) {
@@ -289,7 +285,6 @@ void Simulation::set_pose(BodyId id, const rigid::Pose& pose) {
   rigid::forget_impulses(bodies, id);
   faults_.start_anew();
   scene_.exchange->relocate(bodies);  // it may be another rank's now
-  if (setup().coarsening && scene_.regrid()) coupled_step_.renew(scene_.parts());
 }
 
 // ---- what may be asked ----

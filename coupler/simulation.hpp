@@ -79,8 +79,7 @@ class Simulation : private rigid::StepObserver {
   void add_force(rigid::BodyId, const rigid::Vec3& force_W,
                  const rigid::Vec3& torque_W = rigid::Vec3::Zero());
   void set_velocity(rigid::BodyId, const rigid::Vec3& velocity_W, const rigid::Vec3& angular_velocity_W);
-  /// Moves a body to anywhere in the domain; its velocity stays. With [coarsening] only after a multiple of
-  /// regrid_interval steps.
+  /// Moves a body to anywhere in the domain; its velocity stays.
   void set_pose(rigid::BodyId, const rigid::Pose&);
 
   /// Moves everything to the ranks that another cut of the domain gives: no result depends on it.

@@ -62,7 +62,7 @@ TEST(Regrid, ABodyAtABorderIsNamed) {
   if (tests::rank() != 0) return;
   Simulation s = flying().start(MPI_COMM_SELF);
   s.run(8);
-  s.bodies().set_pose(s.bodies().row_of(1), {{40, 40, 40}, rigid::Quat::Identity()});
+  s.set_pose(1, {{40, 40, 40}, rigid::Quat::Identity()});
   try {
     s.run(9);
     ADD_FAILURE() << "its links read coarser cells";
@@ -71,18 +71,6 @@ TEST(Regrid, ABodyAtABorderIsNamed) {
     EXPECT_NE(said.find("step 16: body 1 "), std::string::npos) << said;
     EXPECT_NE(said.find("raise coarsening.distance (now 7 cells)"), std::string::npos) << said;
   }
-}
-
-TEST(Regrid, AProgramMovesABodyWhereCellsWereCoarse) {
-  const auto hash_of = [](MPI_Comm comm) {
-    Simulation s = flying().start(comm);
-    s.run(16);
-    s.set_pose(1, {{45, 50, 50}, rigid::Quat::Identity()});
-    s.run(40);
-    EXPECT_THROW(s.set_pose(1, {{5, 5, 5}, rigid::Quat::Identity()}), std::invalid_argument);
-    return s.hash();
-  };
-  EXPECT_EQ(hash_of(MPI_COMM_WORLD), tests::alone([&] { return hash_of(MPI_COMM_SELF); }));
 }
 
 }  // namespace
