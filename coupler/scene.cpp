@@ -115,7 +115,7 @@ Scene::Scene(Case given, MPI_Comm communicator, const SavedBodies* saved, const 
   if (setup.fluid) flow = make_flow(setup, level_view_ ? *level_view_ : domain, comm, *exchange);
 }
 
-/// The levels of cells that follow from where bodies and walls are.
+/// Takes the levels of cells that follow from where bodies and walls are.
 void Scene::look_at_levels() {
   if (!setup.coarsening) return;
   if (!level_views_) level_views_ = std::make_unique<LevelViews>(setup, domain.tree(), world, comm);
@@ -165,7 +165,7 @@ void Scene::renew_flow() {
   flow->start(bodies);
 }
 
-/// A body of this rank that is nearer to coarser cells than it may ever be.
+/// Returns a body of this rank that is nearer to coarser cells than it may ever be.
 std::optional<rigid::BodyId> Scene::body_at_border() const {
   const double margin = least_margin(setup);
   const lbm::Domain& coarser = flow->fields(1).domain();

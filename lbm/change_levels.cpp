@@ -1,4 +1,4 @@
-// What cells of another level hold after cells were refined or coarsened.
+// Cells that were refined or coarsened are given what they hold on their new level.
 #include <algorithm>
 #include <map>
 #include <tuple>
@@ -18,8 +18,8 @@ struct Changed {
   int rank, from_block, to_block;  // local ones, of that rank
 };
 
-/// From coarser to finer cells this rank looks at its neighbours' too: what lies beside theirs may be its
-/// own.
+/// This rank looks at the cells of its neighbours too, from coarser to finer: what lies beside theirs may be
+/// its own.
 std::vector<Changed> changed_cells(const Domain& from, const Domain& to, int rank) {
   std::vector<Changed> all;
   const Domain& coarser = from.level() > to.level() ? from : to;
@@ -43,7 +43,7 @@ std::vector<Changed> changed_cells(const Domain& from, const Domain& to, int ran
   return all;
 }
 
-/// What is off equilibrium is as large as a step is long, and the longer it takes to relax.
+/// A part off equilibrium is as large as a step is long, and the longer it takes to relax.
 struct Scales {
   double even, odd;
   Scales(const CollisionSpec& from, const CollisionSpec& to, double steps)
@@ -60,13 +60,10 @@ void rescale(double (&g)[directions], const CollisionSpec& from, const Collision
     rho += g[i];
     for (int d = 0; d < 3; ++d) u[d] += c[i][d] * g[i];
   }
-  const auto half_push = [&](const CollisionSpec& spec, int i) {
-    return 1.5 * w(i) * (c[i].x * spec.force[0] + c[i].y * spec.force[1] + c[i].z * spec.force[2]);
-  };
-  for (int i = 0; i < directions; ++i) off[i] = g[i] - (equilibrium(i, rho, u) - half_push(from, i));
+  for (int i = 0; i < directions; ++i) off[i] = g[i] - (equilibrium(i, rho, u) - half_push(from.force, i));
   for (int i = 0; i < directions; ++i) {
     const double even = (off[i] + off[opposite(i)]) / 2, odd = (off[i] - off[opposite(i)]) / 2;
-    g[i] = equilibrium(i, rho, u) - half_push(to, i) + scale.even * even + scale.odd * odd;
+    g[i] = equilibrium(i, rho, u) - half_push(to.force, i) + scale.even * even + scale.odd * odd;
   }
 }
 

@@ -60,7 +60,7 @@ class Domain {
   bool is_of_level(const BlockPlace& block) const {
     return tree_.kinds().empty() || tree_.kinds()[block.index].level == level_;
   }
-  /// Whether this rank knows which cells a leaf has.
+  /// Returns whether this rank knows which cells a leaf has.
   bool is_known(const BlockPlace& block) const {
     return tree_.kinds().empty() || tree_.kinds()[block.index].level != LeafKind::far;
   }
@@ -79,7 +79,7 @@ class Domain {
   /// axis; more than once if runs go on at the beginning of an axis.
   template <class Visit>
   void for_blocks_meeting(const CellBox&, Visit&& visit) const;
-  /// The same for leaves of any level, and parts that are not known.
+  /// Visits leaves of any level in the same way, and parts that are not known.
   template <class Visit>
   void for_leaves_meeting(const CellBox&, Visit&& visit) const;
   template <class Visit>

@@ -50,6 +50,10 @@ double equilibrium(int i, double rho, const double j[3]) {
   return w(i) * (rho + 3 * cj + 4.5 * cj * cj - 1.5 * (j[0] * j[0] + j[1] * j[1] + j[2] * j[2]));
 }
 
+double half_push(const std::array<double, 3>& force, int i) {
+  return 1.5 * w(i) * (c[i].x * force[0] + c[i].y * force[1] + c[i].z * force[2]);
+}
+
 template <class T>
 Fluid<T>::Fluid(const Domain& domain, const CollisionSpec& spec, MPI_Comm comm)
     : domain_(domain),

@@ -116,5 +116,8 @@ void move_populations(const Fluid<T>& from, Fluid<T>& to);
 
 /// The equilibrium of a density deviation and momentum (README.md, equation 2), in double.
 double equilibrium(int i, double density_deviation, const double momentum[3]);
+/// Returns half of what an acceleration adds to population i in a step of fluid at rest, 3/2 w c.F (equation
+/// 6).
+double half_push(const std::array<double, 3>& force, int i);
 
 }  // namespace silt::lbm

@@ -54,7 +54,7 @@ class LevelBorder {
     const Value* begin() const { return values.data(); }
     const Value* end() const { return values.data() + count; }
   };
-  /// Coarse populations of one direction that left a row of cells.
+  /// An explosion is that of coarse populations of one direction that left a row of cells.
   struct Explosion {
     std::uint32_t length;
     Row value;
@@ -69,7 +69,7 @@ class LevelBorder {
     };
     UpToEight<Packet> packets;
   };
-  /// What arrives along one direction in a row of coarse cells.
+  /// A coalescence is what arrives along one direction in a row of coarse cells.
   struct Coalescence {
     std::uint32_t length;
     Row to;
@@ -96,8 +96,8 @@ class LevelBorder {
     T addend;
   };
 
-  /// Which of them are ready after a part of a block; those that need more than one block, or what was
-  /// fetched from other ranks, and those that take from what others read, come after the pass.
+  /// The list says which of them are ready after a part of a block; those that need more than one block, or
+  /// what was fetched from other ranks, and those that take from what others read, come after the pass.
   struct Ready {
     std::vector<Explosion> explosions;
     std::vector<Coalescence> coalescences;

@@ -5,67 +5,11 @@
 #include <set>
 #include <stdexcept>
 
-#include "lbm/ghost_home.hpp"
 #include "lbm/level_border.hpp"
+#include "lbm/packet_flight.hpp"
 #include "parallel/communicator.hpp"
 
 namespace silt::lbm {
-
-namespace of_border {
-
-constexpr Int3 corner(int k) {
-  return {k & 1, k >> 1 & 1, k >> 2 & 1};
-}
-constexpr Int3 halved(Int3 x) {
-  return {x.x >> 1, x.y >> 1, x.z >> 1};
-}
-
-/// A population on its way from fine cell to fine cell.
-struct Flight {
-  Int3 cell;
-  int direction;
-  double addend = 0;       // by walls that it met
-  double by_force = 0;     // what the force adds on the way
-  bool by_outlet = false;  // it met one
-};
-
-Flight one_step(const Domain& fine, Flight p) {
-  const Int3 g = p.cell + c[p.direction];
-  const Home home = home_of(fine, g, p.direction);
-  if (home.kind == HomeKind::bounce) p.addend += wall_addend(fine, fine.walls_met(g), p.direction);
-  p.by_outlet |= home.kind == HomeKind::outlet;
-  p.cell = home.cell, p.direction = home.direction;
-  return p;
-}
-
-/// Where it came from: every way can be gone back, walls and images included.
-Flight step_back(const Domain& fine, Flight p) {
-  p.direction = opposite(p.direction);
-  p = one_step(fine, p);
-  p.direction = opposite(p.direction);
-  return p;
-}
-
-/// The leaves of cells, asked for cells that lie near one another.
-class Leaves {
- public:
-  explicit Leaves(const Domain& domain) : domain_(domain) {}
-  const BlockPlace& at(Int3 cell) {
-    for (const BlockPlace& place : recent_)
-      if (place.box.contains(cell)) return place;
-    next_ = (next_ + 1) % recent_.size();
-    return recent_[next_] = domain_.block_at(cell);
-  }
-  int level(Int3 cell) { return domain_.tree().kinds()[at(cell).index].level; }
-
- private:
-  const Domain& domain_;
-  std::array<BlockPlace, 8> recent_{};
-  std::size_t next_ = 0;
-};
-
-}  // namespace of_border
-using namespace of_border;
 
 template <class T>
 struct LevelBorder<T>::Builder {
@@ -85,13 +29,9 @@ struct LevelBorder<T>::Builder {
   };
   std::uint32_t coarse_next = 0, fine_next[2] = {}, sums = 0;
 
-  /// Half of what the force adds in a fine cell to what leaves it along j. What leaves a fine cell at rest
-  /// has that much more than what a coarse cell would have sent, what arrives in it lacks as much; and a
-  /// packet that passes a place without a collision lacks twice as much.
-  double by_force(int j) const {
-    const auto& force = border.fine_.spec().force;
-    return 1.5 * w(j) * (c[j].x * force[0] + c[j].y * force[1] + c[j].z * force[2]);
-  }
+  /// What leaves a fine cell at rest has that much more than what a coarse cell would have sent, what arrives
+  /// in it lacks as much; and a packet that passes a place without a collision lacks twice as much.
+  double by_force(int j) const { return half_push(border.fine_.spec().force, j); }
   bool is_fine(Int3 cell) { return leaves.level(cell) == fine.level(); }
   bool is_coarse(Int3 cell) { return leaves.level(cell) == coarse.level(); }
 
@@ -176,8 +116,8 @@ struct LevelBorder<T>::Builder {
     }
     return entries;
   }
-  /// Rows above and below a coarse cell y along axis d, of what left along j; and what to multiply their
-  /// difference with for the change of a fourth of a cell.
+  /// A slope is the rows above and below a coarse cell y along axis d, of what left along j, and what to
+  /// multiply their difference with for the change of a fourth of a cell.
   struct Slope {
     Row above, below;
     T factor;
@@ -228,7 +168,7 @@ struct LevelBorder<T>::Builder {
     bool any_fine = false, any_outside = false, any_far = false;
     bool fine[3][3][3] = {};  // by z, y, x
     int alike = 1 << 30;
-    /// Whether what moves along j may meet fine cells.
+    /// Returns whether what moves along j may meet fine cells.
     bool may_meet(int j) const {
       bool found = any_outside;
       for (int k = 1; k < 8; ++k) {
@@ -351,8 +291,8 @@ void LevelBorder<T>::Builder::add_coalescence(int j) {
   (from_coarse ? border.late_ : part.list()).coalescences.push_back(std::move(one));
 }
 
-/// What left a fine cell in the first step, is in the coarse cell between them, and enters a fine one in the
-/// second.
+/// A passing packet left a fine cell in the first step, is in the coarse cell x between them, and enters a
+/// fine one in the second.
 template <class T>
 void LevelBorder<T>::Builder::add_passing(int j) {
   for (int k = 0; k < 8; ++k) {
@@ -395,7 +335,7 @@ auto LevelBorder<T>::Builder::around(Int3 cell) -> Surroundings {
   return s;
 }
 
-/// Rows of the cells of a box, some of which may have fine cells beside them.
+/// Cuts the cells of a box, some of which may have fine cells beside them, into rows that do alike.
 template <class T>
 void LevelBorder<T>::Builder::add_rows(const CellBox& box) {
   axis = box.size.x > 1 ? 0 : 1;

@@ -9,7 +9,7 @@
 
 namespace silt::lbm {
 
-/// The same fluid on a lattice so many levels coarser: velocities and pressures keep their numbers.
+/// Returns the fluid on a lattice so many levels coarser: velocities and pressures keep their numbers.
 CollisionSpec coarser(CollisionSpec, int levels);
 
 template <class T>

@@ -24,7 +24,7 @@ CaseText flying(const std::string& run = "") {
   return c;
 }
 
-/// How often this rank's cells were refined or coarsened.
+/// Returns how often this rank's cells were refined or coarsened.
 int regrids(Simulation& s, int steps) {
   int changes = 0;
   for (int n = 0; n < steps; ++n) {
