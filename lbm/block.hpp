@@ -12,6 +12,7 @@
 // `arriving` and `leaving` are the only places that know this; everything outside the kernel uses them.
 #include <algorithm>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "lbm/large_memory.hpp"
@@ -101,11 +102,24 @@ class Block {
     constexpr int skew = 27 * line;  // spreads 19 directions evenly over a page
     direction_ += (skew - direction_ % page + page) % page;
     memory_ = zeroed<T>(std::size_t(direction_) * directions);
+    first_ = memory_.get();
   }
+  /// The block of a part of another one's box, in that one's array: the slot of a ghost cell is then that of
+  /// the cell which the array has there.
+  Block(const Block& whole, const CellBox& box)
+      : box_(box),
+        row_(whole.row_),
+        plane_(whole.plane_),
+        direction_(whole.direction_),
+        memory_(whole.memory_),
+        first_(whole.first_ + cell(box.lower - whole.box_.lower)) {}
+  Block(Block&&) = default;
+  Block& operator=(Block&&) = default;
 
   const CellBox& box() const { return box_; }
   Int3 size() const { return box_.size; }
-  /// Bytes held for populations, ghosts included.
+  bool shares_array(const Block& other) const { return memory_ == other.memory_; }
+  /// Bytes of the array, ghosts included.
   std::size_t bytes() const { return std::size_t(direction_) * directions * sizeof(T); }
 
   /// The element offset of a cell (ghosts: -1 and size) within a direction, and of a step along c_i.
@@ -133,8 +147,8 @@ class Block {
   std::ptrdiff_t leaving(int i, Parity p) const {
     return p == Parity::settled ? slot(i) + step(i) : slot(opposite(i));
   }
-  T* data() { return memory_.get(); }
-  const T* data() const { return memory_.get(); }
+  T* data() { return first_; }
+  const T* data() const { return first_; }
 
   /// The dense pass moves these by itself at the ends of each row, while they are in cache: the part of the
   /// ghost layer (halo.hpp) that a row exchanges with itself or a wall, by the parity the pass begins with.
@@ -144,7 +158,8 @@ class Block {
  private:
   CellBox box_;
   std::ptrdiff_t row_, plane_, direction_;
-  LargeMemory<T> memory_;
+  std::shared_ptr<T[]> memory_;
+  T* first_;  // slot (cell 0, 0)
   std::vector<RowEnd<T>> row_ends_[2];
 };
 

@@ -44,8 +44,9 @@ int Domain::rank_of(int block) const {
 }
 
 Int3 Domain::wrapped(Int3 x) const {
+  const Int3 n = cells();
   for (int d = 0; d < 3; ++d)
-    if (periodic(d)) x[d] = ((x[d] % cells()[d]) + cells()[d]) % cells()[d];
+    if ((x[d] < 0 || x[d] >= n[d]) && periodic(d)) x[d] = ((x[d] % n[d]) + n[d]) % n[d];
   return x;
 }
 

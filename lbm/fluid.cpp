@@ -10,11 +10,38 @@
 namespace silt::lbm {
 
 namespace {
+/// Appends blocks that share arrays: a level's leaves are cut by what is finer among them, and between those
+/// in one array nothing moves. No array has more than half of its cells between its blocks.
+template <class T>
+void add_shared(std::span<const BlockPlace> places, std::vector<Block<T>>& blocks) {
+  Int3 low = places[0].box.lower, high = low;
+  std::int64_t cells = 0;
+  for (const BlockPlace& place : places) {
+    for (int d = 0; d < 3; ++d) {
+      low[d] = std::min(low[d], place.box.lower[d]);
+      high[d] = std::max(high[d], place.box.lower[d] + place.box.size[d]);
+    }
+    cells += place.box.cells();
+  }
+  const CellBox all{low, high - low};
+  if (2 * cells >= all.cells()) {
+    const Block<T> whole(all);
+    for (const BlockPlace& place : places) blocks.emplace_back(whole, place.box);
+  } else {
+    add_shared(places.first(places.size() / 2), blocks);
+    add_shared(places.subspan(places.size() / 2), blocks);
+  }
+}
+
+/// Cut links of the finest cells read and write what other blocks hold too: those have arrays of their own.
 template <class T>
 std::vector<Block<T>> local_blocks(const Domain& domain, MPI_Comm comm) {
-  const int rank = parallel::rank_of(comm);
+  const std::vector<BlockPlace> places = domain.blocks_of(parallel::rank_of(comm));
   std::vector<Block<T>> blocks;
-  for (const BlockPlace& place : domain.blocks_of(rank)) blocks.emplace_back(place.box);
+  if (domain.level() > 0 && !places.empty())
+    add_shared<T>(places, blocks);
+  else
+    for (const BlockPlace& place : places) blocks.emplace_back(place.box);
   return blocks;
 }
 
@@ -177,7 +204,8 @@ void Fluid<T>::set_equilibrium(int b, Int3 x, double rho, const std::array<doubl
 template <class T>
 std::size_t Fluid<T>::bytes() const {
   std::size_t n = 0;
-  for (const auto& b : blocks_) n += b.bytes();
+  for (std::size_t b = 0; b < blocks_.size(); ++b)
+    if (b == 0 || !blocks_[b].shares_array(blocks_[b - 1])) n += blocks_[b].bytes();
   return n;
 }
 

@@ -3,6 +3,7 @@
 namespace silt::lbm {
 
 Home home_of(const Domain& domain, Int3 g, int j) {
+  if (domain.inside(g)) return {HomeKind::slot, g, j};
   Int3 cell = g, direction = c[j];
   Home pressure{HomeKind::slot, {}, 0};
   for (int d = 0; d < 3; ++d) {

@@ -96,9 +96,11 @@ struct Halo<T>::Builder {
     if (!domain.is_of_level(home_place)) return;  // it crosses a border (level_border.hpp)
     const int there = domain.local_index(home_place, rank);
     const Int3 cell = home.cell - home_place.box.lower;
-    if (here >= 0 && there >= 0)
-      halo.slots_.copied().add(slot(there, cell, home.direction), slot(here, g, j));
-    else if (here >= 0)
+    if (here >= 0 && there >= 0) {
+      const SlotRun from = slot(there, cell, home.direction), to = slot(here, g, j);
+      if (blocks[there].data() + from.first != blocks[here].data() + to.first)
+        halo.slots_.copied().add(from, to);
+    } else if (here >= 0)
       add_peer(home_place.rank, orders[here], g - c[j]).received(home_place.rank).add(slot(here, g, j));
     else if (there >= 0)
       add_peer(place.rank, orders[there], cell).sent(place.rank).add(slot(there, cell, home.direction));

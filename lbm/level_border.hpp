@@ -43,50 +43,45 @@ class LevelBorder {
     std::uint32_t array = 0;
     std::int32_t first = 0, step = 0;
   };
-  /// Up to eight values in place: lists are read from one end to the other in every pass.
-  template <class Value>
-  struct UpToEight {
-    std::array<Value, 8> values;
-    std::uint32_t count = 0;
-    bool empty() const { return count == 0; }
-    Value& back() { return values[count - 1]; }
-    void push_back(const Value& value) { values[count++] = value; }
-    const Value* begin() const { return values.data(); }
-    const Value* end() const { return values.data() + count; }
-  };
-  /// An explosion is that of coarse populations of one direction that left a row of cells.
-  struct Explosion {
-    std::uint32_t length;
+  /// What the packets carry that leave a row of coarse cells along one direction: rows beside one another.
+  struct Carried {
+    std::uint32_t length, first;  // first: in carried_
     Row value;
     std::array<Row, 3> above, below;  // beside it along each axis; itself where no coarse cell is
     std::array<T, 3> slope;           // times their difference: the change to a packet's place
     std::int32_t before;  // in coarse_before_, what had arrived in the first cell; -1: does not count
-    struct Packet {       // into a fine cell
-      Row to;
-      T addend;                       // by walls that it met, and the force
-      std::uint8_t sub_step, corner;  // corner: bit d for the upper half along axis d
-      bool paired = false;            // the next element is for the other corner along x
-    };
-    UpToEight<Packet> packets;
+  };
+  static constexpr int carried_rows =
+      5;  // populations of the first step, of the second; changes along x, y, z
+  /// An explosion is that of coarse populations of one direction that left a row of cells, into fine cells.
+  struct Explosion {
+    std::uint32_t length, carried;
+    std::array<std::uint8_t, 2> packets;  // how many, by sub-step
+  };
+  struct Packet {
+    Row to;
+    T addend;             // by walls that it met, and the force
+    std::uint8_t corner;  // bit d for the upper half along axis d
+    bool paired = false;  // the next element is for the other corner along x
   };
   /// A coalescence is what arrives along one direction in a row of coarse cells.
   struct Coalescence {
     std::uint32_t length;
     Row to;
-    struct Packets {  // of fine cells
-      Row from;
-      bool paired = false;  // the next element is one more
-    };
-    UpToEight<Packets> packets[2];  // by sub-step
-    int count;                      // of all
-    std::uint32_t sum;              // in sums_, of the first sub-step's
+    std::uint32_t sum;  // in sums_, of the first sub-step's
     T addend;
-    struct Taken {
-      Row above, below;
-      T factor;
-    };
-    std::vector<Taken>
-        taken;  // by packets that entered fine cells, beyond the value in the middle of their cell
+    std::uint8_t from_coarse;             // packets of the eight
+    std::array<std::uint8_t, 2> sources;  // how many, by sub-step
+    std::uint8_t taken;                   // how many
+  };
+  struct Source {  // in fine cells
+    Row from;
+    bool paired = false;  // the next element is one more
+  };
+  /// By packets that entered fine cells, beyond the value in the middle of their cell.
+  struct Taken {
+    Row above, below;
+    T factor;
   };
   /// Packets that pass between two fine cells.
   struct Passing {
@@ -100,16 +95,21 @@ class LevelBorder {
   /// what was fetched from other ranks, and those that take from what others read, come after the pass.
   struct Ready {
     std::vector<Explosion> explosions;
+    std::vector<Packet> packets[2];  // those of one explosion after those of another, by sub-step
     std::vector<Coalescence> coalescences;
+    std::vector<Source> sources[2];
+    std::vector<Taken> taken;
   };
 
-  void explode(const Explosion&);
-  void coalesce(const Coalescence&);
+  void carry(const Carried&);
+  void explode(const Explosion&, const Packet*);
+  void coalesce(const Coalescence&, const Source*, const Taken*);
   void do_ready(const Ready&);
 
   Fluid<T>&fine_, &coarse_;
   SlotExchange<T> before_, coarse_left_, fine_left_[2];
-  std::vector<T> coarse_before_, coarse_fetched_, fine_fetched_[2], sums_;
+  std::vector<T> coarse_before_, coarse_fetched_, fine_fetched_[2], carried_, sums_;
+  std::vector<Carried> carry_;
   std::vector<Passing> passing_;
   std::vector<std::vector<Ready>> ready_;  // by block and part
   std::vector<char> by_parts_;             // whether parts of a block were told of in this pass

@@ -27,7 +27,7 @@ struct LevelBorder<T>::Builder {
     int sub_step, corner;
     Flight to;
   };
-  std::uint32_t coarse_next = 0, fine_next[2] = {}, sums = 0;
+  std::uint32_t coarse_next = 0, fine_next[2] = {}, carried = 0, sums = 0;
 
   /// What leaves a fine cell at rest has that much more than what a coarse cell would have sent, what arrives
   /// in it lacks as much; and a packet that passes a place without a collision lacks twice as much.
@@ -141,23 +141,25 @@ struct LevelBorder<T>::Builder {
   static bool goes_on(const Row& row, const Row& next) {
     return row.array == next.array && row.first + 1 == next.first && row.step == next.step;
   }
-  static void add_packet(UpToEight<typename Explosion::Packet>& packets,
-                         const typename Explosion::Packet& one) {
-    if (!packets.empty() && !packets.back().paired && one.corner == (packets.back().corner | 1) &&
-        one.corner != packets.back().corner && one.sub_step == packets.back().sub_step &&
-        one.addend == packets.back().addend && goes_on(packets.back().to, one.to))
+  /// Adds a packet to those of an explosion, or what a fine cell sends to a coalescence: one element, or the
+  /// second of a pair.
+  static void add(std::vector<Packet>& packets, std::uint8_t& count, const Packet& one) {
+    if (count > 0 && !packets.back().paired && one.corner == (packets.back().corner | 1) &&
+        one.corner != packets.back().corner && one.addend == packets.back().addend &&
+        goes_on(packets.back().to, one.to))
       packets.back().paired = true;
     else
-      packets.push_back(one);
+      packets.push_back(one), ++count;
   }
-  static void add_packet(UpToEight<typename Coalescence::Packets>& packets, const Row& one) {
-    if (!packets.empty() && !packets.back().paired && goes_on(packets.back().from, one))
-      packets.back().paired = true;
+  static void add(std::vector<Source>& sources, std::uint8_t& count, const Row& from) {
+    if (count > 0 && !sources.back().paired && goes_on(sources.back().from, from))
+      sources.back().paired = true;
     else
-      packets.push_back({one});
+      sources.push_back({from}), ++count;
   }
 
   void add_explosion(int j);
+  std::int32_t before_row(int user, int j);
   void add_coalescence(int j);
   void add_passing(int j);
 
@@ -196,37 +198,49 @@ void LevelBorder<T>::Builder::add_explosion(int j) {
   }
   const bool in_time = in_step[0] == 4 && in_step[1] == 4 && !by_outlet;
   for (const int user : users) {
-    Explosion one{length, coarse_row(user, x, j), {}, {}, {}, -1, {}}, returned = one;
+    Carried one{length, 0, coarse_row(user, x, j), {}, {}, {}, -1}, returned = one;
     for (int d = 0; d < 3; ++d) {
       const Slope s = slope(user, x, j, d);
       one.above[d] = s.above, one.below[d] = s.below, one.slope[d] = s.factor;
     }
     if (by_outlet) returned.value = coarse_row(user, x, opposite(j), true);
     returned.above = returned.below = {returned.value, returned.value, returned.value};
-    if (in_time) {
-      const int owner = coarse_leaves.at(x).rank;
-      const SlotRun to{0, std::uint32_t(border.coarse_before_.size()), 1, length};
-      const SlotRun from =
-          owner == rank ? run_of(own_row(border.coarse_, coarse_leaves, x, j)) : SlotRun{0, 0};
-      if (owner == rank && user == rank) border.before_.copied().add(from, to);
-      if (owner == rank && user != rank) border.before_.sent(user).add(from);
-      if (owner != rank && user == rank) border.before_.received(owner).add(to);
-      one.before = std::int32_t(to.first);
-    }
+    if (in_time) one.before = before_row(user, j);
     if (user != rank) continue;
-    if (in_time) border.coarse_before_.resize(border.coarse_before_.size() + length);
     Part part(*this);
-    for (const Entry& entry : entries) {
-      if (leaves.at(entry.to.cell).rank != rank) continue;
-      part.add(entry.to.cell);
-      const double addend = entry.to.addend + (in_time ? 0 : entry.to.by_force);
-      add_packet((entry.to.by_outlet ? returned : one).packets,
-                 {own_row(border.fine_, leaves, entry.to.cell, entry.to.direction), T(addend),
-                  std::uint8_t(entry.sub_step), std::uint8_t(entry.corner)});
+    for (const Entry& entry : entries)
+      if (leaves.at(entry.to.cell).rank == rank) part.add(entry.to.cell);
+    for (const bool outlet : {false, true}) {
+      Explosion explosion{length, carried, {}};
+      for (const Entry& entry : entries) {
+        if (entry.to.by_outlet != outlet || leaves.at(entry.to.cell).rank != rank) continue;
+        const double addend = entry.to.addend + (in_time ? 0 : entry.to.by_force);
+        add(part.list().packets[entry.sub_step], explosion.packets[entry.sub_step],
+            {own_row(border.fine_, leaves, entry.to.cell, entry.to.direction), T(addend),
+             std::uint8_t(entry.corner)});
+      }
+      if (explosion.packets[0] + explosion.packets[1] == 0) continue;
+      part.list().explosions.push_back(explosion);
+      Carried& its = outlet ? returned : one;
+      its.first = carried;
+      border.carry_.push_back(its);
+      carried += carried_rows * length;
     }
-    if (!one.packets.empty()) part.list().explosions.push_back(one);
-    if (!returned.packets.empty()) part.list().explosions.push_back(returned);
   }
+}
+
+/// Lists what arrived along j in the row of cells before their collision, for a rank; returns where it has
+/// it.
+template <class T>
+std::int32_t LevelBorder<T>::Builder::before_row(int user, int j) {
+  const int owner = coarse_leaves.at(x).rank;
+  const SlotRun to{0, std::uint32_t(border.coarse_before_.size()), 1, length};
+  const SlotRun from = owner == rank ? run_of(own_row(border.coarse_, coarse_leaves, x, j)) : SlotRun{0, 0};
+  if (owner == rank && user == rank) border.before_.copied().add(from, to);
+  if (owner == rank && user != rank) border.before_.sent(user).add(from);
+  if (owner != rank && user == rank) border.before_.received(owner).add(to);
+  if (user == rank) border.coarse_before_.resize(border.coarse_before_.size() + length);
+  return std::int32_t(to.first);
 }
 
 template <class T>
@@ -270,25 +284,35 @@ void LevelBorder<T>::Builder::add_coalescence(int j) {
     x = first, length = whole;
     return;
   }
-  Coalescence one{length, {}, {}, int(packets.size()), sums, T(addend), {}};
+  std::vector<Row> sources;
   Part part(*this);
   for (const Left& left : packets) {
     part.add(left.from.cell);
-    add_packet(one.packets[left.sub_step],
-               fine_row(user, left.from.cell, left.from.direction, left.sub_step));
+    sources.push_back(fine_row(user, left.from.cell, left.from.direction, left.sub_step));
   }
   Int3 corners{};
   for (const Entry& entry : entered)
     corners = corners + corner(entry.corner) + corner(entry.corner) - Int3{1, 1, 1};
+  std::vector<Taken> taken;
   for (int d = 0; d < 3; ++d) {
     if (corners[d] == 0) continue;
     const Slope s = slope(user, back.cell, from_direction, d);
-    one.taken.push_back({s.above, s.below, T(corners[d]) * s.factor});
+    taken.push_back({s.above, s.below, T(corners[d]) * s.factor});
   }
   if (user != rank) return;
-  one.to = own_row(border.coarse_, coarse_leaves, x, j);
+  Ready& list = from_coarse ? border.late_ : part.list();
+  Coalescence one{length,
+                  own_row(border.coarse_, coarse_leaves, x, j),
+                  sums,
+                  T(addend),
+                  std::uint8_t(8 - packets.size()),
+                  {},
+                  std::uint8_t(taken.size())};
+  for (std::size_t k = 0; k < packets.size(); ++k)
+    add(list.sources[packets[k].sub_step], one.sources[packets[k].sub_step], sources[k]);
+  list.taken.insert(list.taken.end(), taken.begin(), taken.end());
+  list.coalescences.push_back(one);
   sums += length;
-  (from_coarse ? border.late_ : part.list()).coalescences.push_back(std::move(one));
 }
 
 /// A passing packet left a fine cell in the first step, is in the coarse cell x between them, and enters a
@@ -387,6 +411,7 @@ void LevelBorder<T>::Builder::build() {
   }
   border.coarse_fetched_.resize(coarse_next);
   for (int s = 0; s < 2; ++s) border.fine_fetched_[s].resize(fine_next[s]);
+  border.carried_.resize(carried);
   border.sums_.resize(sums);
 }
 
