@@ -1,6 +1,7 @@
 #include "coupler/load_balance.hpp"
 
 #include "coupler/balance/body_work.hpp"
+#include "coupler/balance/level_work.hpp"
 #include "coupler/case/case.hpp"
 #include "coupler/scene.hpp"
 
@@ -27,8 +28,8 @@ std::vector<WorkItem> in_tiles(const Scene& scene, std::int64_t work_of_a_cell, 
     const lbm::LeafKind& kind = view.tree().kinds()[leaf];
     if (kind.rank != scene.rank || kind.level == levels) continue;
     const lbm::CellBox box = view.tree().leaf(leaf).box;
-    const std::int64_t work = work_of_a_cell * box.cells();
-    items.push_back({box, (work >> 4 * kind.level) - (work >> 4 * levels)});
+    const std::int64_t of_coarsest = (work_of_a_cell * box.cells()) >> 4 * levels;
+    items.push_back({box, work_of_leaf(view, leaf, work_of_a_cell) - of_coarsest});
   }
   for (WorkItem& item : items)
     for (int d = 0; d < 3; ++d) {

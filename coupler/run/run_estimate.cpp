@@ -11,6 +11,7 @@
 #include <variant>
 
 #include "coupler/balance/body_work.hpp"
+#include "coupler/balance/level_work.hpp"
 #include "coupler/balance/weighted_cut.hpp"
 #include "coupler/case/case.hpp"
 #include "coupler/case/case_check.hpp"
@@ -197,24 +198,28 @@ double seconds_of_output(const Case& setup, double bodies, double cell, double s
 }
 
 /// The levels of all cells at the start.
-lbm::CutTree levels_of(const Case& setup, Scenery all) {
+lbm::Domain levels_of(const Case& setup, Scenery all) {
   for (std::size_t row = 0; row < all.bodies.owned; ++row)
     set_mapping_pose(all.bodies, row, all.bodies.pose(row));
   for (const CurvedWall& wall : setup.walls)
     std::visit([&](const auto& surface) { rigid::add_wall(all.bodies, all.world, surface); }, wall.surface);
-  return LevelViews(setup, cut_for_levels(setup, 1), all.world, MPI_COMM_SELF).view(all.bodies);
+  const lbm::CutTree view =
+      LevelViews(setup, cut_for_levels(setup, 1), all.world, MPI_COMM_SELF).view(all.bodies);
+  return {view, make_domain(setup, 1).sides(), 1};
 }
 
-/// Adds the cells of each level, and the work of a step's updates of them. A cell of a level stands for
-/// 8^level finest ones, and is updated in one of 2^level steps.
-void add_work_of_levels(const lbm::CutTree& levels, std::int64_t work_of_a_cell, std::vector<WorkItem>& items,
-                        std::vector<double>& cells) {
-  for (int k = 0; k < levels.leaves(); ++k) {
-    const int level = levels.kinds()[k].level;
-    const lbm::CellBox box = levels.leaf(k).box;
-    cells[level] += static_cast<double>(box.cells() >> (3 * level));
-    items.push_back({box, std::max<std::int64_t>(1, (work_of_a_cell * box.cells()) >> (4 * level))});
+/// Adds the cells of each level, and the work of a step in them and at their borders.
+void add_work_of_levels(const lbm::Domain& levels, std::int64_t work_of_a_cell, std::vector<WorkItem>& items,
+                        RunEstimate& estimate) {
+  std::int64_t work = 0;
+  for (int k = 0; k < levels.blocks(); ++k) {
+    const int level = levels.tree().kinds()[k].level;
+    const lbm::CellBox box = levels.tree().leaf(k).box;
+    estimate.cells[level] += static_cast<double>(box.cells() >> (3 * level));
+    items.push_back({box, std::max<std::int64_t>(1, work_of_leaf(levels, k, work_of_a_cell))});
+    work += items.back().work;
   }
+  estimate.cell_updates = double(work) / double(work_of_a_cell);
 }
 
 /// Sides where fluid comes in or goes out, and across which cells change their width.
@@ -246,10 +251,10 @@ std::vector<Diagnostic> border_warnings(const Case& setup, const lbm::CutTree& l
 /// over those there were if all were finest.
 double foresee_levels(const Case& setup, const Scenery& all, std::int64_t work_of_a_cell,
                       std::vector<WorkItem>& items, RunEstimate& estimate) {
-  const lbm::CutTree levels = levels_of(setup, all);
+  const lbm::Domain levels = levels_of(setup, all);
   estimate.cells.resize(setup.coarsening->levels + 1);
-  add_work_of_levels(levels, work_of_a_cell, items, estimate.cells);
-  estimate.of_borders = border_warnings(setup, levels);
+  add_work_of_levels(levels, work_of_a_cell, items, estimate);
+  estimate.of_borders = border_warnings(setup, levels.tree());
   return std::accumulate(estimate.cells.begin(), estimate.cells.end(), 0.) / setup.volume();
 }
 
@@ -337,18 +342,18 @@ std::string estimate_table(const Case& setup, const RunEstimate& e) {
   const auto line = [&](const char* name, const std::string& value) {
     text += fmt::format("  {:<24}  {}\n", name, value);
   };
-  double cells = 0, updates = 0;
+  double cells = 0;
   for (std::size_t level = 0; level < e.cells.size(); ++level) {
     const double width = double(1 << level), volume = e.cells[level] * width * width * width;
     line(fmt::format("cells of level {}", level).c_str(),
          fmt::format("{:.0f}, {:.2g} % of the domain", e.cells[level], 100 * volume / setup.volume()));
-    cells += e.cells[level], updates += e.cells[level] / width;
+    cells += e.cells[level];
   }
   if (!e.cells.empty()) {
     line("  memory for them",
          fmt::format("{:.2g} of that if every cell were finest", cells / setup.volume()));
-    line("  updates a step",
-         fmt::format("{:.3g}, {:.2g} of those if every cell were finest", updates, updates / setup.volume()));
+    line("  work of a step", fmt::format("{:.2g} of that if every cell were finest, borders included",
+                                         e.cell_updates / setup.volume()));
   }
   line("time", fmt::format("{}, {:.2g} s a step", seconds_text(e.seconds), e.seconds_a_step));
   line("  of it for output", fmt::format("{} ({:.0f} %)", seconds_text(e.seconds_of_output),

@@ -35,12 +35,16 @@ TEST(LevelsForeseen, CellsMemoryAndUpdates) {
   EXPECT_EQ(some.cells[0], 24 * 24 * 24);  // 4 + 8 on either side of the middle
   EXPECT_EQ(some.cells[0] + 8 * some.cells[1] + 64 * some.cells[2], coarse.volume());
   EXPECT_LT(two.largest_over_mean, 1.2);
+  // Faces to level 1, 12 x 12 of its cells each, then those to level 2, of 16 x 16 and 12 x 16: 60, 30 and 15
+  // updates a cell across x, y and z; level 1 has a step of two.
+  const double at_faces = 2 * 144 * (60 + 30 + 15) + (256 * 60 + 2 * 192 * (30 + 15)) / 2.;
+  EXPECT_NEAR(some.cell_updates, some.cells[0] + some.cells[1] / 2 + some.cells[2] / 4 + at_faces, 10);
   const double saved =
       fluid_memory(uniform) * (1 - (some.cells[0] + some.cells[1] + some.cells[2]) / coarse.volume());
   EXPECT_NEAR(all.memory - some.memory, saved, 1);
   const std::string text = estimate_table(coarse, some);
   for (const char* part : {"cells of level 0          13824, 1.2 % of the domain\n", "cells of level 2",
-                           "  updates a step", "of those if every cell were finest\n"})
+                           "  work of a step", "if every cell were finest, borders included\n"})
     EXPECT_NE(text.find(part), text.npos) << text;
   EXPECT_NE(derived_table(coarse).find("of cells 4 times as wide"), std::string::npos);
 }
