@@ -47,6 +47,12 @@ def rotation(q):
                      [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)]])
 
 
+def turns(rows):
+    """Returns the matrices [n, 3, 3] from the surfaces of kinds to bodies in the world: rotations, times the size of each body."""
+    scales = rows.get("scale", np.ones(len(rows["kind"])))
+    return np.array([scale * rotation(q) for scale, q in zip(scales, rows["orientation"])]).reshape(-1, 3, 3)
+
+
 def meshes_of_kinds(series):
     """Returns the meshes of each kind's parts; raises NoMesh where the file has none of a kind that has bodies."""
     if series.meshes is None:

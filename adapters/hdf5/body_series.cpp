@@ -39,6 +39,9 @@ std::vector<Column> body_columns(const BodySeriesInfo& info) {
   if (info.columns.buoyancy)
     columns.push_back({"buoyancy", offsetof(BodyRow, buoyancy), Column::float64, 3, force,
                        "of the fluid's hydrostatic pressure: the weight of the fluid displaced, upwards"});
+  if (info.columns.scale)
+    columns.push_back({"scale", offsetof(BodyRow, scale), Column::float64, 1, "1",
+                       "lengths of the body over those of the surface of its kind"});
   if (!info.columns.contacts) return columns;
   columns.push_back(
       {"contact_force", offsetof(BodyRow, contact_force), Column::float64, 3, force, of_contacts});
@@ -235,8 +238,10 @@ void create_series(const hdf5::Path& path, const BodySeriesInfo& info, const Pro
 
 void require_columns(const File& file, BodyColumns with) {
   const auto there = [&](const char* name) { return file.exists(std::string("/bodies/") + name); };
-  for (const auto& [name, wanted] :
-       {std::pair{"mass", true}, {"buoyancy", with.buoyancy}, {"contact_force", with.contacts}})
+  for (const auto& [name, wanted] : {std::pair{"mass", true},
+                                     {"buoyancy", with.buoyancy},
+                                     {"contact_force", with.contacts},
+                                     {"scale", with.scale}})
     if (there(name) != wanted)
       file.refuse(std::string("its columns are not those of this run (") + name +
                   "); go on with output.bodies.contacts as the run began with, or move the file away: a new "

@@ -4,7 +4,7 @@
 //   /time [T]  /step [T]  /offset [T]  /count [T]     time t has the rows offset[t] .. offset[t] + count[t]
 //   /bodies/id [R]  kind [R]  position [R][3]  image [R][3]  orientation [R][4]  velocity [R][3]
 //           angular_velocity [R][3]  force [R][3]  torque [R][3]  mass [R]    sorted by id within a time
-//   and what BodyColumns says: buoyancy [R][3]; contact_force [R][3]  contact_torque [R][3]
+//   and what BodyColumns says: buoyancy [R][3]; contact_force [R][3]  contact_torque [R][3]; scale [R]
 //   /kinds/bounding_radius [K]  density [K]    of the kinds, whose names are the attribute kind_names
 //   /kinds/part_kind [P]                       of the convex parts of all kinds, in their order
 //   /kinds/vertex_offset [P+1]  vertex [V][3]  part p has the vertices vertex_offset[p] .. vertex_offset[p+1]
@@ -56,11 +56,12 @@ struct BodyRow {
       torque;  // world frame; torque about the centre of mass
   double mass;
   std::array<double, 3> buoyancy, contact_force, contact_torque;
+  double scale = 1;  // its size over that of the surface of its kind
 };
 
 /// BodyColumns says which columns a series has besides those that all have.
 struct BodyColumns {
-  bool buoyancy = false, contacts = false;  // contact_force and contact_torque
+  bool buoyancy = false, contacts = false, scale = false;  // contact_force and contact_torque
 };
 
 struct BodySeriesInfo {

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "coupler/case/case_sections.hpp"
+#include "coupler/case/fill_sizes.hpp"
 #include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {
@@ -40,6 +41,8 @@ constexpr std::tuple body_keys{
 
 constexpr std::tuple fill_keys{
     Key{"arrangement", &FillSpec::arrangement, Choice{arrangement_names}, "where the bodies are"},
+    HandKey{"diameter", "table", "", "the shape's",
+            "sizes of the bodies, see below; those of the shape do not count then; at random only"},
     Key{"count", &FillSpec::count, Whole{1, 100'000'000'000},
         "number of bodies; not at random as many as fit without it", "–, none"},
     Key{"spacing", &FillSpec::spacing, Number{dimension::length, range::above(0)},
@@ -173,6 +176,9 @@ void judge_fill(TableReader& table, const FillSpec& fill) {
                  "{} is for sites, but {} is \"random\"; set it to \"simple-cubic\", \"hexagonal\" or "
                  "\"layers\", or remove the key",
                  table.path(key), table.path("arrangement"));
+  if (!random && table.has("diameter"))
+    table.fail("diameter", "{} is for bodies at random places, but {} is \"{}\"; remove one of the two",
+               table.path("diameter"), table.path("arrangement"), arrangement_names[fill.arrangement]);
   if (table.has("every")) table.need("box", "where the bodies come in: two corners");
   if (table.has("until") && !table.has("every"))
     table.fail("until", "{} is for a fill that is applied again and again; give {}, or remove the key",
@@ -183,18 +189,23 @@ void judge_fill(TableReader& table, const FillSpec& fill) {
 
 std::vector<KeySection> body_sections() {
   return {section_of("bodies", shape_name_keys, entry_keys, body_keys, orientation_keys),
-          section_of("fill", shape_name_keys, entry_keys, fill_keys), section_of("outflow", outflow_keys)};
+          section_of("fill", shape_name_keys, entry_keys, fill_keys), fill_size_section(),
+          section_of("outflow", outflow_keys)};
 }
 
 void read_bodies(TableReader& root, Case& setup) {
   read_given_bodies(root, setup);
+  std::vector<std::vector<SizeShare>> sizes;
   for (TableReader& table : root.tables("fill")) {
     FillSpec& fill = setup.fills.emplace_back();
     fill.box = box_of(setup);
     read_entry(table, fill, setup);
     read_keys(table, fill, fill_keys);
     judge_fill(table, fill);
+    sizes.push_back(read_fill_sizes(table));
   }
+  // after all that name a shape: those of sizes have the names of others
+  set_fill_sizes(setup, sizes);
   for (TableReader& table : root.tables("outflow"))
     read_keys(table, setup.outflows.emplace_back(), outflow_keys);
 }

@@ -11,6 +11,7 @@
 #include "coupler/case/case_check.hpp"
 #include "coupler/case/case_sections.hpp"
 #include "coupler/case/fill_room.hpp"
+#include "coupler/case/fill_sizes.hpp"
 #include "coupler/case/limits.hpp"
 #include "rigid/shapes/shape.hpp"
 
@@ -81,7 +82,8 @@ void find_density_faults(const Case& setup, Findings& findings) {
     findings.warning("fluid.density",
                      "fluid.density is {} kg/m3; fluids have {} (a gas) to {} (mercury), water has 1000",
                      shown(density), lightest_fluid, heaviest_fluid);
-  for (const Entry& entry : entries_of(setup)) check_density(setup, findings, entry);
+  for (const Entry& entry : entries_of(setup))
+    if (entry.smallest) check_density(setup, findings, entry);
 }
 
 namespace {
@@ -169,10 +171,12 @@ std::vector<Use> uses_of(const Case& setup) {
     uses[body.shape].count += static_cast<std::int64_t>(count);
     uses[body.shape].free |= body.motion == rigid::Motion::free;
   });
-  for (const FillSpec& fill : setup.fills) {
-    uses[fill.shape].count += fill.count > 0 && fill.every == 0 ? fill.count : 2;  // of sites there are many
-    uses[fill.shape].free = true;
-  }
+  for (const FillSpec& fill : setup.fills)
+    for (const FillSize& size : fill.sizes) {
+      uses[size.shape].count +=
+          fill.count > 0 && fill.every == 0 ? fill.count : 2;  // of sites there are many
+      uses[size.shape].free = true;
+    }
   return uses;
 }
 
@@ -216,7 +220,7 @@ void check_fill(const Case& setup, Findings& findings, std::size_t index) {
   if (!lies_in_domain(setup, fill.box, start_overlap))
     findings.error(key + ".box", "{}.box is {}; it must lie in the domain, {}", key,
                    shown_box(setup, fill.box), shown_box(setup, box_of(setup)));
-  const double volume = rigid::mass_properties(setup.shapes[fill.shape]).volume;
+  const double volume = mean_volume(setup, fill);
   const double left = CurvedWalls(setup).share_left(fill.box, 0);
   const double room = std::min(1., sampling * left) * (fill.box.upper - fill.box.lower).prod();
   if (static_cast<double>(fill.count) * volume <= room * densest) return;
@@ -244,11 +248,9 @@ void check_fill_rooms(const Case& setup, Findings& findings) {
 void find_body_faults(const Case& setup, Findings& findings) {
   if (!setup.has_bodies()) return;
   for (const Entry& entry : entries_of(setup)) {
-    if (setup.fluid)
-      check_cells_across(setup, findings, entry);
-    else
-      check_specks(setup, findings, entry);
-    if (entry.motion != rigid::Motion::fixed) check_room(setup, findings, entry);
+    if (entry.smallest && setup.fluid) check_cells_across(setup, findings, entry);
+    if (entry.largest && !setup.fluid) check_specks(setup, findings, entry);
+    if (entry.largest && entry.motion != rigid::Motion::fixed) check_room(setup, findings, entry);
   }
   check_backend(setup, findings);
   for (std::size_t i = 0; i < setup.fills.size(); ++i) check_fill(setup, findings, i);

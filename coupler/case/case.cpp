@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "coupler/case/fill_room.hpp"
+
 namespace silt::coupler {
 
 rigid::Extent extent_of(const Case& setup) {
@@ -55,8 +57,13 @@ std::vector<Entry> entries_of(const Case& setup) {
     entries[place->second].count += count;
   });
   for (std::size_t i = 0; i < setup.fills.size(); ++i) {
-    entries.push_back({setup.fills[i], fmt::format("fill[{}]", i)});
-    entries.back().count = static_cast<std::uint64_t>(setup.fills[i].count);
+    const FillSpec& fill = setup.fills[i];
+    for (std::size_t size = 0; size < fill.sizes.size(); ++size) {
+      Entry& entry = entries.emplace_back(Entry{fill, fmt::format("fill[{}]", i)});
+      entry.shape = fill.sizes[size].shape;
+      entry.count = static_cast<std::uint64_t>(FillApplication(i, 0, size).count(fill));
+      entry.smallest = size == 0, entry.largest = size + 1 == fill.sizes.size();
+    }
   }
   return entries;
 }

@@ -65,9 +65,16 @@ enum class Arrangement { random, simple_cubic, hexagonal, layers };
 inline constexpr auto arrangement_names =
     names_of<Arrangement>("random", "simple-cubic", "hexagonal", "layers");
 
-struct FillSpec : EntrySpec {
-  std::int64_t count = 0;  // 0: as many as there are sites for, not at random
-  double gap = 0;          // least distance between bounding spheres' surfaces and to walls
+/// A size of a fill's bodies.
+struct FillSize {
+  int shape;     // index into Case::shapes
+  double up_to;  // share of the bodies, by number, that have this size or a smaller one
+};
+
+struct FillSpec : EntrySpec {   // the shape is that of the largest
+  std::vector<FillSize> sizes;  // smallest first; one where all bodies are alike
+  std::int64_t count = 0;       // 0: as many as there are sites for, not at random
+  double gap = 0;               // least distance between bounding spheres' surfaces and to walls
   Arrangement arrangement = Arrangement::random;
   double spacing = 0;    // of sites, not at random; 0: the least
   double shift = 0;      // furthest that a body is moved from its site
@@ -210,6 +217,10 @@ struct Case {
   bool bodies_come() const {
     return std::any_of(fills.begin(), fills.end(), [](const FillSpec& fill) { return fill.every > 0; });
   }
+  bool has_sizes() const {  // bodies of one kind that differ in size
+    return std::any_of(fills.begin(), fills.end(),
+                       [](const FillSpec& fill) { return fill.sizes.size() > 1; });
+  }
   bool bodies_leave() const {
     return !outflows.empty() || std::any_of(boundary.begin(), boundary.end(),
                                             [](const BoundarySpec& side) { return side.removes_bodies(); });
@@ -227,6 +238,8 @@ struct Entry : EntrySpec {
   rigid::Motion motion = rigid::Motion::free;
   rigid::Vec3 angular_velocity = rigid::Vec3::Zero();
   std::uint64_t count = 0;  // 0: as many as a fill has sites for
+
+  bool smallest = true, largest = true;  // of the sizes of its fill, each of which is an entry
 
   bool is_free() const { return motion == rigid::Motion::free; }
   bool moves() const { return velocity.norm() + angular_velocity.norm() > 0; }

@@ -47,8 +47,9 @@ void read_fine_sides(TableReader& table, std::array<bool, 6>& fine) {
 
 double default_distance(const Case& setup) {
   double largest = 0;
-  for (const rigid::Shape& shape : setup.shapes)
-    if (!rigid::is_endless(shape)) largest = std::max(largest, rigid::bounding_radius(shape));
+  if (setup.shapes.empty()) return least_default_distance;
+  for (const Entry& entry : entries_of(setup))
+    largest = std::max(largest, rigid::bounding_radius(setup.shapes[entry.shape]));
   return std::max(std::ceil(largest), least_default_distance);
 }
 
@@ -153,6 +154,7 @@ void check_layers(Findings& findings) {
   const Case& setup = findings.setup;
   const double nu = setup.fluid->kinematic_viscosity, distance = setup.coarsening->distance;
   for (const Entry& entry : entries_of(setup)) {
+    if (!entry.largest) continue;
     const double diameter = sphere_of_volume(setup.shapes[entry.shape]);
     double speed = fastest_given(setup);
     if (entry.is_free())

@@ -2,12 +2,15 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "coupler/case/case.hpp"
 #include "coupler/case/case_check.hpp"
 #include "coupler/case/fill_room.hpp"
+#include "coupler/case/fill_sizes.hpp"
 #include "coupler/case/fluid_spec.hpp"
 #include "coupler/case/limits.hpp"
+#include "rigid/math/elementary.hpp"
 #include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {
@@ -191,9 +194,23 @@ void add_inflow(const Case& setup, Table& table, const FillSpec& fill, double co
   const auto again = static_cast<std::int64_t>(last / static_cast<double>(fill.every));
   table.line("  again", fmt::format("every {} steps, {} time{}", fill.every, again, again == 1 ? "" : "s"));
   const double a_step = count / static_cast<double>(fill.every);
-  const double mass = a_step * fill.density * rigid::mass_properties(setup.shapes[fill.shape]).volume;
+  const double mass = a_step * fill.density * mean_volume(setup, fill);
   table.quantity("  bodies at most", a_step, {0, -1, 0});
   table.quantity("  their mass", mass, {0, -1, 1});
+}
+
+void add_sizes(const Case& setup, Table& table, const FillSpec& fill) {
+  const std::size_t count = fill.sizes.size();
+  if (count == 1) return;
+  const auto diameter = [&](double volume) {
+    return shown_length(setup, rigid::elementary::cbrt(6 / std::numbers::pi * volume));
+  };
+  const auto of = [&](const FillSize& size) {
+    return diameter(rigid::mass_properties(setup.shapes[size.shape]).volume);
+  };
+  table.line("  diameters",
+             fmt::format("{} sizes, {} to {}; mean {} (of mass)", count, of(fill.sizes.front()),
+                         of(fill.sizes.back()), diameter(mean_volume(setup, fill))));
 }
 
 void add_bodies(const Case& setup, Table& table) {
@@ -204,8 +221,9 @@ void add_bodies(const Case& setup, Table& table) {
   table.heading("bodies");
   if (setup.gravity.norm() > 0) table.quantity("gravity", setup.gravity.norm(), dimension::acceleration);
   double volume = 0;
-  const std::vector<Entry> entries = entries_of(setup);
-  const std::size_t given = entries.size() - setup.fills.size();
+  std::vector<Entry> entries = entries_of(setup);
+  std::erase_if(entries, [](const Entry& entry) { return entry.key.starts_with("fill"); });
+  const std::size_t given = entries.size();
   constexpr std::size_t most_lines = 12;
   for (std::size_t i = 0; i < std::min(given, most_lines); ++i) {
     add_kind(setup, table, entries[i].key, entries[i]);
@@ -215,16 +233,17 @@ void add_bodies(const Case& setup, Table& table) {
                    lines_text(filed.contents.points, filed.contents.headings));
   }
   if (given > most_lines) table.line("", fmt::format("and {} more entries", given - most_lines));
-  for (std::size_t i = 0; i < entries.size(); ++i) {
-    Entry entry = entries[i];
-    if (i >= given) {
-      const FillSpec& fill = setup.fills[i - given];
-      entry.count = most_bodies_of(setup, i - given);
-      add_kind(setup, table, fmt::format("{} {}", entry.key, setup.kind_names[fill.kind]), entry);
-      add_room(setup, table, i - given);
-      add_inflow(setup, table, fill, static_cast<double>(entry.count));
-    }
+  for (const Entry& entry : entries)
     volume += static_cast<double>(entry.count) * rigid::mass_properties(setup.shapes[entry.shape]).volume;
+  for (std::size_t i = 0; i < setup.fills.size(); ++i) {
+    const FillSpec& fill = setup.fills[i];
+    Entry all{fill, fmt::format("fill[{}]", i)};
+    all.count = most_bodies_of(setup, i);
+    add_kind(setup, table, fmt::format("{} {}", all.key, setup.kind_names[fill.kind]), all);
+    add_sizes(setup, table, fill);
+    add_room(setup, table, i);
+    add_inflow(setup, table, fill, static_cast<double>(all.count));
+    volume += static_cast<double>(all.count) * mean_volume(setup, fill);
   }
   for (std::size_t i = 0; i < setup.outflows.size(); ++i)
     table.line(fmt::format("outflow[{}]", i), shown_box(setup, setup.outflows[i].box));

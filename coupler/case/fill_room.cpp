@@ -58,6 +58,16 @@ namespace {
 
 }  // namespace
 
+std::int64_t FillApplication::count(const FillSpec& spec) const {
+  if (spec.sizes.size() == 1) return spec.count;
+  const auto all = static_cast<double>(spec.count);
+  const double u = CounterRandom(FillApplication(fill, number).key(spec)).uniform();
+  const auto below = [&](double share) {
+    return static_cast<std::int64_t>(std::clamp(std::ceil(all * share - u), 0., all));
+  };
+  return below(spec.sizes[size].up_to) - (size > 0 ? below(spec.sizes[size - 1].up_to) : 0);
+}
+
 rigid::BoundingBox room_for_centres(const Case& setup, std::size_t index, double radius) {
   const FillSpec& fill = setup.fills[index];
   const rigid::Extent extent = extent_of(setup);

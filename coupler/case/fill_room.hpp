@@ -16,15 +16,24 @@
 
 namespace silt::coupler {
 
-/// Which fill is applied, and how often it has been before.
+/// Which size of which fill is applied, and how often it has been before.
 struct FillApplication {
   std::size_t fill;
   std::uint64_t number;
+  std::size_t size;
 
-  FillApplication(std::size_t fill, std::uint64_t number = 0) : fill(fill), number(number) {}
+  FillApplication(std::size_t fill, std::uint64_t number = 0, std::size_t size = 0)
+      : fill(fill), number(number), size(size) {}
   bool is_first() const { return number == 0; }
   /// Of its random numbers: none of them is one of another application, whatever the seeds.
-  std::uint64_t key(const FillSpec& spec) const { return mixed(spec.seed) ^ mixed(~(fill | number << 24)); }
+  std::uint64_t key(const FillSpec& spec) const {
+    return mixed(spec.seed) ^ mixed(~(fill | size << 16 | number << 24));
+  }
+  /// Returns how many bodies it has: of count bodies the j-th has the size up to which a share of
+  /// (j + u) / count of all go, u being a random number of the fill's application. So numbers follow the
+  /// distribution to a body, and those of many small applications do so together. 0 of a fill of sites: as
+  /// many as there is room for.
+  std::int64_t count(const FillSpec&) const;
 };
 
 /// The curved walls of a case at the start, as what is to be placed meets them.

@@ -85,7 +85,7 @@ void add_to_obstacles(const std::vector<FilledBody>& bodies, Surroundings& aroun
 
 /// The first sites that are free, as many as asked for or all.
 Filling fill_sites(const OneFill& fill) {
-  const auto count = static_cast<std::uint64_t>(fill.spec.count);
+  const auto count = static_cast<std::uint64_t>(fill.count);
   const std::size_t index = fill.application.fill;
   const Lattice lattice = lattice_of(fill.setup, fill.application, fill.radius);
   std::vector<FilledBody> bodies = on_free_sites(fill, lattice);

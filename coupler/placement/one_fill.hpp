@@ -31,7 +31,8 @@ struct OneFill {
   const Case& setup;
   FillApplication application;
   const FillSpec& spec;
-  double radius;  // of the bounding sphere
+  std::int64_t count;  // of this size; 0: as many as there are sites for
+  double radius;       // of the bounding sphere
   Surroundings& around;
   Obstacles& obstacles;
 };

@@ -37,8 +37,12 @@ namespace {
 
 using rigid::Vec3;
 
-double radius_of_fill(const Case& setup, std::size_t fill) {
-  return rigid::bounding_radius(setup.shapes[setup.fills[fill].shape]);
+int shape_of(const Case& setup, const FillApplication& application) {
+  return setup.fills[application.fill].sizes[application.size].shape;
+}
+
+double radius_of(const Case& setup, const FillApplication& application) {
+  return rigid::bounding_radius(setup.shapes[shape_of(setup, application)]);
 }
 
 /// Places of the applications, the largest bodies first: small ones still find room between them.
@@ -46,7 +50,7 @@ std::vector<std::size_t> by_size(const Case& setup, const std::vector<FillApplic
   std::vector<std::size_t> order(applications.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    return radius_of_fill(setup, applications[a].fill) > radius_of_fill(setup, applications[b].fill);
+    return radius_of(setup, applications[a]) > radius_of(setup, applications[b]);
   });
   return order;
 }
@@ -54,12 +58,15 @@ std::vector<std::size_t> by_size(const Case& setup, const std::vector<FillApplic
 AppliedFill apply(const Case& setup, FillApplication application, Surroundings& around,
                   Obstacles& obstacles) {
   const FillSpec& spec = setup.fills[application.fill];
-  const OneFill fill{setup, application, spec, radius_of_fill(setup, application.fill), around, obstacles};
+  const OneFill fill{setup,  application, spec, application.count(spec), radius_of(setup, application),
+                     around, obstacles};
   AppliedFill filled;
   static_cast<EntrySpec&>(filled.alike) = spec;
+  filled.alike.shape = shape_of(setup, application);
+  if (fill.count == 0 && spec.count > 0) return filled;  // nobody has this size
   obstacles.begin_balls(fill.radius, spec.gap);
   Filling placed = spec.arrangement == Arrangement::random ? fill_at_random(fill) : fill_sites(fill);
-  const auto count = static_cast<std::uint64_t>(spec.count);
+  const auto count = static_cast<std::uint64_t>(fill.count);
   filled.bodies = std::move(placed.bodies), filled.total = placed.total;
   filled.refused = count - std::min(count, filled.total);
   return filled;
@@ -69,7 +76,7 @@ AppliedFill apply(const Case& setup, FillApplication application, Surroundings& 
 double reach_of_fills(const Case& setup) {
   double radius = 0, gap = 0;
   for (std::size_t i = 0; i < setup.fills.size(); ++i) {
-    radius = std::max(radius, radius_of_fill(setup, i));
+    radius = std::max(radius, rigid::bounding_radius(setup.shapes[setup.fills[i].shape]));
     gap = std::max(gap, setup.fills[i].gap);
   }
   return 2 * radius + gap;
@@ -156,7 +163,8 @@ PlacedBodies place_bodies(const Case& setup, const lbm::Domain& domain, MPI_Comm
   placed.given = given_bodies(setup, around);
   placed.next_id = 1 + count_given(setup);
   std::vector<FillApplication> all;
-  for (std::size_t i = 0; i < setup.fills.size(); ++i) all.emplace_back(i);
+  for (std::size_t i = 0; i < setup.fills.size(); ++i)
+    for (std::size_t size = 0; size < setup.fills[i].sizes.size(); ++size) all.emplace_back(i, 0, size);
   placed.filled = apply_fills(setup, all, placed.given, around, placed.next_id);
   std::erase_if(placed.given, [](const GivenBody& body) { return !body.own; });
   return placed;
@@ -166,7 +174,8 @@ std::vector<FillApplication> fills_due(const Case& setup, std::int64_t steps_don
   std::vector<FillApplication> due;
   for (std::size_t i = 0; i < setup.fills.size(); ++i)
     if (const FillSpec& fill = setup.fills[i]; fill.comes_at(steps_done))
-      due.emplace_back(i, static_cast<std::uint64_t>(steps_done / fill.every));
+      for (std::size_t size = 0; size < fill.sizes.size(); ++size)
+        due.emplace_back(i, static_cast<std::uint64_t>(steps_done / fill.every), size);
   return due;
 }
 

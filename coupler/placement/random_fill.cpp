@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 
+#include "coupler/case/case_check.hpp"
 #include "coupler/placement/one_fill.hpp"
 #include "coupler/placement/rain.hpp"
 #include "rigid/math/elementary.hpp"
@@ -57,10 +58,10 @@ class RandomFill {
         points_a_body_(fill.application.is_first() ? points_a_body_at_start : points_a_body_later),
         rain_(room_for_centres(fill.setup, fill.application.fill, fill.radius),
               fill.application.key(fill.spec),
-              std::min(static_cast<double>(fill.spec.count) / bodies_a_cell, Rain::most_cells / 2)) {}
+              std::min(static_cast<double>(fill.count) / bodies_a_cell, Rain::most_cells / 2)) {}
 
   Filling placed() {
-    std::uint64_t missing = fill_.spec.count, round = 0, rounds = bodies_a_cell;
+    std::uint64_t missing = fill_.count, round = 0, rounds = bodies_a_cell;
     for (;;) {
       let_fall(round, rounds);
       tell_neighbours();
@@ -73,13 +74,13 @@ class RandomFill {
       const bool full =
           static_cast<double>(all.fallen) >= points_a_body_ * static_cast<double>(all.stay + 1) ||
           round >= Rain::most_rounds;
-      if (!enough && full && fill_.application.is_first()) refuse(fill_.spec.count - missing);
+      if (!enough && full && fill_.application.is_first()) refuse(fill_.count - missing);
       if (enough || full) break;
       rounds = std::min(next_rounds(rounds, all, missing), Rain::most_rounds - round);
     }
     std::sort(placed_.begin(), placed_.end(), by_number<FilledBody, FilledBody>);
     set_places(placed_, rain_.range(), around_);
-    return {std::move(placed_), fill_.spec.count - missing};
+    return {std::move(placed_), fill_.count - missing};
   }
 
  private:
@@ -88,7 +89,7 @@ class RandomFill {
     const auto cells = static_cast<double>(rain_.total_cells());
     const double a_body = static_cast<double>(last.fallen + 1) / static_cast<double>(last.stay + 1);
     const double wanted = 1.1 * a_body * static_cast<double>(missing);
-    const double most = std::max(2 * points_a_body_, 16 * static_cast<double>(fill_.spec.count));
+    const double most = std::max(2 * points_a_body_, 16 * static_cast<double>(fill_.count));
     const double next = std::ceil(std::min(wanted, most) / cells);
     return static_cast<std::uint64_t>(std::clamp(next, 1.0, 16.0 * static_cast<double>(rounds)));
   }
@@ -231,17 +232,26 @@ class RandomFill {
 
   [[noreturn]] void refuse(std::uint64_t placed) const {
     const FillSpec& spec = fill_.spec;
-    const double ball = 4. / 3 * std::numbers::pi * rigid::elementary::power(fill_.radius + spec.gap / 2, 3);
+    double balls = 0;  // of all sizes
+    for (std::size_t size = 0; size < spec.sizes.size(); ++size) {
+      const double radius = rigid::bounding_radius(fill_.setup.shapes[spec.sizes[size].shape]) + spec.gap / 2;
+      balls += static_cast<double>(FillApplication(fill_.application.fill, 0, size).count(spec)) * 4. / 3 *
+               std::numbers::pi * rigid::elementary::power(radius, 3);
+    }
+    const std::string those = spec.sizes.size() == 1
+                                  ? ""
+                                  : fmt::format("of the {} of diameter {} ", fill_.count,
+                                                shown_length(fill_.setup, 2 * fill_.radius));
     const CurvedWalls walls(fill_.setup);
     const double left = walls.share_left(spec.box, 0);
     const double room = left * (spec.box.upper - spec.box.lower).prod();
     throw CaseError(
         fill_.setup.place(fmt::format("fill[{}].count", fill_.application.fill)),
         fmt::format(
-            "fill[{}].count is {}, but only {} bodies fitted: with their gaps the bounding spheres "
+            "fill[{}].count is {}, but {}only {} bodies fitted: with their gaps the bounding spheres "
             "would take {:.0f} % of the box{}, and random places run out near 35 % of what other "
             "bodies leave; lower count or gap, enlarge box or domain, or make the bodies smaller",
-            fill_.application.fill, spec.count, placed, 100 * static_cast<double>(spec.count) * ball / room,
+            fill_.application.fill, spec.count, those, placed, 100 * balls / room,
             walls.empty() ? "" : fmt::format(" less its walls, which leave {:.0f} % of it", 100 * left)));
   }
 

@@ -21,7 +21,8 @@ std::array<double, 3> scaled(const Vec3& v, double scale) {
 /// Which columns a case has something to say in.
 adapters::BodyColumns columns_of(const Simulation& simulation) {
   const Case& setup = simulation.setup();
-  return {setup.fluid && !simulation.scene().world.gravity.isZero(0), setup.output.body_contacts};
+  return {setup.fluid && !simulation.scene().world.gravity.isZero(0), setup.output.body_contacts,
+          setup.has_sizes()};
 }
 
 adapters::BodySeriesInfo series_info(const Simulation& simulation) {
@@ -69,9 +70,10 @@ adapters::BodyRow body_row(const rigid::BodySet& bodies, std::size_t row, const 
 std::vector<adapters::BodyKind> drawn_kinds(const Case& setup) {
   const double cell = setup.units.cell_size;
   std::vector<adapters::BodyKind> kinds(setup.kind_names.size());
-  const auto describe = [&](int kind, const rigid::Shape& shape, double density) {
+  const auto describe = [&](int kind, double density) {
     adapters::BodyKind& k = kinds[kind];
     if (!k.parts.empty()) return;  // the entries of a kind have the same shape
+    const rigid::Shape& shape = setup.shapes[setup.kind_shapes[kind]];
     k.name = setup.kind_names[kind];
     k.bounding_radius = cell * rigid::bounding_radius(shape);
     k.density = setup.units.physical(density, dimension::density);
@@ -79,10 +81,8 @@ std::vector<adapters::BodyKind> drawn_kinds(const Case& setup) {
     if (const auto* mesh = std::get_if<rigid::Mesh>(&shape))
       k.parts.push_back(tessellation(*mesh->surface, cell));
   };
-  setup.for_each_given([&](const BodySpec& body, std::uint64_t) {
-    describe(body.kind, setup.shapes[body.shape], body.density);
-  });
-  for (const FillSpec& fill : setup.fills) describe(fill.kind, setup.shapes[fill.shape], fill.density);
+  setup.for_each_given([&](const BodySpec& body, std::uint64_t) { describe(body.kind, body.density); });
+  for (const FillSpec& fill : setup.fills) describe(fill.kind, fill.density);
   return kinds;
 }
 
@@ -104,10 +104,14 @@ void BodyOutput::append(const Simulation& simulation) {
   const Units& units = simulation.setup().units;
   const auto loads = simulation.last_loads(), contacts = simulation.last_contact_loads();
   const Vec3& gravity = simulation.scene().world.gravity;
+  const std::vector<double>& radii = simulation.scene().world.bounding_radii;
+  const std::vector<int>& kind_shapes = simulation.setup().kind_shapes;
   const std::int64_t step = simulation.steps_done();
   parallel::naming(path_.string(), [&] {
     series_->append(step, static_cast<double>(step) * units.time_step, bodies.owned, [&](std::size_t row) {
-      return body_row(bodies, row, loads[row], contacts[row], gravity, units);
+      adapters::BodyRow r = body_row(bodies, row, loads[row], contacts[row], gravity, units);
+      r.scale = radii[bodies.shape[row]] / radii[kind_shapes[r.kind]];
+      return r;
     });
   });
 }

@@ -11,6 +11,7 @@
 #include "coupler/body_turnover.hpp"
 #include "coupler/case/case.hpp"
 #include "coupler/case/fluid_spec.hpp"
+#include "coupler/case/limits.hpp"
 #include "coupler/case/quantity_spec.hpp"
 #include "coupler/results/build_info.hpp"
 #include "coupler/state_hash.hpp"
@@ -113,10 +114,34 @@ Json unlubricated_shapes(const Case& setup) {
   Json names = Json::array();
   for (std::size_t s = 0; s < setup.shapes.size(); ++s) {
     const auto parts = rigid::convex_parts(setup.shapes[s]);
+    const auto first = setup.shape_names.begin(), own = first + std::ptrdiff_t(s);
+    if (std::find(first, own, *own) != own) continue;  // another size of it
     if (std::none_of(parts.begin(), parts.end(), [](const auto& p) { return rigid::is_smooth(p.shape); }))
       names.push_back(setup.shape_names[s]);
   }
   return names;
+}
+
+/// Of the kinds whose bodies differ in size: pairs of a diameter, of the sphere of a body's volume, and how
+/// many bodies have it now.
+Json sizes_of(const Simulation& simulation) {
+  const Scene& scene = simulation.scene();
+  const Case& setup = scene.setup;
+  std::vector<std::uint64_t> counts(setup.shapes.size());
+  for (std::size_t row = 0; row < scene.bodies.owned; ++row) ++counts[scene.bodies.shape[row]];
+  parallel::sum_over_ranks(scene.comm, std::span(counts));
+  Json sizes = Json::object();
+  for (const FillSpec& fill : setup.fills) {
+    if (fill.sizes.size() == 1) continue;
+    Json& of_kind = sizes[setup.kind_names[fill.kind]];
+    for (const FillSize& size : fill.sizes) {
+      Json pair = Json::array();
+      pair.push_back(setup.units.physical(sphere_of_volume(setup.shapes[size.shape]), dimension::length));
+      pair.push_back(counts[size.shape]);
+      of_kind.push_back(std::move(pair));
+    }
+  }
+  return sizes;
 }
 
 Json lubrication_of(const Scene& scene) {
@@ -133,6 +158,7 @@ void add_scene(const Simulation& simulation, Json& report) {
   report["blocks"] = scene.domain.blocks();
   report["cells"] = std::uint64_t(c.cells[0]) * c.cells[1] * c.cells[2];
   report["bodies"] = simulation.body_count();
+  if (c.has_sizes()) report["sizes"] = sizes_of(simulation);
   report["backend"] = scene.backend_name();
   report["resolver"] = scene.resolver_name();
   if (c.fluid) {

@@ -160,6 +160,13 @@ std::shared_ptr<const PolyhedronMesh> shifted(const PolyhedronMesh& mesh, const 
   return moved;
 }
 
+std::shared_ptr<const PolyhedronMesh> scaled(const PolyhedronMesh& mesh, double factor) {
+  auto larger = std::make_shared<PolyhedronMesh>(mesh);
+  for (Vec3& v : larger->vertices) v *= factor;
+  for (Face& face : larger->faces) face.offset *= factor;
+  return larger;
+}
+
 double signed_distance(const PolyhedronMesh& mesh, const Vec3& x) {
   double highest = -std::numeric_limits<double>::infinity();
   const Face* nearest = nullptr;

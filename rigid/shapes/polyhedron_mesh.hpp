@@ -33,6 +33,8 @@ std::shared_ptr<const PolyhedronMesh> make_polyhedron_mesh(std::vector<Vec3> ver
                                                            double flatness = 1e-9);
 /// The same polyhedron about another origin.
 std::shared_ptr<const PolyhedronMesh> shifted(const PolyhedronMesh&, const Vec3& by);
+/// The same polyhedron, so many times as large.
+std::shared_ptr<const PolyhedronMesh> scaled(const PolyhedronMesh&, double factor);
 
 /// Distance to the surface, negative inside; exact.
 double signed_distance(const PolyhedronMesh&, const Vec3& x);

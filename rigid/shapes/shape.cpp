@@ -43,6 +43,38 @@ Shape recentred(const Shape& shape, const Vec3& centre) {
   return std::visit([&](const auto& s) -> Shape { return solid::recentred(s, centre); }, shape);
 }
 
+namespace {
+
+template <ConvexSolid S>
+S scaled_solid(S solid, double factor) {
+  std::apply([&](const auto&... field) { ((solid.*field.member *= factor), ...); }, S::fields);
+  return solid;
+}
+Polyhedron scaled_solid(const Polyhedron& solid, double factor) {
+  return {scaled(*solid.mesh, factor)};
+}
+Mesh scaled_solid(const Mesh& mesh, double factor) {
+  return {std::make_shared<const TriangleMesh>(mesh.surface->scaled(factor)), mesh.hollow};
+}
+Compound scaled_solid(Compound compound, double factor) {
+  for (Part& part : compound.parts) {
+    part.shape =
+        std::visit([&](const auto& s) -> ConvexShape { return scaled_solid(s, factor); }, part.shape);
+    part.pose.position *= factor;
+  }
+  return compound;
+}
+template <HollowSolid S>
+S scaled_solid(const S& hollow, double) {
+  return hollow;
+}
+
+}  // namespace
+
+Shape scaled(const Shape& shape, double factor) {
+  return std::visit([&](const auto& s) -> Shape { return scaled_solid(s, factor); }, shape);
+}
+
 bool is_sphere(const Shape& shape) {
   return std::holds_alternative<Sphere>(shape);
 }

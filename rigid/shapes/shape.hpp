@@ -38,6 +38,8 @@ MassProperties mass_properties(const Shape&);
 double least_width(const Shape&);
 /// The same shape expressed about its centre of mass, `centre`, which is subtracted.
 Shape recentred(const Shape&, const Vec3& centre);
+/// The same shape, every length of it so many times as long; not of a half-space or a hollow.
+Shape scaled(const Shape&, double factor);
 /// A half-space or a sphere looks the same from anywhere on an axis: where orientation cannot matter.
 bool is_sphere(const Shape&);
 /// The hollow that a shape is, if it is one.

@@ -270,6 +270,12 @@ TriangleMesh TriangleMesh::shifted(const Vec3& by) const {
   return {std::move(moved), triangles_};
 }
 
+TriangleMesh TriangleMesh::scaled(double factor) const {
+  std::vector<Vec3> larger = vertices_;
+  for (Vec3& x : larger) x *= factor;
+  return {std::move(larger), triangles_};
+}
+
 std::vector<TriangleSide> sides_of(std::span<const Triangle> triangles) {
   std::vector<TriangleSide> sides;
   sides.reserve(3 * triangles.size());

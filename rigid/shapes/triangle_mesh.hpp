@@ -77,6 +77,7 @@ class TriangleMesh {
   /// its box (F. Tonon, J. Math. Stat. 1 (2004) 8).
   MassProperties mass_properties() const;
   TriangleMesh shifted(const Vec3& by) const;
+  TriangleMesh scaled(double factor) const;
 
  private:
   void sort_vertices();

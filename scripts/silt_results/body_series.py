@@ -19,7 +19,7 @@ import h5py
 import numpy as np
 
 COLUMNS = ("id", "kind", "image", "position", "orientation", "velocity", "angular_velocity", "force", "torque")
-SOMETIMES = ("mass", "buoyancy", "contact_force", "contact_torque")
+SOMETIMES = ("mass", "scale", "buoyancy", "contact_force", "contact_torque")
 
 
 def read_meshes(kinds, count):
@@ -113,6 +113,8 @@ class BodySeries:
         chosen = rows["kind"] == self.kinds.index(kind)
         if not chosen.any():
             raise ValueError(f"there is no body of the kind {kind} at time {self.time[index]:g}")
+        if "scale" in rows and np.ptp(rows["scale"][chosen]) > 0:
+            raise ValueError(f"the bodies of the kind {kind} differ in size, those of a [[bodies]] entry do not")
         numbers = np.hstack([rows[name][chosen] for name in ("position", "orientation", "velocity", "angular_velocity")])
         names = ["x", "y", "z", *(f"orientation.{a}" for a in "wxyz"), *(f"{of}.{a}" for of in ("velocity", "angular_velocity") for a in "xyz")]
         lines = [f"# {kind!r} at step {self.step[index]}: the positions are those of centres of mass (origin = \"centre\")", ",".join(names),

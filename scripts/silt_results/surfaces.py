@@ -31,6 +31,8 @@ def surfaces(series, index):
         if series.meshes is None or not series.meshes[kind]:
             raise ValueError(f"bodies.h5 has no surface of the kind {series.kinds[kind]}")
         turned = rotations(rows["orientation"][of_kind])
+        if "scale" in rows:
+            turned *= rows["scale"][of_kind][:, None, None]
         for part in series.meshes[kind]:
             arms = np.einsum("nij,vj->nvi", turned, part["vertices"])
             spin = np.cross(rows["angular_velocity"][of_kind][:, None], arms)

@@ -76,6 +76,12 @@ TEST(PlaceBodies, TheSameOnAnyRanksAndBlocks) {
   expect_the_same(with_fills());
 }
 
+TEST(PlaceBodies, TheSameOfManySizes) {
+  CaseText c = with_fills();
+  c.bodies = fill_of("star", 2, 60, R"(diameter = { distribution = "uniform", smallest = 1, largest = 6 })");
+  expect_the_same(c);
+}
+
 TEST(PlaceBodies, TheSamePeriodicAllRoundAndDense) {
   CaseText c = with_fills();
   c.domain = domain_of({32, 32, 32});

@@ -1,10 +1,16 @@
 // Random fills: the same for the same seed, no overlaps, inside their boxes.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <map>
+#include <numbers>
 #include <random>
 
 #include "coupler/case/case.hpp"
+#include "coupler/case/fill_room.hpp"
+#include "coupler/case/fill_sizes.hpp"
+#include "coupler/case/limits.hpp"
 #include "coupler/placement/overlap.hpp"
 #include "rigid/collision/hollow_contacts.hpp"
 #include "rigid/shapes/shape.hpp"
@@ -70,6 +76,87 @@ TEST(Fill, StaysInTheBoxAndOffTheWalls) {
       EXPECT_LE(centre[d], 32 + 1e-9);
     }
   }
+}
+
+/// Stars of many sizes: `diameter` says which.
+Case with_sizes(const std::string& diameter, int count = 200) {
+  CaseText c = with_fills();
+  c.domain = domain_of({64, 64, 64});
+  c.bodies = fill_of("star", 2, count, "diameter = { " + diameter + " }");
+  return c.read();
+}
+
+/// Bodies of a diameter up to d, over all.
+double share_up_to(double d, const Case& setup) {
+  const auto bodies = bodies_of(setup);
+  return static_cast<double>(std::count_if(
+             bodies.begin(), bodies.end(),
+             [&](const BodySpec& body) { return sphere_of_volume(setup.shapes[body.shape]) < d; })) /
+         static_cast<double>(bodies.size());
+}
+
+TEST(Fill, SizesFollowTheirDistributionToABody) {
+  constexpr double one = 1. / 200 + 1e-9;
+  const auto border = [](int strip) { return 2 * std::pow(4., strip / 32.); };  // of 32 from 2 to 8
+  const Case uniform = with_sizes(R"(distribution = "uniform", smallest = 2, largest = 8)"),
+             normal = with_sizes(
+                 R"(distribution = "normal", mean = 5, deviation = 1.5, smallest = 2, largest = 8)"),
+             lognormal = with_sizes(
+                 R"(distribution = "lognormal", mean = 4, deviation = 2, smallest = 2, largest = 8)"),
+             mass = with_sizes(R"(distribution = "uniform", by = "mass", smallest = 2, largest = 8)");
+  const auto normal_up_to = [](double x) { return std::erfc(-x / std::numbers::sqrt2) / 2; };
+  const double variance = std::log(1.25), median = 4 / std::sqrt(1.25);
+  const auto of_normal = [&](double d) { return normal_up_to((d - 5) / 1.5); };
+  const auto of_lognormal = [&](double d) {
+    return normal_up_to(std::log(d / median) / std::sqrt(variance));
+  };
+  const auto cut_off = [&](const auto& of, double d) { return (of(d) - of(2)) / (of(8) - of(2)); };
+  for (const int strip : {3, 8, 16, 24, 31}) {
+    const double d = border(strip);
+    EXPECT_NEAR(share_up_to(d, uniform), (d - 2) / 6, one) << d;
+    EXPECT_NEAR(share_up_to(d, normal), cut_off(of_normal, d), one) << d;
+    EXPECT_NEAR(share_up_to(d, lognormal), cut_off(of_lognormal, d), one) << d;
+    // number = mass / d^3
+    EXPECT_NEAR(share_up_to(d, mass), (1. / 4 - 1 / (d * d)) / (1. / 4 - 1. / 64), one) << d;
+  }
+  double volume = 0;
+  for (const BodySpec& body : bodies_of(uniform))
+    volume += rigid::mass_properties(uniform.shapes[body.shape]).volume / 200;
+  const double cubes = (std::pow(8, 4) - std::pow(2, 4)) / 24;
+  EXPECT_NEAR(volume, std::numbers::pi / 6 * cubes, 0.01 * volume);
+  EXPECT_NEAR(mean_volume(uniform, uniform.fills[0]), std::numbers::pi / 6 * cubes, 1e-6 * volume);
+}
+
+TEST(Fill, SizesOfATableAreThoseAndDoNotOverlap) {
+  for (const char* by : {"number", "mass"}) {
+    const Case setup = with_sizes(
+        std::string(R"(distribution = "table", table = [[3, 0.8], [6, 0.8]], by = ")") + by + '"', 90);
+    const double small = by == std::string("mass") ? 80 : 45;
+    EXPECT_NEAR(share_up_to(5, setup) * 90, small, 1 + 1e-9);
+    const auto bodies = bodies_of(setup);
+    for (std::size_t i = 0; i < bodies.size(); ++i) {
+      EXPECT_EQ(bodies[i].kind, bodies[0].kind);
+      const double d = sphere_of_volume(setup.shapes[bodies[i].shape]);
+      EXPECT_NEAR(std::min(std::abs(d - 3), std::abs(d - 6)), 0, 1e-12);
+      for (std::size_t j = 0; j < i; ++j)
+        EXPECT_LE(overlap_depth(setup.shapes[bodies[i].shape], bodies[i].pose, setup.shapes[bodies[j].shape],
+                                bodies[j].pose, extent_of(setup)),
+                  1e-9);
+    }
+  }
+}
+
+/// One body at a time: all sizes come, as often as they should.
+TEST(Fill, SizesOfManySmallApplicationsFollowTheDistributionToo) {
+  const Case setup = with_sizes(R"(distribution = "table", table = [[3, 0.25], [6, 0.75]])", 1);
+  int small = 0;
+  constexpr int times = 4000;
+  for (int number = 1; number <= times; ++number) {
+    const std::int64_t of_small = FillApplication(0, number, 0).count(setup.fills[0]);
+    EXPECT_EQ(of_small + FillApplication(0, number, 1).count(setup.fills[0]), 1);
+    small += static_cast<int>(of_small);
+  }
+  EXPECT_NEAR(small, times / 4, 4 * std::sqrt(times * 3. / 16));
 }
 
 TEST(Fill, AlignedBodiesAreNotTurned) {

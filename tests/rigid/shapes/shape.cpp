@@ -257,6 +257,21 @@ TEST(Shape, RecentringMovesTheSolid) {
   }
 }
 
+TEST(Shape, ScalingIsThatOfAllLengths) {
+  auto shapes = solids();
+  shapes.push_back(Shape(testing::frustum()));
+  for (const Shape& shape : shapes) {
+    const Shape twice = scaled(shape, 2);
+    EXPECT_NEAR(mass_properties(twice).volume, 8 * mass_properties(shape).volume,
+                1e-4 * mass_properties(twice).volume);
+    EXPECT_NEAR(bounding_radius(twice), 2 * bounding_radius(shape), 1e-12);
+    for (int i = 0; i < 100; ++i) {
+      const Vec3 x = random_vector(2);
+      EXPECT_NEAR(signed_distance(twice, 2 * x), 2 * signed_distance(shape, x), 1e-9) << shape_name(shape);
+    }
+  }
+}
+
 TEST(Shape, InnerBallsLieInside) {
   for (const Shape& shape : solids())
     for (const Part& part : convex_parts(shape)) {
