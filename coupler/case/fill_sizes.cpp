@@ -62,19 +62,22 @@ constexpr std::tuple diameter_keys{
 
 /// Reads those of the keys that the distribution has; others are refused.
 void read_diameter(TableReader& table, DiameterSpec& spec) {
-  if (const auto name = table.choice("distribution", distribution_names)) spec.distribution = *name;
+  const auto known = table.choice("distribution", distribution_names);
   table.need("distribution", "how diameters are distributed");
+  if (known) spec.distribution = *known;
   const bool is_table = spec.distribution == Distribution::table;
   const bool has_mean =
       spec.distribution == Distribution::lognormal || spec.distribution == Distribution::normal;
   const auto read = [&](const auto& key) {
     const std::string_view name = key.name;
-    const bool belongs = name == "distribution" || name == "by"  ? true
+    if (!table.has(name) && !known) return;
+    if (name == "distribution") return;
+    const bool belongs = name == "by"                            ? true
                          : name == "mean" || name == "deviation" ? has_mean
                                                                  : is_table == (name == "table");
     if (belongs)
       read_key(table, spec, key);
-    else if (table.has(name))
+    else if (known && table.has(name))
       table.fail(name, "{} is given, but {} is \"{}\", which does not take it; remove the key",
                  table.path(name), table.path("distribution"), distribution_names[spec.distribution]);
   };

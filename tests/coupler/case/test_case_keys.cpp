@@ -122,7 +122,7 @@ material_pairs = [{ between = ["steel", "steel"], zzz = 1 }]
 walls = [{ type = "tube", zzz = 1 }, { type = "mesh", zzz = 1, motion = { zzz = 1, oscillation = { zzz = 1 } } }]
 shapes = []
 bodies = [{ zzz = 1, axis_angle = { zzz = 1 } }]
-fill = [{ zzz = 1 }]
+fill = [{ zzz = 1, diameter = { zzz = 1 } }]
 outflow = [{ zzz = 1 }]
 run = { zzz = 1, steady = { zzz = 1 }, balance = { zzz = 1 } }
 quantities = []
