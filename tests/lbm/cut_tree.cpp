@@ -55,7 +55,8 @@ constexpr Int3 boxes[] = {{32, 32, 32}, {40, 9, 17}, {3, 128, 16}, {130, 1, 16},
 TEST(CutTree, EveryCellIsInOneLeaf) {
   for (const Int3 cells : boxes)
     for (int leaves = 1; leaves <= 64; ++leaves) {
-      SCOPED_TRACE(testing::Message() << leaves << " of " << cells.x << " x " << cells.y << " x " << cells.z);
+      SCOPED_TRACE(::testing::Message()
+                   << leaves << " of " << cells.x << " x " << cells.y << " x " << cells.z);
       const CutTree equal = equal_cut(cells, leaves), odd = odd_cut(cells, leaves, 2, leaves);
       EXPECT_EQ(equal.leaves(), leaves);
       EXPECT_EQ(odd.leaves(), leaves);

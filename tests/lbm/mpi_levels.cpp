@@ -1,14 +1,12 @@
-// Cells of several levels, on any number of ranks: what passes a border unchanged, what is conserved, how
-// accurate it is, and the same bits for every layout.
+// Cells of several levels, on any number of ranks: what passes a border unchanged, what is conserved, and the
+// same bits for every layout.
 #include <gtest/gtest.h>
 
-#include <bit>
 #include <cmath>
 #include <numbers>
 
-#include "lbm/levels.hpp"
-#include "parallel/communicator.hpp"
 #include "tests/lbm/levelled_cut.hpp"
+#include "tests/lbm/levelled_flow.hpp"
 #include "tests/lbm/sides.hpp"
 #include "tests/world.hpp"
 
@@ -16,94 +14,11 @@ namespace silt::lbm {
 namespace {
 
 using testing::LevelledCut;
-using testing::periodic;
+using testing::LevelledFlow;
+using testing::Vector;
 using tests::ranks;
 
 using Sides = std::array<SideCondition, 6>;
-using Vector = std::array<double, 3>;
-
-/// A fluid of several levels.
-template <class T>
-struct Case {
-  Fluid<T> finest;
-  Levels<T> levels;
-  Case(const CutTree& tree, const Sides& sides, const CollisionSpec& spec, int coarser,
-       MPI_Comm comm = MPI_COMM_WORLD)
-      : finest(Domain(tree, sides, parallel::ranks_of(comm)), spec, comm), levels(finest, coarser) {}
-
-  void step(int finest_steps) {
-    for (int n = 0; n < finest_steps; ++n) {
-      levels.begin_step();
-      levels.stream_collide();
-      finest.exchange();
-      levels.end_step();
-    }
-  }
-  /// Calls f(fluid, block, local cell, middle of the cell in finest cells, level).
-  template <class F>
-  void for_all(F&& f) {
-    for (int level = 0; level < levels.count(); ++level) {
-      Fluid<T>& fluid = levels.fluid(level);
-      for (int b = 0; b < int(fluid.blocks().size()); ++b) {
-        const CellBox box = fluid.blocks()[b].box();
-        for_cells({}, box.size, [&](Int3 x) {
-          Vector middle;
-          for (int d = 0; d < 3; ++d) middle[d] = (box.lower[d] + x[d] + 0.5) * (1 << level);
-          f(fluid, b, x, middle, level);
-        });
-      }
-    }
-  }
-  /// Equilibrium and the stress of a flow with these gradients (of u_e along d: [e][d], a finest cell).
-  template <class Flow>
-  void set(Flow&& flow) {
-    for_all([&](Fluid<T>& fluid, int b, Int3 x, const Vector& at, int level) {
-      double rho = 0;
-      Vector u{};
-      std::array<Vector, 3> gradient{};
-      flow(at, rho, u, gradient);
-      const Vector f = fluid.spec().force;
-      for (int i = 0; i < directions; ++i) {
-        double stretch = 0, divergence = 0, push = 0;
-        for (int d = 0; d < 3; ++d) {
-          divergence += gradient[d][d], push += c[i][d] * f[d];
-          for (int e = 0; e < 3; ++e) stretch += c[i][d] * c[i][e] * gradient[e][d];
-        }
-        fluid.arriving(b, x, i) = T(
-            equilibrium(i, rho, u.data()) -
-            3 * w(i) * (fluid.spec().relaxation_time * (1 << level) * (stretch - divergence / 3) + push / 2));
-      }
-    });
-  }
-  struct Sum {
-    double mass = 0, momentum[3] = {};
-  };
-  Sum sum() {
-    Sum mine, all;
-    for_all([&](Fluid<T>& fluid, int b, Int3 x, const Vector&, int level) {
-      const Moments m = fluid.moments(b, x);
-      const double volume = 1 << 3 * level;
-      mine.mass += volume * m.density_deviation;
-      for (int d = 0; d < 3; ++d) mine.momentum[d] += volume * m.momentum[d];
-    });
-    MPI_Allreduce(&mine, &all, 4, MPI_DOUBLE, MPI_SUM, finest.comm());
-    return all;
-  }
-  std::uint64_t fingerprint() {
-    std::uint64_t sum = 0, all = 0;
-    for_all([&](Fluid<T>& fluid, int b, Int3 x, const Vector& at, int) {
-      for (int i = 0; i < directions; ++i) {
-        std::uint64_t h = std::bit_cast<std::uint64_t>(double(fluid.arriving(b, x, i)));
-        h ^= std::bit_cast<std::uint64_t>((at[2] * 1009 + at[1]) * 1009 + at[0]) * 19 +
-             i * 0x9E3779B97F4A7C15u;
-        h ^= h >> 31, h *= 0xBF58476D1CE4E5B9u, h ^= h >> 29;
-        sum += h;
-      }
-    });
-    MPI_Allreduce(&sum, &all, 1, MPI_UINT64_T, MPI_SUM, finest.comm());
-    return all;
-  }
-};
 
 /// Of tiles of 8 cells: an L of finest cells, so that edges and corners are convex and concave, with a margin
 /// of the next level, in `levels` coarser ones.
@@ -123,7 +38,7 @@ Sides all(const SideCondition& side) {
 }
 
 template <class T>
-void stir(Case<T>& flow, Int3 n) {
+void stir(LevelledFlow<T>& flow, Int3 n) {
   const double k = 2 * std::numbers::pi;
   flow.set([&](const Vector& x, double& rho, Vector& u, std::array<Vector, 3>&) {
     rho = 0.01 * std::sin(k * (x[0] / n.x + 2 * x[1] / n.y));
@@ -138,7 +53,7 @@ TEST(Levels, MassAndMomentumAreConserved) {
       const Int3 n{64, 64, 64};
       const LevelledCut cut(
           n, 8, [&](Int3 x) { return bent(x, coarser); }, ranks(), 24);
-      Case<double> flow(cut.tree(), {}, {0.8, 1. / 6, model}, coarser);
+      LevelledFlow<double> flow(cut.tree(), {}, {0.8, 1. / 6, model}, coarser);
       stir(flow, n);
       const auto before = flow.sum();
       flow.step(40);
@@ -156,7 +71,7 @@ TEST(Levels, WallsThroughABorderKeepTheMass) {
   const Int3 n{32, 32, 32};
   const LevelledCut cut(
       n, 8, [&](Int3 x) { return (x.x / 8 + x.y / 8 + x.z / 8) % 2; }, ranks());
-  Case<double> flow(cut.tree(), walls, {0.8, 1. / 6, Collision::trt, {1e-4, 2e-4, -1e-4}}, 1);
+  LevelledFlow<double> flow(cut.tree(), walls, {0.8, 1. / 6, Collision::trt, {1e-4, 2e-4, -1e-4}}, 1);
   stir(flow, n);
   const double before = flow.sum().mass;
   flow.step(40);
@@ -170,7 +85,7 @@ TEST(Levels, UniformFlowAndLinearPressurePassABorder) {
   const LevelledCut cut(
       n, 8, [&](Int3 x) { return bent(x, 2); }, ranks());
   const Vector u = {0.04, -0.03, 0.05};
-  Case<double> moving(cut.tree(), {}, {0.7}, 2);
+  LevelledFlow<double> moving(cut.tree(), {}, {0.7}, 2);
   moving.set([&](const Vector&, double& rho, Vector& v, auto&) { rho = 0.01, v = u; });
   moving.step(24);
   double off = 0;
@@ -182,7 +97,7 @@ TEST(Levels, UniformFlowAndLinearPressurePassABorder) {
   EXPECT_LT(tests::largest_of_ranks(off), 1e-14);
 
   const Vector f = {2e-6, -1e-6, 3e-6};
-  Case<double> still(cut.tree(), all({SideKind::bounce, {}, 0}), {0.7, 1. / 6, Collision::trt, f}, 2);
+  LevelledFlow<double> still(cut.tree(), all({SideKind::bounce, {}, 0}), {0.7, 1. / 6, Collision::trt, f}, 2);
   const auto pressed = [&](const Vector& at) { return 3 * (f[0] * at[0] + f[1] * at[1] + f[2] * at[2]); };
   still.set([&](const Vector& at, double& rho, Vector&, auto&) { rho = pressed(at); });
   still.step(24);
@@ -197,7 +112,7 @@ TEST(Levels, UniformFlowAndLinearPressurePassABorder) {
 
 template <class T>
 std::uint64_t stirred(const CutTree& tree, const Sides& sides, MPI_Comm comm) {
-  Case<T> flow(tree, sides, {0.6, 1. / 6, Collision::trt, {1e-5, 0, 2e-5}}, 2, comm);
+  LevelledFlow<T> flow(tree, sides, {0.6, 1. / 6, Collision::trt, {1e-5, 0, 2e-5}}, 2, comm);
   flow.for_all([](Fluid<T>& fluid, int b, Int3 x, const Vector& at, int) {
     const double rho = 0.01 * std::sin(at[0] + 2 * at[1]), u = 0.05 * std::cos(at[2] - at[0]);
     fluid.set_equilibrium(b, x, rho, {u, -u, u / 2});
@@ -209,7 +124,7 @@ std::uint64_t stirred(const CutTree& tree, const Sides& sides, MPI_Comm comm) {
 /// Cells that are refined and coarsened, by two levels at once too, while fluid passes; the blocks change as
 /// well.
 template <class T>
-std::unique_ptr<Case<T>> regridded(MPI_Comm comm, int longest) {
+std::unique_ptr<LevelledFlow<T>> regridded(MPI_Comm comm, int longest) {
   const Int3 n{64, 64, 64};
   const int ranks = parallel::ranks_of(comm);
   const auto tree = [&](int shift) {
@@ -221,9 +136,9 @@ std::unique_ptr<Case<T>> regridded(MPI_Comm comm, int longest) {
                ranks, longest, [&](Int3 x) { return (x.x / 8 + x.z / 16) % ranks; })
         .tree();
   };
-  std::unique_ptr<Case<T>> flow;
+  std::unique_ptr<LevelledFlow<T>> flow;
   for (int shift = 0; shift < 64; shift += 16) {
-    auto next = std::make_unique<Case<T>>(tree(shift), Sides{}, CollisionSpec{0.7, 1. / 6}, 2, comm);
+    auto next = std::make_unique<LevelledFlow<T>>(tree(shift), Sides{}, CollisionSpec{0.7, 1. / 6}, 2, comm);
     if (flow)
       move_populations(flow->levels, next->levels);
     else
@@ -235,10 +150,10 @@ std::unique_ptr<Case<T>> regridded(MPI_Comm comm, int longest) {
 }
 
 TEST(Levels, CellsThatChangeTheirLevelKeepMassAndMomentum) {
-  Case<double> first(LevelledCut(
-                         {64, 64, 64}, 8, [](Int3 x) { return bent(x, 2); }, ranks(), 32)
-                         .tree(),
-                     {}, {0.7}, 2);
+  LevelledFlow<double> first(LevelledCut(
+                                 {64, 64, 64}, 8, [](Int3 x) { return bent(x, 2); }, ranks(), 32)
+                                 .tree(),
+                             {}, {0.7}, 2);
   stir(first, {64, 64, 64});
   const auto before = first.sum(), after = regridded<double>(MPI_COMM_WORLD, 32)->sum();
   EXPECT_NEAR(after.mass, before.mass, 1e-10);
@@ -272,7 +187,7 @@ TEST(Levels, BordersBetweenTwoOtherRanksNeedNotBeSeen) {
     return x.x >= 16 && x.x < 32 && x.z >= 16 ? 0 : 1;
   };
   const LevelledCut cut({48, 16, 16 * ranks()}, 8, level, ranks(), 1 << 30, rank_at);
-  Case<double> flow(cut.tree(), all({SideKind::bounce}), {0.8, 1.0 / 6}, 1);
+  LevelledFlow<double> flow(cut.tree(), all({SideKind::bounce}), {0.8, 1.0 / 6}, 1);
   stir(flow, {48, 16, 16 * ranks()});
   const double before = flow.sum().mass;
   flow.step(4);
@@ -282,7 +197,7 @@ TEST(Levels, BordersBetweenTwoOtherRanksNeedNotBeSeen) {
 TEST(Levels, StreamThroughBordersLastsAtLowViscosity) {
   const LevelledCut cut(
       {48, 48, 48}, 8, [](Int3 x) { return bent(x, 2); }, ranks());
-  Case<float> flow(cut.tree(), {}, {0.525, 1.0 / 6}, 2);
+  LevelledFlow<float> flow(cut.tree(), {}, {0.525, 1.0 / 6}, 2);
   const Vector stream = {0.08, 0.024, 0.016};
   std::uint32_t random = 1;
   flow.set([&](const Vector&, double&, Vector& u, std::array<Vector, 3>&) {
@@ -296,59 +211,6 @@ TEST(Levels, StreamThroughBordersLastsAtLowViscosity) {
     const auto u = fluid.velocity(fluid.moments(b, x));
     for (int d = 0; d < 3; ++d) ASSERT_NEAR(u[d], stream[d], 2e-5);
   });
-}
-
-/// Returns the error of the velocity of a Taylor-Green vortex, relative to its own size, after nu k^2 t =
-/// 1/2. With `refined` the middle half along each axis has finest cells; n coarse cells along an edge, their
-/// nu.
-double vortex_error(int n, double nu, bool refined, Collision model = Collision::trt) {
-  const int fine = refined ? 2 : 1, edge = fine * n;  // finest cells in a coarse one
-  const auto level = [&](Int3 x) {
-    bool middle = true;
-    for (int d = 0; d < 3; ++d) middle &= x[d] >= n / 2 && x[d] < n / 2 + n;
-    return refined && !middle ? 1 : 0;
-  };
-  const LevelledCut cut({edge, edge, edge}, n / 2, level, ranks(), edge / 2);
-  Case<double> flow(cut.tree(), {}, {0.5 + 3 * nu * fine, 0.25, model}, refined ? 1 : 0);
-  const double k = 2 * std::numbers::pi / edge, speed = 0.02 * 16 / n;  // k in finest cells
-  const auto exact = [&](const Vector& x, double& rho, Vector& u, std::array<Vector, 3>& gradient) {
-    const double a = k * x[0], b = k * (x[1] + x[2]);
-    const double sa = speed * std::sin(a), ca = speed * std::cos(a), sb = std::sin(b), cb = std::cos(b);
-    u = {ca * sb, -sa * cb / 2, -sa * cb / 2};
-    gradient = {Vector{-k * sa * sb, k * ca * cb, k * ca * cb},
-                Vector{-k * ca * cb / 2, k * sa * sb / 2, k * sa * sb / 2},
-                Vector{-k * ca * cb / 2, k * sa * sb / 2, k * sa * sb / 2}};
-    rho = -1.5 * (u[0] * u[0] + 2 * u[1] * u[1]) - 2.25 * std::pow(ca * cb, 2) + 1.125 * speed * speed;
-  };
-  flow.set(exact);
-  // the wave number squared is 3 k^2; it is that of finest cells, whose nu is twice the coarse one
-  const double rate = fine * nu * 3 * k * k;
-  const int steps = int(std::lround(0.5 / rate / fine)) * fine;
-  flow.step(steps);
-  const double decay = std::exp(-rate * steps);
-  double mine[2] = {}, all[2];
-  flow.for_all([&](Fluid<double>& fluid, int b, Int3 x, const Vector& at, int level) {
-    double rho;
-    Vector u;
-    std::array<Vector, 3> gradient;
-    exact(at, rho, u, gradient);
-    const auto v = fluid.velocity(fluid.moments(b, x));
-    for (int d = 0; d < 3; ++d) {
-      mine[0] += (1 << 3 * level) * std::pow(v[d] - decay * u[d], 2);
-      mine[1] += (1 << 3 * level) * std::pow(decay * u[d], 2);
-    }
-  });
-  MPI_Allreduce(mine, all, 2, MPI_DOUBLE, MPI_SUM, MPI_COMM_WORLD);
-  return std::sqrt(all[0] / all[1]);
-}
-
-TEST(Levels, VortexIsAsAccurateAsOnTheCoarseLattice) {
-  for (const double nu : {0.1, 0.02, 0.005})
-    EXPECT_LT(vortex_error(16, nu, true), 1.1 * vortex_error(16, nu, false));
-  EXPECT_LT(vortex_error(16, 0.1, true, Collision::regularised),
-            1.1 * vortex_error(16, 0.1, false, Collision::regularised));
-  const double order = std::log2(vortex_error(16, 0.05, true) / vortex_error(32, 0.05, true));
-  EXPECT_GT(order, 1.9);
 }
 
 }  // namespace

@@ -1,0 +1,98 @@
+#pragma once
+// A fluid of several levels as tests hold it: what is done with cells of all levels alike.
+#include <mpi.h>
+
+#include <array>
+#include <bit>
+#include <cstdint>
+
+#include "lbm/levels.hpp"
+#include "parallel/communicator.hpp"
+
+namespace silt::lbm::testing {
+
+using Vector = std::array<double, 3>;
+
+template <class T>
+struct LevelledFlow {
+  Fluid<T> finest;
+  Levels<T> levels;
+  LevelledFlow(const CutTree& tree, const std::array<SideCondition, 6>& sides, const CollisionSpec& spec,
+               int coarser, MPI_Comm comm = MPI_COMM_WORLD)
+      : finest(Domain(tree, sides, parallel::ranks_of(comm)), spec, comm), levels(finest, coarser) {}
+
+  void step(int finest_steps) {
+    for (int n = 0; n < finest_steps; ++n) {
+      levels.begin_step();
+      levels.stream_collide();
+      finest.exchange();
+      levels.end_step();
+    }
+  }
+  /// Calls f(fluid, block, local cell, middle of the cell in finest cells, level).
+  template <class F>
+  void for_all(F&& f) {
+    for (int level = 0; level < levels.count(); ++level) {
+      Fluid<T>& fluid = levels.fluid(level);
+      for (int b = 0; b < int(fluid.blocks().size()); ++b) {
+        const CellBox box = fluid.blocks()[b].box();
+        for_cells({}, box.size, [&](Int3 x) {
+          Vector middle;
+          for (int d = 0; d < 3; ++d) middle[d] = (box.lower[d] + x[d] + 0.5) * (1 << level);
+          f(fluid, b, x, middle, level);
+        });
+      }
+    }
+  }
+  /// Equilibrium and the stress of a flow with these gradients (of u_e along d: [e][d], a finest cell).
+  template <class Flow>
+  void set(Flow&& flow) {
+    for_all([&](Fluid<T>& fluid, int b, Int3 x, const Vector& at, int level) {
+      double rho = 0;
+      Vector u{};
+      std::array<Vector, 3> gradient{};
+      flow(at, rho, u, gradient);
+      const Vector f = fluid.spec().force;
+      for (int i = 0; i < directions; ++i) {
+        double stretch = 0, divergence = 0, push = 0;
+        for (int d = 0; d < 3; ++d) {
+          divergence += gradient[d][d], push += c[i][d] * f[d];
+          for (int e = 0; e < 3; ++e) stretch += c[i][d] * c[i][e] * gradient[e][d];
+        }
+        fluid.arriving(b, x, i) = T(
+            equilibrium(i, rho, u.data()) -
+            3 * w(i) * (fluid.spec().relaxation_time * (1 << level) * (stretch - divergence / 3) + push / 2));
+      }
+    });
+  }
+  struct Sum {
+    double mass = 0, momentum[3] = {};
+  };
+  Sum sum() {
+    Sum mine, all;
+    for_all([&](Fluid<T>& fluid, int b, Int3 x, const Vector&, int level) {
+      const Moments m = fluid.moments(b, x);
+      const double volume = 1 << 3 * level;
+      mine.mass += volume * m.density_deviation;
+      for (int d = 0; d < 3; ++d) mine.momentum[d] += volume * m.momentum[d];
+    });
+    MPI_Allreduce(&mine, &all, 4, MPI_DOUBLE, MPI_SUM, finest.comm());
+    return all;
+  }
+  std::uint64_t fingerprint() {
+    std::uint64_t sum = 0, all = 0;
+    for_all([&](Fluid<T>& fluid, int b, Int3 x, const Vector& at, int) {
+      for (int i = 0; i < directions; ++i) {
+        std::uint64_t h = std::bit_cast<std::uint64_t>(double(fluid.arriving(b, x, i)));
+        h ^= std::bit_cast<std::uint64_t>((at[2] * 1009 + at[1]) * 1009 + at[0]) * 19 +
+             i * 0x9E3779B97F4A7C15u;
+        h ^= h >> 31, h *= 0xBF58476D1CE4E5B9u, h ^= h >> 29;
+        sum += h;
+      }
+    });
+    MPI_Allreduce(&sum, &all, 1, MPI_UINT64_T, MPI_SUM, finest.comm());
+    return all;
+  }
+};
+
+}  // namespace silt::lbm::testing
