@@ -53,7 +53,7 @@ class FlowOf final : public Flow {
   FlowOf(const Case& scene, const lbm::Domain& domain, MPI_Comm comm, const ParallelBodyExchange& exchange)
       : coupling_(scene.coupling),
         world_(exchange.world()),
-        fluid_(domain, collision_of(*scene.fluid), comm),
+        fluid_(domain, collision_of(*scene.fluid), comm, scene.device),
         levels_(fluid_, scene.coarsening ? scene.coarsening->levels : 0),
         map_(fluid_.domain(), world_, boxes(fluid_), lbm::link_reach(coupling_.wall_scheme)),
         fields_(make_fields<T>(fluid_, map_.blocks())),

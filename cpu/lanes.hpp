@@ -3,7 +3,10 @@
 // with them for which languages have no word (Lanes), and vectors of several registers (Registers). Compilers
 // take look-ups, gathers and the like apart where the hardware has an instruction for them. A vector may have
 // any number of lanes, one too: what is no register's goes lane by lane. Only for *_kernel.cpp files, which
-// are built once each (SILT_ISA).
+// are built once each (SILT_ISA). Builds for a device have plain numbers in the place of vectors (scalar.hpp).
+#if defined(SILT_SCALAR)
+#include "cpu/scalar.hpp"
+#else
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -295,3 +298,5 @@ struct Registers {
 };
 
 }  // namespace silt::inline SILT_ISA
+
+#endif

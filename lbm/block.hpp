@@ -15,6 +15,7 @@
 #include <memory>
 #include <vector>
 
+#include "device/device.hpp"
 #include "lbm/large_memory.hpp"
 #include "lbm/lattice.hpp"
 
@@ -93,7 +94,7 @@ class Block {
   /// Rows are not padded: a gap in a row costs the bandwidth of the cache lines it breaks, and more. A row is
   /// one cell longer than the block, a plane one row: no direction crosses out on both sides, so the ghost
   /// after a row is also the one before the next.
-  explicit Block(const CellBox& box) : box_(box) {
+  explicit Block(const CellBox& box, Device device = Device::cpu) : box_(box) {
     constexpr int line = 64 / sizeof(T), page = 4096 / sizeof(T);  // elements
     row_ = box.size.x + 1;
     plane_ = row_ * (box.size.y + 1);
@@ -101,7 +102,10 @@ class Block {
     direction_ = plane_ * (box.size.z + 1) + line;
     constexpr int skew = 27 * line;  // spreads 19 directions evenly over a page
     direction_ += (skew - direction_ % page + page) % page;
-    memory_ = zeroed<T>(std::size_t(direction_) * directions);
+    if (device == Device::gpu)
+      memory_ = std::static_pointer_cast<T[]>(zeroed_on_gpu(bytes()));
+    else
+      memory_ = zeroed<T>(std::size_t(direction_) * directions);
     first_ = memory_.get();
   }
   /// The block of a part of another one's box, in that one's array: the slot of a ghost cell is then that of

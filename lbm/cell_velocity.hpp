@@ -1,6 +1,7 @@
 #pragma once
 // The velocity of a vector of cells that is about to collide. Only for *_kernel.cpp files, which are built
 // once an instruction set (SILT_ISA).
+#include "cpu/device_code.hpp"
 #include "lbm/collision.hpp"
 #include "lbm/lattice.hpp"
 
@@ -9,8 +10,8 @@ namespace silt::lbm::SILT_ISA {
 /// Sets it from the differences of what arrives along and against the first direction of each pair, with half
 /// of the force if there is a source.
 template <bool source, class V, class T>
-[[gnu::always_inline]] inline void set_velocity(const V (&difference)[pairs], const CollisionRates<T>& r,
-                                                V& ux, V& uy, V& uz) {
+[[gnu::always_inline]] SILT_DEVICE inline void set_velocity(const V (&difference)[pairs],
+                                                            const CollisionRates<T>& r, V& ux, V& uy, V& uz) {
   const V* const d = difference;
   ux = d[0] + ((d[3] + d[4]) + (d[5] + d[6]));
   uy = d[1] + ((d[3] - d[4]) + (d[7] + d[8]));

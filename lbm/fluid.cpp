@@ -4,6 +4,7 @@
 
 #include "cpu/prefetch.hpp"
 #include "lbm/collision.hpp"
+#include "lbm/device_passes.hpp"
 #include "lbm/stream_collide.hpp"
 #include "parallel/communicator.hpp"
 
@@ -13,7 +14,7 @@ namespace {
 /// Appends blocks that share arrays: a level's leaves are cut by what is finer among them, and between those
 /// in one array nothing moves. No array has more than half of its cells between its blocks.
 template <class T>
-void add_shared(std::span<const BlockPlace> places, std::vector<Block<T>>& blocks) {
+void add_shared(std::span<const BlockPlace> places, Device device, std::vector<Block<T>>& blocks) {
   Int3 low = places[0].box.lower, high = low;
   std::int64_t cells = 0;
   for (const BlockPlace& place : places) {
@@ -25,23 +26,23 @@ void add_shared(std::span<const BlockPlace> places, std::vector<Block<T>>& block
   }
   const CellBox all{low, high - low};
   if (2 * cells >= all.cells()) {
-    const Block<T> whole(all);
+    const Block<T> whole(all, device);
     for (const BlockPlace& place : places) blocks.emplace_back(whole, place.box);
   } else {
-    add_shared(places.first(places.size() / 2), blocks);
-    add_shared(places.subspan(places.size() / 2), blocks);
+    add_shared(places.first(places.size() / 2), device, blocks);
+    add_shared(places.subspan(places.size() / 2), device, blocks);
   }
 }
 
 /// Cut links of the finest cells read and write what other blocks hold too: those have arrays of their own.
 template <class T>
-std::vector<Block<T>> local_blocks(const Domain& domain, MPI_Comm comm) {
+std::vector<Block<T>> local_blocks(const Domain& domain, MPI_Comm comm, Device device) {
   const std::vector<BlockPlace> places = domain.blocks_of(parallel::rank_of(comm));
   std::vector<Block<T>> blocks;
   if (domain.level() > 0 && !places.empty())
-    add_shared<T>(places, blocks);
+    add_shared<T>(places, device, blocks);
   else
-    for (const BlockPlace& place : places) blocks.emplace_back(place.box);
+    for (const BlockPlace& place : places) blocks.emplace_back(place.box, device);
   return blocks;
 }
 
@@ -82,15 +83,16 @@ double half_push(const std::array<double, 3>& force, int i) {
 }
 
 template <class T>
-Fluid<T>::Fluid(const Domain& domain, const CollisionSpec& spec, MPI_Comm comm)
+Fluid<T>::Fluid(const Domain& domain, const CollisionSpec& spec, MPI_Comm comm, Device device)
     : domain_(domain),
       spec_(spec),
       rates_(std::make_unique<CollisionRates<T>>(spec)),
       comm_(comm),
-      blocks_(local_blocks<T>(domain, comm)),
+      device_(device),
+      blocks_(local_blocks<T>(domain, comm, device)),
       orders_(orders_of<T>(domain, comm)),
       idle_(blocks_.size(), 0),
-      halo_(domain_, comm, blocks_, orders_, spec.force) {}
+      halo_(domain_, comm, blocks_, orders_, spec.force, device) {}
 
 template <class T>
 Fluid<T>::~Fluid() = default;
@@ -120,7 +122,11 @@ void Fluid<T>::pass_over(std::size_t b, RowRange rows) {
   constexpr int period = WatchedPlanes::period;
   const int first = int(passes_ % period) - blocks_[b].box().lower.z % period;
   fast_in_pass_.clear();
-  lbm::stream_collide(blocks_[b], parity_, *rates_, rows, {(first + period) % period, fast_in_pass_});
+  const WatchedPlanes watched{(first + period) % period, fast_in_pass_};
+  if (device_ == Device::cpu)
+    lbm::stream_collide(blocks_[b], parity_, *rates_, rows, watched);
+  else
+    lbm::stream_collide(device_, blocks_[b], parity_, *rates_, rows, watched);
   for (const FastCell& fast : fast_in_pass_)
     fast_cells_.push_back({int(b), blocks_[b].cell_at(fast.cell), fast.speed});
 }

@@ -22,7 +22,7 @@ template <class T>
 class Fluid {
  public:
   /// Throws std::invalid_argument for a relaxation time of 1/2 or less.
-  Fluid(const Domain&, const CollisionSpec&, MPI_Comm);
+  Fluid(const Domain&, const CollisionSpec&, MPI_Comm, Device = Device::cpu);
   ~Fluid();
 
   const Domain& domain() const { return domain_; }
@@ -32,6 +32,7 @@ class Fluid {
   Parity parity() const { return parity_; }
   const Halo<T>& halo() const { return halo_; }
   MPI_Comm comm() const { return comm_; }
+  Device device() const { return device_; }
 
   /// Each collision adds this density to every cell from now on, in the shares w_i; 0 adds none.
   void set_mass_correction(double density_per_cell);
@@ -98,6 +99,7 @@ class Fluid {
   CollisionSpec spec_;
   std::unique_ptr<CollisionRates<T>> rates_;
   MPI_Comm comm_;
+  Device device_;
   std::vector<Block<T>> blocks_;
   std::vector<PassOrder> orders_;  // of the blocks
   std::vector<char> idle_;

@@ -141,10 +141,34 @@ struct Halo<T>::Builder {
 
 template <class T>
 Halo<T>::Halo(const Domain& domain, MPI_Comm comm, std::span<Block<T>> blocks,
-              std::span<const PassOrder> orders, const std::array<double, 3>& force)
-    : force_(force), slots_(comm, 1) {
+              std::span<const PassOrder> orders, const std::array<double, 3>& force, Device device)
+    : force_(force), device_(device), slots_(comm, 1) {
   Builder{*this, domain, parallel::rank_of(comm), blocks, orders}.build();
   for (Block<T>& block : blocks) add_row_ends(domain, block);
+  if (device != Device::cpu) list_moves(blocks);
+}
+
+/// Puts what moves on this rank into one list, in the device's memory. Idle blocks take part: what their
+/// slots hold means nothing.
+template <class T>
+void Halo<T>::list_moves(std::span<Block<T>> blocks) {
+  std::vector<SlotMove<T>> moves;
+  const auto add = [&](const SlotPairs& pairs, T addend, bool is_plain) {
+    pairs.for_slots(
+        [&](std::uint32_t from_array, std::ptrdiff_t from, std::uint32_t to_array, std::ptrdiff_t to) {
+          moves.push_back({blocks[from_array].data() + from, blocks[to_array].data() + to, addend, is_plain});
+        });
+  };
+  add(slots_.copied(), T(0), true);
+  for (const Wall& wall : walls_) add(wall.pairs, wall.addend, false);
+  slots_.copied().clear();
+  walls_.clear();
+  moves_count_ = moves.size();
+  if (device_ == Device::gpu)
+    moves_ = std::static_pointer_cast<SlotMove<T>[]>(zeroed_on_gpu(moves.size() * sizeof(SlotMove<T>)));
+  else
+    moves_.reset(new SlotMove<T>[moves.size()]);
+  std::copy(moves.begin(), moves.end(), moves_.get());
 }
 
 template <class T>
@@ -198,6 +222,7 @@ void Halo<T>::exchange(std::span<Block<T>> blocks, std::span<const char> idle, P
   }
   const bool back = parity == Parity::settled;
   slots_.finish(sources, targets, back);
+  if (device_ != Device::cpu) move_slots<T>(device_, {moves_.get(), moves_count_}, back);
   for (const Wall& wall : walls_)
     wall.pairs.template move<T>(sources, targets, back, [&](T value) { return value + wall.addend; });
   for (const Outlet& outlet : outlets_)

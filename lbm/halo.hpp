@@ -16,9 +16,11 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
+#include "lbm/device_passes.hpp"
 #include "lbm/domain.hpp"
 #include "lbm/pass_order.hpp"
 #include "lbm/slot_exchange.hpp"
@@ -31,7 +33,7 @@ class Halo {
   /// `blocks` are the local ones, in the order of domain.blocks_of(rank), `orders` those of their passes;
   /// gives the blocks their row ends. `force` is the uniform acceleration.
   Halo(const Domain&, MPI_Comm, std::span<Block<T>> blocks, std::span<const PassOrder> orders,
-       const std::array<double, 3>& force);
+       const std::array<double, 3>& force, Device);
   /// Call when the shells have collided: the messages that they alone write set out. `parity` is that of the
   /// blocks after the dense pass.
   void start(std::span<const Block<T>> blocks, Parity parity);
@@ -59,12 +61,16 @@ class Halo {
   };
   struct Builder;
 
+  void list_moves(std::span<Block<T>>);
   void apply_outlet(Block<T>&, const Outlet&, Parity) const;
 
   std::array<double, 3> force_;
+  Device device_;
   SlotExchange<T> slots_;  // from homes to ghosts; an array is a block
   std::vector<Wall> walls_;
   std::vector<Outlet> outlets_;
+  std::shared_ptr<SlotMove<T>[]> moves_;  // on a device: what moves on this rank, walls included
+  std::size_t moves_count_ = 0;
 };
 
 }  // namespace silt::lbm

@@ -20,7 +20,7 @@ Levels<T>::Levels(Fluid<T>& finest, int coarser_levels) : finest_(finest), secon
   for (int level = 1; level <= coarser_levels; ++level) {
     coarser_.push_back(
         std::make_unique<Fluid<T>>(Domain(domain.tree(), domain.sides(), domain.ranks(), level),
-                                   coarser(finest.spec(), level), finest.comm()));
+                                   coarser(finest.spec(), level), finest.comm(), finest.device()));
     borders_.emplace_back(fluid(level - 1), fluid(level));
   }
 }

@@ -3,6 +3,7 @@
 // files, which are built once an instruction set (SILT_ISA).
 #include <cmath>
 #include <cstddef>
+#include <type_traits>
 
 #include "cpu/lanes.hpp"
 #include "lbm/cell_velocity.hpp"
@@ -10,10 +11,14 @@
 namespace silt::lbm::SILT_ISA {
 
 template <class V>
-[[gnu::always_inline]] inline V root(const V& x) {
-  V y;
-  for (std::size_t i = 0; i < sizeof(V) / sizeof(x[0]); ++i) y[i] = std::sqrt(x[i]);
-  return y;
+[[gnu::always_inline]] SILT_DEVICE inline V root(const V& x) {
+  if constexpr (std::is_floating_point_v<V>) {
+    return std::sqrt(x);
+  } else {
+    V y;
+    for (std::size_t i = 0; i < sizeof(V) / sizeof(x[0]); ++i) y[i] = std::sqrt(x[i]);
+    return y;
+  }
 }
 
 /// ghosts: third and fourth moments keep something of their own; else they follow from the stress.
@@ -22,9 +27,10 @@ struct RecursiveRegularised {
   /// Collides as TwoRelaxationTimes does: the same arguments. What is rounded on the way enters what leaves
   /// with both signs, so that mass and momentum are kept as sums are.
   template <bool source, class V, class T, class SetRest, class SetPair, class See>
-  [[gnu::always_inline]] static void collide(const V (&sum)[pairs + 1], const V (&difference)[pairs],
-                                             const CollisionRates<T>& r, SetRest&& set_rest,
-                                             SetPair&& set_pair, See&& see) {
+  [[gnu::always_inline]] SILT_DEVICE static void collide(const V (&sum)[pairs + 1],
+                                                         const V (&difference)[pairs],
+                                                         const CollisionRates<T>& r, SetRest&& set_rest,
+                                                         SetPair&& set_pair, See&& see) {
     const V *const s = sum, *const d = difference;
     const V in_xy = s[3] + s[4], in_xz = s[5] + s[6], in_yz = s[7] + s[8];
     V rho = ((s[0] + s[1]) + (s[2] + sum[pairs])) + (in_xy + (in_xz + in_yz));
@@ -119,7 +125,7 @@ struct RecursiveRegularised {
     set_pair(8, V(byz - qyz), V(yzz - zyy));
   }
   template <class T>
-  static T square_scale(const CollisionRates<T>&) {
+  SILT_DEVICE static T square_scale(const CollisionRates<T>&) {
     return 1;
   }
 
@@ -127,8 +133,9 @@ struct RecursiveRegularised {
   /// Returns the share of the stress off equilibrium that the collision leaves, 1 - 1/tau, or less where the
   /// stress is that of an eddy which the lattice does not resolve.
   template <class V, class T>
-  [[gnu::always_inline]] static V share_kept(const CollisionRates<T>& r, const V& nxx, const V& nyy,
-                                             const V& nxy, const V& nxz, const V& nyz) {
+  [[gnu::always_inline]] SILT_DEVICE static V share_kept(const CollisionRates<T>& r, const V& nxx,
+                                                         const V& nyy, const V& nxy, const V& nxz,
+                                                         const V& nyz) {
     const V nzz = nxx + nyy;
     const V square = T(0.5) * (nxx * nxx + (nyy * nyy + nzz * nzz)) + (nxy * nxy + (nxz * nxz + nyz * nyz));
     V keep = V{} + r.keep_even_twice;

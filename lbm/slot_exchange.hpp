@@ -57,6 +57,13 @@ class SlotPairs {
       pairs_.push_back({from, to});
   }
   void clear() { pairs_.clear(); }
+  /// Calls visit(from_array, from, to_array, to) for each pair.
+  template <class Visit>
+  void for_slots(Visit&& visit) const {
+    for (const auto& [from, to] : pairs_)
+      for (std::ptrdiff_t n = 0; n < from.length; ++n)
+        visit(from.array, from.first + n * from.stride, to.array, to.first + n * to.stride);
+  }
   /// Puts change(value) of each slot in its place; `back` goes the other way. Nothing goes to an array that
   /// is a null pointer.
   template <class T, class Change>

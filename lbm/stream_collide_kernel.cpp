@@ -1,35 +1,14 @@
 // The dense pass, built once an instruction set (SILT_ISA names the namespace). A cell takes 19 reads and 19
 // writes a step.
-//
-// The populations of a pair i, opposite i that arrive at a cell lie in two slots A and B; what leaves along i
-// goes to B and what leaves against it to A. Where A and B are is all that the parity decides, so one loop
-// serves the even and the odd step.
 #include <algorithm>
 #include <cmath>
 
 #include "cpu/lanes.hpp"
-#include "cpu/prefetch.hpp"
-#include "lbm/recursive_regularised_kernel.hpp"
+#include "lbm/collide_cells.hpp"
 #include "lbm/stream_collide.hpp"
-#include "lbm/two_relaxation_times_kernel.hpp"
 
 namespace silt::lbm::SILT_ISA {
 namespace {
-
-inline constexpr int prefetch_bytes = 512;  // best of 256 to 1536 for large blocks, 640 for 80^3
-
-template <class T>
-struct Slots {  // A and B of each pair, and the resting populations; a cell is Block::cell elements further
-  T* a[pairs];
-  T* b[pairs];
-  T* rest;
-  Slots(Block<T>& block, Parity parity) : rest(block.data() + block.slot(0)) {
-    for (int k = 0; k < pairs; ++k) {
-      a[k] = block.data() + block.arriving(2 * k + 1, parity);
-      b[k] = block.data() + block.arriving(2 * k + 2, parity);
-    }
-  }
-};
 
 /// The lanes of a vector that are cells: the first `cells`.
 template <class V, class T>
@@ -43,22 +22,6 @@ struct FirstLanes {
   }
   V operator()(const V& inner, const V& outer) const { return inside ? inner : outer; }
 };
-struct AllLanes {
-  template <class V>
-  const V& operator()(const V& inner, const V&) const {
-    return inner;
-  }
-};
-
-/// Fetches ahead of use, so that memory answers in time: the hardware's own streams are too few for nineteen
-/// arrays.
-struct Prefetch {
-  template <class T>
-  void operator()(const T* p) const {
-    prefetch_to_write(p + prefetch_bytes / sizeof(T));
-  }
-};
-
 /// Notes the cells that are too fast, or whose speed is not a number. Where there is none, which is as good
 /// as always, it takes a comparison and a branch.
 template <class V, class T>
@@ -80,36 +43,6 @@ struct Unseen {
   template <class V, class Keep>
   [[gnu::always_inline]] void see(const V&, std::ptrdiff_t, const Keep&) {}
 };
-
-/// Collides the cells from x on, as many as a vector has. Slots of lanes that are no cells keep what they
-/// hold: no other lane of the vector has them.
-template <class Model, bool source, class V, class T, class Keep, class Watch>
-[[gnu::always_inline]] inline void collide(const Slots<T>& slots, std::ptrdiff_t x,
-                                           const CollisionRates<T>& r, const Keep& keep, Watch& watch) {
-  constexpr Prefetch prefetch;
-  V sum[pairs + 1], difference[pairs];
-  for (int k = 0; k < pairs; ++k) {
-    const V a = load<V>(slots.a[k] + x), b = load<V>(slots.b[k] + x);
-    prefetch(slots.a[k] + x);
-    prefetch(slots.b[k] + x);
-    sum[k] = a + b;
-    difference[k] = a - b;
-  }
-  sum[pairs] = load<V>(slots.rest + x);
-  prefetch(slots.rest + x);
-
-  const auto set_rest = [&](const V& left) __attribute__((always_inline)) {
-    store(slots.rest + x, keep(left, sum[pairs]));
-  };
-  const auto set_pair = [&](int k, const V& p, const V& q) __attribute__((always_inline)) {
-    store(slots.a[k] + x, keep(V(p - q), load<V>(slots.a[k] + x)));
-    store(slots.b[k] + x, keep(V(p + q), load<V>(slots.b[k] + x)));
-  };
-  const auto see = [&](const V& square) __attribute__((always_inline)) {
-    watch.see(square, x, keep);
-  };
-  Model::template collide<source>(sum, difference, r, set_rest, set_pair, see);
-}
 
 template <class T>
 inline void close_row(T* first, const std::vector<RowEnd<T>>& ends) {
@@ -173,15 +106,7 @@ void rows_under(Block<T>& block, Parity parity, const CollisionRates<T>& rates, 
 
 template <class T>
 CollideRows<T> collide_rows(const CollisionRates<T>& rates) {
-  switch (rates.model) {
-    case Collision::trt:
-    case Collision::bgk:
-      return rows_under<TwoRelaxationTimes, T>;
-    case Collision::regularised:
-      return rates.keep_third != 0 || rates.keep_fourth != 0 ? rows_under<RecursiveRegularised<true>, T>
-                                                             : rows_under<RecursiveRegularised<false>, T>;
-  }
-  __builtin_unreachable();
+  return with_model(rates, []<class Model>(Model) -> CollideRows<T> { return rows_under<Model, T>; });
 }
 template CollideRows<float> collide_rows(const CollisionRates<float>&);
 template CollideRows<double> collide_rows(const CollisionRates<double>&);

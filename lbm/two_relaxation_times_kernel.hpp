@@ -11,9 +11,10 @@ struct TwoRelaxationTimes {
   /// q leaves along the first direction of pair k, p - q against it, and see(the squares of the speeds that
   /// the cells had, times square_scale).
   template <bool source, class V, class T, class SetRest, class SetPair, class See>
-  [[gnu::always_inline]] static void collide(const V (&sum)[pairs + 1], const V (&difference)[pairs],
-                                             const CollisionRates<T>& r, SetRest&& set_rest,
-                                             SetPair&& set_pair, See&& see) {
+  [[gnu::always_inline]] SILT_DEVICE static void collide(const V (&sum)[pairs + 1],
+                                                         const V (&difference)[pairs],
+                                                         const CollisionRates<T>& r, SetRest&& set_rest,
+                                                         SetPair&& set_pair, See&& see) {
     const V rho = ((sum[0] + sum[1]) + (sum[2] + sum[3])) + ((sum[4] + sum[5]) + (sum[6] + sum[7])) +
                   (sum[8] + sum[pairs]);
     V ux, uy, uz;
@@ -66,7 +67,7 @@ struct TwoRelaxationTimes {
   }
   /// A force adds to the squares what it does in a step.
   template <class T>
-  static T square_scale(const CollisionRates<T>& r) {
+  SILT_DEVICE static T square_scale(const CollisionRates<T>& r) {
     return r.square;
   }
 };

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""The dependency rule, read from the includes: cpu -> (std); parallel -> (MPI, std); lbm -> (cpu, parallel, std);
+"""The dependency rule, read from the includes: cpu -> (std); parallel -> (MPI, std); device -> (cpu, std, CUDA in its .cu files); lbm -> (cpu, parallel, device, std);
 rigid -> (cpu, Eigen, std, the counts of parallel/traffic.hpp); adapters -> rigid or lbm types, never the coupler; engine headers only inside their adapter's folder; a coupler includes factory headers. And no function
 of the C library whose last bit depends on the machine; no message between ranks but by parallel/; and no two types of one name in headers of one namespace, which files
 that see one of them each would take for the same."""
@@ -11,6 +11,7 @@ ENGINES = r"(bt[A-Z]|BulletCollision|LinearMath|fcl/|ccd/|hdf5|H5|toml|libqhull|
 FORBIDDEN = {  # folder: pattern of includes it must not have
     "cpu": rf"(parallel/|lbm/|rigid/|coupler/|adapters/|Eigen|mpi\.h|fmt/|iostream|cstdio|{ENGINES})",
     "parallel": rf"(cpu/|lbm/|rigid/|coupler/|adapters/|Eigen|fmt/|iostream|cstdio|{ENGINES})",
+    "device": rf"(parallel/|lbm/|rigid/|coupler/|adapters/|Eigen|mpi\.h|fmt/|iostream|cstdio|{ENGINES})",
     "lbm": rf"(rigid/|coupler/|adapters/|Eigen|fmt/|iostream|cstdio|{ENGINES})",
     "rigid": rf"(parallel/(?!traffic\.hpp)|lbm/|coupler/|adapters/|mpi\.h|fmt/|iostream|cstdio|{ENGINES})",
     "adapters": r"coupler/",

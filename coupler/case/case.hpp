@@ -21,6 +21,7 @@
 #include "coupler/case/position_file.hpp"
 #include "coupler/case/quantity_spec.hpp"
 #include "coupler/case/units.hpp"
+#include "device/device.hpp"
 #include "rigid/bodies/body_exchange.hpp"
 #include "rigid/bodies/body_set.hpp"
 #include "rigid/bodies/walls.hpp"
@@ -194,6 +195,7 @@ struct Case {
 
   std::int64_t steps = 0;
   std::optional<SteadySpec> steady;
+  Device device = Device::cpu;
   std::int64_t balance_every = 0;  // steps between two looks at how the work is shared; 0: none
   OutputSpec output;
   std::vector<QuantitySpec> quantities;

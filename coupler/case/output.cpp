@@ -14,13 +14,17 @@ namespace silt::coupler {
 namespace {
 
 constexpr double most_steps = 1e15;
+constexpr NameTable<Device, device_names.size()> device_table{device_names};
 
 constexpr std::tuple run_keys{
     HandKey{"steps", "integer", "", "one of two", "length of the run in steps, at most"},
     HandKey{"time", "number", "s", "one of two", "length of the run, at most"},
     HandKey{"steady", "table", "", "none", "ends the run earlier, when a quantity has become steady"},
     HandKey{"balance", "table", "", "none",
-            "looks now and then whether the domain should be cut otherwise for the ranks"}};
+            "looks now and then whether the domain should be cut otherwise for the ranks"},
+    Key{"device", &Case::device, Choice{device_table},
+        "where the fluid's passes run: the processor's kernels, or those of a graphics processor, here or "
+        "there"}};
 constexpr std::tuple steady_keys{
     Key{"quantity", &SteadySpec::quantity, Text{}, "the name of one of [[quantities]]", required},
     Key{"change", &SteadySpec::change, Number{dimension::none, {0, 1, false, false}},

@@ -408,6 +408,9 @@ Json report_of(Simulation& simulation, const Quantities& quantities, const RunSt
   report["flags"] = build_info().flags;
   report["libraries"] = build_info().libraries;
   report["instruction_set"] = std::string(instruction_set());
+  const Device device = simulation.setup().device;
+  report["device"] = std::string(device_names[std::size_t(device)]);
+  if (const std::string card = description(device); !card.empty()) report["card"] = card;
   return report;
 }
 

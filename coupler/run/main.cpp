@@ -17,6 +17,7 @@
 #include "coupler/run/run.hpp"
 #include "coupler/run/start_mpi.hpp"
 #include "cpu/isa.hpp"
+#include "device/device.hpp"
 #include "parallel/together.hpp"
 
 namespace silt::coupler {
@@ -25,16 +26,17 @@ namespace {
 struct CommandLine {
   RunOptions run;
   std::vector<std::string> unset;
-  std::string case_directory, out, backend, checkpoint, file;
+  std::string case_directory, out, backend, device, checkpoint, file;
   std::int64_t steps = 0;
 };
 
-/// --backend and --steps are short for --set; what --unset names goes after all is set.
+/// --backend, --device and --steps are short for --set; what --unset names goes after all is set.
 RunOptions options_of(const CommandLine& line) {
   RunOptions options = line.run;
   options.directory = line.case_directory;
   if (!line.out.empty()) options.out = line.out;
   if (!line.checkpoint.empty()) options.checkpoint = line.checkpoint;
+  if (!line.device.empty()) options.overrides.push_back("run.device=\"" + line.device + "\"");
   if (!line.backend.empty()) options.overrides.push_back("contacts.backend=\"" + line.backend + "\"");
   if (line.steps > 0) options.overrides.push_back(fmt::format("run.steps={}", line.steps));
   for (const std::string& key : line.unset) options.overrides.push_back(key + "=");
@@ -109,6 +111,8 @@ void add_case(CLI::App& command, CommandLine& line) {
 void add_run(CLI::App& command, CommandLine& line) {
   add_case(command, line);
   command.add_option("--out", line.out, "folder for the results (CASE/out)")->type_name("DIR");
+  command.add_option("--device", line.device, "where the fluid's passes run: cpu, gpu, host")
+      ->type_name("NAME");
   command.add_option("--steps", line.steps, "short for --set run.steps=N")->check(above_zero)->type_name("N");
   command
       .add_option("--time-limit", line.run.time_limit,
@@ -124,6 +128,12 @@ std::string mpi_version() {
   MPI_Get_library_version(text, &length);
   const std::string all(text, length);
   return all.substr(0, all.find_first_of(",\n"));
+}
+
+std::string version_text() {
+  const std::string card = unusable(Device::gpu).empty() ? "\n" + description(Device::gpu) : "";
+  return fmt::format("silt {} ({}), {}, {}\n{}, {}{}", build_info().version, build_info().commit,
+                     build_info().compiler, instruction_set(), mpi_version(), build_info().libraries, card);
 }
 
 /// The complaint about a first word that is no subcommand, or "".
@@ -145,9 +155,7 @@ Exit main_on(MPI_Comm comm, int argc, char** argv) {
       "guard,\n"
       "4 interrupted, with a checkpoint\n"
       "environment variables: SILT_PLAIN, SILT_ISA, SILT_LAST_CACHE (cases/README.md)");
-  app.set_version_flag("--version", fmt::format("silt {} ({}), {}, {}\n{}, {}", build_info().version,
-                                                build_info().commit, build_info().compiler, instruction_set(),
-                                                mpi_version(), build_info().libraries));
+  app.set_version_flag("--version", version_text);
   app.require_subcommand(1);
   CLI::App* run =
       app.add_subcommand("run", "runs a case; results of an earlier run are moved to out.1, out.2, ...");

@@ -26,6 +26,9 @@ namespace {
 
 /// Throws what building the scene would throw, while all ranks still hear of it.
 void require_buildable(const Case& setup, int ranks) {
+  if (const std::string why = unusable(setup.device); !why.empty())
+    throw CaseError(setup.place("run.device"),
+                    fmt::format("run.device is \"{}\": {}", device_names[std::size_t(setup.device)], why));
   const lbm::Domain domain = make_domain(setup, ranks);
   for (int b = 0; setup.fluid && !setup.coarsening && setup.has_surfaces() && b < domain.blocks(); ++b)
     if (domain.block(b).box.cells() > lbm::most_cells_with_links)

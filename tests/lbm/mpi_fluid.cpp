@@ -222,18 +222,60 @@ Cutting oddly(int blocks_a_rank, int edge) {
 /// A stirred box with walls, on the ranks of a communicator.
 template <class T>
 std::uint64_t stirred(const AcrossRows& across, Int3 cells, const Cutting& cut, int steps,
-                      MPI_Comm comm = MPI_COMM_WORLD) {
+                      MPI_Comm comm = MPI_COMM_WORLD, Device device = Device::cpu,
+                      Collision model = Collision::trt, double tau = 0.6, double force = 1e-5) {
   int size = 1;
   MPI_Comm_size(comm, &size);
   const auto moving = side(SideKind::bounce, {0.03, 0.01, 0});
   const std::array<SideCondition, 6> s{across.low, across.high, periodic, periodic, moving, no_slip};
-  Fluid<T> fluid(Domain(cut(cells, size), s, size), {0.6, 3. / 16, Collision::trt, {1e-5, 2e-5, 0}}, comm);
+  Fluid<T> fluid(Domain(cut(cells, size), s, size), {tau, 3. / 16, model, {force, 2 * force, 0}, 0.1}, comm,
+                 device);
   for_cells(fluid, [&](int b, Int3 x, Int3 g) {
     fluid.set_equilibrium(b, x, 1e-3 * std::sin(g.x + 2.0 * g.y),
                           {0.01 * std::sin(3.0 * g.z), 0.02 * std::cos(2.0 * g.x), 0});
   });
   for (int t = 0; t < steps; ++t) step(fluid);
   return fingerprint(fluid);
+}
+
+TEST(Fluid, SameBitsOnEveryDevice) {
+  struct Flow {
+    Collision model;
+    double tau, force;
+  };
+  const Int3 n{21, 13, 16};
+  std::vector<Device> others = {Device::host};
+  if (unusable(Device::gpu).empty()) others.push_back(Device::gpu);
+  for (const Device device : others)
+    for (const AcrossRows& across : across_rows)
+      for (const Flow& flow :
+           {Flow{Collision::trt, 0.6, 0}, Flow{Collision::bgk, 0.8, 1e-5},
+            Flow{Collision::regularised, 0.51, 0}, Flow{Collision::regularised, 0.6, 1e-5}})
+        for (const int steps : {20, 21}) {
+          SCOPED_TRACE(across.name);
+          const auto on = [&]<class T>(T, const Cutting& cut, Device where) {
+            return stirred<T>(across, n, cut, steps, MPI_COMM_WORLD, where, flow.model, flow.tau, flow.force);
+          };
+          EXPECT_EQ(on(float{}, equal_cut, Device::cpu), on(float{}, equal_cut, device));
+          EXPECT_EQ(on(double{}, equal_cut, Device::cpu), on(double{}, blocks_of({5, 7, 4}), device));
+        }
+}
+
+TEST(Fluid, ADeviceSeesTheSameFastCells) {
+  const auto fast = [](Device device) {
+    Fluid<float> fluid(Domain({9, 5, 20}, {}, std::nullopt, ranks()), {0.6}, MPI_COMM_WORLD, device);
+    for_cells(fluid, [&](int b, Int3 x, Int3 g) {
+      const double speed = g.x == 4 && g.z % 3 == 0 ? 0.7 : g == Int3{7, 2, 16} ? NAN : 0;
+      fluid.set_equilibrium(b, x, 0, {speed, 0, 0});
+    });
+    fluid.stream_collide();
+    std::vector<std::tuple<int, int, int, int, std::uint64_t>> found;
+    for (const auto& [block, cell, speed] : fluid.fast_cells())
+      found.emplace_back(block, cell.x, cell.y, cell.z, std::bit_cast<std::uint64_t>(speed));
+    return found;
+  };
+  EXPECT_EQ(fast(Device::cpu), fast(Device::host));
+  EXPECT_GT(tests::largest_of_ranks(double(fast(Device::host).size())), 0);
 }
 
 TEST(Fluid, SameBitsForEveryRankCountAndLayout) {

@@ -1,0 +1,7 @@
+#pragma once
+// Marks functions that also run on a graphics processor.
+#if defined(__CUDACC__)
+#define SILT_DEVICE __host__ __device__
+#else
+#define SILT_DEVICE
+#endif

@@ -1,0 +1,26 @@
+#pragma once
+// Where the passes over cells of a run are done. All give the same bits.
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <string_view>
+
+namespace silt {
+
+/// `cpu`: the vector kernels of the processor. `host`: the passes of a graphics processor, in loops on the
+/// processor, an entry at a time: for tests. `gpu`: a graphics processor.
+enum class Device : std::uint8_t { cpu, host, gpu };
+inline constexpr std::array<std::string_view, 3> device_names = {"cpu", "host", "gpu"};
+
+/// Returns why this program cannot use a device on this machine, and what to do; "" if it can.
+std::string unusable(Device);
+/// Returns the name of the graphics processor, its memory, its driver and the toolkit; "" for other devices.
+std::string description(Device);
+
+/// Returns bytes of zero which the processor and the graphics processor both read and write: pages move to
+/// where they are used. Throws std::bad_alloc.
+std::shared_ptr<void> zeroed_on_gpu(std::size_t bytes);
+
+}  // namespace silt

@@ -1,0 +1,59 @@
+#pragma once
+// A pass: a list of entries and what is done with each, in no order. Only for files that are built for a
+// device (SILT_ISA: host or gpu), which include this first; functions that run there are SILT_DEVICE.
+#include <cstdint>
+#include <stdexcept>
+#include <string>
+
+#include "cpu/device_code.hpp"
+
+namespace silt::inline SILT_ISA {
+
+#if defined(__CUDACC__)
+
+template <class Body>
+__global__ void one_of(std::int64_t entries, const Body body) {
+  const std::int64_t k = std::int64_t{blockIdx.x} * blockDim.x + threadIdx.x;
+  if (k < entries) body(k);
+}
+
+inline void check(cudaError_t found) {
+  if (found != cudaSuccess)
+    throw std::runtime_error(std::string("the graphics processor failed: ") + cudaGetErrorString(found));
+}
+
+/// Calls body(k) for 0 <= k < entries. Passes are done one after the other.
+template <class Body>
+void for_each(std::int64_t entries, const Body& body) {
+  constexpr int threads = 256;
+  if (entries == 0) return;
+  one_of<<<unsigned((entries + threads - 1) / threads), threads>>>(entries, body);
+  check(cudaGetLastError());
+}
+/// Returns when all passes are done: what they wrote may then be read.
+inline void wait() {
+  check(cudaDeviceSynchronize());
+}
+/// Adds one to a count; returns what it was.
+SILT_DEVICE inline unsigned next_of(unsigned* count) {
+#if defined(__CUDA_ARCH__)
+  return atomicAdd(count, 1u);
+#else
+  return (*count)++;
+#endif
+}
+
+#else
+
+template <class Body>
+void for_each(std::int64_t entries, const Body& body) {
+  for (std::int64_t k = 0; k < entries; ++k) body(k);
+}
+inline void wait() {}
+inline unsigned next_of(unsigned* count) {
+  return (*count)++;
+}
+
+#endif
+
+}  // namespace silt::inline SILT_ISA

@@ -1,0 +1,137 @@
+// The passes of device_passes.hpp, for the one file of each device that includes this (SILT_ISA,
+// SILT_SCALAR).
+#include <algorithm>
+#include <cmath>
+
+#include "device/for_each.hpp"
+#include "lbm/collide_cells.hpp"
+#include "lbm/device_passes.hpp"
+
+namespace silt::lbm::SILT_ISA {
+
+/// The cells of a range of rows, x fastest.
+struct CellsOfRows {
+  std::ptrdiff_t first, row, plane;
+  int nx, ny;
+  template <class T>
+  CellsOfRows(const Block<T>& block, RowRange range)
+      : first(block.cell(0, range.y0, range.z0)),
+        row(block.row_stride()),
+        plane(block.plane_stride()),
+        nx(block.size().x),
+        ny(range.y1 - range.y0) {}
+  SILT_DEVICE std::ptrdiff_t row_at(std::int64_t k) const { return first + k % ny * row + k / ny * plane; }
+};
+
+/// Fast cells in the order in which they are found; beyond `room` they are counted alone.
+struct FastList {
+  static constexpr unsigned room = 4096;
+  FastCell cells[room];
+  unsigned count;
+};
+
+template <class T>
+struct Watch {
+  T limit, scale;
+  FastList* list;  // null: nobody looks
+  template <class Keep>
+  SILT_DEVICE void see(T square, std::ptrdiff_t x, const Keep&) const {
+    if (!list || square <= limit) return;
+    const unsigned k = next_of(&list->count);
+    if (k < FastList::room) list->cells[k] = {x, std::sqrt(double(square) / double(scale))};
+  }
+};
+
+template <class Model, bool source, class T>
+struct CollideCells {
+  Slots<T> slots;
+  CollisionRates<T> rates;
+  CellsOfRows cells;
+  Watch<T> watch;
+  int z0, first_watched;
+  SILT_DEVICE void operator()(std::int64_t k) const {
+    const std::int64_t row = k / cells.nx;
+    const int z = z0 + int(row / cells.ny);
+    Watch<T> its = watch;
+    if (z % WatchedPlanes::period != first_watched) its.list = nullptr;
+    collide<Model, source, T>(slots, cells.row_at(row) + k % cells.nx, rates, AllLanes{}, its);
+  }
+};
+
+template <class T>
+struct CloseRows {
+  T* data;
+  CellsOfRows cells;
+  int count = 0;
+  RowEnd<T> ends[10];  // five populations cross out at either end
+  SILT_DEVICE void operator()(std::int64_t k) const {
+    const RowEnd<T> end = ends[k % count];
+    T* const first = data + cells.row_at(k / count);
+    first[end.to] = end.wall ? first[end.from] + end.addend : first[end.from];
+  }
+};
+
+template <class T>
+struct MoveSlots {
+  const SlotMove<T>* moves;
+  bool back;
+  SILT_DEVICE void operator()(std::int64_t k) const {
+    const SlotMove<T> move = moves[k];
+    const T value = back ? *move.ghost : *move.home;
+    *(back ? move.home : move.ghost) = move.is_plain ? value : value + move.addend;
+  }
+};
+
+inline FastList& fast_list() {
+#if defined(__CUDACC__)
+  static const auto list = std::static_pointer_cast<FastList>(zeroed_on_gpu(sizeof(FastList)));
+#else
+  static const auto list = std::make_unique<FastList>();
+#endif
+  return *list;
+}
+
+template <class T>
+void stream_collide(Block<T>& block, Parity parity, const CollisionRates<T>& rates, RowRange range,
+                    const WatchedPlanes& watched) {
+  const CellsOfRows cells(block, range);
+  const std::int64_t rows = std::int64_t{std::max(range.y1 - range.y0, 0)} * std::max(range.z1 - range.z0, 0);
+  if (rows == 0) return;
+  FastList& fast = fast_list();
+  fast.count = 0;
+  with_model(rates, [&]<class Model>(Model) {
+    const T scale = Model::square_scale(rates);
+    const Watch<T> watch{T(speed_of_sound * speed_of_sound) * scale, scale, &fast};
+    const auto collide_all = [&]<bool source>(std::bool_constant<source>) {
+      for_each(rows * cells.nx,
+               CollideCells<Model, source, T>{{block, parity}, rates, cells, watch, range.z0, watched.first});
+    };
+    if (rates.has_source())
+      collide_all(std::true_type{});
+    else
+      collide_all(std::false_type{});
+  });
+  CloseRows<T> close{block.data(), cells, 0, {}};
+  for (const RowEnd<T>& end : block.row_ends(parity)) close.ends[close.count++] = end;
+  for_each(rows * close.count, close);
+  wait();
+  const auto first = watched.found.end() - watched.found.begin();
+  watched.found.insert(watched.found.end(), fast.cells, fast.cells + std::min(fast.count, FastList::room));
+  std::sort(watched.found.begin() + first, watched.found.end(),
+            [](const FastCell& a, const FastCell& b) { return a.cell < b.cell; });
+}
+
+template <class T>
+void move_slots(std::span<const SlotMove<T>> moves, bool back) {
+  for_each(std::int64_t(moves.size()), MoveSlots<T>{moves.data(), back});
+  wait();
+}
+
+template void stream_collide(Block<float>&, Parity, const CollisionRates<float>&, RowRange,
+                             const WatchedPlanes&);
+template void stream_collide(Block<double>&, Parity, const CollisionRates<double>&, RowRange,
+                             const WatchedPlanes&);
+template void move_slots(std::span<const SlotMove<float>>, bool);
+template void move_slots(std::span<const SlotMove<double>>, bool);
+
+}  // namespace silt::lbm::SILT_ISA
