@@ -17,6 +17,12 @@ __global__ void one_of(std::int64_t entries, const Body body) {
   if (k < entries) body(k);
 }
 
+template <class Body>
+__global__ void one_of_rows(int entries, const Body body) {
+  const int k = int(blockIdx.y * blockDim.x + threadIdx.x);
+  if (k < entries) body(k, int(blockIdx.x));
+}
+
 inline void check(cudaError_t found) {
   if (found != cudaSuccess)
     throw std::runtime_error(std::string("the graphics processor failed: ") + cudaGetErrorString(found));
@@ -28,6 +34,15 @@ void for_each(std::int64_t entries, const Body& body) {
   constexpr int threads = 256;
   if (entries == 0) return;
   one_of<<<unsigned((entries + threads - 1) / threads), threads>>>(entries, body);
+  check(cudaGetLastError());
+}
+/// Calls body(k, row) for so many entries of each row.
+template <class Body>
+void for_rows(int entries, int rows, const Body& body) {
+  constexpr int warp = 32, most = 256;
+  if (entries == 0 || rows == 0) return;
+  const int wanted = (entries + warp - 1) / warp * warp, threads = wanted < most ? wanted : most;
+  one_of_rows<<<dim3(unsigned(rows), unsigned((entries + threads - 1) / threads)), threads>>>(entries, body);
   check(cudaGetLastError());
 }
 /// Returns when all passes are done: what they wrote may then be read.
@@ -48,6 +63,11 @@ SILT_DEVICE inline unsigned next_of(unsigned* count) {
 template <class Body>
 void for_each(std::int64_t entries, const Body& body) {
   for (std::int64_t k = 0; k < entries; ++k) body(k);
+}
+template <class Body>
+void for_rows(int entries, int rows, const Body& body) {
+  for (int row = 0; row < rows; ++row)
+    for (int k = 0; k < entries; ++k) body(k, row);
 }
 inline void wait() {}
 inline unsigned next_of(unsigned* count) {

@@ -20,7 +20,7 @@ struct CellsOfRows {
         plane(block.plane_stride()),
         nx(block.size().x),
         ny(range.y1 - range.y0) {}
-  SILT_DEVICE std::ptrdiff_t row_at(std::int64_t k) const { return first + k % ny * row + k / ny * plane; }
+  SILT_DEVICE std::ptrdiff_t row_at(int k) const { return first + k % ny * row + k / ny * plane; }
 };
 
 /// Fast cells in the order in which they are found; beyond `room` they are counted alone.
@@ -49,12 +49,10 @@ struct CollideCells {
   CellsOfRows cells;
   Watch<T> watch;
   int z0, first_watched;
-  SILT_DEVICE void operator()(std::int64_t k) const {
-    const std::int64_t row = k / cells.nx;
-    const int z = z0 + int(row / cells.ny);
+  SILT_DEVICE void operator()(int x, int row) const {
     Watch<T> its = watch;
-    if (z % WatchedPlanes::period != first_watched) its.list = nullptr;
-    collide<Model, source, T>(slots, cells.row_at(row) + k % cells.nx, rates, AllLanes{}, its);
+    if ((z0 + row / cells.ny) % WatchedPlanes::period != first_watched) its.list = nullptr;
+    collide<Model, source, T>(slots, cells.row_at(row) + x, rates, AllLanes{}, its);
   }
 };
 
@@ -64,9 +62,9 @@ struct CloseRows {
   CellsOfRows cells;
   int count = 0;
   RowEnd<T> ends[10];  // five populations cross out at either end
-  SILT_DEVICE void operator()(std::int64_t k) const {
-    const RowEnd<T> end = ends[k % count];
-    T* const first = data + cells.row_at(k / count);
+  SILT_DEVICE void operator()(int k, int row) const {
+    const RowEnd<T> end = ends[k];
+    T* const first = data + cells.row_at(row);
     first[end.to] = end.wall ? first[end.from] + end.addend : first[end.from];
   }
 };
@@ -95,7 +93,7 @@ template <class T>
 void stream_collide(Block<T>& block, Parity parity, const CollisionRates<T>& rates, RowRange range,
                     const WatchedPlanes& watched) {
   const CellsOfRows cells(block, range);
-  const std::int64_t rows = std::int64_t{std::max(range.y1 - range.y0, 0)} * std::max(range.z1 - range.z0, 0);
+  const int rows = std::max(range.y1 - range.y0, 0) * std::max(range.z1 - range.z0, 0);
   if (rows == 0) return;
   FastList& fast = fast_list();
   fast.count = 0;
@@ -103,7 +101,7 @@ void stream_collide(Block<T>& block, Parity parity, const CollisionRates<T>& rat
     const T scale = Model::square_scale(rates);
     const Watch<T> watch{T(speed_of_sound * speed_of_sound) * scale, scale, &fast};
     const auto collide_all = [&]<bool source>(std::bool_constant<source>) {
-      for_each(rows * cells.nx,
+      for_rows(cells.nx, rows,
                CollideCells<Model, source, T>{{block, parity}, rates, cells, watch, range.z0, watched.first});
     };
     if (rates.has_source())
@@ -113,7 +111,7 @@ void stream_collide(Block<T>& block, Parity parity, const CollisionRates<T>& rat
   });
   CloseRows<T> close{block.data(), cells, 0, {}};
   for (const RowEnd<T>& end : block.row_ends(parity)) close.ends[close.count++] = end;
-  for_each(rows * close.count, close);
+  for_rows(close.count, rows, close);
   wait();
   const auto first = watched.found.end() - watched.found.begin();
   watched.found.insert(watched.found.end(), fast.cells, fast.cells + std::min(fast.count, FastList::room));

@@ -26,6 +26,8 @@ expected = {
                 for k, r in (("over_fluid", (0.5, 200)), ("ns_per_link", (-math.inf, math.inf)))},
     "links": {f"links.{scheme}.{k}": anything for scheme in ("bounce-back", "cli", "parabolic", "multireflection")
               for k in ("at_hand", "fetched", "waited_for")},
+    "device": {f"device.unlike.{p}.{model}{force}": (-1e-15, 1e-15) for p in ("single", "double") for model in ("trt", "regularised")
+               for force in ("", ".force")} | {f"device.{p}.48.mlups": anything for p in ("single", "double")},
     "bed": {f"bed.{n}.{p}.mlups": anything for n in (63, 225) for p in ("single", "double")},
     # what ranks send is what is counted on paper, to the byte
     "scaling": {"model.message_error": (-1e-15, 1e-15), "scaling.weak.fluid.n40": (1e-3, 20), "scaling.weak.b.n40": (1e-3, 20)},
