@@ -30,8 +30,10 @@ constexpr double ghost_layers = CellBits::ghosts;
 constexpr double dry_slack = 1e-3;
 
 double rim_of(const Case& setup) {
-  return setup.contacts.margin / 2 +
-         (setup.fluid ? ghost_layers + furthest_motion : setup.contacts.margin / 2 + dry_slack);
+  double margin = setup.contacts.margin;
+  for (const rigid::Material& material : setup.pair_materials)
+    margin = std::max(margin, material.van_der_waals_reach());
+  return margin / 2 + (setup.fluid ? ghost_layers + furthest_motion : margin / 2 + dry_slack);
 }
 
 rigid::World make_world(const Case& setup, const std::vector<CentredShape>& shapes) {
@@ -104,6 +106,7 @@ Scene::Scene(Case given, MPI_Comm communicator, const SavedBodies* saved, const 
   if (anything_moves) {
     contacts.backend = adapters::make_backend(setup.contacts.backend);
     rigid::ResolverSettings settings = setup.contacts.resolver_settings;
+    rigid::set_materials(settings, world);
     if (setup.fluid) settings.impacts = std::make_shared<EntrainedFluid>();
     contacts.resolver = rigid::make_resolver(setup.contacts.resolver, settings);
     rigid_step = std::make_unique<rigid::RigidStep>(

@@ -44,7 +44,18 @@ constexpr std::tuple material_keys{
         "coefficient of restitution in air; in a fluid sffd also reverses the entrained fluid, but not with "
         "impact_sweeps"},
     Key{"friction", &rigid::Material::friction, Number{dimension::none, range::at_least(0)},
-        "Coulomb's coefficient of friction"}};
+        "Coulomb's coefficient of friction"},
+    Key{"rolling_friction", &rigid::Material::rolling_friction, Number{dimension::none, range::at_least(0)},
+        "sffd: the moment against rolling is at most this times the pressing force and the reduced radius"},
+    Key{"twisting_friction", &rigid::Material::twisting_friction, Number{dimension::none, range::at_least(0)},
+        "sffd: the same against spinning about the normal"},
+    Key{"cohesion", &rigid::Material::cohesion, Number{dimension::force, range::at_least(0)},
+        "sffd: the force that it takes to part two bodies in contact"},
+    Key{"hamaker", &rigid::Material::hamaker, Number{dimension::energy, range::at_least(0)},
+        "sffd: Hamaker's constant A of van der Waals' attraction, A R / (6 gap²) with the reduced radius R"},
+    Key{"hamaker_gap", &rigid::Material::hamaker_gap, Number{dimension::length, range::above(0)},
+        "of hamaker: the gap below which the attraction grows no more; beyond ten times that there is none",
+        "with hamaker"}};
 
 constexpr std::tuple resolver_keys{
     Key{"half_force", &rigid::ResolverSettings::half_force, Flag{},
@@ -75,6 +86,29 @@ std::optional<std::string> read_engine(TableReader& table, const char* key,
   return {};
 }
 
+/// Reads what a material of a pair, or of all, says.
+void read_material(TableReader& table, rigid::Material& material, const ContactSpec& contacts) {
+  read_keys(table, material, material_keys);
+  if (material.hamaker > 0 && material.hamaker_gap == 0)
+    table.need("hamaker_gap", "the gap below which the attraction grows no more, as in 4e-10 m");
+  const auto given = [&](const char* key, double value) { return value > 0 && table.has(key); };
+  for (const auto& [key, value] : {std::pair{"rolling_friction", material.rolling_friction},
+                                   {"twisting_friction", material.twisting_friction},
+                                   {"cohesion", material.cohesion},
+                                   {"hamaker", material.hamaker}}) {
+    if (given(key, value) && !rigid::resolver_model(contacts.resolver).resists_rolling_and_pulls)
+      table.fail(key,
+                 "{} is given, but contacts.resolver is '{}', which knows restitution and friction only; set "
+                 "contacts.resolver = \"sffd\", or remove the key",
+                 table.path(key), contacts.resolver);
+    if (given(key, value) && contacts.sleep_speed && std::string_view(key).ends_with("friction"))
+      table.fail(key,
+                 "{} is given: where rolling or twisting is resisted no body can sleep; remove "
+                 "contacts.sleep_speed, or the key",
+                 table.path(key));
+  }
+}
+
 void read_material_pairs(TableReader& root, Case& setup) {
   const int count = static_cast<int>(setup.material_names.size());
   for (TableReader& pair : root.tables("material_pairs")) {
@@ -90,7 +124,7 @@ void read_material_pairs(TableReader& root, Case& setup) {
       pair.refuse("between", "the names of two materials, [\"a\", \"b\"]");
     const bool known = index[0] >= 0 && index[1] >= 0;
     rigid::Material& material = known ? setup.pair_materials[index[0] * count + index[1]] : unused;
-    read_keys(pair, material, material_keys);
+    read_material(pair, material, setup.contacts);
     if (known) setup.pair_materials[index[1] * count + index[0]] = material;
   }
 }
@@ -150,7 +184,6 @@ void read_contacts(TableReader& root, Case& setup) {
   TableReader table = root.table("contacts");
   ContactSpec& c = setup.contacts;
   read_keys(table, c, contact_keys);
-  read_keys(table, standard, material_keys);
   read_keys(table, c.resolver_settings, resolver_keys);
   c.backend = read_engine(table, "backend", adapters::backend_names()).value_or(c.backend);
   c.broad_phase = read_engine(table, "broad_phase", adapters::broad_phase_names()).value_or(c.broad_phase);
@@ -158,6 +191,7 @@ void read_contacts(TableReader& root, Case& setup) {
   for (const rigid::ResolverModel& model : rigid::resolver_models()) resolvers.emplace_back(model.name);
   c.resolver = table.choice("resolver", resolvers).value_or(c.resolver);
   require_resolver(table, c);
+  read_material(table, standard, c);
   read_materials(root, standard, setup);
   if (!table.has("impact_sweeps")) collide_without_loss(setup);
 }

@@ -1,5 +1,6 @@
 #pragma once
 // What all ranks know alike about the bodies.
+#include <algorithm>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -9,8 +10,18 @@
 
 namespace silt::rigid {
 
+/// How two materials touch.
 struct Material {
   double restitution = 0, friction = 0;
+  // moments against rolling and twisting, over the normal impulse times the reduced radius
+  double rolling_friction = 0, twisting_friction = 0;
+  double cohesion = 0;                    // force that holds bodies in contact together
+  double hamaker = 0, hamaker_gap = 0.0;  // energy; the gap below which the attraction grows no more
+
+  bool rolls_freely() const { return rolling_friction == 0 && twisting_friction == 0; }
+  bool pulls() const { return cohesion > 0 || hamaker > 0; }
+  /// The gap up to which the attraction of van der Waals acts: there it is a hundredth of the greatest.
+  double van_der_waals_reach() const { return hamaker > 0 ? 10 * hamaker_gap : 0; }
 };
 
 /// A body whose surface moves no faster than `speed` for `steps` steps is held at rest until forces out of
@@ -31,6 +42,12 @@ struct World {
   std::shared_ptr<const LubricationLaw> lubrication;  // between smooth surfaces; null: none
   std::optional<SleepRule> sleep;                     // none: no body is ever held at rest
 
+  /// The widest gap across which bodies attract each other.
+  double van_der_waals_reach() const {
+    double reach = 0;
+    for (const Material& material : materials) reach = std::max(reach, material.van_der_waals_reach());
+    return reach;
+  }
   const Material& pair(int i, int j) const { return materials[i * material_count + j]; }
 };
 

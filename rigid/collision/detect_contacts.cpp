@@ -34,8 +34,9 @@ namespace {
 
 /// Approach speeds are those before the kick and before contacts; some room for what these two add.
 constexpr double margin_safety = 1.5;
-/// Keeps resting contacts in sight, relative to the bounding radius.
-constexpr double least_margin = 1e-6;
+/// Keeps resting contacts in sight, relative to the bounding radius; those that pull, as far as they may
+/// open.
+constexpr double least_margin = 1e-6, least_margin_of_cohesion = 1e-4;
 /// Least ratio of a gap's lesser curvature to the greater: below, it is a line contact, which the laws of
 /// lubrication do not know.
 constexpr double least_roundness = 0.02;
@@ -96,6 +97,10 @@ void DetectContacts::set_reach(const World& world, const BodySet& bodies, double
   const std::size_t count = bodies.first_wall();
   reach_.resize(count), turn_.resize(count), boxes_.resize(count);
   const double fall = dt * dt * world.gravity.norm();
+  least_margin_ = least_margin;
+  for (const Material& material : world.materials)
+    if (material.pulls()) least_margin_ = least_margin_of_cohesion;
+  pull_reach_ = world.van_der_waals_reach();
   for (std::size_t row = 0; row < count; ++row) {
     const std::uint32_t number = bodies.shape[row];
     const ShapeParts& shape = shapes_[number];
@@ -105,10 +110,10 @@ void DetectContacts::set_reach(const World& world, const BodySet& bodies, double
       boxes_[row] = bounding_box(world.shapes[number], {Vec3::Zero(), bodies.orientation[row]});
     const double travel =
         dt * bodies.velocity[row].norm() + turn_[row] + fall * std::abs(bodies.weight_in_fluid[row]);
-    double margin = std::min(margin_safety * travel + least_margin * radius, world.contact_margin);
+    double margin = std::min(margin_safety * travel + least_margin_ * radius, world.contact_margin);
     if (world.lubrication && (shape.smooth || shape.mesh))
       margin = std::max(margin, world.lubrication->reach());
-    reach_[row] = {radius, margin};
+    reach_[row] = {radius, std::max(margin, pull_reach_)};
   }
   walls_.clear();
   for (std::size_t row = count; row < bodies.size(); ++row) {
@@ -146,8 +151,9 @@ double DetectContacts::pair_margin(const Call& call, const CandidatePair& p, con
   const double fall =
       dt * dt * world.gravity.norm() *
       (std::abs(bodies.weight_in_fluid[p.row_a]) + (wall ? 0.0 : std::abs(bodies.weight_in_fluid[p.row_b])));
-  const double least = least_margin * (reach_[p.row_a].radius + (wall ? 0.0 : reach_[p.row_b].radius));
-  const double margin = std::min(margin_safety * (approach + turn + fall) + least, world.contact_margin);
+  const double least = least_margin_ * (reach_[p.row_a].radius + (wall ? 0.0 : reach_[p.row_b].radius));
+  const double margin =
+      std::max(std::min(margin_safety * (approach + turn + fall) + least, world.contact_margin), pull_reach_);
   if (!world.lubrication || !may_lubricate(shapes_[bodies.shape[p.row_a]], shapes_[bodies.shape[p.row_b]]))
     return margin;
   return std::max(margin, world.lubrication->reach());

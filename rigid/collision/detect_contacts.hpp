@@ -76,6 +76,7 @@ class DetectContacts {
   std::vector<ShapeParts> shapes_;
   bool with_meshes_ = false;
   std::unique_ptr<BroadPhase> broad_phase_;
+  double least_margin_ = 0, pull_reach_ = 0;  // of resting contacts, relative to radii; of attraction
   std::vector<Reach> reach_;
   std::vector<BoundingBox> boxes_;  // about the bodies' positions, axis-aligned; of spheres not set
   std::vector<double> turn_;        // how far rotation moves a body's surface in the step

@@ -17,6 +17,7 @@ struct Rounds {
   Numbers moved{};                                // at most: a contact's impulse, in all rounds
   Mask cut_short{};                               // by the number of rounds
   const BlockLubrication* lubrication = nullptr;  // of the group's contacts, or null
+  BlockRolling* rolling = nullptr;                // likewise
 
   /// What a contact's impulses become, from those that would stop it: (C4) and (C5) of rigid/README.md, (L2)
   /// in a lubrication film.
@@ -50,6 +51,20 @@ struct Rounds {
     motion.push(g, r, n * d_n + d_t);
   }
 
+  /// After them the moments against rolling and twisting.
+  void resist(const BlockGroup& g, const BlockContact& c, BlockRolling& r) {
+    const Vector n = load(c.normal), old = load(r.impulse);
+    const Vector stop = old - motion.omega * (Numbers(r.roll_arm) * r.inverse_k_roll);
+    const Numbers twist = dot(stop, n), pressing = larger(Numbers{}, Numbers(c.normal_impulse));
+    const Vector p = into_cone(stop - n * twist, r.rolling_friction * pressing) +
+                     into_cone(n * twist, r.twisting_friction * pressing);
+    const Vector d = choose(active, p - old, Vector{});
+    store(r.impulse, old + d);
+    change = larger(change, dot(d, d));
+    scale = choose(active, larger(scale, dot(p, p)), scale);
+    motion.push_about_a(g, {}, d * r.roll_arm);
+  }
+
   /// Squared, of the whole pair in this sweep.
   Numbers total(const BlockGroup& g) const {
     return dot(motion.impulse, motion.impulse) +
@@ -63,10 +78,13 @@ struct Rounds {
     for (int round = 0; round < most_rounds && any_lane(active); ++round) {
       change = Numbers{};
       scale = choose(active, Numbers{}, scale);
-      for (std::uint32_t c = 0; c < g.count; ++c)
+      for (std::uint32_t c = 0; c < g.count; ++c) {
         solve(g, contacts[c], lubrication ? lubrication + c : nullptr);
+        if (rolling) resist(g, contacts[c], rolling[c]);
+      }
       moved += square_root(change);
       active = active & (change > tolerance * tolerance * scale);
+      if (rolling) continue;  // and slip are coupled too closely for one round
       cut_short = cut_short | (active & ~final);
       active = active & final;
     }
@@ -139,8 +157,8 @@ void prepare_blocks(std::span<BlockGroup> groups) {
 }
 
 SweepOutcome sweep_blocks(std::span<BlockGroup> groups, BlockContact* all_contacts,
-                          const BlockLubrication* all_lubrication, const BodyState* state,
-                          const ContactSweep& sweep) {
+                          const BlockLubrication* all_lubrication, BlockRolling* all_rolling,
+                          const BodyState* state, const ContactSweep& sweep) {
   Outcome outcome;
   for (BlockGroup& g : groups) {
     BlockContact* contacts = all_contacts + g.first;
@@ -149,11 +167,11 @@ SweepOutcome sweep_blocks(std::span<BlockGroup> groups, BlockContact* all_contac
     if (!any_lane(lanes.on)) continue;
     const CarryOn carry_on(g, contacts);
     Rounds rounds{PairMotion(g, twists(g.bodies.a, state), twists(g.bodies.b, state)), lanes.on};
-    rounds.lubrication = g.first_lubrication != no_lubrication && !sweep.push
-                             ? all_lubrication + g.first_lubrication
-                             : nullptr;
-    if (rounds.lubrication)
-      ;  // lubricated surfaces creep: nothing sticks
+    if (g.first_rolling != without && !sweep.push) rounds.rolling = all_rolling + g.first_rolling;
+    rounds.lubrication =
+        g.first_lubrication != without && !sweep.push ? all_lubrication + g.first_lubrication : nullptr;
+    if (rounds.lubrication || rounds.rolling)
+      ;  // lubricated surfaces creep, and moments share the load: not all sticks by itself
     else if (sweep.push)
       try_sticking<true>(g, contacts, rounds.motion, rounds.active, rounds.scale);
     else

@@ -11,8 +11,8 @@ namespace silt::rigid::SILT_ISA {
 namespace {
 
 /// What contacts of a kind have: an impulse along the normal (frictionless), across it too (dry), and one
-/// against rolling (lubricated).
-enum Kind { frictionless, dry, lubricated };
+/// against rolling (rolling, lubricated).
+enum Kind { frictionless, dry, rolling, lubricated };
 
 /// Impulses on b; those that a kind does not have are not computed with.
 template <Kind kind>
@@ -27,7 +27,7 @@ template <Kind kind, class Of>
   Impulse<kind> result;
   result.normal = of(p.normal, q.normal);
   if constexpr (kind >= dry) result.tangential = of(p.tangential, q.tangential);
-  if constexpr (kind >= lubricated) result.rolling = of(p.rolling, q.rolling);
+  if constexpr (kind > dry) result.rolling = of(p.rolling, q.rolling);
   return result;
 }
 template <Kind kind>
@@ -42,7 +42,7 @@ template <Kind kind>
 Numbers dot(const Impulse<kind>& p, const Impulse<kind>& q) {
   Numbers sum = p.normal * q.normal;
   if constexpr (kind >= dry) sum += dot(p.tangential, q.tangential);
-  if constexpr (kind >= lubricated) sum += dot(p.rolling, q.rolling);
+  if constexpr (kind > dry) sum += dot(p.rolling, q.rolling);
   return sum;
 }
 
@@ -52,7 +52,7 @@ Impulse<kind> impulse_of(const Group& g) {
   Impulse<kind> p;
   p.normal = g.normal_impulse;
   if constexpr (kind >= dry) p.tangential = load(g.tangential_impulse);
-  if constexpr (kind >= lubricated) p.rolling = load(g.rolling_impulse);
+  if constexpr (kind > dry) p.rolling = load(g.rolling_impulse);
   return p;
 }
 template <Kind kind, class Group>
@@ -60,7 +60,7 @@ Impulse<kind> last_of(const Group& g) {
   Impulse<kind> p;
   p.normal = g.last_normal;
   if constexpr (kind >= dry) p.tangential = load(g.last_tangential);
-  if constexpr (kind >= lubricated) p.rolling = load(g.last_rolling);
+  if constexpr (kind > dry) p.rolling = load(g.last_rolling);
   return p;
 }
 template <Kind kind, class Group>
@@ -68,8 +68,7 @@ void store(Group& g, const Impulse<kind>& now, const Impulse<kind>& last) {
   g.normal_impulse = now.normal, g.last_normal = last.normal;
   if constexpr (kind >= dry)
     store(g.tangential_impulse, now.tangential), store(g.last_tangential, last.tangential);
-  if constexpr (kind >= lubricated)
-    store(g.rolling_impulse, now.rolling), store(g.last_rolling, last.rolling);
+  if constexpr (kind > dry) store(g.rolling_impulse, now.rolling), store(g.last_rolling, last.rolling);
 }
 
 /// The pair alone, from the impulses at hand. Without friction tangential impulses are zero and stay so, and
@@ -84,6 +83,34 @@ Impulse<kind> find(const CentralGroup& g, const Impulse<kind>& old, const Twist&
     const Vector slip = u + cross(b.w * g.arm_b - a.w * g.arm_a, n) - n * u_n;
     p.tangential = into_cone(old.tangential - slip * g.inverse_k_t, g.friction * p.normal);
   }
+  return p;
+}
+
+/// If slip sticks it follows rolling, and is eliminated: that is exact. Where it slides after all, rolling is
+/// solved for with the impulse that slip has, and later sweeps go on.
+template <Kind kind>
+Impulse<kind> find(const RollingGroup& g, const Impulse<kind>& old, const Twist& a, const Twist& b) {
+  const Vector n = load(g.normal), u = b.v - a.v;
+  const Numbers u_n = dot(u, n);
+  Impulse<kind> p;
+  p.normal = larger(Numbers{}, old.normal + (g.target - u_n) * g.inverse_k_n);
+  const Numbers rub = g.friction * p.normal, brake = g.rolling_friction * p.normal;
+  const Vector slip = u + cross(b.w * g.arm_b - a.w * g.arm_a, n) - n * u_n;
+
+  const Vector turn = (b.w - a.w) * g.roll_arm;
+  const Numbers twist = dot(turn, n), old_twist = dot(old.rolling, n);
+  const Vector roll = turn - n * twist, old_roll = old.rolling - n * old_twist;
+  const Vector stuck = into_cone(
+      old_roll - (roll - cross(n, slip) * (Numbers(g.roll_to_slip) * g.inverse_k_t)) * g.inverse_k_roll_stuck,
+      brake);
+  const auto stop_slip = [&](const Vector& rolling) {
+    return old.tangential - (slip + cross(rolling - old_roll, n) * g.roll_to_slip) * g.inverse_k_t;
+  };
+  const Vector held = stop_slip(stuck);
+  const Vector rolled =
+      choose(dot(held, held) <= rub * rub, stuck, into_cone(old_roll - roll * g.inverse_k_roll, brake));
+  p.tangential = into_cone(stop_slip(rolled), rub);
+  p.rolling = rolled + into_cone(n * (old_twist - twist * g.inverse_k_roll), g.twisting_friction * p.normal);
   return p;
 }
 
@@ -116,6 +143,11 @@ Push push_by(const CentralGroup& g, const Impulse<kind>& d) {
   if constexpr (kind == frictionless) return {n * d.normal, {}, {}};
   const Vector torque = cross(n, d.tangential);  // per unit of arm
   return {n * d.normal + d.tangential, torque * (Numbers{} - g.arm_a), torque * g.arm_b};
+}
+template <Kind kind>
+Push push_by(const RollingGroup& g, const Impulse<kind>& d) {
+  const Vector n = load(g.normal), slip = cross(n, d.tangential), roll = d.rolling * g.roll_arm;
+  return {n * d.normal + d.tangential, slip * (Numbers{} - g.arm_a) - roll, slip * g.arm_b + roll};
 }
 template <Kind kind>
 Push push_by(const LubricatedGroup& g, const Impulse<kind>& d) {
@@ -169,6 +201,13 @@ SweepOutcome sweep_central(std::span<CentralGroup> groups, const BodyState* stat
     return any_lane(Numbers(g.friction) > 0)
                ? sweep_group<dry>(g, lanes, state, sums, sweep.tolerance)
                : sweep_group<frictionless>(g, lanes, state, sums, sweep.tolerance);
+  });
+}
+
+SweepOutcome sweep_rolling(std::span<RollingGroup> groups, const BodyState* state, BodySum* sums,
+                           const ContactSweep& sweep) {
+  return sweep_all(groups, state, sweep, [&](RollingGroup& g, const LanesToSolve& lanes) {
+    return sweep_group<rolling>(g, lanes, state, sums, sweep.tolerance);
   });
 }
 

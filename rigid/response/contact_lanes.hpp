@@ -72,6 +72,15 @@ struct alignas(64) CentralGroup : PairGroup, LaneContact {
   Real8 arm_a, arm_b;  // the contact lies at arm * normal from each centre
 };
 
+/// The same with moments against rolling and twisting, as impulses: `rolling_impulse` times `roll_arm` is a
+/// moment on b. Rolling is seen as the velocity that the bodies' turning gives at that arm.
+struct alignas(64) RollingGroup : CentralGroup {
+  Real8 roll_arm, rolling_friction, twisting_friction;
+  Real8 inverse_k_roll, inverse_k_roll_stuck;  // the latter where slip takes what impulse it needs
+  Real8 roll_to_slip;                          // slip by a unit impulse against rolling, and the reverse
+  Real8 rolling_impulse[3], last_rolling[3];
+};
+
 /// The same with a lubrication film in the gap (lubrication.hpp). Of a resistance z, as an impulse per
 /// velocity, against the compliance k of its motion: damped is z k / (1 + z k), the part of the velocity it
 /// takes away.
@@ -97,10 +106,10 @@ struct alignas(64) BlockGroup : PairGroup {
   Real8 impulse[3], angular[3];  // of the last sweep, on b about a's centre
   Real8 relative_change;         // of the last sweep; negative: not solved
   std::uint32_t first, count;    // of its contacts
-  std::uint32_t first_lubrication;  // where its contacts' lubrication begins; none: no_lubrication
+  std::uint32_t first_lubrication, first_rolling;  // where those of its contacts begin; none: without
 };
 
-inline constexpr std::uint32_t no_lubrication = ~std::uint32_t{0};
+inline constexpr std::uint32_t without = ~std::uint32_t{0};
 
 struct alignas(64) BlockContact : LaneContact {
   Real8 r[3];         // from a's centre
@@ -110,6 +119,12 @@ struct alignas(64) BlockContact : LaneContact {
 /// This is the lubrication of one BlockContact, as in LubricatedGroup. Rolling is left out.
 struct alignas(64) BlockLubrication {
   Real8 normal_stiffness, normal_damped, tangential_damped;
+};
+
+/// What resists rolling and twisting at one BlockContact, as in RollingGroup.
+struct alignas(64) BlockRolling {
+  Real8 roll_arm, rolling_friction, twisting_friction, inverse_k_roll;
+  Real8 impulse[3];
 };
 
 /// A ContactSweep says how the groups are swept.
@@ -130,13 +145,14 @@ struct SweepOutcome {
 // The kernels. A sweep goes once over its groups; blocks are prepared once a step, after the groups are
 // filled.
 using SweepCentral = SweepOutcome(std::span<CentralGroup>, const BodyState*, BodySum*, const ContactSweep&);
+using SweepRolling = SweepOutcome(std::span<RollingGroup>, const BodyState*, BodySum*, const ContactSweep&);
 using SweepLubricated = SweepOutcome(std::span<LubricatedGroup>, const BodyState*, BodySum*,
                                      const ContactSweep&);
-using SweepBlocks = SweepOutcome(std::span<BlockGroup>, BlockContact*, const BlockLubrication*,
+using SweepBlocks = SweepOutcome(std::span<BlockGroup>, BlockContact*, const BlockLubrication*, BlockRolling*,
                                  const BodyState*, const ContactSweep&);
 using PrepareBlocks = void(std::span<BlockGroup>);
 
-SILT_BUILDS(SweepCentral sweep_central; SweepLubricated sweep_lubricated; SweepBlocks sweep_blocks;
-            PrepareBlocks prepare_blocks;)
+SILT_BUILDS(SweepCentral sweep_central; SweepRolling sweep_rolling; SweepLubricated sweep_lubricated;
+            SweepBlocks sweep_blocks; PrepareBlocks prepare_blocks;)
 
 }  // namespace silt::rigid

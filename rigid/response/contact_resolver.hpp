@@ -10,6 +10,7 @@
 #include "rigid/bodies/body_exchange.hpp"
 #include "rigid/bodies/body_set.hpp"
 #include "rigid/bodies/contact.hpp"
+#include "rigid/bodies/world.hpp"
 #include "rigid/math/twist.hpp"
 
 namespace silt::rigid {
@@ -40,9 +41,20 @@ struct ResolverSettings {
   int impact_sweeps = 0;  // sffd: of the impact phase before it (impact_phase.hpp), at most; 0: none
   double least_impact_restitution = 0;  // the least with which a pair takes part in it
   std::shared_ptr<const ImpactSink>
-      impacts;             // sffd: told of every impact but those of the impact phase; null: nobody
+      impacts;  // sffd: told of every impact but those of the impact phase; null: nobody
+  // of pairs, as those of the World; empty: no pair resists rolling or pulls (sffd)
+  std::vector<Material> materials;
+  int material_count = 0;
   bool half_force = true;  // ffd only: a body in contact misses its second half kick, as in the paper
 };
+
+/// Gives a resolver the materials that have more than restitution and friction.
+inline void set_materials(ResolverSettings& settings, const World& world) {
+  const auto plain = [](const Material& m) { return m.rolls_freely() && !m.pulls(); };
+  if (std::all_of(world.materials.begin(), world.materials.end(), plain)) return;
+  settings.materials = world.materials;
+  settings.material_count = world.material_count;
+}
 
 struct ResolverStatistics {
   std::uint64_t contacts = 0;  // of owned bodies, each counted at the owner of its lower id
@@ -105,7 +117,8 @@ class ContactResolver {
 struct ResolverModel {
   std::string_view name;
   bool lubricates, has_impact_phase, has_half_force;
-  bool lets_sleep;    // bodies at rest may be held
+  bool lets_sleep;  // bodies at rest may be held
+  bool resists_rolling_and_pulls;
   bool makes_energy;  // contacts of several bodies may leave more than there was
   std::unique_ptr<ContactResolver> (*make)(const ResolverSettings&);
 };

@@ -27,11 +27,13 @@ inline Target target_of(const Contact& c, double dt, double reduced_mass, const 
   return {target, target - speed};
 }
 
+/// By so much of the lever arms a contact that pressed may have opened.
+inline constexpr double hair = 1e-4;
+
 /// The target of a contact that pressed in the last step: one that has opened by a hair is held, not let
 /// fall. Else the load shifts to the contacts that are left and back again, and stacks rock and creep. A
 /// lubrication film holds by itself, and its impulse does not mean that the surfaces touched.
 inline double target_of_pressed(const Contact& c, double dt, double target) {
-  constexpr double hair = 1e-4;  // relative to the lever arms
   return c.gap > 0 && !c.lubrication ? std::max(target, std::min(0.0, hair * lever_arms(c) - c.gap) / dt)
                                      : target;
 }

@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "rigid/response/cohesion.hpp"
+
 namespace silt::rigid {
 
 namespace {
@@ -11,6 +13,7 @@ namespace {
 /// The build of the kernels that runs here.
 struct LaneKernels {
   SweepCentral* sweep_central = SILT_CHOSEN(sweep_central);
+  SweepRolling* sweep_rolling = SILT_CHOSEN(sweep_rolling);
   SweepLubricated* sweep_lubricated = SILT_CHOSEN(sweep_lubricated);
   SweepBlocks* sweep_blocks = SILT_CHOSEN(sweep_blocks);
   PrepareBlocks* prepare_blocks = SILT_CHOSEN(prepare_blocks);
@@ -25,6 +28,7 @@ constexpr double on_axis = 1e-12;  // sine between a contact's arm and its norma
 bool is_central(const PairToSolve& p) {
   if (p.contacts.size() != 1 || !p.a.isotropic || !p.b.isotropic) return false;
   const Contact& c = p.contacts[0];
+  if (p.rolling && c.lubrication) return false;
   const auto along = [&](const Vec3& r, const BodyMass& m) {
     return !m.turns || r.cross(c.normal).squaredNorm() <= on_axis * on_axis * r.squaredNorm();
   };
@@ -131,6 +135,27 @@ double damped(double z, double k) {
   return z * k / (1 + z * k);
 }
 
+/// The inverse of the compliance of a motion; of one that nothing moves 0.
+double inverse(double k) {
+  return k > 0 ? 1 / k : 0;
+}
+
+/// No friction resists a position correction.
+void release(RollingGroup& g, int l) {
+  g.rolling_friction[l] = g.twisting_friction[l] = 0;
+  set(g.rolling_impulse, l, Vec3::Zero());
+  set(g.last_rolling, l, Vec3::Zero());
+}
+
+void set_rolling(BlockRolling& lanes, int l, const PairToSolve& p, std::size_t k) {
+  const Mat3 turn = p.share_a * p.a.inverse_inertia + p.share_b * p.b.inverse_inertia;
+  const double arm = reduced_radius(p.contacts[k]);
+  lanes.roll_arm[l] = arm;
+  lanes.rolling_friction[l] = p.rolling->rolling_friction;
+  lanes.twisting_friction[l] = p.rolling->twisting_friction;
+  lanes.inverse_k_roll[l] = inverse(arm * arm * turn.cwiseAbs().rowwise().sum().maxCoeff());  // a bound
+}
+
 /// No lubrication film resists a position correction.
 void dry(LubricatedGroup& g, int l) {
   g.normal_stiffness[l] = 1;
@@ -152,25 +177,45 @@ void set_lubrication(BlockLubrication& lanes, int l, const PairToSolve& p, std::
 
 void PairLanes::clear(std::size_t rows) {
   rows_ = rows;
-  central_lane_ = lubricated_lane_ = lane_count;
+  central_lane_ = rolling_lane_ = lubricated_lane_ = lane_count;
   central_.clear();
+  rolling_.clear();
   lubricated_.clear();
   blocks_.clear();
   block_contacts_.clear();
   block_lubrication_.clear();
+  block_rolling_.clear();
   open_.clear();
   block_order_.clear();
 }
 
 PairLanes::Place PairLanes::add(const PairToSolve& p) {
   if (!is_central(p)) return add_block(p);
+  if (p.rolling) return add_rolling(p);
   return p.contacts[0].lubrication ? add_lubricated(p) : add_central(p);
 }
 
 PairLanes::Place PairLanes::add_central(const PairToSolve& p) {
   const int l = next_lane(central_, central_lane_, rows_);
   set_central(central_.back(), l, p);
-  return {static_cast<std::uint32_t>(central_.size() - 1), static_cast<std::uint8_t>(l), true};
+  return {static_cast<std::uint32_t>(central_.size() - 1), static_cast<std::uint8_t>(l), Kind::central};
+}
+
+PairLanes::Place PairLanes::add_rolling(const PairToSolve& p) {
+  const int l = next_lane(rolling_, rolling_lane_, rows_);
+  RollingGroup& g = rolling_.back();
+  const double k_t = set_central(g, l, p)[1], arm = reduced_radius(p.contacts[0]);
+  const double turn_a = p.share_a * p.a.inverse_inertia(0, 0), turn_b = p.share_b * p.b.inverse_inertia(0, 0);
+  const double k_r = arm * arm * (turn_a + turn_b),
+               across = arm * (turn_a * g.arm_a[l] + turn_b * g.arm_b[l]);
+  release(g, l);
+  g.roll_arm[l] = arm;
+  g.rolling_friction[l] = p.rolling->rolling_friction;
+  g.twisting_friction[l] = p.rolling->twisting_friction;
+  g.roll_to_slip[l] = across;
+  g.inverse_k_roll[l] = inverse(k_r);
+  g.inverse_k_roll_stuck[l] = inverse(k_r - across * across / k_t);
+  return {static_cast<std::uint32_t>(rolling_.size() - 1), static_cast<std::uint8_t>(l), Kind::rolling};
 }
 
 PairLanes::Place PairLanes::add_lubricated(const PairToSolve& p) {
@@ -200,14 +245,15 @@ PairLanes::Place PairLanes::add_lubricated(const PairToSolve& p) {
   g.roll_to_slip[l] = across;
   set(g.rolling_impulse, l, Vec3::Zero());
   set(g.last_rolling, l, Vec3::Zero());
-  return {static_cast<std::uint32_t>(lubricated_.size() - 1), static_cast<std::uint8_t>(l), true, true};
+  return {static_cast<std::uint32_t>(lubricated_.size() - 1), static_cast<std::uint8_t>(l), Kind::lubricated};
 }
 
 PairLanes::Place PairLanes::add_block(const PairToSolve& p) {
   const std::size_t count = p.contacts.size();
   const bool lubricated = has_lubrication(p);
-  if (open_.size() <= 2 * count + 1) open_.resize(2 * count + 2);
-  Open& open = open_[2 * count + lubricated];
+  const bool rolling = p.rolling != nullptr;
+  if (open_.size() <= 4 * count + 3) open_.resize(4 * count + 4);
+  Open& open = open_[4 * count + 2 * rolling + lubricated];
   if (open.lane == lane_count) {
     open = {static_cast<std::uint32_t>(blocks_.size()), 0};
     blocks_.emplace_back();
@@ -220,7 +266,9 @@ PairLanes::Place PairLanes::add_block(const PairToSolve& p) {
     g.first = static_cast<std::uint32_t>(block_contacts_.size());
     g.count = static_cast<std::uint32_t>(count);
     block_contacts_.resize(block_contacts_.size() + count);
-    g.first_lubrication = lubricated ? static_cast<std::uint32_t>(block_lubrication_.size()) : no_lubrication;
+    g.first_lubrication = lubricated ? static_cast<std::uint32_t>(block_lubrication_.size()) : without;
+    g.first_rolling = rolling ? static_cast<std::uint32_t>(block_rolling_.size()) : without;
+    if (rolling) block_rolling_.resize(block_rolling_.size() + count);
     if (lubricated) block_lubrication_.resize(block_lubrication_.size() + count);
   }
   BlockGroup& g = blocks_[open.group];
@@ -238,10 +286,11 @@ PairLanes::Place PairLanes::add_block(const PairToSolve& p) {
     add_block_contact(block_contacts_[g.first + k], l, p, k);
     if (lubricated)
       set_lubrication(block_lubrication_[g.first_lubrication + k], l, p, k, block_contacts_[g.first + k]);
+    if (rolling) set_rolling(block_rolling_[g.first_rolling + k], l, p, k);
   }
   g.softness[l] = soft / block_contacts_[g.first].inverse_k_n[l];
   g.inverse_arm[l] = furthest > 0 ? 1 / std::sqrt(furthest) : 0;
-  block_order_.push_back({open.group, static_cast<std::uint8_t>(l), false});
+  block_order_.push_back({open.group, static_cast<std::uint8_t>(l), Kind::block});
   return block_order_.back();
 }
 
@@ -263,10 +312,11 @@ void PairLanes::prepare() {
 SweepOutcome PairLanes::sweep(std::span<const BodyState> state, std::span<BodySum> sums,
                               const ContactSweep& sweep) {
   const LaneKernels k = kernels();
-  const SweepOutcome of_kinds[] = {
-      k.sweep_central(central_, state.data(), sums.data(), sweep),
-      k.sweep_lubricated(lubricated_, state.data(), sums.data(), sweep),
-      k.sweep_blocks(blocks_, block_contacts_.data(), block_lubrication_.data(), state.data(), sweep)};
+  const SweepOutcome of_kinds[] = {k.sweep_central(central_, state.data(), sums.data(), sweep),
+                                   k.sweep_rolling(rolling_, state.data(), sums.data(), sweep),
+                                   k.sweep_lubricated(lubricated_, state.data(), sums.data(), sweep),
+                                   k.sweep_blocks(blocks_, block_contacts_.data(), block_lubrication_.data(),
+                                                  block_rolling_.data(), state.data(), sweep)};
   sum_blocks(sums, sweep.tolerance);
   SweepOutcome all;
   for (const SweepOutcome& of : of_kinds) {
@@ -296,15 +346,21 @@ void PairLanes::sum_blocks(std::span<BodySum> sums, double tolerance) const {
 }
 
 PairGroup& PairLanes::group_at(const Place& at) {
-  if (at.lubricated) return lubricated_[at.group];
-  if (at.central) return central_[at.group];
-  return blocks_[at.group];
+  switch (at.kind) {
+    case Kind::central:
+      return central_[at.group];
+    case Kind::rolling:
+      return rolling_[at.group];
+    case Kind::lubricated:
+      return lubricated_[at.group];
+    default:
+      return blocks_[at.group];
+  }
 }
 
 LaneContact& PairLanes::contact_at(const Place& at, std::size_t k) {
-  if (at.lubricated) return lubricated_[at.group];
-  if (at.central) return central_[at.group];
-  return block_contacts_[blocks_[at.group].first + k];
+  if (at.kind == Kind::block) return block_contacts_[blocks_[at.group].first + k];
+  return static_cast<CentralGroup&>(group_at(at));
 }
 
 void PairLanes::read_impulses(const Place& at, std::span<ContactImpulse> out) {
@@ -317,10 +373,22 @@ void PairLanes::read_impulses(const Place& at, std::span<ContactImpulse> out) {
 
 /// The moments on a and b about a's centre are opposite.
 PairLanes::Rolling PairLanes::read_rolling(const Place& at) const {
-  if (!at.lubricated) return {};
-  const LubricatedGroup& g = lubricated_[at.group];
-  const Vec3 impulse = vector_of(g.rolling_impulse, at.lane);
-  return {-g.skew[at.lane] * impulse, -g.reach_a[at.lane] * vector_of(g.normal, at.lane).cross(impulse)};
+  const int l = at.lane;
+  Rolling all;
+  if (at.kind == Kind::rolling) {
+    const RollingGroup& g = rolling_[at.group];
+    all.moment = g.roll_arm[l] * vector_of(g.rolling_impulse, l);
+  } else if (at.kind == Kind::lubricated) {
+    const LubricatedGroup& g = lubricated_[at.group];
+    const Vec3 impulse = vector_of(g.rolling_impulse, l);
+    all = {-g.skew[l] * impulse, -g.reach_a[l] * vector_of(g.normal, l).cross(impulse)};
+  } else if (at.kind == Kind::block && blocks_[at.group].first_rolling != without) {
+    for (std::uint32_t k = 0; k < blocks_[at.group].count; ++k) {
+      const BlockRolling& r = block_rolling_[blocks_[at.group].first_rolling + k];
+      all.moment += r.roll_arm[l] * vector_of(r.impulse, l);
+    }
+  }
+  return all;
 }
 
 void PairLanes::aim(const Place& at, std::span<const double> targets, double least_scale) {
@@ -334,7 +402,8 @@ void PairLanes::aim(const Place& at, std::span<const double> targets, double lea
   group.least_scale[at.lane] = least_scale;
   group.age[at.lane] = 1;
   group.carried[at.lane] = 0;
-  if (at.lubricated) dry(lubricated_[at.group], at.lane);
+  if (at.kind == Kind::lubricated) dry(lubricated_[at.group], at.lane);
+  if (at.kind == Kind::rolling) release(rolling_[at.group], at.lane);
   for (std::size_t k = 0; k < targets.size(); ++k) set_target(contact_at(at, k), targets[k]);
 }
 

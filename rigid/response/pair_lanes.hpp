@@ -27,17 +27,19 @@ struct PairToSolve {
   const BodyMass &a, &b;
   double share_a, share_b;
   double dt;
-  double least_scale;  // impulses below are rounding
-  bool again;          // false: one sweep is exact, nothing else moves its bodies
+  double least_scale;                 // impulses below are rounding
+  bool again;                         // false: one sweep is exact, nothing else moves its bodies
+  const Material* rolling = nullptr;  // that resists rolling or twisting
 };
 
 class PairLanes {
  public:
   /// Where a pair is.
+  enum class Kind : std::uint8_t { block, central, rolling, lubricated };
   struct Place {
     std::uint32_t group;
     std::uint8_t lane;
-    bool central, lubricated = false;
+    Kind kind;
   };
 
   /// Forgets all pairs. rows: of the BodySet; state and sums have one more, at rest, for unused lanes.
@@ -51,7 +53,7 @@ class PairLanes {
   SweepOutcome sweep(std::span<const BodyState>, std::span<BodySum>, const ContactSweep&);
 
   void read_impulses(const Place&, std::span<ContactImpulse>);
-  /// What a film does against rolling, on b: an impulse, and its moment about a's centre.
+  /// What a film or friction does against rolling, on b: an impulse, and its moment about a's centre.
   struct Rolling {
     Vec3 impulse = Vec3::Zero(), moment = Vec3::Zero();
   };
@@ -62,6 +64,7 @@ class PairLanes {
 
  private:
   Place add_central(const PairToSolve&);
+  Place add_rolling(const PairToSolve&);
   Place add_lubricated(const PairToSolve&);
   Place add_block(const PairToSolve&);
   void add_block_contact(BlockContact&, int lane, const PairToSolve&, std::size_t k);
@@ -70,17 +73,20 @@ class PairLanes {
   LaneContact& contact_at(const Place&, std::size_t k);
 
   std::size_t rows_ = 0;
-  int central_lane_ = lane_count, lubricated_lane_ = lane_count;  // the next free one of the last group
+  // the next free one of the last group
+  int central_lane_ = lane_count, rolling_lane_ = lane_count, lubricated_lane_ = lane_count;
   std::vector<CentralGroup> central_;
+  std::vector<RollingGroup> rolling_;
   std::vector<LubricatedGroup> lubricated_;
   std::vector<BlockGroup> blocks_;
   std::vector<BlockContact> block_contacts_;
   std::vector<BlockLubrication> block_lubrication_;
+  std::vector<BlockRolling> block_rolling_;
   struct Open {
     std::uint32_t group;
     int lane = lane_count;
   };
-  std::vector<Open> open_;          // the group being filled, by number of contacts and whether lubricated
+  std::vector<Open> open_;          // the group being filled, by number of contacts and what they have
   std::vector<Place> block_order_;  // as added
 };
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "cpu/prefetch.hpp"
+#include "rigid/response/cohesion.hpp"
 #include "rigid/response/common_rest.hpp"
 #include "rigid/response/contact_targets.hpp"
 
@@ -68,6 +69,11 @@ void SffdResolver::involve(const BodySet& bodies, std::size_t row) {
   b.size = std::sqrt(bodies.inertia_B[row].trace() / (3 * bodies.mass[row]));
 }
 
+const Material* SffdResolver::material_of(const BodySet& bodies, const Pair& p) const {
+  if (settings_.materials.empty()) return nullptr;
+  return &settings_.materials[bodies.material[p.row_a] * settings_.material_count + bodies.material[p.row_b]];
+}
+
 /// Returns the number of contacts whose lower body is owned.
 std::size_t SffdResolver::collect_pairs(BodySet& bodies, const std::vector<Contact>& contacts) {
   std::size_t owned_contacts = 0;
@@ -92,6 +98,7 @@ std::size_t SffdResolver::collect_pairs(BodySet& bodies, const std::vector<Conta
     ++bodies_[row_a].pairs;
     ++bodies_[row_b].pairs;
     pairs_.push_back({of_pair, first, row_a, row_b});
+    pairs_.back().material = material_of(bodies, pairs_.back());
     pairs_.back().reduced_mass = 1 / (bodies_[row_a].inverse_mass + bodies_[row_b].inverse_mass);
   });
   return owned_contacts;
@@ -130,10 +137,12 @@ void SffdResolver::start(const Step& step) {
 
 void SffdResolver::warm_start(const Pair& p, double dt, Recall& recall) {
   const std::span impulses = impulses_of(p);
+  if (p.material) set_greatest_pulls(*p.material, dt, p.contacts, impulses);
   if (bodies_[p.row_a].asks_for_impulses)
     recall.of_lower(p.row_a, p.contacts, impulses);
   else
     recall.of_higher(p.row_b, p.contacts, impulses);
+  if (p.material) set_pulls(*p.material, dt, p.contacts, impulses);
   for (std::size_t k = 0; k < impulses.size(); ++k) {
     const Contact& c = p.contacts[k];
     const Vec3 impulse = impulses[k].along(c.normal);
@@ -159,6 +168,7 @@ void SffdResolver::lay_out(double dt, bool links_only) {
   for (Pair& p : pairs_) {
     if (links_only && !p.link) continue;
     const double share_a = state_[p.row_a].number, share_b = state_[p.row_b].number;
+    const Material* const rolling = p.material && !p.material->rolls_freely() ? p.material : nullptr;
     p.place = lanes_.add({.row_a = p.row_a,
                           .row_b = p.row_b,
                           .contacts = p.contacts,
@@ -170,7 +180,8 @@ void SffdResolver::lay_out(double dt, bool links_only) {
                           .share_b = share_b,
                           .dt = dt,
                           .least_scale = least_scale(p),
-                          .again = share_a > 1 || share_b > 1});
+                          .again = share_a > 1 || share_b > 1 || rolling,
+                          .rolling = rolling});
   }
   lanes_.prepare();
 }
@@ -182,13 +193,13 @@ void SffdResolver::share_pair_numbers(const Step& step) {
   step.exchange.share(step.bodies, as_doubles(state_), state_width);
 }
 
-/// A pair of a chain: one of its bodies has no more than two. (A film has no impulse that could be solved
-/// for once more.)
+/// A pair of a chain: one of its bodies has no more than two. (A film, and what resists rolling, have no
+/// impulse that could be solved for once more.)
 bool SffdResolver::is_link(const Pair& p) const {
   const auto is_in_chain = [&](std::size_t row) {
     return bodies_[row].inverse_mass > 0 && state_[row].number <= 2;
   };
-  return (is_in_chain(p.row_a) || is_in_chain(p.row_b)) &&
+  return (is_in_chain(p.row_a) || is_in_chain(p.row_b)) && (!p.material || p.material->rolls_freely()) &&
          std::none_of(p.contacts.begin(), p.contacts.end(),
                       [](const Contact& c) { return bool(c.lubrication); });
 }

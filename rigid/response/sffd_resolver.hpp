@@ -35,7 +35,8 @@ class SffdResolver : public ContactResolver {
     std::size_t first;  // of its contacts
     std::size_t row_a, row_b;
     double reduced_mass = 0;
-    bool link = false;  // of a chain
+    bool link = false;                   // of a chain
+    const Material* material = nullptr;  // null: rolls freely, and does not pull
     PairLanes::Place place{};
   };
   /// How sweeps go on.
@@ -62,6 +63,7 @@ class SffdResolver : public ContactResolver {
   void involve(const BodySet&, std::size_t row);
   void start(const Step&);
   void warm_start(const Pair&, double dt, Recall&);
+  const Material* material_of(const BodySet&, const Pair&) const;
   void lay_out(double dt, bool links_only = false);
   double least_scale(const Pair&) const;
   std::span<ContactImpulse> impulses_of(const Pair& p) {

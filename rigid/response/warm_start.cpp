@@ -27,11 +27,11 @@ std::size_t recall(std::span<const StoredImpulse> stored, BodyId partner, std::s
   for (std::size_t k = 0; k < contacts.size(); ++k) {
     const Contact& c = contacts[k];
     const StoredImpulse* s = find({first, last}, c);
-    const double normal = s ? c.normal.dot(s->impulse) : 0;
-    if (!s || (normal <= 0 && !c.lubrication)) continue;
     ContactImpulse& p = impulses[k];
+    const double along = s ? c.normal.dot(s->impulse) : 0, normal = along + p.pull;
+    if (!s || (normal <= 0 && !c.lubrication)) continue;
     p.normal = normal;
-    p.tangential = s->impulse - normal * c.normal;
+    p.tangential = s->impulse - along * c.normal;
     if (c.lubrication) continue;  // pulls as well, and drags without pressing
     const double size = p.tangential.norm(), limit = c.friction * normal;
     if (size > limit) p.tangential *= limit / size;

@@ -13,8 +13,10 @@ namespace silt::rigid {
 struct ContactImpulse {
   double normal = 0;
   Vec3 tangential = Vec3::Zero();  // W
+  double pull =
+      0;  // by cohesion, against which the normal impulse presses besides (rigid/response/cohesion.hpp)
 
-  Vec3 along(const Vec3& n) const { return normal * n + tangential; }
+  Vec3 along(const Vec3& n) const { return (normal - pull) * n + tangential; }
 };
 
 /// Starts the impulses of pairs (contacts sorted by key) from what one of their bodies remembers, laid on the

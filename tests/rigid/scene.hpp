@@ -71,6 +71,7 @@ struct Scene {
     add_walls(bodies, world, extent, walls);
   }
   void start(std::string_view name = "sffd") {
+    set_materials(settings, world);
     resolver = make_resolver(name, settings);
     exchange = std::make_unique<BodyExchange>(extent);
     step = std::make_unique<RigidStep>(world, *backend, *resolver, *exchange,

@@ -1,0 +1,222 @@
+// Friction against rolling and twisting, and cohesion: against theory.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "rigid/math/twist.hpp"
+#include "tests/rigid/scene.hpp"
+
+namespace silt::rigid::testing {
+namespace {
+
+constexpr double ball_radius = 0.1, time_step = 1e-3;
+
+/// A ball on a plane inclined by an angle with this tangent: gravity is tilted instead.
+Scene ball_on_slope(double tangent, double rolling_friction, const Shape& shape = Sphere{ball_radius}) {
+  Scene s(0, 0.9);
+  s.world.materials[0].rolling_friction = rolling_friction;
+  s.world.gravity = g * Vec3(tangent, 0, -1).normalized();
+  s.add(s.shape(shape), Vec3(10, 10, ball_radius));
+  s.floor();
+  s.start();
+  return s;
+}
+
+double normal_gravity(double tangent) {
+  return g / std::sqrt(1 + tangent * tangent);
+}
+
+TEST(RollingFriction, ABallStartsOnASlopeAboveItsCoefficient) {
+  for (const double coefficient : {0.05, 0.2}) {
+    Scene stays = ball_on_slope(0.99 * coefficient, coefficient);
+    stays.run(1000, time_step);
+    EXPECT_LT((stays.x(0) - Vec3(10, 10, ball_radius)).norm(), 1e-9) << coefficient;
+    const double tangent = 1.5 * coefficient;
+    Scene rolls = ball_on_slope(tangent, coefficient);
+    rolls.run(1000, time_step);
+    const double a = 5. / 7 * normal_gravity(tangent) * (tangent - coefficient);
+    EXPECT_NEAR(rolls.x(0)[0] - 10, a / 2, 1e-6 * a) << coefficient;
+    EXPECT_NEAR(rolls.w(0)[1] * ball_radius, rolls.v(0)[0], 1e-9) << coefficient;
+  }
+}
+
+/// Friction that cannot make it roll leaves it sliding.
+TEST(RollingFriction, ABallSlidesWhereSlipIsTheEasier) {
+  Scene s = ball_on_slope(0.5, 0.4);
+  s.world.materials[0].friction = s.settings.materials[0].friction = 0.3;
+  s.start();
+  s.run(1000, time_step);
+  EXPECT_NEAR(s.x(0)[0] - 10, normal_gravity(0.5) * (0.5 - 0.3) / 2, 1e-6);
+  EXPECT_LT(s.w(0).norm(), 1e-9);
+}
+
+TEST(RollingFriction, ARollingBallStops) {
+  constexpr double coefficient = 0.1, speed = 1;
+  Scene s(0, 0.9);
+  s.world.materials[0].rolling_friction = coefficient;
+  s.world.gravity = Vec3(0, 0, -g);
+  s.add(s.shape(Sphere{ball_radius}), Vec3(10, 10, ball_radius), Vec3(speed, 0, 0),
+        Vec3(0, speed / ball_radius, 0));
+  s.floor();
+  s.start();
+  s.run(3000, time_step);
+  const double deceleration = 5. / 7 * coefficient * g;
+  EXPECT_NEAR(s.x(0)[0] - 10, speed * speed / (2 * deceleration), 2 * speed * time_step);
+  EXPECT_LT(s.v(0).norm() + ball_radius * s.w(0).norm(), 1e-9);
+}
+
+TEST(RollingFriction, ASpinningBallStops) {
+  constexpr double coefficient = 0.2, spin = 20;
+  Scene s(0, 0.5);
+  s.world.materials[0].twisting_friction = coefficient;
+  s.world.gravity = Vec3(0, 0, -g);
+  s.add(s.shape(Sphere{ball_radius}), Vec3(10, 10, ball_radius), Vec3::Zero(), Vec3(0, 0, spin));
+  s.floor();
+  s.start();
+  const double deceleration = 2.5 * coefficient * g / ball_radius;
+  s.run(200, time_step);
+  EXPECT_NEAR(s.w(0)[2], spin - 0.2 * deceleration, 1e-9);
+  s.run(400, time_step);
+  EXPECT_LT(s.w(0).norm(), 1e-12);
+}
+
+/// A column of balls, one thick, falls down into a heap: how high its middle is.
+double height_of_heap(double rolling_friction) {
+  Scene s(0, 0.6, Vec3(20, 2.2 * ball_radius, 20));
+  s.extent.periodic[1] = true;
+  s.world.materials[0].rolling_friction = rolling_friction;
+  s.world.gravity = Vec3(0, 0, -g);
+  const int ball = s.shape(Sphere{ball_radius});
+  for (int layer = 0; layer < 12; ++layer)
+    for (int i = 0; i < 6; ++i)
+      s.add(ball, Vec3(10 + (2.02 * i + layer % 2) * ball_radius, 1.1 * ball_radius,
+                       (1 + 1.75 * layer) * ball_radius));
+  s.floor();
+  s.start();
+  s.run(2500, time_step);
+  double height = 0;
+  for (std::size_t row = 0; row < s.bodies.owned; ++row) height += s.bodies.position[row][2] / 72;
+  return height;
+}
+
+TEST(RollingFriction, HeapsAreSteeper) {
+  const double free = height_of_heap(0), resisted = height_of_heap(0.1), stiff = height_of_heap(0.5);
+  EXPECT_GT(resisted, 1.1 * free) << free << ' ' << resisted << ' ' << stiff;
+  EXPECT_GT(stiff, 1.05 * resisted) << free << ' ' << resisted << ' ' << stiff;
+}
+
+/// A cylinder on its side touches along a line: several contacts, bodies that turn otherwise about every
+/// axis.
+TEST(RollingFriction, ACylinderStartsOnASlopeAboveItsCoefficient) {
+  for (const bool rolls : {false, true}) {
+    constexpr double coefficient = 0.1;
+    const double tangent = (rolls ? 1.5 : 0.98) * coefficient;
+    Scene s(0, 0.9);
+    s.world.materials[0].rolling_friction = coefficient;
+    s.world.gravity = g * Vec3(tangent, 0, -1).normalized();
+    s.add_with_id(0, s.shape(Cylinder{ball_radius, 0.3}), Vec3(10, 10, ball_radius), Vec3::Zero(),
+                  Vec3::Zero(), 1, rotation_between(Vec3::UnitZ(), Vec3::UnitY()));
+    s.floor();
+    s.start();
+    s.run(1000, time_step);
+    const double a = rolls ? 2. / 3 * normal_gravity(tangent) * (tangent - coefficient) : 0;
+    EXPECT_NEAR(s.x(0)[0] - 10, a / 2, rolls ? 0.01 * a : 1e-6) << rolls;
+  }
+}
+
+/// Balls that fly into each other: what rubs, rolls and holds them keeps momentum, and makes no energy.
+TEST(RollingFriction, AndCohesionKeepMomentumAndMakeNoEnergy) {
+  for (const double restitution : {0.0, 0.8}) {
+    Scene s(restitution, 0.4);
+    Material& m = s.world.materials[0];
+    m.rolling_friction = 0.3, m.twisting_friction = 0.2, m.cohesion = 50;
+    const int ball = s.shape(Sphere{ball_radius}), rod = s.shape(Capsule{ball_radius, 0.2});
+    for (int i = 0; i < 27; ++i) {
+      const Vec3 at(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1);
+      s.add(i % 4 ? ball : rod, Vec3::Constant(50) + 0.5 * at,
+            -2 * at + Vec3(0.3 * (i % 5), 0.2 * (i % 7), 0.1 * (i % 3)), Vec3(i % 4, i % 5, i % 6),
+            1 + i % 3);
+    }
+    s.start();
+    const Vec3 p = s.momentum(), l = s.angular_momentum();
+    double energy = s.kinetic_energy();
+    const double start = energy;
+    for (int i = 0; i < 600; ++i) {
+      s.run(1, time_step);
+      const double now = s.kinetic_energy();
+      EXPECT_LE(now, energy + 1e-4 * start) << i;  // rods turn, and their pull opens and shuts gaps of a hair
+      energy = now;
+    }
+    EXPECT_LT(energy, 0.9 * start);
+    EXPECT_LT((s.momentum() - p).norm(), 1e-11 * start);
+    EXPECT_LT((s.angular_momentum() - l).norm(), 2e-3 * l.norm());
+  }
+}
+
+/// A chain of balls hangs from one that is fixed.
+TEST(Cohesion, AChainHoldsUpToItsLoad) {
+  constexpr int links = 5;
+  for (const double load : {0.99, 1.01}) {
+    Scene s(0, 0.3);
+    s.world.materials[0].cohesion = links * g / load;
+    s.world.gravity = Vec3(0, 0, -g);
+    const int ball = s.shape(Sphere{ball_radius});
+    for (int i = 0; i <= links; ++i) s.add(ball, Vec3(50, 50, 50 - 2 * ball_radius * i));
+    s.bodies.motion[0] = Motion::fixed;
+    s.settings.max_sweeps = 64;
+    s.start();
+    s.run(500, time_step);
+    const double fallen = 50 - 2 * ball_radius * links - s.x(links)[2];
+    if (load < 1)
+      EXPECT_LT(fallen, 1e-6);
+    else
+      EXPECT_NEAR(fallen, 0, 1.3);
+    EXPECT_EQ(fallen > 0.01, load > 1) << load;
+  }
+}
+
+/// A ball pulled off a plate by a force.
+TEST(Cohesion, OfVanDerWaalsPartsAtItsLargestForce) {
+  constexpr double hamaker = 1e-4, gap = 1e-3;
+  const double most = hamaker * ball_radius / (6 * gap * gap);
+  for (const double pull : {0.98 * most, 1.02 * most}) {
+    Scene s(0, 0);
+    s.world.materials[0].hamaker = hamaker, s.world.materials[0].hamaker_gap = gap;
+    s.world.gravity = Vec3(0, 0, pull);
+    s.add(s.shape(Sphere{ball_radius}), Vec3(50, 50, ball_radius));
+    s.floor();
+    s.start();
+    s.run(1000, time_step);
+    EXPECT_EQ(s.x(0)[2] - ball_radius > 10 * gap, pull > most) << pull;
+  }
+}
+
+/// Two balls attract each other across a gap as the law says.
+TEST(Cohesion, OfVanDerWaalsActsAcrossAGap) {
+  Scene s(0, 0);
+  s.world.materials[0].hamaker = 1e-8, s.world.materials[0].hamaker_gap = 1e-5;
+  const int ball = s.shape(Sphere{ball_radius});
+  s.add(ball, Vec3(50, 50, 50)), s.add(ball, Vec3(50.20004, 50, 50));
+  s.start();
+  s.run(1, 1e-7);
+  const double force = 1e-8 * (ball_radius / 2) / (6 * 4e-5 * 4e-5);
+  EXPECT_NEAR(s.v(0)[0], 1e-7 * force, 1e-3 * 1e-7 * force);
+  EXPECT_NEAR(s.v(0)[0] + s.v(1)[0], 0, 1e-18);
+}
+
+/// What holds a ball on a ceiling also presses it: friction holds it at the side of a wall.
+TEST(Cohesion, PressesForFrictionToo) {
+  for (const double friction : {0.52, 0.48}) {
+    Scene s(0, friction);
+    s.world.materials[0].cohesion = 2 * g;
+    s.world.gravity = Vec3(g, 0, 0);
+    s.add(s.shape(Box{Vec3::Constant(ball_radius)}), Vec3(50, 50, ball_radius));
+    s.floor();
+    s.start();
+    s.run(500, time_step);
+    EXPECT_EQ(s.x(0)[0] - 50 > 1e-3, friction < 0.5) << friction;
+  }
+}
+
+}  // namespace
+}  // namespace silt::rigid::testing
