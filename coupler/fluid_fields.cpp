@@ -15,14 +15,9 @@ using lbm::Int3;
 
 namespace {
 
-/// The axis of the side that reverses a population which leaves the domain into cell g: that of the first
-/// wall in the order of the axes, as in the halo. -1: there is none.
-int reversing_axis(const lbm::Domain& domain, Int3 g) {
-  for (int d = 0; d < 3; ++d) {
-    if (domain.periodic(d) || (g[d] >= 0 && g[d] < domain.cells()[d])) continue;
-    if (domain.side(d, g[d] >= 0).kind == lbm::SideKind::bounce) return d;
-  }
-  return -1;
+/// Whether a side of the domain reverses populations.
+bool reverses(const lbm::Domain& domain, int axis, bool upper) {
+  return !domain.periodic(axis) && domain.side(axis, upper).kind == lbm::SideKind::bounce;
 }
 
 template <class T>
@@ -71,28 +66,102 @@ class FieldsOf final : public FluidFields {
   }
   std::array<rigid::FixedSum, 3> side_force(int axis, bool upper) const override {
     std::array<rigid::FixedSum, 3> sums{};
-    for (int b = 0; b < blocks(); ++b) {
-      const lbm::CellBox& box = block(b);
-      const int at = (upper ? domain().cells()[axis] - 1 : 0) - box.lower[axis];
-      if (at < 0 || at >= box.size[axis]) continue;
-      Int3 low{}, high = box.size;
-      low[axis] = at, high[axis] = at + 1;
-      for_cells(low, high, [&](Int3 x) {
-        if (is_fluid(b, x)) add_links_across(axis, upper ? 1 : -1, b, x, sums);
-      });
-    }
+    if (!reverses(domain(), axis, upper)) return sums;
+    std::vector<int> across;
+    for (int i = 1; i < lbm::directions; ++i)
+      if (lbm::c[i][axis] == (upper ? 1 : -1)) across.push_back(i);
+    for_layer(axis, upper ? domain().cells()[axis] - 1 : 0, [&](int b, Int3 low, Int3 high) {
+      add_exchanged(across, b, low, high, width() * width(), sums);
+      for (const int i : across) take_from_other_sides(axis, i, b, low, high, sums);
+    });
     return sums;
+  }
+  rigid::FixedSum flow_through(int axis, int layer) const override {
+    rigid::FixedSum sum = 0;
+    for_layer(axis, layer, [&](int b, Int3 low, Int3 high) {
+      const lbm::Block<T>& block = fluid_.blocks()[b];
+      const T *along[5], *against[5];
+      for (int i = 1, k = 0; i < lbm::directions; ++i) {
+        if (lbm::c[i][axis] != 1) continue;
+        along[k] = block.data() + block.arriving(i, fluid_.parity());
+        against[k++] = block.data() + block.arriving(lbm::opposite(i), fluid_.parity());
+      }
+      const double half_force = 0.5 * spec().force[axis];
+      for_fluid_runs_of(b, low, high, [&](std::ptrdiff_t first, int cells) {
+        std::int64_t of_run = 0;
+        for (std::ptrdiff_t cell = first; cell < first + cells; ++cell) {
+          double u = half_force;
+          for (int k = 0; k < 5; ++k) u += double(along[k][cell]) - double(against[k][cell]);
+          of_run += std::llrint(u / flow_quantum);
+        }
+        sum += of_run;
+      });
+    });
+    return sum * width() * width();
   }
   std::size_t bytes() const override { return fluid_.bytes(); }
 
  private:
-  void add_links_across(int axis, int outward, int b, Int3 x, std::array<rigid::FixedSum, 3>& sums) const {
-    for (int i = 1; i < lbm::directions; ++i) {
-      const Int3 c = lbm::c[i];
-      if (c[axis] != outward || reversing_axis(domain(), block(b).lower + x + c) != axis) continue;
-      const double out = fluid_.leaving(b, x, i), back = fluid_.arriving(b, x, lbm::opposite(i));
-      const std::int64_t exchanged = std::llrint((out + back) / lbm::link_quantum) * width() * width();
-      for (int d = 0; d < 3; ++d) sums[d] += c[d] * exchanged;
+  /// Calls visit(block, low, high) for what this rank has of a layer of cells across an axis.
+  template <class Visit>
+  void for_layer(int axis, int layer, Visit&& visit) const {
+    for (int b = 0; b < blocks(); ++b) {
+      const lbm::CellBox& box = block(b);
+      Int3 low{}, high = box.size;
+      low[axis] = layer - box.lower[axis], high[axis] = low[axis] + 1;
+      if (low[axis] >= 0 && low[axis] < box.size[axis]) visit(b, low, high);
+    }
+  }
+  /// Calls visit(offset in the block, cells) for runs of at most 64 of its fluid cells from low to high.
+  template <class Visit>
+  void for_fluid_runs_of(int b, Int3 low, Int3 high, Visit&& visit) const {
+    for (int z = low.z; z < high.z; ++z)
+      for (int y = low.y; y < high.y; ++y)
+        for (int x = low.x; x < high.x; x += 64) {
+          const int cells = std::min(64, high.x - x);
+          const std::ptrdiff_t first = fluid_.blocks()[b].cell(x, y, z);
+          const std::uint64_t is_solid = first_cells(solid(b).from(x, y, z), cells);
+          if (is_solid == 0)
+            visit(first, cells);
+          else
+            for (int k = 0; k < cells; ++k)
+              if (!(is_solid >> k & 1)) visit(first + k, 1);
+        }
+  }
+  /// Adds so many times c (f out + f back) of the cells from low to high, over the directions.
+  void add_exchanged(std::span<const int> across, int b, Int3 low, Int3 high, int times,
+                     std::array<rigid::FixedSum, 3>& sums) const {
+    const lbm::Block<T>& block = fluid_.blocks()[b];
+    std::array<const T*, 5> out{}, back{};
+    std::array<rigid::FixedSum, 5> exchanged{};
+    for (std::size_t k = 0; k < across.size(); ++k) {
+      out[k] = block.data() + block.leaving(across[k], fluid_.parity());
+      back[k] = block.data() + block.arriving(lbm::opposite(across[k]), fluid_.parity());
+    }
+    for_fluid_runs_of(b, low, high, [&](std::ptrdiff_t first, int cells) {
+      for (std::size_t k = 0; k < across.size(); ++k) {
+        std::int64_t of_run = 0;
+        for (std::ptrdiff_t cell = first; cell < first + cells; ++cell)
+          of_run += std::llrint((double(out[k][cell]) + double(back[k][cell])) / lbm::link_quantum);
+        exchanged[k] += of_run;
+      }
+    });
+    for (std::size_t k = 0; k < across.size(); ++k)
+      for (int d = 0; d < 3; ++d) sums[d] += times * lbm::c[across[k]][d] * exchanged[k];
+  }
+  /// Where a link along i leaves the domain across several sides, the first of them in the order of the axes
+  /// that reverses has it, as in the halo: takes it off the sums of a later one.
+  void take_from_other_sides(int axis, int i, int b, Int3 low, Int3 high,
+                             std::array<rigid::FixedSum, 3>& sums) const {
+    const lbm::CellBox& box = block(b);
+    for (int d = 0; d < axis; ++d) {
+      const int along = lbm::c[i][d];
+      if (along == 0 || !reverses(domain(), d, along > 0)) continue;
+      if (along < 0)
+        high[d] = box.lower[d] == 0 ? 1 : 0;
+      else
+        low[d] = box.lower[d] + box.size[d] == domain().cells()[d] ? high[d] - 1 : high[d];
+      add_exchanged(std::span(&i, 1), b, low, high, -width() * width(), sums);
     }
   }
   void set(int b, const lbm::CellBox& box, int i, const double* g) override { fluid_.write(b, box, i, g); }

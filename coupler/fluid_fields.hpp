@@ -85,6 +85,10 @@ class FluidFields {
   /// or lower side of an axis (README.md, equation 1), in units of the finest lattice. It is 0 where that is
   /// not a wall.
   virtual std::array<rigid::FixedSum, 3> side_force(int axis, bool upper) const = 0;
+  /// Returns this rank's share of the volume that goes along an axis through a layer of cells across it, in a
+  /// step, in flow_quantum and finest units: the sum of the velocities times the face of a cell.
+  virtual rigid::FixedSum flow_through(int axis, int layer) const = 0;
+  static constexpr double flow_quantum = 0x1p-48;
   virtual std::size_t bytes() const = 0;  // of the populations
 
   /// Must be called when populations or the map have changed but by write().

@@ -25,9 +25,12 @@ using rigid::Vec3;
 
 namespace {
 
-bool asks_for_torques(const Case& setup) {
-  return std::any_of(setup.quantities.begin(), setup.quantities.end(),
-                     [](const QuantitySpec& q) { return q.type == "wall-torque" || q.type == "wall-power"; });
+/// Whether quantities ask for what contacts do to bodies, or also to walls that they turn about a point.
+bool asks_for_contacts(const Case& setup, bool of_bodies_alone) {
+  return std::any_of(setup.quantities.begin(), setup.quantities.end(), [&](const QuantitySpec& q) {
+    return q.type == "contact-force" || q.type == "contact-torque" ||
+           (!of_bodies_alone && (q.type == "wall-torque" || q.type == "wall-power"));
+  });
 }
 
 }  // namespace
@@ -85,16 +88,21 @@ void Simulation::resume(const SavedState& saved,
 
 void Simulation::before_drift(rigid::BodySet& bodies) {
   const rigid::RigidStep& step = *scene_.rigid_step;
-  if (asks_for_torques(setup()))
-    contact_torques_ = coupler::contact_torques(bodies, step.contacts(), scene_.exchange->extent());
+  if (asks_for_contacts(setup(), false))
+    contact_loads_ = coupler::contact_loads(bodies, step.contacts(), scene_.exchange->extent());
   add_wall_impulses(bodies, step.other_wall_impulses(), scene_.exchange->extent(), wall_impulses_);
   const double speed = faults_.hold_runaways(setup(), bodies, step_ + 1);
   counters_.body_speed = std::max(counters_.body_speed, speed);
   faults_.see_overlaps(setup(), bodies, step.contacts(), step_ + 1);
 }
 
+/// For those who ask, in the columns of the bodies.
+bool Simulation::notes_contacts() const {
+  return setup().output.body_contacts || asks_for_contacts(setup(), true);
+}
+
 bool Simulation::wants_contact_impulses() const {
-  return setup().output.body_contacts || scene_.flow;
+  return notes_contacts() || scene_.flow;
 }
 
 void Simulation::contact_impulse(rigid::BodySet& bodies, std::size_t row, const Vec3& impulse,
@@ -190,7 +198,7 @@ void Simulation::step() {
   parallel::begin_step_of_traffic();
   scene_.move_walls(step_);
   wall_impulses_.clear();
-  if (!scene_.flow && setup().output.body_contacts) forget_contact_loads(scene_.bodies);
+  if (!scene_.flow && notes_contacts()) forget_contact_loads(scene_.bodies);
   const rigid::RigidStepReport report = guarded([&] { return coupled_step_(scene_.bodies, changes); });
   if (!scene_.rigid_step) {  // nothing has consumed them
     std::fill(scene_.bodies.force.begin(), scene_.bodies.force.end(), rigid::FixedVec3{});

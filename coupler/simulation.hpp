@@ -14,7 +14,7 @@
 #include "coupler/body_turnover.hpp"
 #include "coupler/exchange/coupling_state.hpp"
 #include "coupler/fault_watch.hpp"
-#include "coupler/forces/contact_torque.hpp"
+#include "coupler/forces/contact_loads.hpp"
 #include "coupler/guard.hpp"
 #include "coupler/run_counters.hpp"
 #include "coupler/scene.hpp"
@@ -106,12 +106,12 @@ class Simulation : private rigid::StepObserver {
   /// Returns the force and torque that the fluid had on each owned body in the last step, by row. Local.
   std::vector<BodyLoad> last_loads() const;
   /// Returns the force and torque that contacts, films included, had on each owned body in the last step, by
-  /// row; zero of bodies that are not free, and where the case does not ask for them
-  /// (output.bodies.contacts). Local.
+  /// row; zero of bodies that are not free, and where neither output.bodies.contacts nor a quantity of the
+  /// case asks for them. Local.
   std::vector<BodyLoad> last_contact_loads() const;
-  /// Returns the torques of owned bodies' contacts with [[walls]] in the last sub-step; empty where no
-  /// quantity of the case asks for a wall's torque or power. Local.
-  std::span<const ContactTorque> contact_torques() const { return contact_torques_; }
+  /// Returns what owned bodies' contacts did to [[walls]] and to bodies that they do not move in the last
+  /// sub-step; empty where no quantity of the case asks for it. Local.
+  std::span<const ContactLoad> contact_loads() const { return contact_loads_; }
   /// Returns what owned bodies' contacts did to walls in the last step, all sub-steps, besides the impulses
   /// that bodies remember. Local.
   std::span<const WallImpulse> wall_impulses() const { return wall_impulses_; }
@@ -131,6 +131,7 @@ class Simulation : private rigid::StepObserver {
   void balance_work();
   void regrid();
   void count(const rigid::RigidStepReport&);
+  bool notes_contacts() const;
   void watch();
   void tell_faults();
   template <class Work>
@@ -152,7 +153,7 @@ class Simulation : private rigid::StepObserver {
     parallel::Traffic traffic;
     BalanceRecord balance;
   } effort_;
-  std::vector<ContactTorque> contact_torques_;
+  std::vector<ContactLoad> contact_loads_;
   std::vector<WallImpulse> wall_impulses_;
 };
 

@@ -26,6 +26,8 @@ class ReductionUnderWay {
     std::span<Word> words;
     if constexpr (sums)
       words = words_of(values_);
+    else if constexpr (std::is_same_v<Values, std::vector<Word>>)
+      words = values_;
     else
       words = {reinterpret_cast<Word*>(&values_), sizeof values_ / sizeof(Word)};
     under_way_.begin(comm, [&](MPI_Request* request) {
@@ -49,7 +51,7 @@ class ReductionUnderWay {
 /// every rank.
 template <class Sums>
 using SumsUnderWay = ReductionUnderWay<Sums, std::int64_t>;
-/// A record of doubles, of each the largest of all ranks.
+/// A record of doubles, or a vector of them of one length on every rank: of each the largest of all ranks.
 template <class Record>
 using LargestUnderWay = ReductionUnderWay<Record, double>;
 

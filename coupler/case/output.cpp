@@ -38,6 +38,7 @@ constexpr std::tuple balance_keys{
 constexpr std::tuple output_keys{
     HandKey{"fields", "table", "", "none", "fields of the fluid, fields_*.hdf"},
     HandKey{"slices", "list of tables", "", "none", "fields of parts of the domain, slice_*.hdf"},
+    HandKey{"series", "list of tables", "", "none", "values of quantities over time, series_*.csv"},
     HandKey{"bodies", "table", "", "none", "series of the bodies, bodies.h5"},
     HandKey{"checkpoint", "table", "", "none", "checkpoints, checkpoint_*.h5"},
     HandKey{"report", "table", "", "none",
@@ -60,6 +61,11 @@ constexpr std::tuple slice_keys{
     HandKey{"axis", "\"x\", \"y\", \"z\"", "", "one of two", "axis that the plane is across"},
     HandKey{"box", "[[x, y, z], [x, y, z]]", "m", "one of two", "lower and upper corner"}};
 constexpr std::tuple plane_keys{HandKey{"at", "number", "m", required, "where the plane is along the axis"}};
+constexpr std::tuple columns_keys{
+    HandKey{"name", "string", "", required, "of its file, series_NAME.csv"},
+    Key{"every", &SeriesSpec::every, Whole{.low = 1, .unit = "steps"}, "the number of steps between two rows",
+        required},
+    HandKey{"columns", "list of strings", "", required, "names of [[quantities]]"}};
 constexpr std::tuple contact_output_keys{
     Key{"contacts", &OutputSpec::body_contacts, Flag{},
         "whether contact_force and contact_torque are noted in every step and written"}};
@@ -119,15 +125,20 @@ bool is_file_name(const std::string& name) {
   });
 }
 
+/// Reads the name of an entry of a list, which becomes part of a file's name, "slice_" and so on.
+std::string read_file_name(TableReader& table, std::vector<std::string>& names, std::string_view what) {
+  const std::string name = read_new_name(table, names, what);
+  if (table.has("name") && !is_file_name(name))
+    table.refuse("name", "up to 64 letters, digits, dots and hyphens");
+  return fmt::format("{}_{}", what, name);
+}
+
 void read_slices(TableReader& output, const std::array<int, 3>& cells, std::vector<FieldsSpec>& slices) {
   std::vector<std::string> names;
   for (TableReader& table : output.tables("slices")) {
     FieldsSpec slice;
     read_keys(table, slice, slice_keys);
-    const std::string name = read_new_name(table, names, "slice");
-    if (table.has("name") && !is_file_name(name))
-      table.refuse("name", "up to 64 letters, digits, dots and hyphens");
-    slice.name = "slice_" + name;
+    slice.name = read_file_name(table, names, "slice");
     slice.upper = cells;
     read_fields(table, slice);
     if (table.has("axis") && table.has("box")) table.fail("box", "a slice has a plane (axis, at) or a box");
@@ -136,6 +147,22 @@ void read_slices(TableReader& output, const std::array<int, 3>& cells, std::vect
     else
       read_cells(table, slice);
     slices.push_back(slice);
+  }
+}
+
+void read_series(TableReader& output, std::vector<ColumnsSpec>& all) {
+  std::vector<std::string> names;
+  for (TableReader& table : output.tables("series")) {
+    ColumnsSpec series;
+    read_keys(table, series, columns_keys);
+    series.name = read_file_name(table, names, "series");
+    const Node* const list = table.find("columns");
+    const auto columns = list ? list->strings() : std::nullopt;
+    if (columns && !columns->empty())
+      series.columns = *columns;
+    else if (list)
+      table.refuse("columns", "a list of names of [[quantities]]");
+    all.push_back(series);
   }
 }
 
@@ -172,6 +199,7 @@ std::vector<KeySection> output_sections() {
           section_of("output", output_keys),
           section_of("output.fields", series_keys, field_keys),
           section_of("output.slices", slice_keys, plane_keys, series_keys, field_keys),
+          section_of("output.series", columns_keys),
           section_of("output.bodies", series_keys, contact_output_keys),
           section_of("output.checkpoint", series_keys, checkpoint_keys),
           section_of("output.report", series_keys)};
@@ -188,6 +216,7 @@ void read_output(TableReader& root, Case& setup) {
   TableReader checkpoint = table.table("checkpoint"), report = table.table("report");
   read_fields(fields, output.fields);
   read_slices(table, setup.cells, output.slices);
+  read_series(table, output.series);
   read_keys(bodies, output.bodies, series_keys);
   read_keys(bodies, output, contact_output_keys);
   read_keys(checkpoint, output.checkpoint, series_keys);
@@ -197,20 +226,45 @@ void read_output(TableReader& root, Case& setup) {
 
 namespace {
 
+/// The quantity that a key names; none, reported, if there is none of the name.
+const QuantitySpec* named_quantity(Findings& findings, const std::string& key, const std::string& name) {
+  std::vector<std::string> names;
+  for (const QuantitySpec& quantity : findings.setup.quantities) {
+    if (quantity.name == name) return &quantity;
+    names.push_back(quantity.name);
+  }
+  findings.error(key, "{}: there is no quantity '{}' in [[quantities]]{}", key, name,
+                 names.empty() ? "" : suggestion(name, names));
+  return nullptr;
+}
+
 void check_steady(const Case& setup, Findings& findings) {
   constexpr int looks_needed = 4;
-  std::vector<std::string> names;
-  for (const QuantitySpec& quantity : setup.quantities) names.push_back(quantity.name);
   const auto& [name, change, every] = *setup.steady;
-  if (std::find(names.begin(), names.end(), name) == names.end())
-    findings.error("run.steady.quantity",
-                   "run.steady.quantity: there is no quantity '{}' in [[quantities]]{}", name,
-                   names.empty() ? "" : suggestion(name, names));
+  named_quantity(findings, "run.steady.quantity", name);
   if (every > setup.steps / looks_needed)
     findings.warning("run.steady.every",
                      "run.steady.every is {}, of {} steps in all: there will be less than the {} looks it "
                      "takes to see that something is steady",
                      every, setup.steps, looks_needed);
+}
+
+/// A series has what every step has a value of, without a wait for other ranks.
+void check_series(const Case& setup, Findings& findings) {
+  for (std::size_t i = 0; i < setup.output.series.size(); ++i) {
+    const std::vector<std::string>& columns = setup.output.series[i].columns;
+    const std::string key = fmt::format("output.series[{}].columns", i);
+    for (std::size_t k = 0; k < columns.size(); ++k) {
+      if (std::count(columns.begin(), columns.begin() + std::ptrdiff_t(k), columns[k]) > 0)
+        findings.error(key, "{} has '{}' twice; keep one", key, columns[k]);
+      const QuantitySpec* const q = named_quantity(findings, key, columns[k]);
+      if (q && !quantity_type(q->type).asks_for(QuantityType::stepwise))
+        findings.error(key,
+                       "{} has '{}', which is of the type \"{}\" and has no value in each step; take it out, "
+                       "and find it in series.csv with output.report",
+                       key, columns[k], q->type);
+    }
+  }
 }
 
 }  // namespace
@@ -222,6 +276,7 @@ void find_run_faults(const Case& setup, Findings& findings) {
     findings.error("run.steps", "the run has {} steps; at most {} are possible: shorten it", setup.steps,
                    shown(most_steps));
   if (setup.steady) check_steady(setup, findings);
+  check_series(setup, findings);
   if (!setup.fluid && !setup.has_bodies())
     findings.error("", "the case has neither a [fluid] nor bodies: there is nothing to compute");
   const bool flat = std::find(setup.cells.begin(), setup.cells.end(), 1) != setup.cells.end();

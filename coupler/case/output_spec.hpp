@@ -28,9 +28,16 @@ struct FieldsSpec : SeriesSpec {
   bool finest = false;  // cells of several levels as finest ones
 };
 
+/// Values of [[quantities]] over time, a row of a CSV file every so many steps.
+struct ColumnsSpec : SeriesSpec {
+  std::string name;                  // of the file
+  std::vector<std::string> columns;  // names of quantities
+};
+
 struct OutputSpec {
   FieldsSpec fields;  // of the whole domain
   std::vector<FieldsSpec> slices;
+  std::vector<ColumnsSpec> series;
   SeriesSpec bodies, checkpoint, report;
   bool body_contacts = false;  // with the bodies, what their contacts do to them
   int keep_checkpoints = 2;

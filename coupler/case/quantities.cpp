@@ -30,8 +30,8 @@ constexpr std::tuple every_type_keys{
     HandKey{"type", "type of quantity", "", required,
             "one of the table below, which says what else it takes"}};
 constexpr std::tuple type_keys{
-    KeyOf{Q::body, HandKey{"body", "string", "", "every body",
-                           "kind of bodies: name of a [[bodies]] or [[fill]] entry"}},
+    KeyOf{Q::Key(Q::body | Q::bearer), HandKey{"body", "string", "", "every body",
+                                               "kind of bodies: name of a [[bodies]] or [[fill]] entry"}},
     KeyOf{Q::axis, Key{"axis", &QuantitySpec::axis, Choice{axis_names},
                        "axis along which the quantity is taken", "\"z\""}},
     KeyOf{Q::time, Key{"time", &QuantitySpec::time, Number{dimension::time, range::at_least(0)},
@@ -49,7 +49,13 @@ constexpr std::tuple type_keys{
               "analytic flow to compare with: channel, duct or pipe; of a pipe with its rotation", required}},
     KeyOf{Q::side, Key{"side", &QuantitySpec::side, Choice{side_names},
                        "side of the domain, \"z-low\" for one", required}},
-    KeyOf{Q::wall, HandKey{"wall", "string", "", "the only one", "name of one of [[walls]]"}}};
+    KeyOf{Q::at, Key{"at", &QuantitySpec::height, Number{dimension::length},
+                     "where the plane is along the axis", required}},
+    KeyOf{Q::wall, HandKey{"wall", "string", "", "the only one", "name of one of [[walls]]"}},
+    KeyOf{Q::bearer, HandKey{"wall", "string", "", "none",
+                             "of forces and torques, in the place of body: name of one of [[walls]]"}},
+    KeyOf{Q::side_bears, Key{"side", &QuantitySpec::side, Choice{side_names},
+                             "of forces, in the place of body: side of the domain", "none"}}};
 
 void read_wall(TableReader& table, QuantitySpec& quantity, const Case& setup) {
   std::vector<std::string> names;
@@ -60,6 +66,21 @@ void read_wall(TableReader& table, QuantitySpec& quantity, const Case& setup) {
                                      : "the name of one of [[walls]]: " + joined(names));
 }
 
+/// One of body, wall and, where the type takes it, side.
+void read_bearer(TableReader& table, const QuantityType& type, QuantitySpec& quantity, const Case& setup) {
+  std::string given;
+  for (const auto& [key, bearer] : {std::pair("body", Bearer::bodies), std::pair("wall", Bearer::wall),
+                                    std::pair("side", Bearer::side)}) {
+    if ((bearer == Bearer::side && !type.takes(Q::side_bears)) || !table.has(key)) continue;
+    if (!given.empty())
+      table.fail(key, "{} and {} are both given; a force acts on one of them: keep one", table.path(given),
+                 table.path(key));
+    given = key;
+    quantity.bearer = bearer;
+  }
+  if (quantity.bearer == Bearer::wall) read_wall(table, quantity, setup);
+}
+
 // The keys that the type takes; any other is unknown.
 void read_quantity_keys(TableReader& table, const QuantityType& type, QuantitySpec& quantity,
                         const Case& setup) {
@@ -68,9 +89,10 @@ void read_quantity_keys(TableReader& table, const QuantityType& type, QuantitySp
     if (type.takes(row.taken)) read_key(table, quantity, row.key);
   };
   std::apply([&](const auto&... row) { (read(row), ...); }, type_keys);
-  if (type.takes(Q::body))
+  if (type.takes(Q::Key(Q::body | Q::bearer)))
     quantity.kind = read_name(table, "body", setup.kind_names, "name of [[bodies]] or [[fill]]").value_or(-1);
   if (type.takes(Q::wall)) read_wall(table, quantity, setup);
+  if (type.takes(Q::bearer)) read_bearer(table, type, quantity, setup);
 }
 
 }  // namespace
@@ -119,6 +141,25 @@ bool is_wall(const BoundarySpec& side) {
   return side.kind == BoundaryKind::no_slip || side.kind == BoundaryKind::moving;
 }
 
+/// What a force acts on must be there, and able to bear it.
+void check_bearer(const Case& setup, Findings& findings, const QuantitySpec& quantity,
+                  const std::string& entry) {
+  const bool of_fluid = quantity_type(quantity.type).asks_for(Q::fluid);
+  const BoundarySpec& side = setup.boundary[quantity.side];
+  if (quantity.bearer == Bearer::bodies && !setup.has_bodies())
+    findings.error(entry + ".type",
+                   "{}.type is \"{}\", but the case has no bodies; name what bears it by wall or side", entry,
+                   quantity.type);
+  if (quantity.bearer == Bearer::side && of_fluid && !is_wall(side))
+    findings.error(entry + ".side",
+                   "{}.side is {}, which is no wall; it must be a side that is no-slip or moving", entry,
+                   side_key(quantity.side));
+  if (quantity.bearer == Bearer::side && !of_fluid &&
+      (side.kind == BoundaryKind::periodic || !side.solid_for_bodies))
+    findings.error(entry + ".side", "{}.side is {}, which bodies do not touch; it must be solid for them",
+                   entry, side_key(quantity.side));
+}
+
 /// Where it looks: a side, an axis, a box.
 void check_place(const Case& setup, Findings& findings, const QuantitySpec& quantity,
                  const std::string& entry) {
@@ -133,6 +174,11 @@ void check_place(const Case& setup, Findings& findings, const QuantitySpec& quan
                    "{}.axis is {}, across which nothing is sheared; both sides there must be walls (no-slip "
                    "or moving), of different velocities",
                    entry, "xyz"[quantity.axis]);
+  if (type.takes(Q::bearer)) check_bearer(setup, findings, quantity, entry);
+  if (const int cells = setup.cells[quantity.axis];
+      type.takes(Q::at) && !(quantity.height >= 0 && quantity.height <= cells))
+    findings.error(entry + ".at", "{}.at is {}; it must lie in the domain, 0 to {} along {}", entry,
+                   shown_length(setup, quantity.height), shown_length(setup, cells), "xyz"[quantity.axis]);
   const auto& [lower, upper] = quantity.box;
   for (int d = 0; type.takes(Q::box) && d < 3; ++d)
     if (lower[d] < 0 || upper[d] > setup.cells[d])

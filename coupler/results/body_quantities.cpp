@@ -22,13 +22,6 @@ using rigid::ExactSum;
 using rigid::Mat3;
 using rigid::Vec3;
 
-/// Calls visit(row) for the owned bodies that a quantity is about.
-template <class Visit>
-void for_bodies_of(const BodySet& bodies, const QuantitySpec& q, Visit&& visit) {
-  for (std::size_t row = 0; row < bodies.owned; ++row)
-    if (q.is_about(bodies.kind[row])) visit(row);
-}
-
 /// Adds what terms(row) gives of each of them.
 template <class Terms>
 void add_terms(const BodySet& bodies, const QuantitySpec& q, Terms&& terms, std::span<ExactSum> sums) {
@@ -51,13 +44,6 @@ std::array<double, N> sums_over(MPI_Comm comm, const BodySet& bodies, const Quan
 
 double ratio(double change, double start) {
   return start == 0 ? no_value : change / start;
-}
-
-/// The mean over the bodies of a vector's component along the axis.
-template <std::vector<Vec3> rigid::BodyMotions::*vectors>
-double mean_component(const Simulation& simulation, const QuantitySpec& q) {
-  const auto& x = simulation.bodies().*vectors;
-  return mean_over_bodies(simulation, q, [&](std::size_t row) { return x[row][q.axis]; });
 }
 
 // ---- where bodies came from ----
@@ -343,9 +329,6 @@ double max_penetration(const Simulation& simulation) {
 }
 
 constexpr Computation of_bodies[] = {
-    at_end<mean_component<&BodySet::position>>("mean-height"),
-    at_end<mean_component<&BodySet::velocity>>("mean-velocity"),
-    at_end<mean_component<&BodySet::angular_velocity>>("mean-angular-velocity"),
     at_end<drift>("drift"),
     at_end<displacement>("displacement"),
     since_start<kept_momentum, momentum_change>("momentum-change"),

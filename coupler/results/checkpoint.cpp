@@ -188,8 +188,11 @@ std::filesystem::path write_checkpoint(const Simulation& simulation, const Quant
   parallel::naming(path.string(), [&] {
     CheckpointWriter writer(simulation.scene().comm, path, provenance);
     write_state(writer, simulation, quantities, steady);
-    writer.commit(simulation.setup().output.keep_checkpoints,
-                  {folder / "bodies.h5", folder / "series.csv", folder / "departures.csv"});
+    std::vector<std::filesystem::path> before{folder / "bodies.h5", folder / "series.csv",
+                                              folder / "departures.csv"};
+    for (const ColumnsSpec& series : simulation.setup().output.series)
+      before.push_back(folder / (series.name + ".csv"));
+    writer.commit(simulation.setup().output.keep_checkpoints, before);
   });
   return path;
 }

@@ -1,4 +1,5 @@
 // Quantities that look at the fluid.
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -117,6 +118,22 @@ double velocity_past_bodies(const Simulation& simulation, const QuantitySpec& q)
   return superficial_velocity(simulation, q.axis, bodies);
 }
 
+/// Adds what goes through the layer of cells that a plane across the axis lies in; on a side of the domain,
+/// the layer beside it.
+bool add_flow_rate(const Simulation& simulation, const QuantitySpec& q, const QuantityHistory&,
+                   std::span<rigid::ExactSum> rate) {
+  simulation.scene().flow->for_levels([&](const FluidFields& fields) {
+    const int last = fields.domain().cells()[q.axis] - 1;
+    const int layer = std::min(int(q.height) / fields.width(), last);
+    rate[0].add(fields.flow_through(q.axis, layer), FluidFields::flow_quantum);
+  });
+  return true;
+}
+
+double flow_rate(const Case&, const QuantitySpec&, std::int64_t, std::span<const double> rate) {
+  return rate[0];
+}
+
 double profile_error(const Simulation& simulation, const QuantitySpec& q) {
   const auto exact = exact_profile(simulation.setup(), q.profile);
   double error = 0;
@@ -144,10 +161,14 @@ double vortex_decay_error(const Simulation& simulation) {
 }
 
 constexpr Computation of_flow[] = {
-    at_end<drag_coefficient>("drag-coefficient"),     at_end<velocity_past_bodies>("superficial-velocity"),
-    at_end<profile_error>("profile-error"),           at_end<vortex_velocity_error>("taylor-green-velocity"),
-    at_end<vortex_decay_error>("taylor-green-decay"), at_instant<kinetic_energy>("kinetic-energy"),
+    at_end<drag_coefficient>("drag-coefficient"),
+    at_end<velocity_past_bodies>("superficial-velocity"),
+    at_end<profile_error>("profile-error"),
+    at_end<vortex_velocity_error>("taylor-green-velocity"),
+    at_end<vortex_decay_error>("taylor-green-decay"),
+    at_instant<kinetic_energy>("kinetic-energy"),
     at_instant<dissipation>("dissipation"),
+    in_step("flow-rate", {1, 0, add_flow_rate, nullptr, flow_rate}),
 };
 
 }  // namespace

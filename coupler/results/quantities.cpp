@@ -9,30 +9,100 @@
 namespace silt::coupler {
 
 const Computation& computation_of(std::string_view type) {
-  for (const auto family : {body_computations(), flow_computations(), wall_computations()})
+  for (const auto family :
+       {body_computations(), flow_computations(), motion_computations(), wall_computations()})
     for (const Computation& c : family)
       if (c.type == type) return c;
   throw std::logic_error("no computation of a quantity of the type " + std::string(type));
 }
 
+double value_in_last_step(const Simulation& simulation, const QuantitySpec& q) {
+  const StepValue& in_step = computation_of(q.type).in_step;
+  std::vector<rigid::ExactSum> sums(in_step.sums);
+  std::vector<double> values(in_step.sums + in_step.largest, not_yet);
+  if (in_step.add && !in_step.add(simulation, q, no_history, sums)) return no_value;
+  const auto largest = std::span(values).subspan(sums.size());
+  if (in_step.see) in_step.see(simulation, q, largest);
+  const MPI_Comm comm = simulation.scene().comm;
+  parallel::sum_over_ranks(comm, std::span(sums));
+  parallel::max_over_ranks(comm, largest);
+  for (std::size_t k = 0; k < sums.size(); ++k) values[k] = sums[k].value();
+  return in_step.of(simulation.setup(), q, simulation.steps_done(), values);
+}
+
+namespace {
+
+/// Whether two quantities have the same terms in a step.
+bool have_same_terms(const QuantitySpec& a, const QuantitySpec& b) {
+  const StepValue &x = computation_of(a.type).in_step, &y = computation_of(b.type).in_step;
+  return x.of && y.of && x.add == y.add && x.see == y.see && (x.of_all_axes || a.axis == b.axis) &&
+         a.kind == b.kind && a.bearer == b.bearer && a.wall == b.wall && a.side == b.side &&
+         a.height == b.height && a.centre == b.centre;
+}
+
+}  // namespace
+
 Quantities::Quantities(const Case& setup)
-    : specs_(setup.quantities), units_(setup.units), history_(setup.quantities.size(), no_history) {
+    : specs_(setup.quantities),
+      units_(setup.units),
+      series_(setup.output.series),
+      history_(setup.quantities.size(), no_history) {
   for (const QuantitySpec& q : specs_) {
-    computation_of(q.type);
+    computations_.push_back(&computation_of(q.type));
     if (quantity_type(q.type).takes(QuantityType::profile)) exact_profile(setup, q.profile);
+    std::size_t first = 0;
+    while (&specs_[first] != &q && !have_same_terms(specs_[first], q)) ++first;
+    as_.push_back(&specs_[first] == &q ? none : first);
   }
+  for (const ColumnsSpec& series : series_) {
+    std::vector<std::size_t>& columns = columns_.emplace_back();
+    for (const std::string& name : series.columns) {
+      const auto named = [&](const QuantitySpec& q) { return q.name == name; };
+      columns.push_back(std::find_if(specs_.begin(), specs_.end(), named) - specs_.begin());
+    }
+  }
+}
+
+bool Quantities::is_in_row(std::size_t quantity, std::int64_t step) const {
+  for (std::size_t s = 0; s < series_.size(); ++s)
+    if (step % series_[s].every == 0 &&
+        std::find(columns_[s].begin(), columns_[s].end(), quantity) != columns_[s].end())
+      return true;
+  return false;
+}
+
+/// Adds the terms of a quantity to those that wait, unless another has added the same in this step.
+Quantities::Look Quantities::look(const Simulation& simulation, std::size_t i, bool in_row) const {
+  const QuantitySpec& q = specs_[i];
+  const StepSums& sums = computations_[i]->sums;
+  const StepValue& in_step = computations_[i]->in_step;
+  const std::int64_t step = simulation.steps_done();
+  for (auto other = waiting_.rbegin(); as_[i] != none && other != waiting_.rend() && other->step == step;
+       ++other)
+    if (other->quantity == as_[i] || as_[other->quantity] == as_[i]) {
+      Look same = *other;
+      same.quantity = i, same.in_row = in_row;
+      return same;
+    }
+  Look look{i, step, sums_.size(), largest_.size(), true, in_row};
+  sums_.resize(sums_.size() + (sums.add ? sums.count : in_step.sums));
+  largest_.resize(largest_.size() + in_step.largest, not_yet);
+  const auto add = sums.add ? sums.add : in_step.add;
+  if (add) look.counts = add(simulation, q, history_[i], std::span(sums_).subspan(look.first_sum));
+  if (!look.counts) sums_.resize(look.first_sum);
+  if (in_step.see) in_step.see(simulation, q, std::span(largest_).subspan(look.first_largest));
+  return look;
 }
 
 void Quantities::observe(const Simulation& simulation) {
   const std::int64_t step = simulation.steps_done();
   for (std::size_t i = 0; i < specs_.size(); ++i) {
-    const QuantitySpec& q = specs_[i];
-    const Computation& c = computation_of(q.type);
-    if (c.observe) c.observe(simulation, q, history_[i]);
-    std::vector<rigid::ExactSum> terms(c.sums.count);
-    if (!c.sums.add || !c.sums.add(simulation, q, history_[i], terms)) continue;
-    waiting_.push_back({i, step, terms.size()});
-    terms_.insert(terms_.end(), terms.begin(), terms.end());
+    const Computation& c = *computations_[i];
+    if (c.observe) c.observe(simulation, specs_[i], history_[i]);
+    const bool in_row = is_in_row(i, step);
+    if (!c.sums.add && !in_row) continue;
+    const Look found = look(simulation, i, in_row);
+    if (found.counts || in_row) waiting_.push_back(found);
   }
   if (waiting_.empty() || step - waiting_.front().step < most_steps - 1) return;
   fold_started(simulation.setup());
@@ -41,21 +111,41 @@ void Quantities::observe(const Simulation& simulation) {
 
 void Quantities::start_sums(MPI_Comm comm) const {
   started_ = std::exchange(waiting_, {});
-  sums_.start(comm, std::exchange(terms_, {}));
+  if (!sums_.empty()) sums_under_way_.start(comm, std::exchange(sums_, {}));
+  if (!largest_.empty()) largest_under_way_.start(comm, std::exchange(largest_, {}));
 }
 
-/// Takes the sums that were started last into the history, in the order in which they were observed.
+/// Takes what was started last into the history and into rows, in the order in which it was observed.
 void Quantities::fold_started(const Case& setup) const {
-  if (started_.empty()) return;
-  auto sum = sums_.finish().begin();
-  std::vector<double> values;
-  for (const Look& look : started_) {
-    values.clear();
-    for (std::size_t k = 0; k < look.terms; ++k) values.push_back((sum++)->value());
-    const QuantitySpec& q = specs_[look.quantity];
-    computation_of(q.type).sums.fold(setup, q, look.step, values, history_[look.quantity]);
+  std::vector<double> in_step(specs_.size(), no_value);
+  for (std::size_t k = 0; k < started_.size(); ++k) {
+    fold(setup, started_[k], in_step);
+    if (k + 1 < started_.size() && started_[k + 1].step == started_[k].step) continue;
+    add_rows(started_[k].step, in_step);
+    std::fill(in_step.begin(), in_step.end(), no_value);
   }
   started_.clear();
+}
+
+void Quantities::fold(const Case& setup, const Look& look, std::vector<double>& in_step) const {
+  if (!look.counts) return;
+  const QuantitySpec& q = specs_[look.quantity];
+  const Computation& c = *computations_[look.quantity];
+  std::vector<double> values;
+  for (int k = 0; k < (c.sums.add ? c.sums.count : c.in_step.sums); ++k)
+    values.push_back(sums_under_way_.finish()[look.first_sum + k].value());
+  if (c.sums.fold) c.sums.fold(setup, q, look.step, values, history_[look.quantity]);
+  for (int k = 0; k < c.in_step.largest; ++k)
+    values.push_back(largest_under_way_.finish()[look.first_largest + k]);
+  if (look.in_row) in_step[look.quantity] = physical(q, c.in_step.of(setup, q, look.step, values));
+}
+
+void Quantities::add_rows(std::int64_t step, const std::vector<double>& in_step) const {
+  for (std::size_t s = 0; s < series_.size(); ++s) {
+    if (step % series_[s].every != 0) continue;
+    SeriesRow& row = rows_.emplace_back(SeriesRow{s, step, {}});
+    for (const std::size_t column : columns_[s]) row.values.push_back(in_step[column]);
+  }
 }
 
 double Quantities::physical(const QuantitySpec& q, double value) const {
@@ -67,7 +157,7 @@ std::vector<std::pair<std::string, double>> Quantities::evaluate(const Simulatio
   std::vector<std::pair<std::string, double>> values;
   for (std::size_t i = 0; i < specs_.size(); ++i) {
     const QuantitySpec& q = specs_[i];
-    values.emplace_back(q.name, physical(q, computation_of(q.type).value(simulation, q, history[i])));
+    values.emplace_back(q.name, physical(q, computations_[i]->value(simulation, q, history[i])));
   }
   return values;
 }
@@ -76,26 +166,29 @@ double Quantities::evaluate(const Simulation& simulation, const std::string& nam
   std::size_t i = 0;
   while (specs_.at(i).name != name) ++i;
   const QuantitySpec& q = specs_[i];
-  return physical(q, computation_of(q.type).value(simulation, q, history(simulation)[i]));
+  return physical(q, computations_[i]->value(simulation, q, history(simulation)[i]));
 }
 
 std::vector<std::pair<std::string, double>> Quantities::in_last_step() const {
   std::vector<std::pair<std::string, double>> values;
   for (std::size_t i = 0; i < specs_.size(); ++i)
-    if (const auto value = computation_of(specs_[i].type).in_last_step)
+    if (const auto value = computations_[i]->in_last_step)
       values.emplace_back(specs_[i].name, physical(specs_[i], value(history_[i])));
   return values;
 }
 
-std::vector<QuantityHistory> Quantities::history(const Simulation& simulation) const {
-  const MPI_Comm comm = simulation.scene().comm;
+void Quantities::settle(const Simulation& simulation) const {
   fold_started(simulation.setup());
-  if (!waiting_.empty()) {
-    start_sums(comm);
-    fold_started(simulation.setup());
-  }
+  if (waiting_.empty()) return;
+  start_sums(simulation.scene().comm);
+  fold_started(simulation.setup());
+}
+
+std::vector<QuantityHistory> Quantities::history(const Simulation& simulation) const {
+  settle(simulation);
   std::vector<QuantityHistory> all = history_;
-  parallel::max_over_ranks(comm, std::span(reinterpret_cast<double*>(all.data()), 3 * all.size()));
+  parallel::max_over_ranks(simulation.scene().comm,
+                           std::span(reinterpret_cast<double*>(all.data()), 3 * all.size()));
   return all;
 }
 

@@ -1,14 +1,23 @@
 #pragma once
-// The values of the quantities a case asks for under [[quantities]], in the units of the case.
+// The values of the quantities a case asks for under [[quantities]], in the units of the case: at the end,
+// and in steps, for the rows of [[output.series]].
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "coupler/case/output_spec.hpp"
 #include "coupler/case/units.hpp"
 #include "coupler/results/quantity_computation.hpp"
 #include "parallel/sums_under_way.hpp"
 
 namespace silt::coupler {
+
+/// What a series has of a step; NaN for what has no value then.
+struct SeriesRow {
+  std::size_t series;  // of the case
+  std::int64_t step;
+  std::vector<double> values;
+};
 
 class Quantities {
  public:
@@ -19,8 +28,13 @@ class Quantities {
   explicit Quantities(const Case&);
 
   /// Collective, but waits for no rank; to be called at the start and after every step. Does nothing unless a
-  /// quantity looks at the whole run.
+  /// quantity looks at the whole run, or a series at this step.
   void observe(const Simulation&);
+  /// Collective: waits for all that has been observed.
+  void settle(const Simulation&) const;
+  /// Returns the rows of series that have become known since the last call, step by step; the same on every
+  /// rank. Those of all steps so far after settle, else some may still be under way.
+  std::vector<SeriesRow> take_rows() { return std::exchange(rows_, {}); }
   /// Collective. Returns names and values in the order of the case, the same on every rank and any number of
   /// ranks; NaN for a value that does not exist (no such body, no step yet).
   std::vector<std::pair<std::string, double>> evaluate(const Simulation&) const;
@@ -35,23 +49,36 @@ class Quantities {
   void set_history(const std::vector<QuantityHistory>&);
 
  private:
-  /// A Look is what a quantity adds up of a step: so many terms.
+  /// A Look is what a quantity adds up of a step: where its terms begin, of which several may have the same.
   struct Look {
     std::size_t quantity;
     std::int64_t step;
-    std::size_t terms;
+    std::size_t first_sum, first_largest;
+    bool counts, in_row;
   };
+  static constexpr std::size_t none = -1;
   double physical(const QuantitySpec&, double value) const;
+  bool is_in_row(std::size_t quantity, std::int64_t step) const;
+  Look look(const Simulation&, std::size_t quantity, bool in_row) const;
   void start_sums(MPI_Comm) const;
   void fold_started(const Case&) const;
+  void fold(const Case&, const Look&, std::vector<double>& in_step) const;
+  void add_rows(std::int64_t step, const std::vector<double>& in_step) const;
 
   const std::vector<QuantitySpec> specs_;
   const Units units_;
+  const std::vector<ColumnsSpec> series_;
+  std::vector<const Computation*> computations_;   // of each quantity
+  std::vector<std::vector<std::size_t>> columns_;  // of each series: its quantities
+  std::vector<std::size_t> as_;                    // of each quantity: the first with the same terms, or none
   // On this rank; what has been observed and not yet been summed joins the history when somebody asks for it.
   mutable std::vector<QuantityHistory> history_;
   mutable std::vector<Look> waiting_, started_;
-  mutable std::vector<rigid::ExactSum> terms_;  // of the looks that wait
-  mutable parallel::SumsUnderWay<std::vector<rigid::ExactSum>> sums_;
+  mutable std::vector<rigid::ExactSum> sums_;  // of the looks that wait
+  mutable std::vector<double> largest_;        // the same
+  mutable parallel::SumsUnderWay<std::vector<rigid::ExactSum>> sums_under_way_;
+  mutable parallel::LargestUnderWay<std::vector<double>> largest_under_way_;
+  mutable std::vector<SeriesRow> rows_;
 };
 
 }  // namespace silt::coupler

@@ -1,8 +1,8 @@
 #pragma once
-// How quantities are computed: the form of a row in a family of them (body_, flow_, wall_quantities,
-// packing_fraction). Computations are collective, give the same on every rank and any number of ranks, and
-// speak lattice units; NaN stands for a value that does not exist (no such body, no step yet). Meanings:
-// coupler/case/quantity_spec.hpp.
+// How quantities are computed: the form of a row in a family of them (body_, flow_, motion_,
+// wall_quantities, packing_fraction). Computations are collective, give the same on every rank and any number
+// of ranks, and speak lattice units; NaN stands for a value that does not exist (no such body, no step yet).
+// Meanings: coupler/case/quantity_spec.hpp.
 #include <array>
 #include <cmath>
 #include <functional>
@@ -35,6 +35,19 @@ struct StepSums {
                QuantityHistory&) = nullptr;
 };
 
+/// The value of a quantity in a step, from sums over the ranks and from numbers of which the largest of the
+/// ranks counts: for a series, and for the report.
+struct StepValue {
+  int sums = 0, largest = 0;
+  /// As in StepSums; null: there are no sums, and the step counts.
+  bool (*add)(const Simulation&, const QuantitySpec&, const QuantityHistory&,
+              std::span<rigid::ExactSum>) = nullptr;
+  void (*see)(const Simulation&, const QuantitySpec&, std::span<double> largest) = nullptr;
+  /// Of the sums and then the largest.
+  double (*of)(const Case&, const QuantitySpec&, std::int64_t step, std::span<const double>) = nullptr;
+  bool of_all_axes = false;  // the terms are the same whatever the spec's axis
+};
+
 /// Computation is how the quantities of a row of quantity_types are computed.
 struct Computation {
   std::string_view type;                                                      // the row's name
@@ -43,14 +56,26 @@ struct Computation {
   StepSums sums = {};
   /// Of a mean over steps: its value in the last one; else null.
   double (*in_last_step)(const QuantityHistory&) = nullptr;
+  StepValue in_step = {};  // of those that have a value in every step
 };
 
 std::span<const Computation> body_computations();
 std::span<const Computation> flow_computations();
+std::span<const Computation> motion_computations();
 std::span<const Computation> wall_computations();
 
 /// Returns the computation of a type; std::logic_error for one that no family has.
 const Computation& computation_of(std::string_view type);
+
+/// Collective. Returns the value in the last step, for which ranks wait; NaN if it does not count.
+double value_in_last_step(const Simulation&, const QuantitySpec&);
+
+/// Calls visit(row) for the owned bodies that a quantity is about.
+template <class Visit>
+void for_bodies_of(const rigid::BodySet& bodies, const QuantitySpec& q, Visit&& visit) {
+  for (std::size_t row = 0; row < bodies.owned; ++row)
+    if (q.is_about(bodies.kind[row])) visit(row);
+}
 
 /// Returns the mean over the bodies a quantity is about of value(row), which is asked for each owned one.
 double mean_over_bodies(const Simulation&, const QuantitySpec&,
@@ -78,15 +103,33 @@ inline double value_seen(const Simulation&, const QuantitySpec&, const QuantityH
   return h[0] == not_yet ? no_value : h[0];
 }
 
+/// Value of a step: f(case, spec, step, sums) or f(case, spec, sums).
+template <auto f>
+double of_step(const Case& setup, const QuantitySpec& q, std::int64_t step, std::span<const double> sums) {
+  if constexpr (requires { f(setup, q, step, sums); })
+    return f(setup, q, step, sums);
+  else
+    return f(setup, q, sums);
+}
+
+/// What is of the last step, or of the moment, at the end.
+constexpr Computation in_step(std::string_view type, const StepValue& value) {
+  return {type,
+          nullptr,
+          [](const Simulation& simulation, const QuantitySpec& q, const QuantityHistory&) {
+            return value_in_last_step(simulation, q);
+          },
+          {},
+          nullptr,
+          value};
+}
+
 /// The mean over the steps from the spec's time on: their sum, their number, and the value in the last step,
-/// which may be before that time. Value of a step: f(case, spec, step, sums) or f(case, spec, sums).
+/// which may be before that time.
 template <auto f>
 void fold_into_mean(const Case& setup, const QuantitySpec& q, std::int64_t step, std::span<const double> sums,
                     QuantityHistory& h) {
-  if constexpr (requires { f(setup, q, step, sums); })
-    h[2] = f(setup, q, step, sums);
-  else
-    h[2] = f(setup, q, sums);
+  h[2] = of_step<f>(setup, q, step, sums);
   if (static_cast<double>(step) < q.time) return;
   if (h[0] == not_yet) h[0] = h[1] = 0;
   h[0] += h[2];
@@ -100,7 +143,8 @@ constexpr Computation mean_of(std::string_view type) {
             return h[0] == not_yet ? no_value : h[0] / h[1];
           },
           {count, add, fold_into_mean<f>},
-          [](const QuantityHistory& h) { return h[2] == not_yet ? no_value : h[2]; }};
+          [](const QuantityHistory& h) { return h[2] == not_yet ? no_value : h[2]; },
+          {count, 0, add, nullptr, of_step<f>}};
 }
 
 /// f(simulation) at the first step within half a step of the spec's time or after it; without a time, at the

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <charconv>
+#include <cmath>
 #include <fstream>
 #include <map>
 
@@ -19,14 +20,6 @@ namespace fs = std::filesystem;
 namespace {
 
 // ---- any such file ----
-
-/// Returns a field as RFC 4180 has it: in quotes if there is a comma, a quote or a line end in it.
-std::string csv_field(const std::string& text) {
-  if (text.find_first_of(",\"\r\n") == text.npos) return text;
-  std::string quoted = "\"";
-  for (const char c : text) quoted.append(c == '"' ? 2 : 1, c);
-  return quoted + '"';
-}
 
 /// Reads the names of the columns; a name in quotes may go on over ends of lines. Returns whether they are
 /// whole.
@@ -100,11 +93,11 @@ std::vector<std::pair<std::string, std::string>> values_now(const adapters::Json
   return numbers;
 }
 
-/// Moves a series away, so that another can begin in its place.
+/// Moves a table away, so that another can begin in its place.
 void set_aside(const fs::path& path) {
   fs::path aside;
   for (int n = 1; aside.empty() || fs::exists(aside); ++n)
-    aside = path.parent_path() / fmt::format("series.{}.csv", n);
+    aside = path.parent_path() / fmt::format("{}.{}.csv", path.stem().string(), n);
   std::error_code error;
   fs::rename(path, aside, error);
   if (error)
@@ -114,24 +107,39 @@ void set_aside(const fs::path& path) {
 
 }  // namespace
 
-RunSeries::RunSeries(const fs::path& folder, std::int64_t resumed_at) : path_(folder / "series.csv") {
+std::string csv_number(double x) {
+  return std::isfinite(x) ? fmt::format("{}", x) : "";
+}
+
+std::string csv_field(const std::string& text) {
+  if (text.find_first_of(",\"\r\n") == text.npos) return text;
+  std::string quoted = "\"";
+  for (const char c : text) quoted.append(c == '"' ? 2 : 1, c);
+  return quoted + '"';
+}
+
+StepTable::StepTable(const fs::path& path, std::int64_t resumed_at) : path_(path) {
   if (resumed_at < 0) return;
   const RowsLeft left = remove_rows_after(path_, resumed_at);
   columns_ = left.columns, last_step_ = left.last_step;
 }
 
-void RunSeries::append(std::int64_t step, const adapters::Json& report) {
+void StepTable::append(std::int64_t step, const std::string& columns, const std::string& rows) {
   if (step == last_step_) return;
+  const bool deleted = !fs::exists(path_), fresh = deleted || columns != columns_;
+  if (fresh && !deleted && !columns_.empty()) set_aside(path_);
+  add_rows(path_, fresh, columns, rows);
+  columns_ = columns, last_step_ = step;
+}
+
+void append_report(StepTable& series, std::int64_t step, const adapters::Json& report) {
   std::string names, row;
   for (const char* column : series_columns)
     for (const auto& [name, number] : values_now(report, column)) {
       (names += names.empty() ? "" : ",") += csv_field(name);
       (row += row.empty() ? "" : ",") += number;
     }
-  const bool deleted = !fs::exists(path_), fresh = deleted || names != columns_;
-  if (fresh && !deleted && !columns_.empty()) set_aside(path_);
-  add_rows(path_, fresh, names, row + '\n');
-  columns_ = names, last_step_ = step;
+  series.append(step, names, row + '\n');
 }
 
 DepartureLog::DepartureLog(const fs::path& folder, std::int64_t resumed_at, const Units& units)

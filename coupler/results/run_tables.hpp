@@ -1,32 +1,41 @@
 #pragma once
 // The CSV files that a run adds rows to, each of which begins with the number of a step: series.csv, what
-// report.json says of the moment, and departures.csv, the bodies that left. A run that goes on keeps the rows
-// up to its step. Errors are FileError, naming file and reason.
+// report.json says of the moment, those of [[output.series]], and departures.csv, the bodies that left. A run
+// that goes on keeps the rows up to its step. Errors are FileError, naming file and reason.
 #include <cstdint>
 #include <filesystem>
 #include <span>
 #include <string>
 
 #include "adapters/json/json.hpp"
-#include "coupler/case/units.hpp"
 #include "coupler/body_turnover.hpp"
+#include "coupler/case/units.hpp"
 
 namespace silt::coupler {
 
-class RunSeries {
+class StepTable {
  public:
-  /// Starts the series in a folder; with a step, goes on with the one there: rows of later steps, and one
-  /// that a killed run left incomplete, are removed.
-  explicit RunSeries(const std::filesystem::path& folder, std::int64_t resumed_at = -1);
-  /// Appends a report's row, unless the last one is of the same step. If its columns are not those of the
-  /// file (a quantity more, say), the file is renamed to series.1.csv (or .2, ...) and a new one begun.
-  void append(std::int64_t step, const adapters::Json& report);
+  /// Starts a table; with a step, goes on with the one there: rows of later steps, and one that a killed run
+  /// left incomplete, are removed.
+  explicit StepTable(const std::filesystem::path&, std::int64_t resumed_at = -1);
+  /// Appends rows, the last of which is of this step, unless there already is one of it. If their columns
+  /// are not those of the file (a quantity more, say), the file is renamed to series.1.csv (or .2, ...) and a
+  /// new one begun.
+  void append(std::int64_t step, const std::string& columns, const std::string& rows);
 
  private:
   std::filesystem::path path_;
   std::string columns_;  // of the file; "": there is none
   std::int64_t last_step_ = -1;
 };
+
+/// Appends a report's row to series.csv.
+void append_report(StepTable&, std::int64_t step, const adapters::Json& report);
+
+/// A number of a row; an empty field for what has no value.
+std::string csv_number(double);
+/// A name as RFC 4180 has it: in quotes if there is a comma, a quote or a line end in it.
+std::string csv_field(const std::string& text);
 
 class DepartureLog {
  public:

@@ -1,6 +1,8 @@
-// Quantities that look at what fluid and bodies do to the walls; means over the steps from a time on. The
-// force of contacts is that of the last sub-step of each step.
+// Quantities that look at what fluid and bodies do to the walls, means over the steps from a time on, and at
+// what fluid and contacts do to walls and bodies in a step. The force of contacts on walls, and on bodies
+// that they do not move, is that of the last sub-step of each step.
 #include "coupler/case/case.hpp"
+#include "coupler/exchange/coupling_state.hpp"
 #include "coupler/results/quantity_computation.hpp"
 #include "lbm/cut_links.hpp"
 
@@ -24,11 +26,11 @@ void for_contacts(const Simulation& simulation, rigid::BodyId wall, Visit&& visi
     if (other.wall == wall) visit(other.impulse);
 }
 
-/// Adds the torque of what bodies did to a wall, as add_fluid_load does.
+/// Adds the torque of what bodies did to a wall, as add_fluid_wall_load does.
 void add_contact_torque(const Simulation& simulation, int wall, std::span<ExactSum> torque) {
   const double steps = simulation.setup().contacts.substeps;
-  for (const ContactTorque& contact : simulation.contact_torques())
-    if (contact.wall == wall)
+  for (const ContactLoad& contact : simulation.contact_loads())
+    if (contact.on == rigid::first_tube_id + wall)
       for (int d = 0; d < 3; ++d) torque[d].add(steps * contact.torque[d]);
   for (const WallImpulse& other : simulation.wall_impulses())
     if (other.wall == rigid::first_tube_id + wall)
@@ -39,12 +41,17 @@ double area_of(const Case& setup, int axis) {
   return 1. * setup.cells[(axis + 1) % 3] * setup.cells[(axis + 2) % 3];
 }
 
-/// Adds the force of fluid and bodies on a side of the domain, +1 or -1 times.
-void add_side_force(const Simulation& simulation, int side, int sign, std::span<ExactSum> force) {
+/// Adds the force of the fluid on a side of the domain, +1 or -1 times.
+void add_fluid_side_force(const Simulation& simulation, int side, int sign, std::span<ExactSum> force) {
   simulation.scene().flow->for_levels([&](const FluidFields& fields) {
     const auto fluid = fields.side_force(side / 2, side % 2 != 0);
     for (int d = 0; d < 3; ++d) force[d].add(sign * fluid[d], lbm::link_quantum);
   });
+}
+
+/// Adds the force of fluid and bodies on it.
+void add_side_force(const Simulation& simulation, int side, int sign, std::span<ExactSum> force) {
+  add_fluid_side_force(simulation, side, sign, force);
   for_contacts(simulation, rigid::first_wall_id + side, [&](const Vec3& f) {
     for (int d = 0; d < 3; ++d) force[d].add(sign * f[d]);
   });
@@ -52,7 +59,7 @@ void add_side_force(const Simulation& simulation, int side, int sign, std::span<
 
 /// Adds what the fluid does to one of [[walls]], whose rows come after those of the sides: its force, or its
 /// torque about the origin of the wall's frame.
-void add_fluid_load(const Simulation& simulation, int wall, bool torque, std::span<ExactSum> sums) {
+void add_fluid_wall_load(const Simulation& simulation, int wall, bool torque, std::span<ExactSum> sums) {
   if (!simulation.scene().flow) return;
   const std::size_t sides = simulation.bodies().walls - simulation.setup().walls.size();
   const auto load = simulation.scene().flow->account().wall_load(sides + wall);
@@ -103,7 +110,7 @@ double relative_viscosity(const Case& setup, const QuantitySpec& q, std::span<co
 bool add_wall_force(const Simulation& simulation, const QuantitySpec& q, const QuantityHistory&,
                     std::span<ExactSum> force) {
   if (simulation.steps_done() == 0) return false;  // nothing has acted
-  add_fluid_load(simulation, q.wall, false, force);
+  add_fluid_wall_load(simulation, q.wall, false, force);
   for_contacts(simulation, rigid::first_tube_id + q.wall, [&](const Vec3& f) {
     for (int d = 0; d < 3; ++d) force[d].add(f[d]);
   });
@@ -118,27 +125,91 @@ double wall_force(const Case&, const QuantitySpec& q, std::span<const double> fo
 bool add_wall_load(const Simulation& simulation, const QuantitySpec& q, const QuantityHistory& h,
                    std::span<ExactSum> load) {
   if (!add_wall_force(simulation, q, h, load.first(3))) return false;
-  add_fluid_load(simulation, q.wall, true, load.subspan(3));
+  add_fluid_wall_load(simulation, q.wall, true, load.subspan(3));
   add_contact_torque(simulation, q.wall, load.subspan(3));
   return true;
 }
 
 /// From the torque about the frame's origin to that about the point of the axis: by r x F.
-double wall_torque(const Case& setup, const QuantitySpec& q, std::int64_t step,
-                   std::span<const double> load) {
-  const CurvedWall& wall = setup.walls[q.wall];
+Vec3 torque_about_point(const CurvedWall& wall, std::int64_t step, std::span<const double> load) {
   Vec3 torque = vector_of(load.subspan(3));
   if (const MeshWall* mesh = wall.mesh()) {
     const rigid::Quat turned = mesh->motion.pose(mesh->start, static_cast<double>(step - 1)).orientation;
     torque += (turned * mesh->arm).cross(vector_of(load.first(3)));
   }
-  return torque.dot(wall.axis());
+  return torque;
+}
+
+double wall_torque(const Case& setup, const QuantitySpec& q, std::int64_t step,
+                   std::span<const double> load) {
+  const CurvedWall& wall = setup.walls[q.wall];
+  return torque_about_point(wall, step, load).dot(wall.axis());
 }
 
 /// With the velocities that the wall had in the step.
 double wall_power(const Case& setup, const QuantitySpec& q, std::int64_t step, std::span<const double> load) {
   const rigid::WallMotion::Velocity velocity = setup.walls[q.wall].velocity_at(static_cast<double>(step - 1));
   return -(vector_of(load.first(3)).dot(velocity.linear) + vector_of(load.subspan(3)).dot(velocity.angular));
+}
+
+// ---- what fluid or contacts do to bodies, a wall or a side in a step: force and torque ----
+
+/// Adds what was noted in a column of the bodies that are, or are not, moved by it.
+void add_noted_loads(const BodySet& bodies, const QuantitySpec& q, const rigid::HolderColumn& noted,
+                     bool moved_only, std::span<ExactSum> load) {
+  for_bodies_of(bodies, q, [&](std::size_t row) {
+    if (moved_only && !bodies.is_dynamic(row)) return;
+    const Vec6 on_body = vector_in<6>(bodies, row, noted);
+    for (int k = 0; k < 6; ++k) load[k].add(on_body[k]);
+  });
+}
+
+bool add_fluid_load(const Simulation& simulation, const QuantitySpec& q, const QuantityHistory&,
+                    std::span<ExactSum> load) {
+  if (simulation.steps_done() == 0) return false;  // nothing has acted
+  if (q.bearer == Bearer::side) add_fluid_side_force(simulation, q.side, 1, load.first(3));
+  if (q.bearer == Bearer::bodies) add_noted_loads(simulation.bodies(), q, column::seen_load, false, load);
+  if (q.bearer != Bearer::wall) return true;
+  add_fluid_wall_load(simulation, q.wall, false, load.first(3));
+  add_fluid_wall_load(simulation, q.wall, true, load.subspan(3));
+  return true;
+}
+
+/// Of bodies that contacts do not move, what others remember.
+void add_contact_load_of_bodies(const Simulation& simulation, const QuantitySpec& q,
+                                std::span<ExactSum> load) {
+  add_noted_loads(simulation.bodies(), q, column::contact_load, true, load);
+  const double steps = simulation.setup().contacts.substeps;
+  for (const ContactLoad& contact : simulation.contact_loads()) {
+    if (contact.on >= rigid::first_wall_id || !q.is_about(contact.kind)) continue;
+    for (int d = 0; d < 3; ++d) load[d].add(steps * contact.impulse[d]);
+    for (int d = 0; d < 3; ++d) load[3 + d].add(steps * contact.torque[d]);
+  }
+}
+
+bool add_contact_load(const Simulation& simulation, const QuantitySpec& q, const QuantityHistory&,
+                      std::span<ExactSum> load) {
+  if (simulation.steps_done() == 0) return false;  // nothing has acted
+  if (q.bearer == Bearer::bodies) {
+    add_contact_load_of_bodies(simulation, q, load);
+    return true;
+  }
+  const bool is_wall = q.bearer == Bearer::wall;
+  for_contacts(simulation, is_wall ? rigid::first_tube_id + q.wall : rigid::first_wall_id + q.side,
+               [&](const Vec3& f) {
+                 for (int d = 0; d < 3; ++d) load[d].add(f[d]);
+               });
+  if (is_wall) add_contact_torque(simulation, q.wall, load.subspan(3));
+  return true;
+}
+
+double force_of(const Case&, const QuantitySpec& q, std::int64_t, std::span<const double> load) {
+  return load[q.axis];
+}
+
+double torque_of(const Case& setup, const QuantitySpec& q, std::int64_t step, std::span<const double> load) {
+  return q.bearer == Bearer::wall ? torque_about_point(setup.walls[q.wall], step, load)[q.axis]
+                                  : load[3 + q.axis];
 }
 
 constexpr Computation of_walls[] = {
@@ -148,6 +219,10 @@ constexpr Computation of_walls[] = {
     mean_of<3, add_wall_force, wall_force>("wall-force"),
     mean_of<6, add_wall_load, wall_torque>("wall-torque"),
     mean_of<6, add_wall_load, wall_power>("wall-power"),
+    in_step("fluid-force", {6, 0, add_fluid_load, nullptr, force_of, true}),
+    in_step("fluid-torque", {6, 0, add_fluid_load, nullptr, torque_of, true}),
+    in_step("contact-force", {6, 0, add_contact_load, nullptr, force_of, true}),
+    in_step("contact-torque", {6, 0, add_contact_load, nullptr, torque_of, true}),
 };
 
 }  // namespace

@@ -31,8 +31,8 @@ constexpr double overhead_of_a_step = 3e-6, overhead_of_ranks = 60e-6;        //
 constexpr double seconds_of_a_body = 0.4e-6, seconds_of_an_impulse = 0.3e-6;  // a sub-step
 constexpr double memory_of_a_rank = 45e6, memory_of_a_body = 1200, memory_of_a_link = 40;  // bytes
 constexpr double file_row_of_a_body = 184, file_buoyancy_of_a_body = 24, file_contacts_of_a_body = 48,
-                 checkpoint_of_a_body = 600;   // bytes
-constexpr double multireflection_link = 1.27;  // over one of the other schemes
+                 checkpoint_of_a_body = 600, file_field_of_a_row = 20;  // bytes
+constexpr double multireflection_link = 1.27;                           // over one of the other schemes
 // What writing takes, in steps of a cell in single precision: of a cell of a field, of each of its numbers,
 // of one that is a derivative, of packing one and a level of it; of a population in a checkpoint with its
 // checksum, of a body there, of a row of bodies.h5; of a cell of a report's pass over the fluid, of one of a
@@ -332,6 +332,8 @@ double disk_needed(const Case& setup, std::uint64_t bodies, double share) {
   const double row = file_row_of_a_body + (buoyancy ? file_buoyancy_of_a_body : 0) +
                      (output.body_contacts ? file_contacts_of_a_body : 0);
   bytes += times(output.bodies, setup.steps, true) * n * row;
+  for (const ColumnsSpec& series : output.series)
+    bytes += times(series, setup.steps, true) * file_field_of_a_row * double(series.columns.size() + 2);
   const double kept = std::min<double>(times(output.checkpoint, setup.steps, false), output.keep_checkpoints);
   return bytes + kept * (share * fluid_memory(setup) + n * checkpoint_of_a_body);
 }

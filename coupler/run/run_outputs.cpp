@@ -39,7 +39,9 @@ void RunOutputs::start() {
   if (output.bodies.every > 0 && setup().has_bodies())
     bodies_.emplace(simulation_, folder_, provenance_, run_.resumed);
   parallel::on_rank_0(simulation_.scene().comm, [&] {
-    if (output.report.every > 0) series_.emplace(folder_, resumed_at);
+    if (output.report.every > 0) reports_.emplace(folder_ / "series.csv", resumed_at);
+    for (const ColumnsSpec& series : output.series)
+      series_.emplace_back(folder_ / (series.name + ".csv"), resumed_at);
     if (setup().bodies_leave()) departures_.emplace(folder_, resumed_at, setup().units);
   });
   if (run_.resumed) return;
@@ -62,6 +64,7 @@ void RunOutputs::write_due() {
   if (ended || fields || save || report || (bodies_ && due(output.bodies))) simulation_.settle();
   if (simulation_.scene().flow && (looks || fields)) simulation_.look_at_flow();
   if (looks) log_departures();
+  write_rows(false);
   write_bodies_and_fields();
   // Before the checkpoint that stands for them: a run that is killed in between goes on from the one before.
   if (ended && save)
@@ -80,9 +83,32 @@ void RunOutputs::log_departures() {
     progress_.log(fmt::format("step {}: {}", simulation_.steps_done(), departures_text(left)));
 }
 
+/// What has become known of series, or all that there is, goes to their files.
+void RunOutputs::write_rows(bool all) {
+  if (all) run_.quantities->settle(simulation_);
+  const std::vector<SeriesRow> rows = run_.quantities->take_rows();
+  if (rows.empty()) return;
+  parallel::on_rank_0(simulation_.scene().comm, [&] {
+    for (std::size_t s = 0; s < series_.size(); ++s) {
+      std::string columns = "step,time", text;
+      for (const std::string& name : setup().output.series[s].columns) columns += ',' + csv_field(name);
+      std::int64_t step = -1;
+      for (const SeriesRow& row : rows) {
+        if (row.series != s) continue;
+        step = row.step;
+        text += fmt::format("{},{}", step, static_cast<double>(step) * setup().units.time_step);
+        for (const double value : row.values) text += ',' + csv_number(value);
+        text += '\n';
+      }
+      if (step >= 0) series_[s].append(step, columns, text);
+    }
+  });
+}
+
 void RunOutputs::write_checkpoint() {
   simulation_.settle();
   log_departures();
+  write_rows(true);
   last_checkpoint_ =
       coupler::write_checkpoint(simulation_, *run_.quantities, folder_, provenance_, run_.steady).string();
   progress_.log(fmt::format("step {}: wrote {}", simulation_.steps_done(), last_checkpoint_));
@@ -90,6 +116,7 @@ void RunOutputs::write_checkpoint() {
 
 std::filesystem::path RunOutputs::write_stopped_state() {
   log_departures();
+  write_rows(true);
   const auto path =
       coupler::write_checkpoint(simulation_, *run_.quantities, folder_, provenance_, run_.steady, "stopped");
   if (simulation_.scene().flow) write_flow_fields(simulation_, setup().output.fields, folder_, provenance_);
@@ -105,13 +132,14 @@ std::string RunOutputs::last_checkpoint_text() const {
 }
 
 void RunOutputs::write_report(const std::string& reason, const std::string& text, bool sound) {
+  write_rows(true);
   const auto path = folder_ / "report.json";
   parallel::naming(path.string(), [&] {
     const bool at_end = run_.has_ended() || reason != "running";
     const RunStatus status{reason, text, run_.first_step, MPI_Wtime() - begin_, sound, at_end};
     const adapters::Json report = report_of(simulation_, *run_.quantities, status);
     parallel::on_rank_0(simulation_.scene().comm, [&] {
-      if (series_ && sound) series_->append(simulation_.steps_done(), report);
+      if (reports_ && sound) append_report(*reports_, simulation_.steps_done(), report);
       if (!at_end && !due(setup().output.checkpoint) && status.wall_seconds < reported_ + 1) return;
       write_text(path, report.text());
       reported_ = status.wall_seconds;

@@ -1,5 +1,5 @@
 #pragma once
-// The files that a run writes: fields, bodies, departures, report.json and series.csv, checkpoints.
+// The files that a run writes: fields, bodies, departures, series, report.json and series.csv, checkpoints.
 #include "coupler/case/output_spec.hpp"
 #include "coupler/results/body_output.hpp"
 #include "coupler/results/run_tables.hpp"
@@ -35,6 +35,7 @@ class RunOutputs {
   bool due(const SeriesSpec&) const;
   void write_bodies_and_fields();
   void log_departures();
+  void write_rows(bool all);
 
   PreparedRun& run_;
   Simulation& simulation_;
@@ -44,7 +45,8 @@ class RunOutputs {
   const adapters::Provenance provenance_;
   std::optional<BodyOutput> bodies_;
   std::optional<DepartureLog> departures_;  // on rank 0, where bodies may leave
-  std::optional<RunSeries> series_;         // on rank 0, where the case asks for reports
+  std::optional<StepTable> reports_;        // on rank 0, where the case asks for reports
+  std::vector<StepTable> series_;           // on rank 0: of [[output.series]]
   std::string last_checkpoint_;
   double reported_ = -1;  // seconds from the start to the last report.json, on rank 0
 };

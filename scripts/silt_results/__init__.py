@@ -4,6 +4,7 @@
     run = silt_results.open("cases/segregation")        # a case, or a folder of results
     run.report["quantities"]                             # report.json as a dictionary
     run.series["energy.fluid"]                           # a column of series.csv, as an array
+    run.table("forces")["drag"]                          # one of series_forces.csv ([[output.series]])
     run.bodies.at(-1)["position"]                        # bodies.h5: silt_results.BodySeries
     run.fields[-1]["velocity"]                           # a field of the fluid at the last time, [x, y, z, 3]
     run.scene.walls                                      # the case as it was run: silt_results.Scene
@@ -56,6 +57,10 @@ class Run:
     def series(self):
         """series.csv: Scalars."""
         return Scalars(self.file("series.csv", "output.report = { every = N }"))
+
+    def table(self, name):
+        """series_NAME.csv: Scalars."""
+        return Scalars(self.file(f"series_{name}.csv", f'[[output.series]] of the name "{name}"'))
 
     @functools.cached_property
     def bodies(self):

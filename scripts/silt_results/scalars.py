@@ -1,4 +1,4 @@
-"""Reads series.csv: what a run said of itself each time it reported.
+"""Reads series.csv, what a run said of itself each time it reported, and series_NAME.csv, values of quantities in steps.
 
     series = Scalars("out/series.csv")
     series.names                                steps, time, energy.fluid, quantities.NAME, ...
@@ -21,7 +21,7 @@ class Scalars:
         self.columns = dict(zip(self.names, values.T))
 
     def __len__(self):
-        return len(self.columns["steps"])
+        return len(self.columns[self.names[0]])
 
     def __getitem__(self, name):
         if name not in self.columns:

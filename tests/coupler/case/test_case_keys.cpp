@@ -130,6 +130,7 @@ quantities = []
 zzz = 1
 fields = { zzz = 1 }
 slices = [{ axis = "x", zzz = 1 }]
+series = [{ zzz = 1 }]
 bodies = { zzz = 1 }
 checkpoint = { zzz = 1 }
 report = { zzz = 1 }

@@ -46,7 +46,11 @@ double value_of(const CaseText& text) {
 }
 
 TEST(Quantities, EveryTypeHasAComputation) {
-  for (const QuantityType& type : quantity_types) EXPECT_EQ(computation_of(type.name).type, type.name);
+  for (const QuantityType& type : quantity_types) {
+    EXPECT_EQ(computation_of(type.name).type, type.name);
+    EXPECT_EQ(computation_of(type.name).in_step.of != nullptr, type.asks_for(QuantityType::stepwise))
+        << type.name;
+  }
   EXPECT_THROW(computation_of("no-such"), std::logic_error);
 }
 

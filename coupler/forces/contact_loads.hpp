@@ -1,0 +1,36 @@
+#pragma once
+// What contacts do to that which they cannot move: tubes and meshes, and bodies that are fixed or of
+// prescribed motion. Where a body touches is known only while its contacts are.
+#include <span>
+#include <vector>
+
+#include "rigid/bodies/body_exchange.hpp"
+#include "rigid/bodies/body_set.hpp"
+#include "rigid/bodies/contact.hpp"
+#include "rigid/response/contact_resolver.hpp"
+
+namespace silt::coupler {
+
+struct ContactLoad {
+  rigid::BodyId on;
+  int kind;                     // of a body; of a wall it means nothing
+  rigid::Vec3 impulse, torque;  // lattice units, the latter about the point of the wall or the body's centre
+};
+
+/// What a contact did to a wall in a sub-step besides the impulse that its body remembers.
+struct WallImpulse {
+  rigid::BodyId wall;
+  rigid::Vec3 impulse, torque;  // the latter about the point of the wall
+};
+
+/// What the contacts of owned bodies did to [[walls]] and to bodies of infinite mass in a sub-step whose
+/// velocities are final, and whose second half of the drift is still to come: the impulses that bodies
+/// remember. Contacts are sorted by key; one that nobody looked at, of a body at rest, gives no torque.
+std::vector<ContactLoad> contact_loads(const rigid::BodySet&, std::span<const rigid::Contact>,
+                                       const rigid::Extent&);
+
+/// Appends what they did besides, at the same time.
+void add_wall_impulses(const rigid::BodySet&, std::span<const rigid::OtherWallImpulse>, const rigid::Extent&,
+                       std::vector<WallImpulse>&);
+
+}  // namespace silt::coupler
