@@ -126,6 +126,8 @@ void check_intervals(Findings& findings) {
     require_whole(findings, fmt::format("output.slices[{}].every", i), output.slices[i].every);
   for (std::size_t i = 0; i < output.series.size(); ++i)
     require_whole(findings, fmt::format("output.series[{}].every", i), output.series[i].every);
+  for (std::size_t i = 0; i < output.probes.size(); ++i)
+    require_whole(findings, fmt::format("output.probes[{}].every", i), output.probes[i].every);
   require_whole(findings, "output.bodies.every", output.bodies.every);
   require_whole(findings, "output.checkpoint.every", output.checkpoint.every);
   require_whole(findings, "output.report.every", output.report.every);

@@ -39,6 +39,8 @@ constexpr std::tuple output_keys{
     HandKey{"fields", "table", "", "none", "fields of the fluid, fields_*.hdf"},
     HandKey{"slices", "list of tables", "", "none", "fields of parts of the domain, slice_*.hdf"},
     HandKey{"series", "list of tables", "", "none", "values of quantities over time, series_*.csv"},
+    HandKey{"probes", "list of tables", "", "none",
+            "fields of the fluid at points and on lines over time, probes_*.csv"},
     HandKey{"bodies", "table", "", "none", "series of the bodies, bodies.h5"},
     HandKey{"checkpoint", "table", "", "none", "checkpoints, checkpoint_*.h5"},
     HandKey{"report", "table", "", "none",
@@ -66,14 +68,23 @@ constexpr std::tuple columns_keys{
     Key{"every", &SeriesSpec::every, Whole{.low = 1, .unit = "steps"}, "the number of steps between two rows",
         required},
     HandKey{"columns", "list of strings", "", required, "names of [[quantities]]"}};
+constexpr std::tuple probe_keys{
+    HandKey{"name", "string", "", required, "of its file, probes_NAME.csv"},
+    HandKey{"points", "[[x, y, z], …]", "m", "one of two", "where to look"},
+    HandKey{"line", "[[x, y, z], [x, y, z]]", "m", "one of two", "ends of a line to look along"},
+    HandKey{"count", "integer", "", "–, none", "number of points of a line, its ends among them"},
+    Key{"every", &SeriesSpec::every, Whole{.low = 1, .unit = "steps"},
+        "the number of steps between two looks", required},
+    HandKey{"quantities", "list of fields", "", "velocity",
+            "\"velocity\", \"density\", \"pressure\", \"shear-rate\""}};
 constexpr std::tuple contact_output_keys{
     Key{"contacts", &OutputSpec::body_contacts, Flag{},
         "whether contact_force and contact_torque are noted in every step and written"}};
 constexpr std::tuple checkpoint_keys{
     Key{"keep", &OutputSpec::keep_checkpoints, Whole{1, 1000}, "number of checkpoints that are kept"}};
 
-void read_field_names(TableReader& fields, std::vector<Field>& quantities) {
-  const std::vector<std::string> known = field_names.list();
+void read_field_names(TableReader& fields, const std::vector<std::string>& known,
+                      std::vector<Field>& quantities) {
   const Node* list = fields.find("quantities");
   if (!list) return;
   const auto names = list->strings();
@@ -88,7 +99,7 @@ void read_fields(TableReader& table, FieldsSpec& fields) {
   if (!table.present()) return;
   read_keys(table, fields, series_keys);
   read_keys(table, fields, field_keys);
-  read_field_names(table, fields.quantities);
+  read_field_names(table, field_names.list(), fields.quantities);
 }
 
 // VTK 9.1 and ParaView 5.11 end with SIGABRT on an image one point thick.
@@ -166,6 +177,34 @@ void read_series(TableReader& output, std::vector<ColumnsSpec>& all) {
   }
 }
 
+void read_points(TableReader& table, std::vector<rigid::Vec3>& points) {
+  const std::string given = table.one_of({"points", "line"}, true, "where to look");
+  if (given == "points") points = table.points("points", 1, "a list of points, [[x, y, z], ...]");
+  if (given == "points" && table.has("count"))
+    table.fail("count", "{} is of a line; remove it, or give line instead of points", table.path("count"));
+  if (given != "line") return;
+  constexpr std::int64_t most = 100'000;
+  const auto ends = table.points("line", 2, "the two ends of a line, [[x, y, z], [x, y, z]]");
+  const auto count = table.integer("count", 2, most);
+  if (!table.has("count")) table.need("count", "the number of points of a line, its ends among them");
+  if (ends.size() > 2) table.refuse("line", "the two ends of a line, [[x, y, z], [x, y, z]]");
+  for (std::int64_t k = 0; ends.size() == 2 && count && k < *count; ++k)
+    points.push_back(ends[0] + double(k) / double(*count - 1) * (ends[1] - ends[0]));
+}
+
+void read_probes(TableReader& output, std::vector<ProbesSpec>& all) {
+  std::vector<std::string> names, known = field_names.list();
+  known.resize(known.size() - 3);  // what is of cells alone
+  for (TableReader& table : output.tables("probes")) {
+    ProbesSpec probes;
+    read_keys(table, probes, probe_keys);
+    probes.name = read_file_name(table, names, "probes");
+    read_points(table, probes.points);
+    read_field_names(table, known, probes.quantities);
+    all.push_back(probes);
+  }
+}
+
 void read_length_of_run(TableReader& run, std::int64_t& steps) {
   const std::string given = run.one_of({"steps", "time"}, true, "how long the run is");
   if (given == "steps") {
@@ -200,6 +239,7 @@ std::vector<KeySection> output_sections() {
           section_of("output.fields", series_keys, field_keys),
           section_of("output.slices", slice_keys, plane_keys, series_keys, field_keys),
           section_of("output.series", columns_keys),
+          section_of("output.probes", probe_keys),
           section_of("output.bodies", series_keys, contact_output_keys),
           section_of("output.checkpoint", series_keys, checkpoint_keys),
           section_of("output.report", series_keys)};
@@ -217,6 +257,7 @@ void read_output(TableReader& root, Case& setup) {
   read_fields(fields, output.fields);
   read_slices(table, setup.cells, output.slices);
   read_series(table, output.series);
+  read_probes(table, output.probes);
   read_keys(bodies, output.bodies, series_keys);
   read_keys(bodies, output, contact_output_keys);
   read_keys(checkpoint, output.checkpoint, series_keys);
@@ -267,6 +308,16 @@ void check_series(const Case& setup, Findings& findings) {
   }
 }
 
+void check_probes(const Case& setup, Findings& findings) {
+  for (std::size_t i = 0; i < setup.output.probes.size(); ++i) {
+    const std::string key = fmt::format("output.probes[{}]", i);
+    for (const rigid::Vec3& x : setup.output.probes[i].points)
+      if (!lies_in_domain(setup, {x, x}, 0))
+        return findings.error(key, "{} has the point {}; it must lie in the domain, {}", key,
+                              shown_point(setup, x), shown_box(setup, box_of(setup)));
+  }
+}
+
 }  // namespace
 
 void find_run_faults(const Case& setup, Findings& findings) {
@@ -277,6 +328,7 @@ void find_run_faults(const Case& setup, Findings& findings) {
                    shown(most_steps));
   if (setup.steady) check_steady(setup, findings);
   check_series(setup, findings);
+  check_probes(setup, findings);
   if (!setup.fluid && !setup.has_bodies())
     findings.error("", "the case has neither a [fluid] nor bodies: there is nothing to compute");
   const bool flat = std::find(setup.cells.begin(), setup.cells.end(), 1) != setup.cells.end();
@@ -285,6 +337,7 @@ void find_run_faults(const Case& setup, Findings& findings) {
                      "the domain is one cell thick, and VTK and ParaView end with an error on fields as flat "
                      "as that: make domain.size two cells thick");
   for (const auto& [key, asked] : {std::pair("output.slices", !setup.output.slices.empty()),
+                                   std::pair("output.probes", !setup.output.probes.empty()),
                                    std::pair("output.fields", setup.output.fields.every > 0)})
     if (!setup.fluid && asked)
       findings.error(key, "{} asks for fields of the fluid, but the case has no [fluid]; remove it", key);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "coupler/case/name_table.hpp"
+#include "rigid/math/types.hpp"
 
 namespace silt::coupler {
 
@@ -16,6 +17,10 @@ struct SeriesSpec {  // 0: never
 enum class Field { velocity, density, pressure, shear_rate, body_id, vorticity, solid };
 inline constexpr auto field_names =
     names_of<Field>("velocity", "density", "pressure", "shear-rate", "body-id", "vorticity", "solid");
+
+constexpr int numbers_of(Field field) {
+  return field == Field::velocity || field == Field::vorticity ? 3 : 1;
+}
 
 /// Fields of the fluid in a box of cells, [lower, upper); `solid` is among them where a scene has solid
 /// cells.
@@ -34,10 +39,18 @@ struct ColumnsSpec : SeriesSpec {
   std::vector<std::string> columns;  // names of quantities
 };
 
+/// Fields of the fluid at points, rows of a CSV file every so many steps.
+struct ProbesSpec : SeriesSpec {
+  std::string name;  // of the file
+  std::vector<Field> quantities = {Field::velocity};
+  std::vector<rigid::Vec3> points;
+};
+
 struct OutputSpec {
   FieldsSpec fields;  // of the whole domain
   std::vector<FieldsSpec> slices;
   std::vector<ColumnsSpec> series;
+  std::vector<ProbesSpec> probes;
   SeriesSpec bodies, checkpoint, report;
   bool body_contacts = false;  // with the bodies, what their contacts do to them
   int keep_checkpoints = 2;

@@ -190,9 +190,10 @@ std::filesystem::path write_checkpoint(const Simulation& simulation, const Quant
     write_state(writer, simulation, quantities, steady);
     std::vector<std::filesystem::path> before{folder / "bodies.h5", folder / "series.csv",
                                               folder / "departures.csv"};
-    for (const ColumnsSpec& series : simulation.setup().output.series)
-      before.push_back(folder / (series.name + ".csv"));
-    writer.commit(simulation.setup().output.keep_checkpoints, before);
+    const OutputSpec& output = simulation.setup().output;
+    for (const ColumnsSpec& series : output.series) before.push_back(folder / (series.name + ".csv"));
+    for (const ProbesSpec& probes : output.probes) before.push_back(folder / (probes.name + ".csv"));
+    writer.commit(output.keep_checkpoints, before);
   });
   return path;
 }

@@ -73,17 +73,11 @@ class Fields {
       case Field::velocity:
         return velocity();
       case Field::density:
-        return scalar("density", units_.si ? "kg/m3" : "reference densities",
-                      units_.scale(dimension::density), 1,
-                      [](const lbm::Moments& m) { return 1 + m.density_deviation; });
+        return scalar(field, units_.si ? "kg/m3" : "reference densities", 1);
       case Field::pressure:
-        return scalar("pressure", units_.si ? "Pa" : "cells2/step2 reference densities",
-                      units_.scale(dimension::pressure), 0,
-                      [](const lbm::Moments& m) { return m.density_deviation / 3; });
+        return scalar(field, units_.si ? "Pa" : "cells2/step2 reference densities", 0);
       case Field::shear_rate:
-        return scalar(
-            "shear-rate", units_.si ? "1/s" : "1/step", units_.scale(dimension::angular_velocity), 0,
-            [this](const lbm::Moments& m) { return std::sqrt(2 * strain_rate_squared(fields_, m)); });
+        return scalar(field, units_.si ? "1/s" : "1/step", 0);
       case Field::body_id:
         return body_id();
       case Field::vorticity:
@@ -97,18 +91,17 @@ class Fields {
  private:
   /// A function of the moments of fluid cells; solid ones have a value of their
   /// own.
-  template <class Of>
-  adapters::FieldQuantity scalar(const char* name, const char* unit, double scale, double solid,
-                                 Of of) const {
-    const auto values = [this, scale, solid, of](std::size_t k, int begin, int end, double* out) {
+  adapters::FieldQuantity scalar(Field field, const char* unit, double solid) const {
+    const double scale = units_.scale(dimension_of(field));
+    const auto values = [this, scale, solid, field](std::size_t k, int begin, int end, double* out) {
       const Piece piece = pieces_[k].planes(begin, end);
       const CellBits& is_solid = fields_.solid(piece.block);
       lbm::MomentsByRow moments(fields_, piece.block, piece.first.x, piece.last.x);
       piece.for_each([&](Int3 cell, std::size_t i) {
-        out[i] = scale * (is_solid.test(cell) ? solid : of(moments(cell)));
+        out[i] = scale * (is_solid.test(cell) ? solid : scalar_of(fields_, field, moments(cell)));
       });
     };
-    return {name, unit, 1, values, storage_};
+    return {std::string(field_names[field]), unit, 1, values, storage_};
   }
 
   /// of_fluid(piece) returns a function of the fluid cells of a piece;
@@ -135,7 +128,7 @@ class Fields {
 
   adapters::FieldQuantity velocity() const {
     return vector(
-        "velocity", units_.si ? "m/s" : "cells/step", units_.scale(dimension::velocity),
+        "velocity", units_.si ? "m/s" : "cells/step", units_.scale(dimension_of(Field::velocity)),
         [this](const Piece& piece) {
           lbm::MomentsByRow moments(fields_, piece.block, piece.first.x, piece.last.x);
           return [this, moments](Int3 cell) mutable {
@@ -195,6 +188,30 @@ class Fields {
 };
 
 }  // namespace
+
+double scalar_of(const FluidFields& fields, Field field, const lbm::Moments& m) {
+  if (field == Field::density) return 1 + m.density_deviation;
+  if (field == Field::pressure) return m.density_deviation / 3;
+  return std::sqrt(2 * strain_rate_squared(fields, m));
+}
+
+Dimension dimension_of(Field field) {
+  switch (field) {
+    case Field::velocity:
+      return dimension::velocity;
+    case Field::density:
+      return dimension::density;
+    case Field::pressure:
+      return dimension::pressure;
+    case Field::shear_rate:
+    case Field::vorticity:
+      return dimension::angular_velocity;
+    case Field::body_id:
+    case Field::solid:
+      return dimension::none;
+  }
+  __builtin_unreachable();
+}
 
 std::vector<adapters::CellBox> boxes_of(const FluidFields& fields) {
   std::vector<adapters::CellBox> boxes;

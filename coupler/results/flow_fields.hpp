@@ -5,6 +5,7 @@
 
 #include "adapters/hdf5/result_file.hpp"
 #include "coupler/case/output_spec.hpp"
+#include "coupler/case/units.hpp"
 #include "coupler/simulation.hpp"
 
 namespace silt::coupler {
@@ -25,6 +26,10 @@ struct FieldHere {
 
 /// Makes a field as it would be written. Collective if it is the vorticity; needs a flow.
 FieldHere field_here(const Simulation&, Field);
+
+/// Returns the density, pressure or shear rate of a fluid cell, in units of the finest lattice.
+double scalar_of(const FluidFields&, Field, const lbm::Moments&);
+Dimension dimension_of(Field);
 
 /// Writes the fields that a part of [output] asks for, in its box, in the units of the case. A solid cell has
 /// the velocity, the vorticity and the id of its body (in a wall: none), the reference density, no pressure

@@ -1,5 +1,7 @@
 #include "coupler/results/quantities.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "coupler/analytic_flow.hpp"
@@ -46,7 +48,8 @@ Quantities::Quantities(const Case& setup)
     : specs_(setup.quantities),
       units_(setup.units),
       series_(setup.output.series),
-      history_(setup.quantities.size(), no_history) {
+      history_(setup.quantities.size(), no_history),
+      rows_(setup.output.series.size()) {
   for (const QuantitySpec& q : specs_) {
     computations_.push_back(&computation_of(q.type));
     if (quantity_type(q.type).takes(QuantityType::profile)) exact_profile(setup, q.profile);
@@ -143,9 +146,21 @@ void Quantities::fold(const Case& setup, const Look& look, std::vector<double>& 
 void Quantities::add_rows(std::int64_t step, const std::vector<double>& in_step) const {
   for (std::size_t s = 0; s < series_.size(); ++s) {
     if (step % series_[s].every != 0) continue;
-    SeriesRow& row = rows_.emplace_back(SeriesRow{s, step, {}});
-    for (const std::size_t column : columns_[s]) row.values.push_back(in_step[column]);
+    rows_[s].last_step = step;
+    rows_[s].text += fmt::format("{},{}", step, static_cast<double>(step) * units_.time_step);
+    for (const std::size_t column : columns_[s]) rows_[s].text += ',' + csv_number(in_step[column]);
+    rows_[s].text += '\n';
   }
+}
+
+std::vector<TableRows> Quantities::take_rows() {
+  return std::exchange(rows_, std::vector<TableRows>(series_.size()));
+}
+
+std::string Quantities::columns(const ColumnsSpec& series) {
+  std::string names = "step,time";
+  for (const std::string& name : series.columns) names += ',' + csv_field(name);
+  return names;
 }
 
 double Quantities::physical(const QuantitySpec& q, double value) const {

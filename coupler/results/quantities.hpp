@@ -8,16 +8,10 @@
 #include "coupler/case/output_spec.hpp"
 #include "coupler/case/units.hpp"
 #include "coupler/results/quantity_computation.hpp"
+#include "coupler/results/run_tables.hpp"
 #include "parallel/sums_under_way.hpp"
 
 namespace silt::coupler {
-
-/// What a series has of a step; NaN for what has no value then.
-struct SeriesRow {
-  std::size_t series;  // of the case
-  std::int64_t step;
-  std::vector<double> values;
-};
 
 class Quantities {
  public:
@@ -32,9 +26,10 @@ class Quantities {
   void observe(const Simulation&);
   /// Collective: waits for all that has been observed.
   void settle(const Simulation&) const;
-  /// Returns the rows of series that have become known since the last call, step by step; the same on every
-  /// rank. Those of all steps so far after settle, else some may still be under way.
-  std::vector<SeriesRow> take_rows() { return std::exchange(rows_, {}); }
+  /// Returns the rows that have become known since the last call, of each series; the same on every rank.
+  /// Those of all steps so far after settle, else some may still be under way.
+  std::vector<TableRows> take_rows();
+  static std::string columns(const ColumnsSpec&);
   /// Collective. Returns names and values in the order of the case, the same on every rank and any number of
   /// ranks; NaN for a value that does not exist (no such body, no step yet).
   std::vector<std::pair<std::string, double>> evaluate(const Simulation&) const;
@@ -78,7 +73,7 @@ class Quantities {
   mutable std::vector<double> largest_;        // the same
   mutable parallel::SumsUnderWay<std::vector<rigid::ExactSum>> sums_under_way_;
   mutable parallel::LargestUnderWay<std::vector<double>> largest_under_way_;
-  mutable std::vector<SeriesRow> rows_;
+  mutable std::vector<TableRows> rows_;  // of each series
 };
 
 }  // namespace silt::coupler

@@ -93,7 +93,8 @@ bool is_result(const fs::path& path) {
   return std::count(names.begin(), names.end(), name) > 0 || is("fields_", ".hdf") || is("slice_", ".hdf") ||
          is("slice_", ".hdf.series") || is("fields", ".hdf.series") || is("bodies_", ".hdf") ||
          is("bodies_", ".vtp") || is("walls_", ".vtp") || is("bodies", ".hdf.series") ||
-         is("series", ".csv") || is("checkpoint_", ".h5") || is("stopped_", ".h5") || is_unfinished(path);
+         is("series", ".csv") || is("probes_", ".csv") || is("checkpoint_", ".h5") || is("stopped_", ".h5") ||
+         is_unfinished(path);
 }
 
 namespace {

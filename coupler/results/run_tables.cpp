@@ -124,12 +124,12 @@ StepTable::StepTable(const fs::path& path, std::int64_t resumed_at) : path_(path
   columns_ = left.columns, last_step_ = left.last_step;
 }
 
-void StepTable::append(std::int64_t step, const std::string& columns, const std::string& rows) {
-  if (step == last_step_) return;
+void StepTable::append(const std::string& columns, const TableRows& rows) {
+  if (rows.text.empty() || rows.last_step == last_step_) return;
   const bool deleted = !fs::exists(path_), fresh = deleted || columns != columns_;
   if (fresh && !deleted && !columns_.empty()) set_aside(path_);
-  add_rows(path_, fresh, columns, rows);
-  columns_ = columns, last_step_ = step;
+  add_rows(path_, fresh, columns, rows.text);
+  columns_ = columns, last_step_ = rows.last_step;
 }
 
 void append_report(StepTable& series, std::int64_t step, const adapters::Json& report) {
@@ -139,7 +139,7 @@ void append_report(StepTable& series, std::int64_t step, const adapters::Json& r
       (names += names.empty() ? "" : ",") += csv_field(name);
       (row += row.empty() ? "" : ",") += number;
     }
-  series.append(step, names, row + '\n');
+  series.append(names, {step, row + '\n'});
 }
 
 DepartureLog::DepartureLog(const fs::path& folder, std::int64_t resumed_at, const Units& units)

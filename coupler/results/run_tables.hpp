@@ -13,15 +13,20 @@
 
 namespace silt::coupler {
 
+/// Rows of a table as text, and the step of the last.
+struct TableRows {
+  std::int64_t last_step = -1;
+  std::string text = "";
+};
+
 class StepTable {
  public:
   /// Starts a table; with a step, goes on with the one there: rows of later steps, and one that a killed run
   /// left incomplete, are removed.
   explicit StepTable(const std::filesystem::path&, std::int64_t resumed_at = -1);
-  /// Appends rows, the last of which is of this step, unless there already is one of it. If their columns
-  /// are not those of the file (a quantity more, say), the file is renamed to series.1.csv (or .2, ...) and a
-  /// new one begun.
-  void append(std::int64_t step, const std::string& columns, const std::string& rows);
+  /// Appends rows, unless the last one is of the same step. If their columns are not those of the file (a
+  /// quantity more, say), the file is renamed to series.1.csv (or .2, ...) and a new one begun.
+  void append(const std::string& columns, const TableRows&);
 
  private:
   std::filesystem::path path_;

@@ -149,10 +149,6 @@ double cells_of(const FieldsSpec& fields) {
   return cells;
 }
 
-int numbers_of(Field field) {
-  return field == Field::velocity || field == Field::vorticity ? 3 : 1;
-}
-
 double bytes_of_fields(const FieldsSpec& fields) {
   double of_a_cell = 0;
   for (const Field field : fields.quantities)
@@ -334,6 +330,11 @@ double disk_needed(const Case& setup, std::uint64_t bodies, double share) {
   bytes += times(output.bodies, setup.steps, true) * n * row;
   for (const ColumnsSpec& series : output.series)
     bytes += times(series, setup.steps, true) * file_field_of_a_row * double(series.columns.size() + 2);
+  for (const ProbesSpec& probes : output.probes) {
+    int numbers = 6;
+    for (const Field field : probes.quantities) numbers += numbers_of(field);
+    bytes += times(probes, setup.steps, true) * double(probes.points.size()) * file_field_of_a_row * numbers;
+  }
   const double kept = std::min<double>(times(output.checkpoint, setup.steps, false), output.keep_checkpoints);
   return bytes + kept * (share * fluid_memory(setup) + n * checkpoint_of_a_body);
 }

@@ -42,8 +42,11 @@ void RunOutputs::start() {
     if (output.report.every > 0) reports_.emplace(folder_ / "series.csv", resumed_at);
     for (const ColumnsSpec& series : output.series)
       series_.emplace_back(folder_ / (series.name + ".csv"), resumed_at);
+    for (const ProbesSpec& probes : output.probes)
+      probe_tables_.emplace_back(folder_ / (probes.name + ".csv"), resumed_at);
     if (setup().bodies_leave()) departures_.emplace(folder_, resumed_at, setup().units);
   });
+  for (const ProbesSpec& probes : output.probes) probes_.emplace_back(probes);
   if (run_.resumed) return;
   run_.quantities->observe(simulation_);
   if (simulation_.scene().flow) simulation_.look_at_flow();
@@ -52,6 +55,8 @@ void RunOutputs::start() {
 }
 
 void RunOutputs::write_bodies_and_fields() {
+  for (std::size_t p = 0; p < probes_.size(); ++p)
+    if (simulation_.steps_done() % setup().output.probes[p].every == 0) probes_[p].look(simulation_);
   if (bodies_ && due(setup().output.bodies)) bodies_->append(simulation_);
   for (const FieldsSpec* fields : fields_due()) write_flow_fields(simulation_, *fields, folder_, provenance_);
 }
@@ -64,8 +69,8 @@ void RunOutputs::write_due() {
   if (ended || fields || save || report || (bodies_ && due(output.bodies))) simulation_.settle();
   if (simulation_.scene().flow && (looks || fields)) simulation_.look_at_flow();
   if (looks) log_departures();
-  write_rows(false);
   write_bodies_and_fields();
+  if (looks) write_rows();
   // Before the checkpoint that stands for them: a run that is killed in between goes on from the one before.
   if (ended && save)
     write_report(run_.reason_of_end(), run_.text_of_end(), true);
@@ -83,32 +88,26 @@ void RunOutputs::log_departures() {
     progress_.log(fmt::format("step {}: {}", simulation_.steps_done(), departures_text(left)));
 }
 
-/// What has become known of series, or all that there is, goes to their files.
-void RunOutputs::write_rows(bool all) {
-  if (all) run_.quantities->settle(simulation_);
-  const std::vector<SeriesRow> rows = run_.quantities->take_rows();
-  if (rows.empty()) return;
+/// The rows of series and probes up to now go to their files.
+void RunOutputs::write_rows() {
+  const OutputSpec& output = setup().output;
+  if (output.series.empty() && output.probes.empty()) return;
+  run_.quantities->settle(simulation_);
+  const std::vector<TableRows> of_series = run_.quantities->take_rows();
+  std::vector<TableRows> of_probes;
+  for (Probes& probes : probes_) of_probes.push_back(probes.take_rows(setup()));
   parallel::on_rank_0(simulation_.scene().comm, [&] {
-    for (std::size_t s = 0; s < series_.size(); ++s) {
-      std::string columns = "step,time", text;
-      for (const std::string& name : setup().output.series[s].columns) columns += ',' + csv_field(name);
-      std::int64_t step = -1;
-      for (const SeriesRow& row : rows) {
-        if (row.series != s) continue;
-        step = row.step;
-        text += fmt::format("{},{}", step, static_cast<double>(step) * setup().units.time_step);
-        for (const double value : row.values) text += ',' + csv_number(value);
-        text += '\n';
-      }
-      if (step >= 0) series_[s].append(step, columns, text);
-    }
+    for (std::size_t s = 0; s < series_.size(); ++s)
+      series_[s].append(Quantities::columns(output.series[s]), of_series[s]);
+    for (std::size_t p = 0; p < probe_tables_.size(); ++p)
+      probe_tables_[p].append(probes_[p].columns(), of_probes[p]);
   });
 }
 
 void RunOutputs::write_checkpoint() {
   simulation_.settle();
   log_departures();
-  write_rows(true);
+  write_rows();
   last_checkpoint_ =
       coupler::write_checkpoint(simulation_, *run_.quantities, folder_, provenance_, run_.steady).string();
   progress_.log(fmt::format("step {}: wrote {}", simulation_.steps_done(), last_checkpoint_));
@@ -116,7 +115,7 @@ void RunOutputs::write_checkpoint() {
 
 std::filesystem::path RunOutputs::write_stopped_state() {
   log_departures();
-  write_rows(true);
+  write_rows();
   const auto path =
       coupler::write_checkpoint(simulation_, *run_.quantities, folder_, provenance_, run_.steady, "stopped");
   if (simulation_.scene().flow) write_flow_fields(simulation_, setup().output.fields, folder_, provenance_);
@@ -132,7 +131,7 @@ std::string RunOutputs::last_checkpoint_text() const {
 }
 
 void RunOutputs::write_report(const std::string& reason, const std::string& text, bool sound) {
-  write_rows(true);
+  write_rows();
   const auto path = folder_ / "report.json";
   parallel::naming(path.string(), [&] {
     const bool at_end = run_.has_ended() || reason != "running";

@@ -1,7 +1,10 @@
 #pragma once
 // The files that a run writes: fields, bodies, departures, series, report.json and series.csv, checkpoints.
+#include <deque>
+
 #include "coupler/case/output_spec.hpp"
 #include "coupler/results/body_output.hpp"
+#include "coupler/results/probes.hpp"
 #include "coupler/results/run_tables.hpp"
 #include "coupler/run/prepare_run.hpp"
 #include "coupler/run/progress.hpp"
@@ -35,7 +38,7 @@ class RunOutputs {
   bool due(const SeriesSpec&) const;
   void write_bodies_and_fields();
   void log_departures();
-  void write_rows(bool all);
+  void write_rows();
 
   PreparedRun& run_;
   Simulation& simulation_;
@@ -47,6 +50,8 @@ class RunOutputs {
   std::optional<DepartureLog> departures_;  // on rank 0, where bodies may leave
   std::optional<StepTable> reports_;        // on rank 0, where the case asks for reports
   std::vector<StepTable> series_;           // on rank 0: of [[output.series]]
+  std::deque<Probes> probes_;
+  std::vector<StepTable> probe_tables_;  // on rank 0
   std::string last_checkpoint_;
   double reported_ = -1;  // seconds from the start to the last report.json, on rank 0
 };

@@ -5,6 +5,7 @@
     run.report["quantities"]                             # report.json as a dictionary
     run.series["energy.fluid"]                           # a column of series.csv, as an array
     run.table("forces")["drag"]                          # one of series_forces.csv ([[output.series]])
+    run.probes("axis").of("velocity.x")[-1]              # along a line at the last time ([[output.probes]])
     run.bodies.at(-1)["position"]                        # bodies.h5: silt_results.BodySeries
     run.fields[-1]["velocity"]                           # a field of the fluid at the last time, [x, y, z, 3]
     run.scene.walls                                      # the case as it was run: silt_results.Scene
@@ -18,10 +19,10 @@ import pathlib
 
 from .body_series import COLUMNS, BodySeries, text
 from .field import Field
-from .scalars import Scalars
+from .scalars import Probes, Scalars
 from .scene import Scene
 
-__all__ = ["COLUMNS", "BodySeries", "Field", "Run", "Scalars", "Scene", "open", "text"]
+__all__ = ["COLUMNS", "BodySeries", "Field", "Probes", "Run", "Scalars", "Scene", "open", "text"]
 
 
 class Run:
@@ -61,6 +62,10 @@ class Run:
     def table(self, name):
         """series_NAME.csv: Scalars."""
         return Scalars(self.file(f"series_{name}.csv", f'[[output.series]] of the name "{name}"'))
+
+    def probes(self, name):
+        """probes_NAME.csv: Probes."""
+        return Probes(self.file(f"probes_{name}.csv", f'[[output.probes]] of the name "{name}"'))
 
     @functools.cached_property
     def bodies(self):

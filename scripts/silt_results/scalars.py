@@ -27,3 +27,20 @@ class Scalars:
         if name not in self.columns:
             raise KeyError(f"{name}; there are {', '.join(self.names)}")
         return self.columns[name]
+
+
+class Probes(Scalars):
+    """probes_NAME.csv, fields of the fluid at points over time ([[output.probes]]):
+
+    probes = Probes("out/probes_axis.csv")
+    probes.time                                 of each look
+    probes.of("velocity.x")                     an array [look, point]; NaN where there is no fluid
+    probes.of("z")[0]                           where the points are
+    """
+    @property
+    def time(self):
+        return self["time"][self["point"] == 0]
+
+    def of(self, name):
+        points = int(self["point"].max()) + 1
+        return self[name][:len(self) // points * points].reshape(-1, points)

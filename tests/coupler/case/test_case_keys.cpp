@@ -131,6 +131,7 @@ zzz = 1
 fields = { zzz = 1 }
 slices = [{ axis = "x", zzz = 1 }]
 series = [{ zzz = 1 }]
+probes = [{ line = [], zzz = 1 }]
 bodies = { zzz = 1 }
 checkpoint = { zzz = 1 }
 report = { zzz = 1 }

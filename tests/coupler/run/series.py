@@ -1,12 +1,12 @@
 #!/usr/bin/python3
-"""series.py SILT: the columns of [[output.series]] against mechanics, the same file on any ranks and across a restart."""
+"""series.py SILT: [[output.series]] and [[output.probes]] against mechanics, the same files on any ranks and across a restart."""
 import math
 import pathlib
 import sys
 import unittest
 
 import numpy as np
-from silt_test import CHANNEL, SiltTest
+from silt_test import CASE, CHANNEL, SiltTest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[3] / "scripts"))
 
@@ -206,6 +206,112 @@ class Series(SiltTest):
             (self.out / f"checkpoint_{step:012}.h5").unlink()
         self.silt("resume", self.case)
         self.assertEqual(self.files(), whole)
+
+
+# A fluid sheared between walls that slide against each other, with wide cells in the middle.
+COUETTE = """
+[units]
+system = "lattice"
+[domain]
+size = [16, 16, 48]
+boundary = { x = "periodic", y = "periodic", z = [{ type = "moving", velocity = [-0.024, 0, 0] }, { type = "moving", velocity = [0.024, 0, 0] }] }
+[coarsening]
+levels = 1
+distance = 8
+fine_sides = ["z-low", "z-high"]
+[fluid]
+relaxation_time = 2
+precision = "double"
+[run]
+steps = 4000
+[[output.probes]]
+name = "across"
+line = [[0, 3.1, 0.5], [16, 12.9, 47.5]]
+count = 40
+every = 100
+quantities = ["velocity", "shear-rate"]
+"""
+
+
+def probes(name, lines):
+    return f'[[output.probes]]\nname = "{name}"\n{lines}\n'
+
+
+def trilinear(field, name, points):
+    """Of the file's image, by the weights of those of eight cells that are fluid; periodic along x and y."""
+    values, solid = field[name], field["solid"] != 0
+    found = []
+    for x in points:
+        low = np.floor(x - 0.5).astype(int)
+        weights = total = 0
+        for corner in np.ndindex(2, 2, 2):
+            cell = low + corner
+            if not 0 <= cell[2] < solid.shape[2]:
+                continue
+            cell = tuple(cell % solid.shape)
+            weight = 0 if solid[cell] else np.prod(1 - np.abs(x - 0.5 - low - corner))
+            weights, total = weights + weight, total + weight * values[cell]
+        found.append(total / weights if weights > 0 else total * np.nan)
+    return np.array(found)
+
+
+class Probes(SiltTest):
+    QUANTITIES = 'quantities = ["velocity", "density", "pressure", "shear-rate"]'
+
+    def test_against_the_fields(self):
+        """Everywhere, beside bodies, in them and across periodic sides."""
+        points = np.random.default_rng(5).uniform(0, [24, 16, 16], (60, 3))
+        points[:3] = [0, 0, 0], [24, 16, 16], [6, 8, 8]
+        text = CASE.replace("fields = { every = 20 }", f'fields = {{ every = 20, precision = "double", {self.QUANTITIES} }}')
+        self.write(text + probes("cloud", f"points = {points.tolist()}\nevery = 20\n{self.QUANTITIES}"))
+        self.silt("run", self.case)
+        run = silt_results.open(self.case)
+        cloud = run.probes("cloud")
+        self.assertEqual(list(cloud.time), [0, 20, 40, 60])
+        self.assertTrue((cloud.of("y")[2] == points[:, 1]).all())
+        for k, field in enumerate(run.fields):
+            u = trilinear(field, "velocity", points)
+            for d, axis in enumerate("xyz"):
+                np.testing.assert_allclose(cloud.of(f"velocity.{axis}")[k], u[:, d], rtol=0, atol=1e-12)
+            for name in ("density", "pressure", "shear-rate"):
+                np.testing.assert_allclose(cloud.of(name)[k], trilinear(field, name, points), rtol=0, atol=1e-12)
+        self.assertTrue(np.isnan(cloud.of("density")[:2, 2]).all())  # in a ball
+        self.assertGreater(np.nanmax(np.abs(cloud.of("velocity.z")[3])), 1e-4)
+        whole = (self.out / "probes_cloud.csv").read_bytes()
+        for ranks in (2, 4, 8):
+            self.silt("run", self.case, "--overwrite", ranks=ranks)
+            self.assertEqual((self.out / "probes_cloud.csv").read_bytes(), whole, ranks)
+        for step in (50, 60):
+            (self.out / f"checkpoint_{step:012}.h5").unlink()
+        self.silt("resume", self.case)
+        self.assertEqual((self.out / "probes_cloud.csv").read_bytes(), whole)
+
+    def test_the_parabola(self):
+        """At the middles of the cells exact, between them linear."""
+        self.write(CHANNEL.replace("steps = 10000\nsteady = { quantity = \"energy\", change = 1e-3, every = 100 }", "steps = 3000")
+                   + probes("across", f"line = [[3, 4, 0.5], [3, 4, 11.5]]\ncount = 34\nevery = 3000\n{self.QUANTITIES}"))
+        self.silt("run", self.case)
+        across = silt_results.open(self.case).probes("across")
+        z, middles, force, viscosity = across.of("z")[1], np.arange(12) + 0.5, 1e-6, 0.1
+        u = force / (2 * viscosity) * middles * (12 - middles)
+        np.testing.assert_allclose(across.of("velocity.x")[1], np.interp(z, middles, u), rtol=1e-6)
+        shear = force / viscosity * np.abs(6 - middles)
+        np.testing.assert_allclose(across.of("shear-rate")[1], np.interp(z, middles, shear), rtol=1e-6)
+        np.testing.assert_allclose(across.of("density")[1], 1, atol=1e-12)
+
+    def test_on_cells_of_two_widths(self):
+        self.write(COUETTE)
+        self.silt("run", self.case)
+        across = silt_results.open(self.case).probes("across")
+        z = across.of("z")[-1]  # linear within a level, of cells of width 2 from 8 to 40
+        z = np.where(z < 8, np.minimum(z, 7.5), np.where(z < 40, np.clip(z, 9, 39), np.maximum(z, 40.5)))
+        np.testing.assert_allclose(across.of("velocity.x")[-1], (z - 24) * 1e-3, atol=2e-5)
+        np.testing.assert_allclose(across.of("shear-rate")[-1], 1e-3, rtol=0.02)
+        whole = (self.out / "probes_across.csv").read_bytes()
+        for ranks in (2, 4, 8):
+            self.silt("run", self.case, "--overwrite", "--steps", 100, ranks=ranks)
+            lines = (self.out / "probes_across.csv").read_bytes()
+            self.assertTrue(whole.startswith(lines) and lines.count(b"\n") == 81, ranks)
 
 
 if __name__ == "__main__":
