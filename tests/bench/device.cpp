@@ -8,8 +8,9 @@
 #include <cstring>
 #include <string>
 
+#include "cpu/isa.hpp"
 #include "device/device.hpp"
-#include "tests/bench/main.hpp"
+#include "tests/bench/figures.hpp"
 #include "tests/bench/periodic_box.hpp"
 #include "tests/bench/spread.hpp"
 
@@ -111,6 +112,15 @@ void run(const Options& o) {
 }  // namespace
 }  // namespace silt::bench
 
+/// Without the coupler's start of MPI, which would take all libraries of a run along.
 int main(int argc, char** argv) {
-  return silt::bench::main_of(argc, argv, silt::bench::run);
+  MPI_Init(&argc, &argv);
+  silt::flush_denormals_to_zero();
+  try {
+    silt::bench::run(silt::bench::options_of(argc, argv));
+  } catch (const std::exception& e) {
+    fprintf(stderr, "%s\n", e.what());
+    MPI_Abort(MPI_COMM_WORLD, 2);
+  }
+  MPI_Finalize();
 }
