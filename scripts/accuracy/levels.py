@@ -31,7 +31,7 @@ GOALS = [*(Goal(f"accuracy.levels.d{D}.{name_of(1, 0.75)}.difference", 0.1) for 
 SHORT_GOALS = [Goal(f"accuracy.levels.d6.{name_of(2, 1)}.error", 1.0)]
 
 
-def run_of(D, levels, distance):
+def run_of(D, levels, distance, place=POSITION):
     edge, stride = 10 * D, 2**levels
     steps = math.ceil(SETTLED * edge**2 / VISCOSITY / 8) * 8
     speed = array.REYNOLDS * VISCOSITY / D
@@ -41,7 +41,7 @@ def run_of(D, levels, distance):
         coarsening=dict(levels=levels, distance=float(distance * D)) if levels else {},
         fluid=dict(relaxation_time=RELAXATION_TIME, body_force=[array.drive(FRACTION, edge, D, VISCOSITY, speed), 0, 0],
                    initial=dict(type="uniform", velocity=[speed, 0, 0])),
-        shapes=[sphere(D)], bodies=[dict(shape="sphere", density=1, motion="fixed", position=[edge // 2 + o for o in POSITION])],
+        shapes=[sphere(D)], bodies=[dict(shape="sphere", density=1, motion="fixed", position=[edge // 2 + o for o in place])],
         run=dict(steps=steps), output=dict(report=dict(every=every)),
         quantities=[dict(name="K", type="drag-coefficient", axis="x")])
     return Run(f"d{D}.{name_of(levels, distance)}", text, dict(D=D, method=name_of(levels, distance)))
