@@ -81,6 +81,7 @@ Scene::Scene(Case given, MPI_Comm communicator, const SavedBodies* saved, const 
       domain(make_domain(setup, ranks)) {
   rank = parallel::rank_of(comm);
   const auto shapes = centred_shapes(setup);
+  bodies.locked_of_kind = setup.kind_locks;
   world = make_world(setup, shapes);
   if (saved)
     take_saved_bodies(*saved);

@@ -47,6 +47,11 @@ Quat rotated_freely(const Quat& q, const Mat3& inverse_inertia_B, const Vec3& mo
 void drift_free(BodySet& b, std::size_t row, double h) {
   b.position[row] += h * b.velocity[row];
   const Vec3& momentum = b.angular_momentum[row];
+  if (b.locked(row) & locked_rotations) {
+    b.angular_velocity[row] = b.inverse_inertia_W(row) * momentum;
+    b.orientation[row] = (rotation_by(h * b.angular_velocity[row]) * b.orientation[row]).normalized();
+    return;
+  }
   if (momentum.squaredNorm() == 0) {
     b.angular_velocity[row].setZero();
     return;

@@ -123,7 +123,8 @@ void RigidStep::kick_before_contacts(BodySet& bodies, double dt) {
     for (auto* load : {&of.load, &of.angular_load}) load->assign(bodies.size(), Vec3::Zero());
   if (!world_.gravity.isZero(0))
     for (std::size_t row = 0; row < bodies.owned; ++row)
-      if (bodies.is_awake(row)) bodies.velocity[row] += (dt * bodies.weight_in_fluid[row]) * world_.gravity;
+      if (bodies.is_awake(row))
+        bodies.velocity[row] += bodies.unlocked(row, (dt * bodies.weight_in_fluid[row]) * world_.gravity);
   forced_ = any(bodies.force) || any(bodies.torque);
   if (forced_)
     for (std::size_t row = 0; row < bodies.owned; ++row)
@@ -134,9 +135,10 @@ void RigidStep::kick_before_contacts(BodySet& bodies, double dt) {
 /// Force and torque of one body over dt.
 void RigidStep::kick(BodySet& bodies, std::size_t row, double dt) const {
   if (!bodies.force[row].is_zero())
-    bodies.velocity[row] += (dt / bodies.mass[row]) * bodies.force[row].value();
+    bodies.velocity[row] += bodies.unlocked(row, (dt / bodies.mass[row]) * bodies.force[row].value());
   if (bodies.torque[row].is_zero()) return;
-  const Vec3 torque = bodies.torque[row].value();
+  const LockedAxes about = bodies.locked(row) >> 3;
+  const Vec3 torque = without_locked(about, bodies.torque[row].value());
   bodies.angular_momentum[row] += dt * torque;
   bodies.angular_velocity[row] += dt * (bodies.inverse_inertia_W(row) * torque);
 }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 
 #include "coupler/case/case_sections.hpp"
 #include "coupler/case/fill_sizes.hpp"
@@ -34,6 +35,8 @@ constexpr std::tuple body_keys{
             "of mass"},
     Key{"motion", &BodySpec::motion, Choice{motion_names},
         "whether a body moves by the forces on it, not at all, or keeps its velocity"},
+    HandKey{"locked", "list of axes", "", "none",
+            "of free bodies: axes along or about which nothing moves them, as in [\"x\", \"rotation y\"]"},
     Key{"velocity", &EntrySpec::velocity, Vector{dimension::velocity},
         "velocity at the start; not of a fixed body"},
     Key{"angular_velocity", &BodySpec::angular_velocity, Vector{dimension::angular_velocity},
@@ -141,13 +144,51 @@ Vec3 read_origin(TableReader& table, int shape, const Case& setup) {
   return centre || setup.shapes.empty() ? Vec3(Vec3::Zero()) : setup.shape_origins[shape];
 }
 
+/// The axes that a list names.
+rigid::LockedAxes read_axes(TableReader& table, const char* key) {
+  static const std::vector<std::string> axes{"x", "y", "z", "rotation x", "rotation y", "rotation z"};
+  const Node* given = table.find(key);
+  if (!given) return 0;
+  const auto names = given->strings();
+  if (!names) table.refuse(key, "a list out of " + joined(axes));
+  rigid::LockedAxes locked = 0;
+  for (const std::string& name : names.value_or(std::vector<std::string>{}))
+    if (const int axis = index_of(table, key, name, axes, "axis"); axis >= 0)
+      locked = static_cast<rigid::LockedAxes>(locked | 1 << axis);
+  return locked;
+}
+
+/// What a free body is locked along and about: all of a kind alike.
+void read_locked(TableReader& table, BodySpec& body, const Case& setup,
+                 std::map<int, rigid::LockedAxes>& locks_of_kinds) {
+  body.locked = read_axes(table, "locked");
+  const auto unfit = [&](const std::string& what, const char* cure) {
+    table.fail("locked", "{}: {}; {}", table.path("locked"), what, cure);
+  };
+  if (locks_of_kinds.try_emplace(body.kind, body.locked).first->second != body.locked)
+    unfit("another entry of the name '" + setup.kind_names[body.kind] + "' is locked otherwise",
+          "give them different names");
+  if (!body.locked) return;
+  if (body.motion != rigid::Motion::free) unfit("the body is not free", "remove the key, or motion");
+  if (setup.contacts.sleep_speed)
+    unfit("bodies may sleep, to which no one says what holds an axis", "remove contacts.sleep_speed");
+  if (const ContactSpec& c = setup.contacts; c.resolver_settings.impact_sweeps > 0 || c.resolver != "sffd")
+    unfit("the contact resolver is not sffd without an impact phase, which alone knows locked axes",
+          "set contacts.resolver = \"sffd\" and contacts.impact_sweeps = 0");
+  for (int d = 0; d < 3; ++d)
+    if (body.locked & rigid::locked_about(d) && body.angular_velocity[d] != 0)
+      unfit("angular_velocity turns the body about a locked axis", "make that component 0");
+}
+
 void read_given_bodies(TableReader& root, Case& setup) {
   int entry = 0;
+  std::map<int, rigid::LockedAxes> locks;  // of kinds
   for (TableReader& table : root.tables("bodies")) {
     BodySpec body;
     body.entry = entry++;
     read_entry(table, body, setup);
     read_keys(table, body, body_keys);
+    read_locked(table, body, setup, locks);
     body.pose.orientation = read_orientation(table);
     body.origin = read_origin(table, body.shape, setup);
     for (const char* key : {"velocity", "angular_velocity"})
@@ -164,6 +205,8 @@ void read_given_bodies(TableReader& root, Case& setup) {
       setup.bodies.push_back(body);
     }
   }
+  for (const auto& [kind, locked] : locks)
+    if (locked) setup.kind_locks.resize(setup.kind_names.size()), setup.kind_locks[kind] = locked;
 }
 
 /// Refuses what does not go together.
@@ -202,8 +245,13 @@ void read_bodies(TableReader& root, Case& setup) {
     read_entry(table, fill, setup);
     read_keys(table, fill, fill_keys);
     judge_fill(table, fill);
+    if (static_cast<std::size_t>(fill.kind) < setup.kind_locks.size() && setup.kind_locks[fill.kind])
+      table.fail("name",
+                 "{}: bodies of the name '{}' are locked, those of a fill are not; give them another name",
+                 table.path(), setup.kind_names[fill.kind]);
     sizes.push_back(read_fill_sizes(table));
   }
+  if (!setup.kind_locks.empty()) setup.kind_locks.resize(setup.kind_names.size());
   // after all that name a shape: those of sizes have the names of others
   set_fill_sizes(setup, sizes);
   for (TableReader& table : root.tables("outflow"))

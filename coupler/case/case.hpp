@@ -47,6 +47,7 @@ struct BodySpec : EntrySpec {
   int entry = -1;           // which [[bodies]] entry gave it; -1: a [[fill]]
   std::uint64_t point = 0;  // of a file of positions, from 1 on; 0: the case says where it is
   rigid::Motion motion = rigid::Motion::free;
+  rigid::LockedAxes locked = 0;
   rigid::Pose pose;   // of the centre of mass
   bool unit = false;  // the orientation is of length 1 as it stands, to the last bit: as a file has it
   rigid::Vec3 origin = rigid::Vec3::Zero();  // the point that a position of the case places, from the centre
@@ -192,6 +193,7 @@ struct Case {
   // one name make one kind, and have one shape
   std::vector<std::string> kind_names;
   std::vector<int> kind_shapes;
+  std::vector<rigid::LockedAxes> kind_locks;  // of the bodies of a kind; empty: none has any
 
   std::int64_t steps = 0;
   std::optional<SteadySpec> steady;

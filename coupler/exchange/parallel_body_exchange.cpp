@@ -42,6 +42,7 @@ rigid::BodySet made_anew(std::vector<OwnedBody>& own, const rigid::BodySet& befo
   bodies.resize(own.size() + before.walls);
   bodies.owned = own.size();
   bodies.walls = before.walls;
+  bodies.locked_of_kind = before.locked_of_kind;
   std::size_t row = 0;
   for (OwnedBody& body : own) {
     bodies.assign(row, body.record);

@@ -50,6 +50,9 @@ Mat6 mass_matrix(const rigid::BodySet& bodies, std::size_t row) {
     inertia = r * inertia * r.transpose();
   }
   m.bottomRightCorner<3, 3>() = inertia;
+  constexpr double as_good_as_infinite = 1e30;
+  for (int i = 0; i < 6; ++i)
+    if (bodies.locked(row) >> i & 1) m(i, i) *= as_good_as_infinite;
   return m;
 }
 

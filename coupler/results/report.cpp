@@ -106,7 +106,7 @@ bool keeps_momentum(const Scene& scene) {
   for (int d = 0; d < 3; ++d)
     if (!c.periodic(d)) return false;
   return std::all_of(c.bodies.begin(), c.bodies.end(),
-                     [](const BodySpec& b) { return b.motion == rigid::Motion::free; });
+                     [](const BodySpec& b) { return b.motion == rigid::Motion::free && !b.locked; });
 }
 
 /// Shapes that have flat faces or edges, and so no lubrication anywhere on them.

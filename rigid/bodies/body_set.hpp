@@ -23,6 +23,24 @@ enum class Motion : std::uint8_t {
   prescribed,  // moves with its constant velocity and angular velocity, infinite mass
 };
 
+/// Axes of the world along which, or about which, nothing moves a free body: bits 0 to 2 of x, y and z, bits
+/// 3 to 5 of rotation about them. Along the former its velocity stays, about the latter it does not turn.
+using LockedAxes = std::uint8_t;
+inline constexpr LockedAxes locked_along(int axis) {
+  return static_cast<LockedAxes>(1 << axis);
+}
+inline constexpr LockedAxes locked_about(int axis) {
+  return static_cast<LockedAxes>(8 << axis);
+}
+inline constexpr LockedAxes locked_rotations = 7 << 3;
+
+/// What is left of a change of velocity.
+inline Vec3 without_locked(LockedAxes locked, Vec3 change) {
+  for (int d = 0; d < 3; ++d)
+    if (locked & locked_along(d)) change[d] = 0;
+  return change;
+}
+
 /// Of a free body (rigid/sleep.hpp); all others, and all where there is no sleeping, are awake.
 enum class Wakefulness : std::uint8_t {
   awake,
@@ -141,6 +159,8 @@ struct BodyMasses {
 struct BodySet : BodyIdentities, BodyMotions, BodyMasses {
   std::size_t owned = 0, copies = 0, visitors = 0, walls = 0;
 
+  std::vector<LockedAxes> locked_of_kind;  // of the bodies of each kind; empty: none has any
+
   // what acts on it this step, besides gravity; any holder may add
   std::vector<FixedVec3> force, torque;  // W, about the centre of mass
   std::vector<Rest> rest;
@@ -183,8 +203,16 @@ struct BodySet : BodyIdentities, BodyMotions, BodyMasses {
   /// Row of a body this rank holds in any role, or size() if none.
   std::size_t row_of(BodyId) const;
 
-  Mat3 inverse_inertia_W(std::size_t row) const;  // zero unless free
-  bool is_isotropic(std::size_t row) const;       // the same moment of inertia about every axis
+  LockedAxes locked(std::size_t row) const {
+    return locked_of_kind.empty() ? LockedAxes{0} : locked_of_kind[kind[row]];
+  }
+  /// What is left of a change of a body's velocity where axes are locked.
+  Vec3 unlocked(std::size_t row, const Vec3& change) const {
+    return locked(row) == 0 ? change : without_locked(locked(row), change);
+  }
+  /// Zero unless free, and about locked axes.
+  Mat3 inverse_inertia_W(std::size_t row) const;
+  bool is_isotropic(std::size_t row) const;  // the same moment of inertia about every axis
   /// Mass of the fluid that the body displaces.
   double displaced_mass(std::size_t row) const { return mass[row] * (1 - weight_in_fluid[row]); }
   double inverse_mass(std::size_t row) const { return is_free(row) ? 1.0 / mass[row] : 0.0; }

@@ -98,7 +98,7 @@ struct alignas(64) LubricatedGroup : CentralGroup {
 /// centre.
 struct alignas(64) BlockGroup : PairGroup {
   Real8 offset[3];                                   // from b's centre to a's
-  Real8 inverse_mass;                                // of both together
+  Real8 inverse_mass[3];                             // of both together, along each axis
   Real8 inverse_inertia_a[6], inverse_inertia_b[6];  // xx, yy, zz, xy, xz, yz
   Real8 inverse_arm;                                 // of the furthest contact from a's centre
   Real8 inverse_mobility[21];    // of the relative motion (packed(i, j)), times `softness`; by prepare_blocks

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "rigid/response/cohesion.hpp"
+#include "rigid/response/pair_compliance.hpp"
 
 namespace silt::rigid {
 
@@ -27,6 +28,7 @@ constexpr double on_axis = 1e-12;  // sine between a contact's arm and its norma
 
 bool is_central(const PairToSolve& p) {
   if (p.contacts.size() != 1 || !p.a.isotropic || !p.b.isotropic) return false;
+  if (p.a.locked || p.b.locked) return false;
   const Contact& c = p.contacts[0];
   if (p.rolling && c.lubrication) return false;
   const auto along = [&](const Vec3& r, const BodyMass& m) {
@@ -50,28 +52,6 @@ void set_symmetric(Real8* lanes, int l, const Mat3& m) {
   lanes[3][l] = m(0, 1);
   lanes[4][l] = m(0, 2);
   lanes[5][l] = m(1, 2);
-}
-
-/// [r]x m [r]x, without the products by zero.
-Mat3 crossed_on_both_sides(const Vec3& r, const Mat3& m) {
-  Mat3 crossed, both;
-  for (int column = 0; column < 3; ++column) crossed.col(column) = r.cross(m.col(column));
-  for (int row = 0; row < 3; ++row) both.row(row) = crossed.row(row).cross(r.transpose());
-  return both;
-}
-
-/// Relative velocity at the contact by a unit impulse there.
-Mat3 compliance(const PairToSolve& p, const Contact& c) {
-  return (p.share_a * p.a.inverse_mass + p.share_b * p.b.inverse_mass) * Mat3::Identity() -
-         crossed_on_both_sides(c.r_a, p.share_a * p.a.inverse_inertia) -
-         crossed_on_both_sides(c.r_b, p.share_b * p.b.inverse_inertia);
-}
-
-/// The larger eigenvalue of k between directions across n, k n being k_n.
-double tangential_eigenvalue(const Mat3& k, const Vec3& n, const Vec3& k_n) {
-  const double normal = n.dot(k_n), sum = k.trace() - normal;
-  const double squares = k.squaredNorm() - 2 * k_n.squaredNorm() + normal * normal;
-  return 0.5 * (sum + std::sqrt(std::max(0.0, 2 * squares - sum * sum)));
 }
 
 bool has_lubrication(const PairToSolve& p) {
@@ -112,8 +92,8 @@ void set_contact(LaneContact& lanes, int l, const PairToSolve& p, std::size_t k,
   set(lanes.last_tangential, l, p.impulses[k].tangential);
   lanes.target[l] = p.targets[k];
   lanes.friction[l] = c.friction;
-  lanes.inverse_k_n[l] = 1 / k_n;
-  lanes.inverse_k_t[l] = 1 / k_t;
+  lanes.inverse_k_n[l] = inverse(k_n);
+  lanes.inverse_k_t[l] = inverse(k_t);
 }
 
 /// Returns the compliances of normal and tangential motion.
@@ -128,16 +108,6 @@ std::array<double, 2> set_central(CentralGroup& g, int l, const PairToSolve& p) 
   g.arm_a[l] = arm_a;
   g.arm_b[l] = arm_b;
   return {k_n, k_t};
-}
-
-/// Share of a velocity of compliance k that a resistance takes away; impulse z per velocity.
-double damped(double z, double k) {
-  return z * k / (1 + z * k);
-}
-
-/// The inverse of the compliance of a motion; of one that nothing moves 0.
-double inverse(double k) {
-  return k > 0 ? 1 / k : 0;
 }
 
 /// No friction resists a position correction.
@@ -167,7 +137,7 @@ void dry(LubricatedGroup& g, int l) {
 void set_lubrication(BlockLubrication& lanes, int l, const PairToSolve& p, std::size_t k,
                      const BlockContact& contact) {
   const LubricationResistance& resistance = p.contacts[k].lubrication;
-  const double k_n = 1 / contact.inverse_k_n[l], k_t = 1 / contact.inverse_k_t[l];
+  const double k_n = inverse(contact.inverse_k_n[l]), k_t = inverse(contact.inverse_k_t[l]);
   lanes.normal_stiffness[l] = 1 + p.dt * resistance.normal * k_n;
   lanes.normal_damped[l] = damped(p.dt * resistance.normal, k_n);
   lanes.tangential_damped[l] = damped(p.dt * resistance.sliding, k_t);
@@ -260,7 +230,8 @@ PairLanes::Place PairLanes::add_block(const PairToSolve& p) {
     BlockGroup& g = blocks_.back();
     for (int l = 0; l < lane_count; ++l) {
       g.bodies.a[l] = g.bodies.b[l] = static_cast<std::int32_t>(rows_);
-      g.least_scale[l] = g.softness[l] = g.inverse_mass[l] = 1;
+      g.least_scale[l] = g.softness[l] = 1;
+      set(g.inverse_mass, l, Vec3::Ones());
       set_symmetric(g.inverse_inertia_a, l, Mat3::Identity());
     }
     g.first = static_cast<std::uint32_t>(block_contacts_.size());
@@ -275,7 +246,7 @@ PairLanes::Place PairLanes::add_block(const PairToSolve& p) {
   const int l = open.lane++;
   const Contact& c = p.contacts[0];
   set(g.offset, l, c.r_b - c.r_a);
-  g.inverse_mass[l] = p.share_a * p.a.inverse_mass + p.share_b * p.b.inverse_mass;
+  set(g.inverse_mass, l, inverse_masses(p));
   set_symmetric(g.inverse_inertia_a, l, p.share_a * p.a.inverse_inertia);
   set_symmetric(g.inverse_inertia_b, l, p.share_b * p.b.inverse_inertia);
   set_pair(g, l, p);
@@ -288,7 +259,8 @@ PairLanes::Place PairLanes::add_block(const PairToSolve& p) {
       set_lubrication(block_lubrication_[g.first_lubrication + k], l, p, k, block_contacts_[g.first + k]);
     if (rolling) set_rolling(block_rolling_[g.first_rolling + k], l, p, k);
   }
-  g.softness[l] = soft / block_contacts_[g.first].inverse_k_n[l];
+  const double stiffness = block_contacts_[g.first].inverse_k_n[l];
+  g.softness[l] = stiffness > 0 ? soft / stiffness : soft;
   g.inverse_arm[l] = furthest > 0 ? 1 / std::sqrt(furthest) : 0;
   block_order_.push_back({open.group, static_cast<std::uint8_t>(l), Kind::block});
   return block_order_.back();

@@ -13,6 +13,7 @@ namespace silt::rigid {
 /// How a body answers an impulse. Infinite mass: zeros.
 struct BodyMass {
   double inverse_mass = 0;
+  LockedAxes locked = 0;                // along which it is infinite
   Mat3 inverse_inertia = Mat3::Zero();  // W
   bool isotropic = true;                // the same about every axis (or infinite)
   bool turns = false;                   // may have an angular velocity

@@ -64,6 +64,7 @@ void SffdResolver::involve(const BodySet& bodies, std::size_t row) {
   b.asks_for_impulses = row < bodies.owned && bodies.is_dynamic(row);
   b.inverse_mass = bodies.inverse_mass(row);
   b.inverse_inertia = bodies.inverse_inertia_W(row);
+  b.locked = free ? bodies.locked(row) : LockedAxes{0};
   b.isotropic = !free || bodies.is_isotropic(row);
   b.turns = free || bodies.angular_velocity[row] != Vec3::Zero();
   b.size = std::sqrt(bodies.inertia_B[row].trace() / (3 * bodies.mass[row]));

@@ -79,7 +79,8 @@ class SffdResolver : public ContactResolver {
   /// What the last sweep gives a body.
   [[gnu::always_inline]] Twist change_of(std::size_t row) const {
     const Body& b = bodies_[row];
-    return {b.inverse_mass * Eigen::Map<const Vec3>(sums_[row].impulse),
+    const Vec3 v = b.inverse_mass * Eigen::Map<const Vec3>(sums_[row].impulse);
+    return {b.locked ? without_locked(b.locked, v) : v,
             b.inverse_inertia * Eigen::Map<const Vec3>(sums_[row].angular)};
   }
   void take_sum(BodyState&, std::size_t row, double number) const;

@@ -34,7 +34,7 @@ struct PairMotion {
     const Vector d = load(g.offset);
     const Vector turn_b = times(g.inverse_inertia_b, about_a + cross(d, p));
     omega += turn_b + times(g.inverse_inertia_a, about_a);
-    u += p * g.inverse_mass + cross(turn_b, d);
+    u += Vector{p.x * g.inverse_mass[0], p.y * g.inverse_mass[1], p.z * g.inverse_mass[2]} + cross(turn_b, d);
     impulse += p;
     angular += about_a;
   }
@@ -93,7 +93,7 @@ inline void set_inverse_mobility(BlockGroup& g) {
   const Vector unit[3] = {{one, zero, zero}, {zero, one, zero}, {zero, zero, one}};
   for (int j = 0; j < 3; ++j) {
     Vector turn = times(g.inverse_inertia_b, cross(d, unit[j]));
-    const Vector shift = cross(turn, d) + unit[j] * g.inverse_mass;
+    const Vector shift = cross(turn, d) + unit[j] * g.inverse_mass[j];
     const Vector both = times(g.inverse_inertia_b, unit[j]) + times(g.inverse_inertia_a, unit[j]);
     const Numbers by_force[6] = {shift.x, shift.y, shift.z, turn.x, turn.y, turn.z};
     const Numbers by_moment[3] = {both.x, both.y, both.z};
