@@ -41,6 +41,7 @@ constexpr std::tuple output_keys{
     HandKey{"series", "list of tables", "", "none", "values of quantities over time, series_*.csv"},
     HandKey{"probes", "list of tables", "", "none",
             "fields of the fluid at points and on lines over time, probes_*.csv"},
+    HandKey{"mean", "table", "", "none", "means and covariances of the fluid over time, mean_*.hdf"},
     HandKey{"bodies", "table", "", "none", "series of the bodies, bodies.h5"},
     HandKey{"checkpoint", "table", "", "none", "checkpoints, checkpoint_*.h5"},
     HandKey{"report", "table", "", "none",
@@ -77,6 +78,10 @@ constexpr std::tuple probe_keys{
         "the number of steps between two looks", required},
     HandKey{"quantities", "list of fields", "", "velocity",
             "\"velocity\", \"density\", \"pressure\", \"shear-rate\""}};
+constexpr std::tuple mean_keys{Key{"from", &MeanSpec::from, Number{dimension::time, range::at_least(0)},
+                                   "time of the first sample", required},
+                               Key{"every", &MeanSpec::every, Whole{.low = 1, .unit = "steps"},
+                                   "the number of steps between two samples", required}};
 constexpr std::tuple contact_output_keys{
     Key{"contacts", &OutputSpec::body_contacts, Flag{},
         "whether contact_force and contact_torque are noted in every step and written"}};
@@ -240,6 +245,7 @@ std::vector<KeySection> output_sections() {
           section_of("output.slices", slice_keys, plane_keys, series_keys, field_keys),
           section_of("output.series", columns_keys),
           section_of("output.probes", probe_keys),
+          section_of("output.mean", mean_keys),
           section_of("output.bodies", series_keys, contact_output_keys),
           section_of("output.checkpoint", series_keys, checkpoint_keys),
           section_of("output.report", series_keys)};
@@ -258,6 +264,8 @@ void read_output(TableReader& root, Case& setup) {
   read_slices(table, setup.cells, output.slices);
   read_series(table, output.series);
   read_probes(table, output.probes);
+  if (TableReader mean = table.table("mean"); mean.present())
+    read_keys(mean, output.mean.emplace(), mean_keys);
   read_keys(bodies, output.bodies, series_keys);
   read_keys(bodies, output, contact_output_keys);
   read_keys(checkpoint, output.checkpoint, series_keys);
@@ -318,6 +326,21 @@ void check_probes(const Case& setup, Findings& findings) {
   }
 }
 
+/// Cells must stay on their ranks, and as wide as they are.
+void check_mean(const Case& setup, Findings& findings) {
+  if (!setup.output.mean) return;
+  if (setup.coarsening)
+    findings.error("output.mean",
+                   "output.mean is of cells of one width, and the case has [coarsening]; remove one of them");
+  if (setup.balance_every > 0)
+    findings.error("output.mean",
+                   "output.mean keeps cells on the ranks that have them, and run.balance moves them; remove "
+                   "one of them");
+  if (setup.output.mean->from > static_cast<double>(setup.steps))
+    findings.warning("output.mean.from",
+                     "output.mean.from is after the end of the run: there will be no sample");
+}
+
 }  // namespace
 
 void find_run_faults(const Case& setup, Findings& findings) {
@@ -329,6 +352,7 @@ void find_run_faults(const Case& setup, Findings& findings) {
   if (setup.steady) check_steady(setup, findings);
   check_series(setup, findings);
   check_probes(setup, findings);
+  check_mean(setup, findings);
   if (!setup.fluid && !setup.has_bodies())
     findings.error("", "the case has neither a [fluid] nor bodies: there is nothing to compute");
   const bool flat = std::find(setup.cells.begin(), setup.cells.end(), 1) != setup.cells.end();
@@ -338,6 +362,7 @@ void find_run_faults(const Case& setup, Findings& findings) {
                      "as that: make domain.size two cells thick");
   for (const auto& [key, asked] : {std::pair("output.slices", !setup.output.slices.empty()),
                                    std::pair("output.probes", !setup.output.probes.empty()),
+                                   std::pair("output.mean", setup.output.mean.has_value()),
                                    std::pair("output.fields", setup.output.fields.every > 0)})
     if (!setup.fluid && asked)
       findings.error(key, "{} asks for fields of the fluid, but the case has no [fluid]; remove it", key);

@@ -2,6 +2,7 @@
 // What a run writes and when: the table [output] of a case.
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -46,11 +47,18 @@ struct ProbesSpec : SeriesSpec {
   std::vector<rigid::Vec3> points;
 };
 
+/// Means of the fluid over samples in time.
+struct MeanSpec {
+  double from = 0;         // in steps
+  std::int64_t every = 1;  // steps between two samples
+};
+
 struct OutputSpec {
   FieldsSpec fields;  // of the whole domain
   std::vector<FieldsSpec> slices;
   std::vector<ColumnsSpec> series;
   std::vector<ProbesSpec> probes;
+  std::optional<MeanSpec> mean;
   SeriesSpec bodies, checkpoint, report;
   bool body_contacts = false;  // with the bodies, what their contacts do to them
   int keep_checkpoints = 2;

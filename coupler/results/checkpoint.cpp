@@ -183,11 +183,13 @@ void write_state(CheckpointWriter& writer, const Simulation& simulation, const Q
 std::filesystem::path write_checkpoint(const Simulation& simulation, const Quantities& quantities,
                                        const std::filesystem::path& folder,
                                        const adapters::Provenance& provenance,
-                                       const std::optional<SteadyWatch>& steady, const std::string& name) {
+                                       const std::optional<SteadyWatch>& steady, const std::string& name,
+                                       const FlowMean* mean) {
   const auto path = adapters::step_path(folder, name, simulation.steps_done(), ".h5");
   parallel::naming(path.string(), [&] {
     CheckpointWriter writer(simulation.scene().comm, path, provenance);
     write_state(writer, simulation, quantities, steady);
+    if (mean) mean->save(writer, simulation);
     std::vector<std::filesystem::path> before{folder / "bodies.h5", folder / "series.csv",
                                               folder / "departures.csv"};
     const OutputSpec& output = simulation.setup().output;

@@ -6,6 +6,7 @@
 
 #include "adapters/hdf5/checkpoint_file.hpp"
 #include "coupler/case/case_file.hpp"
+#include "coupler/results/flow_mean.hpp"
 #include "coupler/results/quantities.hpp"
 #include "coupler/results/steady_watch.hpp"
 #include "coupler/simulation.hpp"
@@ -19,7 +20,7 @@ namespace silt::coupler {
 std::filesystem::path write_checkpoint(const Simulation&, const Quantities&,
                                        const std::filesystem::path& folder, const adapters::Provenance&,
                                        const std::optional<SteadyWatch>& = {},
-                                       const std::string& name = "checkpoint");
+                                       const std::string& name = "checkpoint", const FlowMean* = nullptr);
 
 /// Returns what the checkpoint remembers of its case, for case_to_resume.
 CaseOrigin read_origin(const adapters::CheckpointReader&);

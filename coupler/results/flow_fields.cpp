@@ -5,7 +5,6 @@
 #include <deque>
 #include <limits>
 
-#include "adapters/hdf5/field_file.hpp"
 #include "coupler/case/case.hpp"
 #include "coupler/results/lattice_of_levels.hpp"
 #include "coupler/results/solid_cells.hpp"
@@ -299,10 +298,6 @@ FieldHere field_here(const Simulation& simulation, Field field) {
   return here;
 }
 
-namespace {
-
-/// A snapshot without quantities of a box; in a file of levels boxes count from
-/// the corner of the domain.
 adapters::FieldSnapshot snapshot_of(const Simulation& simulation, const FieldsSpec& spec, bool by_level) {
   const Units& units = simulation.setup().units;
   adapters::FieldSnapshot snapshot;
@@ -320,8 +315,6 @@ adapters::FieldSnapshot snapshot_of(const Simulation& simulation, const FieldsSp
   snapshot.time = static_cast<double>(snapshot.step) * units.time_step;
   return snapshot;
 }
-
-}  // namespace
 
 void write_flow_fields(const Simulation& simulation, const FieldsSpec& spec,
                        const std::filesystem::path& folder, const adapters::Provenance& provenance) {

@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "adapters/hdf5/result_file.hpp"
+#include "adapters/hdf5/field_file.hpp"
 #include "coupler/case/output_spec.hpp"
 #include "coupler/case/units.hpp"
 #include "coupler/simulation.hpp"
@@ -30,6 +30,10 @@ FieldHere field_here(const Simulation&, Field);
 /// Returns the density, pressure or shear rate of a fluid cell, in units of the finest lattice.
 double scalar_of(const FluidFields&, Field, const lbm::Moments&);
 Dimension dimension_of(Field);
+
+/// Returns a snapshot of the box of a part of [output], without quantities; in a file of levels boxes count
+/// from the corner of the domain.
+adapters::FieldSnapshot snapshot_of(const Simulation&, const FieldsSpec&, bool by_level);
 
 /// Writes the fields that a part of [output] asks for, in its box, in the units of the case. A solid cell has
 /// the velocity, the vorticity and the id of its body (in a wall: none), the reference density, no pressure

@@ -176,6 +176,7 @@ PreparedRun prepare_scene(const RunOptions& options, MPI_Comm comm) {
                                  [&](CaseSource& source) { return read_case(source, options.overrides); });
   require_sound_start(*setup, make_domain(*setup, parallel::ranks_of(comm)), comm);
   prepared.simulation = std::make_unique<Simulation>(std::move(*setup), comm);
+  if (prepared.simulation->setup().output.mean) prepared.mean.emplace(*prepared.simulation);
   return prepared;
 }
 
@@ -212,6 +213,10 @@ PreparedRun prepare_resume(const RunOptions& options, MPI_Comm comm, const fs::p
     prepared.steady = read_steady_watch(reader, *setup);
   });
   prepared.simulation = resumed_simulation(reader, std::move(*setup), comm);
+  if (prepared.simulation->setup().output.mean) {
+    prepared.mean.emplace(*prepared.simulation);
+    prepared.mean->restore(reader, *prepared.simulation);
+  }
   prepared.folder = std::move(ready);
   prepared.resumed = true;
   prepared.first_step = prepared.simulation->steps_done();

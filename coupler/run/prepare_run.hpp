@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "coupler/case/case_error.hpp"
+#include "coupler/results/flow_mean.hpp"
 #include "coupler/results/quantities.hpp"
 #include "coupler/results/result_folder.hpp"
 #include "coupler/results/steady_watch.hpp"
@@ -20,6 +21,7 @@ struct PreparedRun {
   std::unique_ptr<Simulation> simulation;
   std::unique_ptr<Quantities> quantities;
   std::optional<SteadyWatch> steady;  // where the case asks for it
+  std::optional<FlowMean> mean;       // the same
   std::vector<Diagnostic> warnings;
   ReadyFolder folder;  // on rank 0
   bool resumed = false;

@@ -29,7 +29,8 @@ namespace {
 // Measured on one core (coupler/README.md, "What a run will take").
 constexpr double overhead_of_a_step = 3e-6, overhead_of_ranks = 60e-6;        // s; the latter on several
 constexpr double seconds_of_a_body = 0.4e-6, seconds_of_an_impulse = 0.3e-6;  // a sub-step
-constexpr double memory_of_a_rank = 45e6, memory_of_a_body = 1200, memory_of_a_link = 40;  // bytes
+constexpr double memory_of_a_rank = 45e6, memory_of_a_body = 1200, memory_of_a_link = 40,
+                 memory_of_a_mean = 88;  // bytes
 constexpr double file_row_of_a_body = 184, file_buoyancy_of_a_body = 24, file_contacts_of_a_body = 48,
                  checkpoint_of_a_body = 600, file_field_of_a_row = 20;  // bytes
 constexpr double multireflection_link = 1.27;                           // over one of the other schemes
@@ -312,7 +313,8 @@ RunEstimate estimate_run(const Case& setup, const PlacedBodies& placed, int rank
       start + estimate.seconds_a_step * static_cast<double>(setup.steps) + estimate.seconds_of_output;
   estimate.memory = of_fluid + memory_of_a_rank * ranks +
                     memory_of_a_body * static_cast<double>(placed.size()) +
-                    memory_of_a_link * (wall_links + links_of_bodies(setup, all));
+                    memory_of_a_link * (wall_links + links_of_bodies(setup, all)) +
+                    (setup.output.mean ? memory_of_a_mean * setup.volume() : 0);
   estimate.disk = disk_needed(setup, placed.size(), share);
   return estimate;
 }
@@ -336,7 +338,8 @@ double disk_needed(const Case& setup, std::uint64_t bodies, double share) {
     bytes += times(probes, setup.steps, true) * double(probes.points.size()) * file_field_of_a_row * numbers;
   }
   const double kept = std::min<double>(times(output.checkpoint, setup.steps, false), output.keep_checkpoints);
-  return bytes + kept * (share * fluid_memory(setup) + n * checkpoint_of_a_body);
+  const double mean = setup.output.mean ? memory_of_a_mean * setup.volume() : 0;
+  return bytes + mean + kept * (share * fluid_memory(setup) + mean + n * checkpoint_of_a_body);
 }
 
 std::string estimate_table(const Case& setup, const RunEstimate& e) {

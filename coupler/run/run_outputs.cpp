@@ -57,6 +57,7 @@ void RunOutputs::start() {
 void RunOutputs::write_bodies_and_fields() {
   for (std::size_t p = 0; p < probes_.size(); ++p)
     if (simulation_.steps_done() % setup().output.probes[p].every == 0) probes_[p].look(simulation_);
+  if (run_.mean) run_.mean->observe(simulation_);
   if (bodies_ && due(setup().output.bodies)) bodies_->append(simulation_);
   for (const FieldsSpec* fields : fields_due()) write_flow_fields(simulation_, *fields, folder_, provenance_);
 }
@@ -71,6 +72,7 @@ void RunOutputs::write_due() {
   if (looks) log_departures();
   write_bodies_and_fields();
   if (looks) write_rows();
+  if (ended && run_.mean) run_.mean->write(simulation_, folder_, provenance_);
   // Before the checkpoint that stands for them: a run that is killed in between goes on from the one before.
   if (ended && save)
     write_report(run_.reason_of_end(), run_.text_of_end(), true);
@@ -104,20 +106,22 @@ void RunOutputs::write_rows() {
   });
 }
 
-void RunOutputs::write_checkpoint() {
-  simulation_.settle();
+/// Writes a checkpoint of that name with all that the run has gathered. Returns its path.
+std::filesystem::path RunOutputs::write_state(const std::string& name) {
   log_departures();
   write_rows();
-  last_checkpoint_ =
-      coupler::write_checkpoint(simulation_, *run_.quantities, folder_, provenance_, run_.steady).string();
+  return coupler::write_checkpoint(simulation_, *run_.quantities, folder_, provenance_, run_.steady, name,
+                                   run_.mean ? &*run_.mean : nullptr);
+}
+
+void RunOutputs::write_checkpoint() {
+  simulation_.settle();
+  last_checkpoint_ = write_state("checkpoint").string();
   progress_.log(fmt::format("step {}: wrote {}", simulation_.steps_done(), last_checkpoint_));
 }
 
 std::filesystem::path RunOutputs::write_stopped_state() {
-  log_departures();
-  write_rows();
-  const auto path =
-      coupler::write_checkpoint(simulation_, *run_.quantities, folder_, provenance_, run_.steady, "stopped");
+  const auto path = write_state("stopped");
   if (simulation_.scene().flow) write_flow_fields(simulation_, setup().output.fields, folder_, provenance_);
   if (bodies_) bodies_->append(simulation_);
   return path;

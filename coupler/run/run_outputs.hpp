@@ -39,6 +39,7 @@ class RunOutputs {
   void write_bodies_and_fields();
   void log_departures();
   void write_rows();
+  std::filesystem::path write_state(const std::string& name);
 
   PreparedRun& run_;
   Simulation& simulation_;

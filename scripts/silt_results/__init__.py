@@ -81,6 +81,12 @@ class Run:
         return Scene(path)
 
     @functools.cached_property
+    def mean(self):
+        """The newest mean_*.hdf, means of the fluid over time: a Field."""
+        paths = sorted(self.folder.glob("mean_*.hdf"))
+        return Field(paths[-1] if paths else self.file("mean_*.hdf", "output.mean = { from = T, every = N }, at its end"))
+
+    @functools.cached_property
     def fields(self):
         """The fields of the fluid, a Field a time, in order."""
         paths = sorted(self.folder.glob("fields_*.hdf"))

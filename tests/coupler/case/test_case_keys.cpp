@@ -132,6 +132,7 @@ fields = { zzz = 1 }
 slices = [{ axis = "x", zzz = 1 }]
 series = [{ zzz = 1 }]
 probes = [{ line = [], zzz = 1 }]
+mean = { zzz = 1 }
 bodies = { zzz = 1 }
 checkpoint = { zzz = 1 }
 report = { zzz = 1 }

@@ -4,6 +4,7 @@ import pathlib
 import sys
 import unittest
 
+import h5py
 import numpy as np
 from vtkmodules.vtkIOHDF import vtkHDFReader
 from silt_test import CASE, CHANNEL, SiltTest
@@ -304,6 +305,53 @@ position = [12, 12, 4]
             name = "" if key.startswith("name") else 'name = "s"\n'
             self.write(CASE + f"[[output.slices]]\n{name}every = 10\n{key}\n")
             self.assertRegex(self.silt("check", self.case, code=2).stderr, fault)
+
+
+class Mean(SiltTest):
+    """output.mean: what numpy makes of the fields at the same times, the same on any ranks and across a restart."""
+    FIELDS = 'fields = { every = 3, precision = "double", quantities = ["velocity", "pressure"] }\nmean = { from = 20, every = 3 }'
+    TEXT = CASE.replace("fields = { every = 20 }", FIELDS).replace("every = 25, keep = 3", "every = 10, keep = 9")
+
+    def means(self):
+        with h5py.File(next(self.out.glob("mean_*.hdf"))) as file:
+            return {name: data[()] for name, data in file["VTKHDF/PointData"].items()}
+
+    def test_against_the_fields(self):
+        self.write(self.TEXT)
+        self.silt("run", self.case)
+        means, steps = self.means(), range(21, 61, 3)
+        velocities, pressures, solids = [], [], []
+        for step in steps:
+            with h5py.File(self.out / f"fields_{step:012}.hdf") as file:
+                data = file["VTKHDF/PointData"]
+                velocities.append(data["velocity"][()]), pressures.append(data["pressure"][()]), solids.append(data["solid"][()] != 0)
+        solid, u, p = np.array(solids), np.array(velocities), np.array(pressures)
+        self.assertTrue(0 < (solid.any(0) & ~solid.all(0)).sum())  # the balls move
+        np.testing.assert_allclose(means["solid-fraction"], solid.mean(0), atol=1e-15)
+        times = np.maximum((~solid).sum(0), 1)
+        u[solid], p[solid] = 0, 0
+        mean = u.sum(0) / times[..., None]
+        np.testing.assert_allclose(means["velocity"], mean, atol=1e-15)
+        np.testing.assert_allclose(means["pressure"], p.sum(0) / times, atol=1e-15)
+        off = np.where(solid[..., None], 0, u - mean)
+        np.testing.assert_allclose(means["velocity-variance"], (off**2).sum(0) / times[..., None], atol=1e-17)
+        products = np.stack([off[..., a] * off[..., b] for a, b in ((0, 1), (0, 2), (1, 2))], -1)
+        np.testing.assert_allclose(means["velocity-covariance"], products.sum(0) / times[..., None], atol=1e-17)
+
+    def test_the_same_on_any_ranks_and_after_a_restart(self):
+        self.write(self.TEXT.replace("fields = { every = 3", "fields = { every = 0").replace("from = 20", "from = 10").replace("steps = 60", "steps = 30"))
+        self.silt("run", self.case)
+        whole = self.means()
+        self.assertGreater(whole["velocity-variance"].max(), 0)
+        for ranks in (2, 4, 8):
+            self.silt("run", self.case, "--overwrite", ranks=ranks)
+            for name, data in self.means().items():
+                self.assertTrue((data == whole[name]).all(), (ranks, name))
+        for path in (*self.out.glob("checkpoint_*30.h5"), *self.out.glob("mean*")):
+            path.unlink()
+        self.silt("resume", self.case, ranks=2)  # from step 20
+        for name, data in self.means().items():
+            self.assertTrue((data == whole[name]).all(), name)
 
 
 if __name__ == "__main__":

@@ -2,11 +2,13 @@
 """series.py SILT: [[output.series]] and [[output.probes]] against mechanics, the same files on any ranks and across a restart."""
 import math
 import pathlib
+import subprocess
 import sys
+import time
 import unittest
 
 import numpy as np
-from silt_test import CASE, CHANNEL, SiltTest
+from silt_test import CASE, CHANNEL, ENVIRONMENT, SiltTest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[3] / "scripts"))
 
@@ -206,6 +208,19 @@ class Series(SiltTest):
             (self.out / f"checkpoint_{step:012}.h5").unlink()
         self.silt("resume", self.case)
         self.assertEqual(self.files(), whole)
+
+    def test_a_checkpoint_stands_for_the_rows_before_it(self):
+        self.write(self.crowd().replace("steps = 60", "steps = 100000000").replace("bodies = { every = 1 }\n", ""))
+        run = subprocess.Popen(self.command(["run", self.case], 1), stdout=subprocess.DEVNULL, env=ENVIRONMENT)
+        self.addCleanup(run.wait)
+        self.addCleanup(run.kill)
+        while not (there := list(self.out.glob("checkpoint_*.h5"))):
+            self.assertIsNone(run.poll())
+            time.sleep(0.02)
+        run.kill()
+        run.wait()
+        step = int(max(there).stem.partition("_")[2])
+        self.assertEqual(list(silt_results.open(self.case).table("loads")["step"])[:step + 1], list(range(step + 1)))
 
 
 # A fluid sheared between walls that slide against each other, with wide cells in the middle.
