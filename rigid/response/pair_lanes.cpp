@@ -283,12 +283,13 @@ void PairLanes::prepare() {
 
 SweepOutcome PairLanes::sweep(std::span<const BodyState> state, std::span<BodySum> sums,
                               const ContactSweep& sweep) {
-  const LaneKernels k = kernels();
-  const SweepOutcome of_kinds[] = {k.sweep_central(central_, state.data(), sums.data(), sweep),
-                                   k.sweep_rolling(rolling_, state.data(), sums.data(), sweep),
-                                   k.sweep_lubricated(lubricated_, state.data(), sums.data(), sweep),
-                                   k.sweep_blocks(blocks_, block_contacts_.data(), block_lubrication_.data(),
-                                                  block_rolling_.data(), state.data(), sweep)};
+  const LaneKernels& k = kernels();
+  const SweepOutcome of_kinds[] = {
+      k.sweep_central(central_, state.data(), sums.data(), sweep),
+      rolling_.empty() ? SweepOutcome{} : k.sweep_rolling(rolling_, state.data(), sums.data(), sweep),
+      k.sweep_lubricated(lubricated_, state.data(), sums.data(), sweep),
+      k.sweep_blocks(blocks_, block_contacts_.data(), block_lubrication_.data(), block_rolling_.data(),
+                     state.data(), sweep)};
   sum_blocks(sums, sweep.tolerance);
   SweepOutcome all;
   for (const SweepOutcome& of : of_kinds) {

@@ -65,14 +65,10 @@ void SffdResolver::involve(const BodySet& bodies, std::size_t row) {
   b.inverse_mass = bodies.inverse_mass(row);
   b.inverse_inertia = bodies.inverse_inertia_W(row);
   b.locked = free ? bodies.locked(row) : LockedAxes{0};
+  if (b.locked) locked_.push_back(row);
   b.isotropic = !free || bodies.is_isotropic(row);
   b.turns = free || bodies.angular_velocity[row] != Vec3::Zero();
   b.size = std::sqrt(bodies.inertia_B[row].trace() / (3 * bodies.mass[row]));
-}
-
-const Material* SffdResolver::material_of(const BodySet& bodies, const Pair& p) const {
-  if (settings_.materials.empty()) return nullptr;
-  return &settings_.materials[bodies.material[p.row_a] * settings_.material_count + bodies.material[p.row_b]];
 }
 
 /// Returns the number of contacts whose lower body is owned.
@@ -82,6 +78,7 @@ std::size_t SffdResolver::collect_pairs(BodySet& bodies, const std::vector<Conta
   for (const std::size_t row : involved_) bodies_[row].involved = false;
   bodies_.resize(bodies.size() + 1);
   involved_.clear();
+  locked_.clear();
   std::size_t row_a = 0;
   for_each_pair(contacts, [&](std::size_t first, std::span<const Contact> of_pair) {
     const Contact& c = of_pair[0];
@@ -133,6 +130,7 @@ void SffdResolver::start(const Step& step) {
     }
     if (settings_.warm_start) warm_start(p, step.dt, recall);
   });
+  leave_locked_axes();
   for (const std::size_t row : involved_) take_sum(state_[row], row, state_[row].number);
 }
 
@@ -265,6 +263,7 @@ SffdResolver::Rest SffdResolver::sweep_to_rest(const Step& step, std::vector<Bod
       for (const std::size_t row : involved_) sums_[row] = {};
       const bool plain = i >= std::min(sweeps.most, sweeps.accelerated);
       found = lanes_.sweep(state, sums_, {i, plain, sweeps.push, sweeps.tolerance});
+      leave_locked_axes();
       for (const std::size_t row : involved_) take_sum(state[row], row, sums_[row].changed);
     }
     if (found.solved) result.sweeps = i;

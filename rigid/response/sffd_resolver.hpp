@@ -63,7 +63,12 @@ class SffdResolver : public ContactResolver {
   void involve(const BodySet&, std::size_t row);
   void start(const Step&);
   void warm_start(const Pair&, double dt, Recall&);
-  const Material* material_of(const BodySet&, const Pair&) const;
+  /// Null where no material has more than restitution and friction.
+  const Material* material_of(const BodySet& bodies, const Pair& p) const {
+    if (settings_.materials.empty()) return nullptr;
+    return &settings_
+                .materials[bodies.material[p.row_a] * settings_.material_count + bodies.material[p.row_b]];
+  }
   void lay_out(double dt, bool links_only = false);
   double least_scale(const Pair&) const;
   std::span<ContactImpulse> impulses_of(const Pair& p) {
@@ -79,9 +84,15 @@ class SffdResolver : public ContactResolver {
   /// What the last sweep gives a body.
   [[gnu::always_inline]] Twist change_of(std::size_t row) const {
     const Body& b = bodies_[row];
-    const Vec3 v = b.inverse_mass * Eigen::Map<const Vec3>(sums_[row].impulse);
-    return {b.locked ? without_locked(b.locked, v) : v,
+    return {b.inverse_mass * Eigen::Map<const Vec3>(sums_[row].impulse),
             b.inverse_inertia * Eigen::Map<const Vec3>(sums_[row].angular)};
+  }
+  /// Nothing moves a body along a locked axis.
+  void leave_locked_axes() {
+    for (const std::size_t row : locked_) {
+      Eigen::Map<Vec3> sum{sums_[row].impulse};
+      sum = without_locked(bodies_[row].locked, sum);
+    }
   }
   void take_sum(BodyState&, std::size_t row, double number) const;
   double largest_change() const;
@@ -99,6 +110,7 @@ class SffdResolver : public ContactResolver {
   std::vector<BodyState> state_, push_;  // velocities, pseudo velocities
   std::vector<BodySum> sums_;            // of the sweep at hand
   std::vector<std::size_t> involved_;    // rows that take part
+  std::vector<std::size_t> locked_;      // of them, those of bodies with locked axes
   std::vector<Pair> pairs_;
   PairLanes lanes_;
   // one a contact
