@@ -31,13 +31,8 @@ std::string innermost_reason() {
 
 constexpr unsigned most_in_header = 65535;  // as many as HDF5 allows
 
-/// Keeps HDF5 from printing anything by itself from now on.
-void quiet() {
-  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
-}
-
-/// Throws std::bad_alloc where there is no room for what HDF5 has of an open file: it follows null pointers
-/// there.
+/// Throws std::bad_alloc where there is no room for what HDF5 has of itself and of an open file: it follows
+/// null pointers there.
 void expect_memory() {
   constexpr std::size_t of_a_file = 8 << 20;  // bytes
   void* const room = mmap(nullptr, of_a_file, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
@@ -45,10 +40,15 @@ void expect_memory() {
   munmap(room, of_a_file);
 }
 
+/// Call before anything else of HDF5: it has its memory, and prints nothing by itself from now on.
+void quiet() {
+  expect_memory();
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+}
+
 /// Returns the properties with which a file is opened or made next.
 Handle access_list(const Path& file) {
   quiet();
-  expect_memory();
   Handle list(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, file, "file access list");
   H5Pset_fclose_degree(list, H5F_CLOSE_STRONG);  // else a group that is still open keeps the file so
   return list;
