@@ -332,11 +332,9 @@ double disk_needed(const Case& setup, std::uint64_t bodies, double share) {
   bytes += times(output.bodies, setup.steps, true) * n * row;
   for (const ColumnsSpec& series : output.series)
     bytes += times(series, setup.steps, true) * file_field_of_a_row * double(series.columns.size() + 2);
-  for (const ProbesSpec& probes : output.probes) {
-    int numbers = 6;
-    for (const Field field : probes.quantities) numbers += numbers_of(field);
-    bytes += times(probes, setup.steps, true) * double(probes.points.size()) * file_field_of_a_row * numbers;
-  }
+  for (const ProbesSpec& probes : output.probes)  // a velocity among them
+    bytes += times(probes, setup.steps, true) * double(probes.points.size()) * file_field_of_a_row *
+             double(probes.quantities.size() + 8);
   const double kept = std::min<double>(times(output.checkpoint, setup.steps, false), output.keep_checkpoints);
   const double mean = setup.output.mean ? memory_of_a_mean * setup.volume() : 0;
   return bytes + mean + kept * (share * fluid_memory(setup) + mean + n * checkpoint_of_a_body);
