@@ -60,7 +60,7 @@ void compare(Device device, Figures& out) {
 }
 
 /// Bytes a second, read and written, in copying.
-double copying(Device device, std::int64_t bytes) {
+double copying(Device device, [[maybe_unused]] std::int64_t bytes) {
   if (device != Device::gpu) return 0;
   Spread rate;
 #if defined(SILT_CUDA)
