@@ -9,6 +9,7 @@ namespace cuda {  // gpu.cu
 std::string unusable();
 std::string description();
 std::shared_ptr<void> zeroed(std::size_t bytes);
+std::pmr::memory_resource* memory();
 }  // namespace cuda
 #endif
 
@@ -27,6 +28,13 @@ std::string description([[maybe_unused]] Device device) {
   if (device == Device::gpu) return cuda::description();
 #endif
   return "";
+}
+
+std::pmr::memory_resource* memory_of([[maybe_unused]] Device device) {
+#if defined(SILT_CUDA)
+  if (device == Device::gpu) return cuda::memory();
+#endif
+  return std::pmr::new_delete_resource();
 }
 
 std::shared_ptr<void> zeroed_on_gpu([[maybe_unused]] std::size_t bytes) {

@@ -1,31 +1,35 @@
 #include "lbm/device_passes.hpp"
 
+#if defined(SILT_CUDA)
+#define SILT_ON(device, pass) (device == Device::gpu ? gpu::pass : host::pass)
+#else
+#define SILT_ON(device, pass) host::pass
+#endif
+
 namespace silt::lbm {
 
 template <class T>
-void stream_collide(Device device, Block<T>& block, Parity parity, const CollisionRates<T>& rates,
-                    RowRange range, const WatchedPlanes& watched) {
-  if (device == Device::host) return host::stream_collide(block, parity, rates, range, watched);
-#if defined(SILT_CUDA)
-  return gpu::stream_collide(block, parity, rates, range, watched);
-#endif
-  __builtin_unreachable();
+void stream_collide([[maybe_unused]] Device device, Block<T>& block, Parity parity,
+                    const CollisionRates<T>& rates, RowRange range, const WatchedPlanes& watched) {
+  SILT_ON(device, stream_collide<T>)(block, parity, rates, range, watched);
 }
 
 template <class T>
-void move_slots(Device device, std::span<const SlotMove<T>> moves, bool back) {
-  if (device == Device::host) return host::move_slots(moves, back);
-#if defined(SILT_CUDA)
-  return gpu::move_slots(moves, back);
-#endif
-  __builtin_unreachable();
+void move_slots([[maybe_unused]] Device device, std::span<const SlotMove<T>> moves, bool back) {
+  SILT_ON(device, move_slots<T>)(moves, back);
 }
 
-template void stream_collide(Device, Block<float>&, Parity, const CollisionRates<float>&, RowRange,
-                             const WatchedPlanes&);
-template void stream_collide(Device, Block<double>&, Parity, const CollisionRates<double>&, RowRange,
-                             const WatchedPlanes&);
-template void move_slots(Device, std::span<const SlotMove<float>>, bool);
-template void move_slots(Device, std::span<const SlotMove<double>>, bool);
+template <class T>
+void return_from_outlet([[maybe_unused]] Device device, const ReturnFromOutlet<T>& cell, std::size_t cells) {
+  SILT_ON(device, return_from_outlet<T>)(cell, cells);
+}
+
+#define SILT_PASSES_OF(T)                                                                     \
+  template void stream_collide(Device, Block<T>&, Parity, const CollisionRates<T>&, RowRange, \
+                               const WatchedPlanes&);                                         \
+  template void move_slots(Device, std::span<const SlotMove<T>>, bool);                       \
+  template void return_from_outlet(Device, const ReturnFromOutlet<T>&, std::size_t);
+SILT_PASSES_OF(float)
+SILT_PASSES_OF(double)
 
 }  // namespace silt::lbm

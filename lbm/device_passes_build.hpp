@@ -125,11 +125,19 @@ void move_slots(std::span<const SlotMove<T>> moves, bool back) {
   wait();
 }
 
+template <class T>
+void return_from_outlet(const ReturnFromOutlet<T>& cell, std::size_t cells) {
+  for_each(std::int64_t(cells), cell);
+  wait();
+}
+
 template void stream_collide(Block<float>&, Parity, const CollisionRates<float>&, RowRange,
                              const WatchedPlanes&);
 template void stream_collide(Block<double>&, Parity, const CollisionRates<double>&, RowRange,
                              const WatchedPlanes&);
 template void move_slots(std::span<const SlotMove<float>>, bool);
 template void move_slots(std::span<const SlotMove<double>>, bool);
+template void return_from_outlet(const ReturnFromOutlet<float>&, std::size_t);
+template void return_from_outlet(const ReturnFromOutlet<double>&, std::size_t);
 
 }  // namespace silt::lbm::SILT_ISA

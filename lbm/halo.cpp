@@ -68,7 +68,7 @@ struct Halo<T>::Builder {
   std::span<const Block<T>> blocks;
   std::span<const PassOrder> orders;
   std::map<std::tuple<int, int, int, int, int>, Wall> walls = {};  // by block, sides met, direction
-  std::map<std::tuple<int, int, bool>, Outlet> outlets = {};
+  std::map<std::tuple<int, int, bool>, std::vector<std::pair<std::uint32_t, OutletLink>>> outlets = {};
   BlockPlace home_block{-1, {}, -1};  // of the last home: rows stay in one block; maybe of another level
   const BlockPlace& block_at(Int3 cell) {
     if (!home_block.box.contains(cell)) home_block = domain.block_at(cell);
@@ -119,9 +119,10 @@ struct Halo<T>::Builder {
       wall.addend = T(wall_addend(domain, sides, j));
       wall.pairs.add(from, to);
     } else {
-      Outlet& outlet = outlets[{here, home.axis, home.upper}];
-      outlet.block = here, outlet.density_deviation = domain.side(home.axis, home.upper).density_deviation;
-      outlet.links.push_back({slot(here, g - c[j], 0).first, to.first, from.first, j});
+      const auto part = [](int of) { return std::int8_t(of); };
+      outlets[{here, home.axis, home.upper}].push_back(
+          {slot(here, g - c[j], 0).first,
+           {to.first, from.first, part(c[j].x), part(c[j].y), part(c[j].z), norm2(j) > 1}});
     }
   }
 
@@ -131,11 +132,23 @@ struct Halo<T>::Builder {
       for_ghost_slots(place.box.size, [&](Int3 g, int j) { add(place, g, j); });
     }
     for (auto& [key, x] : walls) halo.walls_.push_back(std::move(x));
-    for (auto& [key, x] : outlets) {
-      std::stable_sort(x.links.begin(), x.links.end(),
-                       [](const OutletLink& a, const OutletLink& b) { return a.cell < b.cell; });
-      halo.outlets_.push_back(std::move(x));
+    for (auto& [key, links] : outlets) add_outlet(key, links);
+  }
+
+  template <class Links>
+  void add_outlet(const std::tuple<int, int, bool>& key, Links& links) {
+    const auto [block, axis, upper] = key;
+    const std::pmr::polymorphic_allocator<> memory(memory_of(halo.device_));
+    Outlet outlet{block, domain.side(axis, upper).density_deviation, std::pmr::vector<OutletCell>(memory),
+                  std::pmr::vector<OutletLink>(memory)};
+    std::stable_sort(links.begin(), links.end(),
+                     [](const auto& a, const auto& b) { return a.first < b.first; });
+    for (const auto& [cell, link] : links) {
+      const auto n = std::uint32_t(outlet.links.size());
+      if (outlet.cells.empty() || outlet.cells.back().cell != cell) outlet.cells.push_back({cell, n, n});
+      outlet.links.push_back(link), ++outlet.cells.back().last;
     }
+    halo.outlets_.push_back(std::move(outlet));
   }
 };
 
@@ -180,35 +193,17 @@ void Halo<T>::start(std::span<const Block<T>> blocks, Parity parity) {
 
 template <class T>
 void Halo<T>::apply_outlet(Block<T>& block, const Outlet& o, Parity parity) const {
-  const bool fill = parity == Parity::crossed;
-  T* const p = block.data();
-  const T* out[directions];  // what left a cell, from its Block::slot(0) on
-  for (int i = 1; i < directions; ++i) out[i] = p + (block.leaving(i, parity) - block.slot(0));
-  const auto add = [](double& sum, int factor, double g) {  // factor: -1, 0, 1, known to the compiler
-    if (factor) sum += factor * g;
-  };
-  double u[3] = {}, rest = 0;
-  for (std::size_t n = 0; n < o.links.size(); ++n) {
-    const OutletLink& link = o.links[n];
-    if (n == 0 || link.cell != o.links[n - 1].cell) {
-      constexpr std::size_t ahead = 5 * 16;  // links: the cells of a cache line
-      if (n + ahead < o.links.size())
-        for (int i = 1; i < directions; ++i) prefetch_to_read(out[i] + o.links[n + ahead].cell);
-      for (int d = 0; d < 3; ++d) u[d] = 0.5 * force_[d];
-#pragma GCC unroll 19
-      for (int i = 1; i < directions; ++i) {
-        const double g = out[i][link.cell];
-        add(u[0], c[i].x, g);
-        add(u[1], c[i].y, g);
-        add(u[2], c[i].z, g);
-      }
-      rest = 1.5 * (u[0] * u[0] + u[1] * u[1] + u[2] * u[2]);
-    }
-    const Int3 cj = c[link.direction];
-    const double cu = cj.x * u[0] + cj.y * u[1] + cj.z * u[2];
-    const double even = o.density_deviation + 4.5 * cu * cu - rest;
-    const auto from = fill ? link.home : link.ghost, to = fill ? link.ghost : link.home;
-    p[to] = T(2 * w(link.direction) * even - p[from]);
+  ReturnFromOutlet<T> cell{
+      block.data(), {}, o.density_deviation, {}, parity == Parity::crossed, o.cells.data(), o.links.data()};
+  for (int i = 1; i < directions; ++i) cell.left[i] = block.leaving(i, parity) - block.slot(0);
+  for (int d = 0; d < 3; ++d) cell.half_force[d] = 0.5 * force_[d];
+  if (device_ != Device::cpu) return return_from_outlet(device_, cell, o.cells.size());
+  for (std::size_t n = 0; n < o.cells.size(); ++n) {
+    constexpr std::size_t ahead = 16;  // the cells of a cache line
+    if (n + ahead < o.cells.size())
+      for (int i = 1; i < directions; ++i)
+        prefetch_to_read(block.data() + cell.left[i] + o.cells[n + ahead].cell);
+    cell(std::int64_t(n));
   }
 }
 

@@ -17,11 +17,13 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <memory_resource>
 #include <span>
 #include <vector>
 
 #include "lbm/device_passes.hpp"
 #include "lbm/domain.hpp"
+#include "lbm/outlet.hpp"
 #include "lbm/pass_order.hpp"
 #include "lbm/slot_exchange.hpp"
 
@@ -50,14 +52,11 @@ class Halo {
     T addend;    // by the wall's motion
     SlotPairs pairs;
   };
-  struct OutletLink {
-    std::uint32_t cell, ghost, home;  // cell: Block::slot(0) of it
-    int direction;
-  };
   struct Outlet {
     int block;
     double density_deviation;
-    std::vector<OutletLink> links;  // by cell
+    std::pmr::vector<OutletCell> cells;
+    std::pmr::vector<OutletLink> links;
   };
   struct Builder;
 
