@@ -10,6 +10,7 @@ std::string unusable();
 std::string description();
 std::shared_ptr<void> zeroed(std::size_t bytes);
 std::pmr::memory_resource* memory();
+std::pmr::memory_resource* message_memory();
 }  // namespace cuda
 #endif
 
@@ -33,6 +34,13 @@ std::string description([[maybe_unused]] Device device) {
 std::pmr::memory_resource* memory_of([[maybe_unused]] Device device) {
 #if defined(SILT_CUDA)
   if (device == Device::gpu) return cuda::memory();
+#endif
+  return std::pmr::new_delete_resource();
+}
+
+std::pmr::memory_resource* message_memory([[maybe_unused]] Device device) {
+#if defined(SILT_CUDA)
+  if (device == Device::gpu) return cuda::message_memory();
 #endif
   return std::pmr::new_delete_resource();
 }

@@ -20,8 +20,9 @@ std::string unusable(Device);
 /// Returns the name of the graphics processor, its memory, its driver and the toolkit; "" for other devices.
 std::string description(Device);
 
-/// Memory that the processor and the device both read and write.
+/// Memory that the processor and the device both read and write; that for messages stays the processor's.
 std::pmr::memory_resource* memory_of(Device);
+std::pmr::memory_resource* message_memory(Device);
 /// Returns bytes of zero which the processor and the graphics processor both read and write: pages move to
 /// where they are used. Throws std::bad_alloc.
 std::shared_ptr<void> zeroed_on_gpu(std::size_t bytes);

@@ -13,14 +13,22 @@ std::string version(int number) {  // 13000 for 13.0
   return std::to_string(number / 1000) + "." + std::to_string(number % 1000 / 10);
 }
 
-/// Pages move to where they are used.
+using Allocate = cudaError_t(void**, std::size_t);
+cudaError_t allocate_managed(void** memory, std::size_t bytes) {
+  return cudaMallocManaged(memory, bytes);
+}
+cudaError_t allocate_pinned(void** memory, std::size_t bytes) {
+  return cudaMallocHost(memory, bytes);
+}
+
+template <Allocate take, cudaError_t give_back(void*)>
 class Memory final : public std::pmr::memory_resource {
   void* do_allocate(std::size_t bytes, std::size_t) override {
     void* memory = nullptr;
-    if (cudaMallocManaged(&memory, bytes) != cudaSuccess) throw std::bad_alloc();
+    if (take(&memory, bytes) != cudaSuccess) throw std::bad_alloc();
     return memory;
   }
-  void do_deallocate(void* memory, std::size_t, std::size_t) override { cudaFree(memory); }
+  void do_deallocate(void* memory, std::size_t, std::size_t) override { give_back(memory); }
   bool do_is_equal(const std::pmr::memory_resource& other) const noexcept override { return this == &other; }
 };
 }  // namespace
@@ -43,9 +51,15 @@ std::string description() {
          " GiB, driver for CUDA " + version(driver) + ", built with CUDA " + version(runtime);
 }
 
+/// Pages move to where they are used.
 std::pmr::memory_resource* memory() {
-  static Memory memory;
-  return &memory;
+  static Memory<allocate_managed, cudaFree> managed;
+  return &managed;
+}
+/// Pages stay, and the card writes to them: MPI sends from there.
+std::pmr::memory_resource* message_memory() {
+  static Memory<allocate_pinned, cudaFreeHost> pinned;
+  return &pinned;
 }
 
 std::shared_ptr<void> zeroed(std::size_t bytes) {

@@ -8,6 +8,10 @@
 
 namespace silt::lbm {
 
+void wait(Device device) {
+  if (device != Device::cpu) SILT_ON(device, wait)();
+}
+
 template <class T>
 void stream_collide([[maybe_unused]] Device device, Block<T>& block, Parity parity,
                     const CollisionRates<T>& rates, RowRange range, const WatchedPlanes& watched) {
@@ -15,8 +19,9 @@ void stream_collide([[maybe_unused]] Device device, Block<T>& block, Parity pari
 }
 
 template <class T>
-void move_slots([[maybe_unused]] Device device, std::span<const SlotMove<T>> moves, bool back) {
-  SILT_ON(device, move_slots<T>)(moves, back);
+void move_slots([[maybe_unused]] Device device, const SlotPairs& pairs, std::span<const T> addends,
+                SlotArrays<const T> sources, SlotArrays<T> targets, bool back) {
+  SILT_ON(device, move_slots<T>)(pairs, addends, sources, targets, back);
 }
 
 template <class T>
@@ -24,10 +29,11 @@ void return_from_outlet([[maybe_unused]] Device device, const ReturnFromOutlet<T
   SILT_ON(device, return_from_outlet<T>)(cell, cells);
 }
 
-#define SILT_PASSES_OF(T)                                                                     \
-  template void stream_collide(Device, Block<T>&, Parity, const CollisionRates<T>&, RowRange, \
-                               const WatchedPlanes&);                                         \
-  template void move_slots(Device, std::span<const SlotMove<T>>, bool);                       \
+#define SILT_PASSES_OF(T)                                                                                    \
+  template void stream_collide(Device, Block<T>&, Parity, const CollisionRates<T>&, RowRange,                \
+                               const WatchedPlanes&);                                                        \
+  template void move_slots(Device, const SlotPairs&, std::span<const T>, SlotArrays<const T>, SlotArrays<T>, \
+                           bool);                                                                            \
   template void return_from_outlet(Device, const ReturnFromOutlet<T>&, std::size_t);
 SILT_PASSES_OF(float)
 SILT_PASSES_OF(double)

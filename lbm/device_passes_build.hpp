@@ -71,12 +71,18 @@ struct CloseRows {
 
 template <class T>
 struct MoveSlots {
-  const SlotMove<T>* moves;
+  const SlotPairs::Pair* pairs;
+  const T* addends;
+  SlotArrays<const T> sources;
+  SlotArrays<T> targets;
   bool back;
-  SILT_DEVICE void operator()(std::int64_t k) const {
-    const SlotMove<T> move = moves[k];
-    const T value = back ? *move.ghost : *move.home;
-    *(back ? move.home : move.ghost) = move.is_plain ? value : value + move.addend;
+  SILT_DEVICE void operator()(int n, int k) const {
+    const SlotRun from = back ? pairs[k].to : pairs[k].from, to = back ? pairs[k].from : pairs[k].to;
+    T* const target = targets[to.array];
+    if (!target || n >= int(from.length)) return;
+    const T* const source = sources[from.array];
+    const T value = source[from.first + std::ptrdiff_t{n} * from.stride];
+    target[to.first + std::ptrdiff_t{n} * to.stride] = addends ? value + addends[k] : value;
   }
 };
 
@@ -119,25 +125,27 @@ void stream_collide(Block<T>& block, Parity parity, const CollisionRates<T>& rat
             [](const FastCell& a, const FastCell& b) { return a.cell < b.cell; });
 }
 
+void wait() {
+  silt::SILT_ISA::wait();
+}
+
 template <class T>
-void move_slots(std::span<const SlotMove<T>> moves, bool back) {
-  for_each(std::int64_t(moves.size()), MoveSlots<T>{moves.data(), back});
-  wait();
+void move_slots(const SlotPairs& pairs, std::span<const T> addends, SlotArrays<const T> sources,
+                SlotArrays<T> targets, bool back) {
+  for_rows(int(pairs.longest()), int(pairs.pairs().size()),
+           MoveSlots<T>{pairs.pairs().data(), addends.data(), sources, targets, back});
 }
 
 template <class T>
 void return_from_outlet(const ReturnFromOutlet<T>& cell, std::size_t cells) {
   for_each(std::int64_t(cells), cell);
-  wait();
 }
 
-template void stream_collide(Block<float>&, Parity, const CollisionRates<float>&, RowRange,
-                             const WatchedPlanes&);
-template void stream_collide(Block<double>&, Parity, const CollisionRates<double>&, RowRange,
-                             const WatchedPlanes&);
-template void move_slots(std::span<const SlotMove<float>>, bool);
-template void move_slots(std::span<const SlotMove<double>>, bool);
-template void return_from_outlet(const ReturnFromOutlet<float>&, std::size_t);
-template void return_from_outlet(const ReturnFromOutlet<double>&, std::size_t);
+#define SILT_PASSES_OF(T)                                                                                    \
+  template void stream_collide(Block<T>&, Parity, const CollisionRates<T>&, RowRange, const WatchedPlanes&); \
+  template void move_slots(const SlotPairs&, std::span<const T>, SlotArrays<const T>, SlotArrays<T>, bool);  \
+  template void return_from_outlet(const ReturnFromOutlet<T>&, std::size_t);
+SILT_PASSES_OF(float)
+SILT_PASSES_OF(double)
 
 }  // namespace silt::lbm::SILT_ISA

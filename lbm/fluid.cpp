@@ -108,7 +108,7 @@ void Fluid<T>::begin_pass() {
   for (std::size_t b = 0; b < blocks_.size(); ++b)
     for (const RowRange& rows : orders_[b].shell())
       if (!idle_[b]) pass_over(b, rows);
-  halo_.start(blocks_, flipped(parity_));
+  halo_.start(flipped(parity_));
 }
 
 template <class T>
@@ -137,7 +137,8 @@ void Fluid<T>::stream_collide() {
   for (int b = 0; b < int(blocks_.size()); ++b) {
     if (idle_[b]) continue;
     const RowRange inner = orders_[b].inner();
-    const int planes = std::max(1, (inner.z1 - inner.z0 + 7) / 8);  // between looks at the messages
+    const int slices = device_ == Device::gpu ? 1 : 8;  // between looks at the messages
+    const int planes = std::max(1, (inner.z1 - inner.z0 + slices - 1) / slices);
     for (int z = inner.z0; z < inner.z1; z += planes)
       collide_rows(b, {inner.y0, inner.y1, z, std::min(z + planes, inner.z1)});
   }

@@ -67,7 +67,6 @@ struct Halo<T>::Builder {
   int rank;
   std::span<const Block<T>> blocks;
   std::span<const PassOrder> orders;
-  std::map<std::tuple<int, int, int, int, int>, Wall> walls = {};  // by block, sides met, direction
   std::map<std::tuple<int, int, bool>, std::vector<std::pair<std::uint32_t, OutletLink>>> outlets = {};
   BlockPlace home_block{-1, {}, -1};  // of the last home: rows stay in one block; maybe of another level
   const BlockPlace& block_at(Int3 cell) {
@@ -115,9 +114,10 @@ struct Halo<T>::Builder {
   void add_wall(int here, Int3 g, int j, const Home& home, Int3 sides) {
     const SlotRun from = slot(here, g - c[j], opposite(j)), to = slot(here, g, j);
     if (home.kind == HomeKind::bounce) {
-      Wall& wall = walls[{here, sides.x, sides.y, sides.z, j}];
-      wall.addend = T(wall_addend(domain, sides, j));
-      wall.pairs.add(from, to);
+      Walls& walls = halo.walls_;
+      const T addend = T(wall_addend(domain, sides, j));
+      if (!walls.pairs.add(from, to, !walls.addends.empty() && walls.addends.back() == addend))
+        walls.addends.push_back(addend);
     } else {
       const auto part = [](int of) { return std::int8_t(of); };
       outlets[{here, home.axis, home.upper}].push_back(
@@ -131,7 +131,6 @@ struct Halo<T>::Builder {
       const BlockPlace place = domain.block(b);
       for_ghost_slots(place.box.size, [&](Int3 g, int j) { add(place, g, j); });
     }
-    for (auto& [key, x] : walls) halo.walls_.push_back(std::move(x));
     for (auto& [key, links] : outlets) add_outlet(key, links);
   }
 
@@ -155,40 +154,23 @@ struct Halo<T>::Builder {
 template <class T>
 Halo<T>::Halo(const Domain& domain, MPI_Comm comm, std::span<Block<T>> blocks,
               std::span<const PassOrder> orders, const std::array<double, 3>& force, Device device)
-    : force_(force), device_(device), slots_(comm, 1) {
+    : force_(force),
+      device_(device),
+      slots_(comm, 1, device),
+      sources_(memory_of(device)),
+      targets_(memory_of(device)),
+      idle_(blocks.size(), 0),
+      walls_{SlotPairs(memory_of(device)), std::pmr::vector<T>(memory_of(device))} {
   Builder{*this, domain, parallel::rank_of(comm), blocks, orders}.build();
-  for (Block<T>& block : blocks) add_row_ends(domain, block);
-  if (device != Device::cpu) list_moves(blocks);
-}
-
-/// Puts what moves on this rank into one list, in the device's memory. Idle blocks take part: what their
-/// slots hold means nothing.
-template <class T>
-void Halo<T>::list_moves(std::span<Block<T>> blocks) {
-  std::vector<SlotMove<T>> moves;
-  const auto add = [&](const SlotPairs& pairs, T addend, bool is_plain) {
-    pairs.for_slots(
-        [&](std::uint32_t from_array, std::ptrdiff_t from, std::uint32_t to_array, std::ptrdiff_t to) {
-          moves.push_back({blocks[from_array].data() + from, blocks[to_array].data() + to, addend, is_plain});
-        });
-  };
-  add(slots_.copied(), T(0), true);
-  for (const Wall& wall : walls_) add(wall.pairs, wall.addend, false);
-  slots_.copied().clear();
-  walls_.clear();
-  moves_count_ = moves.size();
-  if (device_ == Device::gpu)
-    moves_ = std::static_pointer_cast<SlotMove<T>[]>(zeroed_on_gpu(moves.size() * sizeof(SlotMove<T>)));
-  else
-    moves_.reset(new SlotMove<T>[moves.size()]);
-  std::copy(moves.begin(), moves.end(), moves_.get());
+  for (Block<T>& block : blocks) {
+    add_row_ends(domain, block);
+    sources_.push_back(block.data()), targets_.push_back(block.data());
+  }
 }
 
 template <class T>
-void Halo<T>::start(std::span<const Block<T>> blocks, Parity parity) {
-  std::vector<const T*> sources;
-  for (const Block<T>& block : blocks) sources.push_back(block.data());
-  slots_.start(sources, parity == Parity::settled);
+void Halo<T>::start(Parity parity) {
+  slots_.start(sources_, parity == Parity::settled);
 }
 
 template <class T>
@@ -209,19 +191,23 @@ void Halo<T>::apply_outlet(Block<T>& block, const Outlet& o, Parity parity) cons
 
 template <class T>
 void Halo<T>::exchange(std::span<Block<T>> blocks, std::span<const char> idle, Parity parity) {
-  std::vector<const T*> sources;
-  std::vector<T*> targets;
-  for (std::size_t b = 0; b < blocks.size(); ++b) {
-    sources.push_back(blocks[b].data());
-    targets.push_back(idle[b] ? nullptr : blocks[b].data());
+  if (!std::ranges::equal(idle, idle_)) {
+    idle_.assign(idle.begin(), idle.end());
+    for (std::size_t b = 0; b < blocks.size(); ++b) targets_[b] = idle[b] ? nullptr : blocks[b].data();
   }
   const bool back = parity == Parity::settled;
-  slots_.finish(sources, targets, back);
-  if (device_ != Device::cpu) move_slots<T>(device_, {moves_.get(), moves_count_}, back);
-  for (const Wall& wall : walls_)
-    wall.pairs.template move<T>(sources, targets, back, [&](T value) { return value + wall.addend; });
+  slots_.finish(sources_, targets_, back);
+  const SlotArrays<const T> sources{.table = sources_.data()};
+  const SlotArrays<T> targets{.table = targets_.data()};
+  if (device_ != Device::cpu)
+    move_slots<T>(device_, walls_.pairs, walls_.addends, sources, targets, back);
+  else
+    walls_.pairs.move(sources, targets, back, [&](std::size_t k) {
+      return [addend = walls_.addends[k]](T value) { return value + addend; };
+    });
   for (const Outlet& outlet : outlets_)
     if (!idle[outlet.block]) apply_outlet(blocks[outlet.block], outlet, parity);
+  wait(device_);
 }
 
 template class Halo<float>;

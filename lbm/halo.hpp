@@ -38,7 +38,7 @@ class Halo {
        const std::array<double, 3>& force, Device);
   /// Call when the shells have collided: the messages that they alone write set out. `parity` is that of the
   /// blocks after the dense pass.
-  void start(std::span<const Block<T>> blocks, Parity parity);
+  void start(Parity parity);
   /// Gives the messages under way a chance to move.
   void progress() { slots_.progress(); }
   /// Call when the pass is done. Nothing moves into an idle block: its slots mean nothing, and cut links
@@ -48,9 +48,9 @@ class Halo {
   std::size_t message_bytes(bool early_alone = false) const { return slots_.message_bytes(early_alone); }
 
  private:
-  struct Wall {  // bounces
-    T addend;    // by the wall's motion
+  struct Walls {  // bounces
     SlotPairs pairs;
+    std::pmr::vector<T> addends;  // of each pair, by the wall's motion
   };
   struct Outlet {
     int block;
@@ -60,16 +60,16 @@ class Halo {
   };
   struct Builder;
 
-  void list_moves(std::span<Block<T>>);
   void apply_outlet(Block<T>&, const Outlet&, Parity) const;
 
   std::array<double, 3> force_;
   Device device_;
-  SlotExchange<T> slots_;  // from homes to ghosts; an array is a block
-  std::vector<Wall> walls_;
+  SlotExchange<T> slots_;               // from homes to ghosts; an array is a block
+  std::pmr::vector<const T*> sources_;  // the blocks
+  std::pmr::vector<T*> targets_;        // those that are not idle
+  std::vector<char> idle_;
+  Walls walls_;
   std::vector<Outlet> outlets_;
-  std::shared_ptr<SlotMove<T>[]> moves_;  // on a device: what moves on this rank, walls included
-  std::size_t moves_count_ = 0;
 };
 
 }  // namespace silt::lbm

@@ -1,37 +1,15 @@
 #include "lbm/slot_exchange.hpp"
 
+#include "lbm/device_passes.hpp"
+
 namespace silt::lbm {
 
-namespace {
-
-/// Copies a few values at a time, without a call.
 template <class T>
-void pack(std::span<const T* const> sources, const SlotList& list, T* to) {
-  for (const SlotRun& run : list.runs()) {
-    const T* const from = sources[run.array] + run.first;
-    if (run.stride == 1)
-      for (std::uint32_t n = 0; n < run.length; ++n) to[n] = from[n];
-    else
-      for (std::ptrdiff_t n = 0; n < run.length; ++n) to[n] = from[n * run.stride];
-    to += run.length;
-  }
+void SlotExchange<T>::move(const SlotPairs& pairs, SlotArrays<const T> sources, SlotArrays<T> targets,
+                           bool back) const {
+  if (device_ != Device::cpu) return move_slots<T>(device_, pairs, {}, sources, targets, back);
+  pairs.move(sources, targets, back, [](std::size_t) { return [](T value) { return value; }; });
 }
-
-template <class T>
-void unpack(const T* from, const SlotList& list, std::span<T* const> targets) {
-  for (const SlotRun& run : list.runs()) {
-    if (targets[run.array]) {
-      T* const to = targets[run.array] + run.first;
-      if (run.stride == 1)
-        for (std::uint32_t n = 0; n < run.length; ++n) to[n] = from[n];
-      else
-        for (std::ptrdiff_t n = 0; n < run.length; ++n) to[n * run.stride] = from[n];
-    }
-    from += run.length;
-  }
-}
-
-}  // namespace
 
 template <class T>
 void SlotExchange<T>::clear() {
@@ -42,19 +20,21 @@ void SlotExchange<T>::clear() {
 
 template <class T>
 void SlotExchange<T>::send(std::span<const T* const> sources, bool back, bool early) {
+  const auto is_sent = [&](const Peer& peer) { return peer.early == early && peer.list[back].slots() > 0; };
   for (auto& [rank, peer] : peers_) {
-    if (peer.early != early || peer.list[back].slots() == 0) continue;
-    std::vector<T>& buffer = peer.buffer[back];
-    buffer.resize(peer.list[back].slots());
-    pack(sources, peer.list[back], buffer.data());
-    transfers_.send(rank, std::span(buffer));
+    if (!is_sent(peer)) continue;
+    peer.buffer[back].resize(peer.list[back].slots());
+    move(peer.list[back].places(), {.table = sources.data()}, {.only = peer.buffer[back].data()}, false);
   }
+  wait(device_);
+  for (auto& [rank, peer] : peers_)
+    if (is_sent(peer)) transfers_.send(rank, std::span(peer.buffer[back]));
 }
 
 template <class T>
 void SlotExchange<T>::start(std::span<const T* const> sources, bool back) {
   for (auto& [rank, peer] : peers_) {
-    std::vector<T>& buffer = peer.buffer[!back];
+    std::pmr::vector<T>& buffer = peer.buffer[!back];
     buffer.resize(peer.list[!back].slots());
     if (!buffer.empty()) transfers_.receive(rank, std::span(buffer));
   }
@@ -64,9 +44,11 @@ void SlotExchange<T>::start(std::span<const T* const> sources, bool back) {
 template <class T>
 void SlotExchange<T>::finish(std::span<const T* const> sources, std::span<T* const> targets, bool back) {
   send(sources, back, false);
-  copied_.move(sources, targets, back, [](T value) { return value; });
+  move(copied_, {.table = sources.data()}, {.table = targets.data()}, back);
   transfers_.wait();
-  for (auto& [rank, peer] : peers_) unpack(peer.buffer[!back].data(), peer.list[!back], targets);
+  for (auto& [rank, peer] : peers_)
+    move(peer.list[!back].places(), {.only = peer.buffer[!back].data()}, {.table = targets.data()}, true);
+  wait(device_);
 }
 
 template <class T>

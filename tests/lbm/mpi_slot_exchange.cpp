@@ -21,12 +21,19 @@ TEST(SlotList, JoinsSlotsThatFollowAtOneStride) {
   for (const std::uint32_t slot : {14u, 11u, 8u}) list.add({0, slot, -3});
   list.add({0, 30, 2, 3}), list.add({0, 36, 2, 2}), list.add({0, 40, 1, 2}), list.add({1, 42});
   std::vector<std::array<int, 4>> runs;
-  for (const SlotRun& r : list.runs()) runs.push_back({int(r.array), int(r.first), r.stride, int(r.length)});
+  int slots = 0;
+  for (const auto& [r, place] : list.places().pairs()) {
+    runs.push_back({int(r.array), int(r.first), r.stride, int(r.length)});
+    EXPECT_EQ(place.first, slots);
+    slots += int(r.length);
+  }
   const std::vector<std::array<int, 4>> expected = {{0, 5, 1, 3},   {0, 20, 1, 1}, {0, 17, 1, 1},
                                                     {0, 14, -3, 3}, {0, 30, 2, 5}, {0, 40, 1, 2},
                                                     {1, 42, 1, 1}};
   EXPECT_EQ(runs, expected);
   EXPECT_EQ(list.slots(), 16u);
+  EXPECT_EQ(slots, 16);
+  EXPECT_EQ(list.places().longest(), 5u);
 }
 
 /// Arrays of a rank: what lies in slot s of array a.
@@ -40,8 +47,8 @@ std::vector<std::vector<double>> filled(int of_rank) {
 /// A ring: each rank sends the next one a run and single slots, and copies a few backwards.
 struct Ring {
   int next = (rank() + 1) % ranks(), last = (rank() + ranks() - 1) % ranks();
-  SlotExchange<double> exchange{MPI_COMM_WORLD, 7};
-  Ring() {
+  SlotExchange<double> exchange;
+  explicit Ring(Device device = Device::cpu) : exchange(MPI_COMM_WORLD, 7, device) {
     exchange.sent(next).add({0, 0, 1, 4}), exchange.sent(next).add({1, 9}), exchange.sent(next).add({1, 3});
     exchange.received(last).add({1, 20, 3, 5}), exchange.received(last).add({0, 33});
     exchange.copied().add({0, 10, 1, 3}, {1, 39, -1, 3});
@@ -54,8 +61,9 @@ struct Ring {
 };
 
 TEST(SlotExchange, MovesSlotsAndBack) {
-  for (const bool late : {false, true}) {
-    Ring ring;
+  for (const auto& [late, device] :
+       {std::pair(false, Device::cpu), {true, Device::cpu}, {false, Device::host}, {true, Device::host}}) {
+    Ring ring(device);
     if (late) ring.exchange.hold_back(ring.next), ring.exchange.hold_back(ring.last);
     EXPECT_EQ(ring.exchange.message_bytes(), 6 * sizeof(double));
     EXPECT_EQ(ring.exchange.message_bytes(true), late ? 0 : 6 * sizeof(double));
@@ -77,14 +85,16 @@ TEST(SlotExchange, MovesSlotsAndBack) {
 }
 
 TEST(SlotExchange, LeavesOutArraysThatAreNone) {
-  Ring ring;
-  const auto mine = filled(rank());
-  std::vector<double> zeroth(40, -1);
-  const double* sources[] = {mine[0].data(), mine[1].data()};
-  double* targets[] = {zeroth.data(), nullptr};
-  ring.exchange.start(sources), ring.exchange.finish(sources, targets);
-  EXPECT_EQ(zeroth[33], filled(ring.last)[1][3]);
-  EXPECT_EQ(std::count(zeroth.begin(), zeroth.end(), -1), 39);
+  for (const Device device : {Device::cpu, Device::host}) {
+    Ring ring(device);
+    const auto mine = filled(rank());
+    std::vector<double> zeroth(40, -1);
+    const double* sources[] = {mine[0].data(), mine[1].data()};
+    double* targets[] = {zeroth.data(), nullptr};
+    ring.exchange.start(sources), ring.exchange.finish(sources, targets);
+    EXPECT_EQ(zeroth[33], filled(ring.last)[1][3]);
+    EXPECT_EQ(std::count(zeroth.begin(), zeroth.end(), -1), 39);
+  }
 }
 
 }  // namespace

@@ -1,0 +1,100 @@
+#pragma once
+// Lists of slots of arrays, in runs, and of slots to which the values of others go. What the arrays are is
+// said when something is to go, so that one list serves every array laid out alike.
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <memory_resource>
+#include <vector>
+
+#include "cpu/device_code.hpp"
+
+namespace silt::lbm {
+
+/// Slots first, first + stride, ... of an array.
+struct SlotRun {
+  std::uint32_t array, first;
+  std::int32_t stride = 1;
+  std::uint32_t length = 1;
+
+  /// Whether `next` follows at this stride, which it has too.
+  bool goes_on_with(const SlotRun& next) const {
+    return array == next.array && stride == next.stride &&
+           first + std::int64_t{stride} * length == std::int64_t{next.first};
+  }
+};
+
+/// Where values come from or go to: a table of arrays, or one array for all.
+template <class T>
+struct SlotArrays {
+  T* const* table = nullptr;
+  T* only = nullptr;
+  SILT_DEVICE T* operator[](std::uint32_t array) const { return table ? table[array] : only; }
+};
+
+/// Slots and where the value of each goes.
+class SlotPairs {
+ public:
+  struct Pair {
+    SlotRun from, to;
+  };
+  explicit SlotPairs(std::pmr::memory_resource* memory = std::pmr::new_delete_resource()) : pairs_(memory) {}
+
+  /// Returns whether they have joined the last pair of runs.
+  bool add(const SlotRun& from, const SlotRun& to, bool may_join = true) {
+    may_join &= !pairs_.empty() && pairs_.back().from.goes_on_with(from) && pairs_.back().to.goes_on_with(to);
+    if (may_join)
+      pairs_.back().from.length += from.length, pairs_.back().to.length += to.length;
+    else
+      pairs_.push_back({from, to});
+    longest_ = std::max(longest_, pairs_.back().from.length);
+    return may_join;
+  }
+  void clear() { pairs_.clear(), longest_ = 0; }
+  const std::pmr::vector<Pair>& pairs() const { return pairs_; }
+  std::uint32_t longest() const { return longest_; }
+
+  /// Puts change_of(k)(value) of each slot of the k-th pair in its place; `back` goes the other way. Nothing
+  /// goes to an array that is a null pointer.
+  template <class T, class ChangeOf>
+  void move(SlotArrays<const T> sources, SlotArrays<T> targets, bool back, ChangeOf&& change_of) const {
+    for (std::size_t k = 0; k < pairs_.size(); ++k) {
+      const Pair& pair = pairs_[k];
+      const SlotRun &source = back ? pair.to : pair.from, &target = back ? pair.from : pair.to;
+      T* to = targets[target.array];
+      if (!to) continue;
+      to += target.first;
+      const T* const from = sources[source.array] + source.first;
+      const std::ptrdiff_t s = source.stride, t = target.stride;
+      const auto change = change_of(k);
+      if (s == 1 && t == 1)
+        for (std::ptrdiff_t n = 0; n < source.length; ++n) to[n] = change(from[n]);
+      else
+        for (std::ptrdiff_t n = 0; n < source.length; ++n) to[n * t] = change(from[n * s]);
+    }
+  }
+
+ private:
+  std::pmr::vector<Pair> pairs_;
+  std::uint32_t longest_ = 0;
+};
+
+/// Slots in the order in which they were added, and their places in a message.
+class SlotList {
+ public:
+  explicit SlotList(std::pmr::memory_resource* memory = std::pmr::new_delete_resource()) : pairs_(memory) {}
+  void add(const SlotRun& run) {
+    pairs_.add(run, {0, slots_, 1, run.length});
+    slots_ += run.length;
+  }
+  void clear() { pairs_.clear(), slots_ = 0; }
+  /// Pairs of a slot and its place in an array of them all.
+  const SlotPairs& places() const { return pairs_; }
+  std::size_t slots() const { return slots_; }
+
+ private:
+  SlotPairs pairs_;
+  std::uint32_t slots_ = 0;
+};
+
+}  // namespace silt::lbm
