@@ -21,7 +21,7 @@ foreach(folder cpu device parallel lbm rigid adapters coupler)
 endforeach()
 install(FILES ${PROJECT_SOURCE_DIR}/scripts/completion.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions
         RENAME silt)
-install(DIRECTORY ${PROJECT_SOURCE_DIR}/cases DESTINATION ${CMAKE_INSTALL_DATADIR}/silt PATTERN out* EXCLUDE)
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/cases DESTINATION ${CMAKE_INSTALL_DATADIR}/silt PATTERN out* EXCLUDE PATTERN sweep EXCLUDE)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/scripts/silt_results DESTINATION lib/python3/dist-packages
         FILES_MATCHING PATTERN "*.py")
 

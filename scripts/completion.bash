@@ -66,4 +66,4 @@ _silt_script() {
 }
 
 complete -o filenames -F _silt silt
-complete -o filenames -o default -F _silt_script run regress render plot report compare clean new-case surfaces submit bench
+complete -o filenames -o default -F _silt_script run regress render plot report compare clean new-case surfaces submit sweep watch bench

@@ -2,6 +2,7 @@
 """case_commands.py SILT: scripts/clean, new-case and compare do what they say, and nothing else; every command explains itself at once."""
 import os
 import pathlib
+import re
 import shutil
 import subprocess
 import time
@@ -83,6 +84,14 @@ class Commands(SiltTest):
         self.assertIn("+# --set fluid.relaxation_time=0.9", said)
         self.assertIn("quantities.height", said)
         self.assertIn("largest difference in velocity", said)
+        page = pathlib.Path(self.scratch.name) / "runs.html"
+        said = command("compare", self.case, other, third, "--page", page, code=1)
+        self.assertIn(f"bodies at the end of {third}", said)
+        self.assertNotIn(f"bodies at the end of {other}", said)
+        self.assertRegex(said, rf"relaxation_time.*\n|ranks +1 +2 +1\n")
+        figure = re.search("<figure>.*?</figure>", page.read_text(), flags=re.S)[0]
+        self.assertTrue(all(str(run) in figure for run in (self.case, other, third)))
+        self.assertIn("name two or more", command("compare", self.case, code=2))
         self.assertIn("report.json: not there", command("compare", self.case, self.scratch.name, code=1))
 
     def test_every_command_explains_itself(self):
