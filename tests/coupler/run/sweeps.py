@@ -46,7 +46,7 @@ class Sweeps(SiltTest):
             self.assertEqual((float(row["height"]), row["exit_reason"], row["steps"]), (report["quantities"]["height"], "completed", "30"))
         page = (self.folder / "sweep.html").read_text()
         links = [urllib.parse.unquote(link) for link in re.findall('href="([^"#]+)"', page)]
-        self.assertTrue(all((self.folder / link).exists() for link in links) and len(links) == 3, links)
+        self.assertTrue(all((self.folder / link).exists() for link in links) and len(links) == 2, links)
         figures = re.findall("<figure>(<svg.*?</svg>)", page, flags=re.S)
         self.assertTrue(all("relaxation_time=0.7" in f and "relaxation_time=0.9" in f for f in figures[1:]) and len(figures) > 4)
         self.assertIn(">fluid.relaxation_time<", figures[0])  # the axis of the quantity over the key
