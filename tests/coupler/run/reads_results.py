@@ -6,6 +6,7 @@ import pathlib
 import re
 import subprocess
 import sys
+import types
 import unittest
 
 import h5py
@@ -16,6 +17,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[3]
 sys.path.insert(0, str(ROOT / "scripts"))
 
 import silt_results  # noqa: E402
+from silt_results import structure  # noqa: E402
 
 
 # Bodies whose file's or parts' origin is not their centre of mass come to rest on one another.
@@ -132,6 +134,62 @@ class PositionFiles(SiltTest):
         self.assertEqual(silt_results.open(self.case).bodies.at(0)["position"].tolist(), [[6, 8, 9], [18, 8, 10]])
 
 
+class Structure(unittest.TestCase):
+    def run_of(self, position, size, periodic=(True, True, True), radius=0.5):
+        rows = {"position": np.asarray(position, float), "kind": np.arange(len(position)) % 2}
+        series = types.SimpleNamespace(domain=np.array([np.zeros(3), size], float), kinds=["even", "odd"], bounding_radius=np.full(2, radius),
+                                       at=lambda index: rows)
+        return types.SimpleNamespace(bodies=series, scene=types.SimpleNamespace(periodic=list(periodic)))
+
+    def lattice(self, basis, cells=4):
+        """Places of a cubic lattice whose nearest neighbours are 1 apart."""
+        sites = (np.indices((cells,) * 3).reshape(3, -1).T[:, None] + np.array(basis)).reshape(-1, 3)
+        edge = 1 / np.sort(np.linalg.norm(sites[1:] - sites[0], axis=1))[0]
+        return edge * sites, np.full(3, edge * cells)
+
+    def test_lattices(self):
+        """Neighbours and q4, q6 of the cubic lattices: Steinhardt, Nelson, Ronchetti, Phys. Rev. B 28 (1983) 784."""
+        face, body = [[0, 0, 0], [0.5, 0.5, 0], [0.5, 0, 0.5], [0, 0.5, 0.5]], [[0, 0, 0], [0.5, 0.5, 0.5]]
+        for basis, touching, q4, q6 in ((face, 12, 0.190941, 0.574524), (body, 8, 0.509175, 0.628539), ([[0, 0, 0]], 6, 0.763763, 0.353553)):
+            position, size = self.lattice(basis)
+            run = self.run_of(position, size)
+            self.assertEqual(set(structure.neighbours(run, gap=1e-9)), {touching})
+            self.assertEqual(len(structure.neighbours(run, box=[[0, 0, 0], [1.01] * 3])), (position < 1.02).all(axis=1).sum())
+            self.assertEqual(set(structure.neighbours(run, gap=1e-9, box=[[0, 0, 0], [1.01] * 3])), {touching})  # some are outside it
+            for order, q in ((4, q4), (6, q6)):
+                self.assertTrue(np.allclose(structure.bond_order(run, 1.01, order), q, atol=1e-6), (touching, order))
+            r, g = structure.radial_distribution(run, reach=1.1, bins=110)
+            density = len(position) / size.prod() * (1 - 1 / len(position))
+            self.assertAlmostEqual((g * density * 4 / 3 * np.pi * np.diff(np.linspace(0, 1.1, 111)**3)).sum(), touching, delta=1e-9)
+            self.assertTrue(0.98 < r[g.argmax()] < 1.02)
+
+    def test_bodies_at_random(self):
+        """g is 1 within what so many pairs scatter, over periodic sides, between walls, of a kind and in a part of the domain."""
+        position = np.random.default_rng(1).uniform(0, [2, 3, 1.5], (3000, 3))
+        for periodic, options in (((True, True, True), {}), ((False, False, False), {}), ((True, False, True), {"kind": "odd"}),
+                                  ((True, True, True), {"box": [[0.2, 0, 0.1], [1.6, 3, 1.5]]})):
+            run = self.run_of(position, [2, 3, 1.5], periodic)
+            r, g = structure.radial_distribution(run, 0.7, bins=14, **options)
+            lower, upper = options.get("box", [[0, 0, 0], [2, 3, 1.5]])
+            inside = ((position >= lower) & (position <= upper)).all(axis=1).sum() / (2 if "kind" in options else 1)
+            pairs = inside**2 / 2 * 4 * np.pi * r**2 * 0.05 / np.prod(np.subtract(upper, lower)) * 0.5
+            self.assertTrue((np.abs(g - 1) < 4 / np.sqrt(pairs) + 2e-3).all(), (periodic, options, g))
+
+    def test_pairs_are_those_of_a_search_through_all(self):
+        position = np.random.default_rng(2).uniform(0, [1, 1.3, 0.9], (200, 3))
+        for periodic in ((True, False, True), (False, False, False)):
+            run = self.run_of(position, [1, 1.3, 0.9], periodic, radius=0.06)
+            away = position[:, None] - position
+            away -= np.array(periodic) * [1, 1.3, 0.9] * np.round(away / [1, 1.3, 0.9])
+            distance = np.linalg.norm(away, axis=2) + np.eye(200)
+            for reach in (0.13, 0.3, 0.44):
+                self.assertEqual(structure.neighbours(run, gap=reach - 0.12).tolist(), (distance <= reach).sum(axis=1).tolist())
+        with self.assertRaisesRegex(ValueError, "reach is 0.5; along a periodic axis it must be at most half a period, 0.45"):
+            structure.radial_distribution(self.run_of(position, [1, 1.3, 0.9]), 0.5)
+        with self.assertRaisesRegex(ValueError, "no kind ball; there are even, odd"):
+            structure.neighbours(run, kind="ball")
+
+
 class Results(SiltTest):
     def setUp(self):
         super().setUp()
@@ -161,6 +219,11 @@ class Results(SiltTest):
         for x, v in zip(bodies["position"], bodies["velocity"]):
             cell = tuple(int(c) for c in x)
             self.assertTrue(np.allclose(field["velocity"][cell], v, atol=1e-3 + 0.01 * np.linalg.norm(v)), (cell, v))
+
+    def test_structure(self):
+        self.assertEqual(structure.neighbours(self.results, gap=2, index=[0, 1, 2]).tolist(), [0] * 6)
+        self.assertTrue(np.isnan(structure.bond_order(self.results, reach=7)).all())
+        self.assertEqual(structure.radial_distribution(self.results, reach=8)[1].sum(), 0)
 
     def test_scalars(self):
         series = self.results.series
