@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 """report_page.py SILT: scripts/report puts a run on one page that needs nothing else, says what is true and in which units, and fits a phone."""
 import html.parser
+import os
 import pathlib
 import re
 import shutil
@@ -122,7 +123,7 @@ class Page(SiltTest):
             self.assertRegex(Outline(text).text, f"height[-0-9.]+80.1{length}")  # found, reference, tolerance, unit
             self.assertIn("height from theory: somewhere", Outline(text).text)
 
-    def test_loads_itself_anew_while_the_run_goes_on(self):
+    def test_is_seen_while_it_goes_on(self):
         self.write(CASE.replace("steps = 60", "steps = 1000000").replace("fields = { every = 20 }", "report = { every = 10 }"))
         run = subprocess.Popen([SCRIPTS / "run", self.case, "--overwrite", "--silt", SILT, "--follow", "0.2", "--no-pictures"], stdout=subprocess.DEVNULL,
                                stderr=subprocess.DEVNULL, env=ENVIRONMENT)
@@ -133,9 +134,19 @@ class Page(SiltTest):
             text = (self.out / "report.html").read_text()
             self.assertIn("<meta http-equiv=refresh content=1>", text)
             self.assertIn("Running:", text)
+            self.assertRegex(run_script(SCRIPTS / "watch", self.case).stdout, r"two balls: running\n(no step|step \d+/1000000 )[^\n]*\n\n"
+                             r"  height  [0-9.]+ cells  [▁▂▃▄▅▆▇█]{2,40}\n\n[^\n]*warning: bodies\[0\].shape: shape 'ball' is 5 cells across")
+            reader, terminal = os.openpty()
+            watch = subprocess.Popen([SCRIPTS / "watch", self.out, "--every", "0.1"], stdout=terminal)
+            os.close(terminal)
+            seen = b""
+            while seen.count(b"\033[H") < 2:
+                seen += os.read(reader, 1000)
         finally:
             run.terminate()
             run.wait()
+        self.assertEqual(watch.wait(timeout=30), 1)  # interrupted
+        os.close(reader)
         text = (self.out / "report.html").read_text()
         self.assertIn("Interrupted", text)
         self.assertNotIn("http-equiv", text)
@@ -194,9 +205,10 @@ class Page(SiltTest):
         self.assertRegex(text, r"<p class=warning>step \d+: ")
 
     def test_without_results(self):
-        done = run_script(SCRIPTS / "report", self.case)
-        self.assertEqual(done.returncode, 1)
-        self.assertRegex(done.stderr, "report: .*report.json: not there; a run writes it")
+        for script, text in (("report", "report: .*report.json: not there; a run writes it"), ("watch", "watch: .*run.log: not there; a run writes it")):
+            done = run_script(SCRIPTS / script, self.case)
+            self.assertEqual(done.returncode, 1)
+            self.assertRegex(done.stderr, text)
 
 
 if __name__ == "__main__":
