@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "coupler/guard.hpp"
-#include "coupler/run/run.hpp"
+#include "coupler/run/run_outputs.hpp"
 #include "coupler/simulation.hpp"
 #include "cpu/isa.hpp"
 
@@ -35,11 +35,12 @@ struct UnfitCase : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// LiveSimulation owns a simulation, which ends with it or when MPI is finalised, by whomever.
+/// LiveSimulation owns a simulation, which ends with it or when MPI is finalised, by whomever. With a folder
+/// for results it writes what `silt run` does.
 class LiveSimulation {
  public:
-  /// Collective. Reads and judges a case as `silt run` does. UnfitCase.
-  LiveSimulation(const RunOptions&, MPI_Comm);
+  /// Collective. Reads and judges a case as `silt run` does, or as `silt resume`. UnfitCase.
+  LiveSimulation(const RunOptions&, bool resume, MPI_Comm);
   LiveSimulation(const LiveSimulation&) = delete;
   ~LiveSimulation();
 
@@ -52,12 +53,28 @@ class LiveSimulation {
   template <class Work>
   auto with(Work&& work);
 
+  bool writes() const { return files_ != nullptr; }
+  bool has_ended() { return get().steps_done() >= get().setup().steps || prepared_.is_steady(); }
+  /// One step, and what is to be written after it; after the last one also finish(). Errors as of `with`;
+  /// std::invalid_argument after the last step of a run that writes, or after finish.
+  void step();
+  /// Ends what is written: before the last step with a checkpoint, from which `silt resume` goes on.
+  void finish();
+
  private:
+  struct Files {
+    Progress progress;
+    RunOutputs outputs;
+    Files(PreparedRun&, const std::filesystem::path&);
+  };
+  void end_files(const std::string& reason, const std::string& text, bool sound);
   static int end_all(MPI_Comm, int, void*, void*);
   static std::vector<LiveSimulation*>& living();
   [[noreturn]] void end_alone(const std::string& text) const;
 
-  std::unique_ptr<Simulation> simulation_;
+  PreparedRun prepared_;
+  std::unique_ptr<Files> files_;
+  bool finished_ = false;
   std::vector<std::string> warnings_;
 };
 

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <optional>
 
 #include "coupler/case/case.hpp"
 #include "coupler/case/case_file.hpp"
@@ -151,14 +152,20 @@ std::vector<std::string> overrides_of(const std::vector<std::string>& set,
 
 std::unique_ptr<LiveSimulation> opened(const std::filesystem::path& directory,
                                        const std::vector<std::string>& set,
-                                       const std::vector<std::string>& unset) {
+                                       const std::vector<std::string>& unset,
+                                       const std::optional<std::filesystem::path>& out, bool overwrite,
+                                       bool resume) {
+  if (!out && (overwrite || resume))
+    throw std::invalid_argument("overwrite and resume are of a folder of results: give out as well");
   RunOptions options;
   options.directory = directory;
   options.overrides = overrides_of(set, unset);
+  options.out = out;
+  options.overwrite = overwrite;
   std::unique_ptr<LiveSimulation> live;
   {
     const py::gil_scoped_release released;
-    live = std::make_unique<LiveSimulation>(options, MPI_COMM_WORLD);
+    live = std::make_unique<LiveSimulation>(options, resume, MPI_COMM_WORLD);
   }
   for (const std::string& warning : live->warnings())
     if (live->get().scene().rank == 0 && PyErr_WarnEx(PyExc_UserWarning, warning.c_str(), 1) != 0)
@@ -167,10 +174,15 @@ std::unique_ptr<LiveSimulation> opened(const std::filesystem::path& directory,
 }
 
 /// Runs, and lets an interrupt of the only rank end it between two looks at the fluid.
-void run(LiveSimulation& live, std::int64_t steps) {
-  while (steps > 0) {
+void run(LiveSimulation& live, std::optional<std::int64_t> wanted) {
+  std::int64_t steps = wanted.value_or(live.get().setup().steps - live.get().steps_done());
+  while (steps > 0 && !(live.writes() && live.has_ended())) {
     const std::int64_t now = std::min(steps, guard_interval);
-    with(live, [&](Simulation& simulation) { simulation.run(now); });
+    {
+      const py::gil_scoped_release released;
+      if (!live.writes()) live.with([&](Simulation& simulation) { simulation.run(now); });
+      for (std::int64_t i = 0; live.writes() && i < now && !live.has_ended(); ++i) live.step();
+    }
     steps -= now;
     if (live.get().scene().ranks == 1 && PyErr_CheckSignals() != 0) throw py::error_already_set();
   }
@@ -262,7 +274,9 @@ makes the same calls with the same arguments. Properties are of this rank, and w
 constexpr const char* about_opening =
     R"(Reads and judges a case directory (or .toml file) as `silt run CASE --set ... --unset ...` does, and
 starts at step 0. Raises CaseError with everything that is wrong, on every rank; warnings come as
-UserWarning on rank 0.)";
+UserWarning on rank 0. Without `out` it writes no files. With it, a folder, it writes there all that
+`silt run CASE --out FOLDER` does; `overwrite` deletes earlier results there instead of moving them,
+`resume` goes on from the newest checkpoint there. finish(), or the end of a with block, closes them.)";
 constexpr const char* about_step =
     R"(Does one step. Raises GuardStop, on every rank, when the state has left the range in which it means
 anything. What only one of several ranks meets would leave the others waiting: that rank says what
@@ -276,11 +290,17 @@ void bind_simulation(py::module_& module) {
   py::class_<LiveSimulation> simulation(module, "Simulation", about_simulation);
   simulation
       .def(py::init(&opened), py::arg("case"), py::arg("set") = std::vector<std::string>{},
-           py::arg("unset") = std::vector<std::string>{}, about_opening)
-      .def(
-          "step", [](LiveSimulation& live) { with(live, [](Simulation& s) { s.step(); }); }, about_step)
-      .def("run", &run, py::arg("steps"),
-           "Does so many steps, with a look at all of the fluid every 100; errors as of step.")
+           py::arg("unset") = std::vector<std::string>{}, py::arg("out") = std::nullopt,
+           py::arg("overwrite") = false, py::arg("resume") = false, about_opening)
+      .def("step", &LiveSimulation::step, py::call_guard<py::gil_scoped_release>(), about_step)
+      .def("run", &run, py::arg("steps") = std::nullopt,
+           "Does so many steps, with a look at all of the fluid every 100; errors as of step. Without a "
+           "number, and\nwhere files are written at most, up to the end that the case has.")
+      .def("finish", &LiveSimulation::finish, py::call_guard<py::gil_scoped_release>(),
+           "Ends the files: report.json says how the run ended, before its last step with a checkpoint.")
+      .def("__enter__", [](py::object self) { return self; })
+      .def("__exit__", [](LiveSimulation& live, const py::args&) { live.finish(); })
+      .def_property_readonly("ended", &LiveSimulation::has_ended, "whether the case's last step is done")
       .def(
           "hash",
           [](LiveSimulation& live) { return hex(with(live, [](Simulation& s) { return s.hash(); })); },

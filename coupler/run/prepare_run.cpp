@@ -152,6 +152,18 @@ std::string examine_case(const RunOptions& options) {
   return derived_table(setup) + estimate_table(setup, estimate) + listed(warnings);
 }
 
+RunExtent PreparedRun::extent() const {
+  const Case& setup = simulation->setup();
+  const auto& n = setup.cells;
+  return {first_step, setup.steps, setup.fluid ? double(n[0]) * n[1] * n[2] : 0, setup.units};
+}
+
+void PreparedRun::watch() {
+  const Case& setup = simulation->setup();
+  if (!steady || simulation->steps_done() % setup.steady->every != 0) return;
+  steady->look(quantities->evaluate(*simulation, setup.steady->quantity));
+}
+
 bool PreparedRun::has_ended() const {
   return simulation->steps_done() >= simulation->setup().steps || is_steady();
 }

@@ -11,6 +11,7 @@
 #include "coupler/results/quantities.hpp"
 #include "coupler/results/result_folder.hpp"
 #include "coupler/results/steady_watch.hpp"
+#include "coupler/run/progress.hpp"
 #include "coupler/run/run.hpp"
 #include "coupler/simulation.hpp"
 
@@ -29,6 +30,10 @@ struct PreparedRun {
   /// Says what of the options of the run that goes on still holds, or "".
   std::string earlier_options;
 
+  RunExtent extent() const;
+  /// Collective, after a step: looks whether the flow has become steady, where the case asks for it and it is
+  /// time to.
+  void watch();
   bool is_steady() const { return steady && steady->steady(); }
   /// Whether no step is left to do; and what report.json says of that end.
   bool has_ended() const;

@@ -47,8 +47,8 @@ bool is_on_terminal() {
 
 }  // namespace
 
-Progress::Progress(const RunExtent& run, bool loud)
-    : run_(run), loud_(loud), terminal_(loud && is_on_terminal()) {
+Progress::Progress(const RunExtent& run, bool loud, bool prints)
+    : run_(run), loud_(loud), prints_(prints), terminal_(loud && prints && is_on_terminal()) {
   begin_ = shown_ = logged_ = Clock::now();
 }
 
@@ -71,9 +71,11 @@ void Progress::clear_line() {
 
 void Progress::say(const std::string& text) {
   if (!loud_) return;
-  clear_line();
-  std::puts(text.c_str());
-  std::fflush(stdout);
+  if (prints_) {
+    clear_line();
+    std::puts(text.c_str());
+    std::fflush(stdout);
+  }
   log(text);
 }
 
@@ -95,6 +97,7 @@ void Progress::step(std::int64_t step, double seconds_in_steps) {
 }
 
 void Progress::show(const std::string& text) {
+  if (!prints_) return;
   if (terminal_) {
     std::fputs(fmt::format("\r{:<{}}", text, width_).c_str(), stdout);
     width_ = std::max(width_, text.size());

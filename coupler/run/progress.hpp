@@ -21,8 +21,8 @@ struct RunExtent {
 
 class Progress {
  public:
-  /// `loud`: this is the rank that prints.
-  Progress(const RunExtent&, bool loud);
+  /// `loud`: this is the rank that tells. `prints`: not only to the log.
+  Progress(const RunExtent&, bool loud, bool prints = true);
   ~Progress();
   Progress(const Progress&) = delete;
 
@@ -44,7 +44,7 @@ class Progress {
   void clear_line();
 
   const RunExtent run_;
-  const bool loud_;
+  const bool loud_, prints_;
   const bool terminal_;
   std::FILE* log_ = nullptr;
   Clock::time_point begin_, shown_, logged_;

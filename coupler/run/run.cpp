@@ -17,7 +17,6 @@
 #include "coupler/run/progress.hpp"
 #include "coupler/run/run_outputs.hpp"
 #include "coupler/run/stop_request.hpp"
-#include "cpu/isa.hpp"
 #include "parallel/collectives.hpp"
 #include "parallel/together.hpp"
 
@@ -37,12 +36,6 @@ std::string quoted(const std::string& argument) {
   return text + "'";
 }
 
-RunExtent extent_of(const PreparedRun& run) {
-  const Case& setup = run.simulation->setup();
-  const auto& n = setup.cells;
-  return {run.first_step, setup.steps, setup.fluid ? double(n[0]) * n[1] * n[2] : 0, setup.units};
-}
-
 class Run {
  public:
   Run(PreparedRun prepared, const fs::path& folder, const RunOptions&, parallel::Reunion&);
@@ -53,7 +46,6 @@ class Run {
   bool is_alone() const { return simulation_.scene().ranks == 1; }
   void greet();
   void advance();
-  void watch();
   void judge_sweeps();
   Exit end(Exit, const std::string& reason, const std::string& text);
   [[noreturn]] void fail_alone(Exit, const std::string& reason, const std::string& what);
@@ -79,7 +71,7 @@ Run::Run(PreparedRun prepared, const fs::path& folder, const RunOptions& options
                    (options.out ? " --out " + quoted(options.out->string()) : "")),
       stop_request_(simulation_.scene().comm, options.time_limit),
       reunion_(reunion),
-      progress_(extent_of(prepared_), simulation_.scene().rank == 0),
+      progress_(prepared_.extent(), simulation_.scene().rank == 0),
       outputs_(prepared_, folder_, progress_) {}
 
 Exit Run::go() {
@@ -89,7 +81,7 @@ Exit Run::go() {
     outputs_.start();
     while (!prepared_.has_ended()) {
       advance();
-      watch();
+      prepared_.watch();
       outputs_.write_due();
       const auto& coarsening = simulation_.setup().coarsening;  // coarse cells end their step
       if (coarsening && simulation_.steps_done() % coarsening->stride() != 0) continue;
@@ -97,8 +89,7 @@ Exit Run::go() {
       if (why.empty() || prepared_.has_ended()) continue;
       const std::string text = fmt::format("{} at step {}; go on with: silt resume {}", why,
                                            simulation_.steps_done(), resume_with_);
-      outputs_.write_report("interrupted", text, true);
-      outputs_.write_checkpoint();
+      outputs_.interrupt(text);
       return end(Exit::interrupted, "interrupted", text);
     }
     return end(Exit::done, prepared_.reason_of_end(), prepared_.text_of_end());
@@ -146,12 +137,6 @@ void Run::advance() {
   progress_.step(simulation_.steps_done(), simulation_.step_seconds());
 }
 
-/// Collective: looks whether the flow has become steady, where the case asks for it and it is time to.
-void Run::watch() {
-  if (!prepared_.steady || simulation_.steps_done() % setup().steady->every != 0) return;
-  prepared_.steady->look(prepared_.quantities->evaluate(simulation_, setup().steady->quantity));
-}
-
 /// Collective: says so where the sweeps over contacts ended far from rest, in any step.
 void Run::judge_sweeps() {
   constexpr double far = 0.1;
@@ -188,12 +173,7 @@ std::string Run::stopped_state_text() {
 
 void Run::greet() {
   const Scene& scene = simulation_.scene();
-  const adapters::Provenance& silt = outputs_.provenance();
-  if (!prepared_.folder.note.empty()) progress_.say(prepared_.folder.note);
-  progress_.log(fmt::format("silt {} ({}), {}, {}, {} ranks, {} blocks, {}, {}\n{}", silt.version,
-                            silt.commit, silt.compiler, silt.host, scene.ranks, scene.domain.blocks(),
-                            instruction_set(), silt.created, derived_table(setup())));
-  for (const Diagnostic& warning : prepared_.warnings) progress_.say(warning.line());
+  outputs_.begin_log();
   const auto& n = setup().cells;
   std::string text = setup().title.empty() ? setup().directory.string() : setup().title;
   if (scene.flow) text += fmt::format(": {} x {} x {} cells", n[0], n[1], n[2]);

@@ -3,12 +3,14 @@
 #include <fmt/format.h>
 
 #include "coupler/case/case.hpp"
+#include "coupler/case/case_check.hpp"
 #include "coupler/guard.hpp"
 #include "coupler/results/build_info.hpp"
 #include "coupler/results/checkpoint.hpp"
 #include "coupler/results/flow_fields.hpp"
 #include "coupler/results/report.hpp"
 #include "coupler/results/scene_output.hpp"
+#include "cpu/isa.hpp"
 #include "parallel/together.hpp"
 
 namespace silt::coupler {
@@ -19,6 +21,16 @@ RunOutputs::RunOutputs(PreparedRun& run, const std::filesystem::path& folder, Pr
       folder_(folder),
       progress_(progress),
       provenance_(provenance_of(setup(), simulation_.scene().ranks, simulation_.scene().backend_name())) {}
+
+void RunOutputs::begin_log() {
+  const Scene& scene = simulation_.scene();
+  if (!run_.folder.note.empty()) progress_.say(run_.folder.note);
+  progress_.log(fmt::format("silt {} ({}), {}, {}, {} ranks, {} blocks, {}, {}\n{}", provenance_.version,
+                            provenance_.commit, provenance_.compiler, provenance_.host, scene.ranks,
+                            scene.domain.blocks(), instruction_set(), provenance_.created,
+                            derived_table(setup())));
+  for (const Diagnostic& warning : run_.warnings) progress_.say(warning.line());
+}
 
 bool RunOutputs::due(const SeriesSpec& series) const {
   return series.every > 0 && (simulation_.steps_done() % series.every == 0 || run_.has_ended());
@@ -118,6 +130,11 @@ void RunOutputs::write_checkpoint() {
   simulation_.settle();
   last_checkpoint_ = write_state("checkpoint").string();
   progress_.log(fmt::format("step {}: wrote {}", simulation_.steps_done(), last_checkpoint_));
+}
+
+void RunOutputs::interrupt(const std::string& text) {
+  write_report("interrupted", text, true);  // before the checkpoint that stands for its row
+  write_checkpoint();
 }
 
 std::filesystem::path RunOutputs::write_stopped_state() {

@@ -17,7 +17,8 @@ class RunOutputs {
   /// Refers to the run and its progress.
   RunOutputs(PreparedRun&, const std::filesystem::path& folder, Progress&);
 
-  const adapters::Provenance& provenance() const { return provenance_; }
+  /// Says in run.log what is run, by what, and what is to be warned of.
+  void begin_log();
   /// Begins the files, or goes on with those that are there; of a new run it writes the first state.
   void start();
   /// Writes what is due after a step.
@@ -26,6 +27,8 @@ class RunOutputs {
   /// Writes report.json, at most once a second while the run goes on but with each checkpoint, and, unless it
   /// is there, its row of series.csv. `sound`: the state is one that figures can be taken from.
   void write_report(const std::string& reason, const std::string& text, bool sound);
+  /// Leaves the report and the checkpoint of a run that ends before its last step.
+  void interrupt(const std::string& text);
   /// Leaves the state that a guard stopped at, for a look at it. Returns its path.
   std::filesystem::path write_stopped_state();
 

@@ -164,6 +164,63 @@ class Module(SiltTest):
             self.assertTrue((getattr(bodies, name) == last[name]).all(), name)
         self.assertEqual(simulation.kinds, list(files.bodies.kinds))
 
+    # ---- files ----
+
+    def same_files(self, out, other):
+        """All that two runs wrote is the same, but for what tells of the machine and of time."""
+        self.assertEqual({path.name for path in out.iterdir()} - {"report.html"}, {path.name for path in other.iterdir()})
+        a, b = silt_results.Run(out), silt_results.Run(other)
+        self.assertEqual(a.report["state_hash"], b.report["state_hash"])
+        for key in ("exit_reason", "steps", "quantities", "energy", "contacts", "covered"):
+            self.assertEqual(a.report[key], b.report[key])
+        for name in a.bodies.columns:
+            self.assertTrue((a.bodies.columns[name] == b.bodies.columns[name]).all(), name)
+        for left, right in zip(a.fields, b.fields):
+            self.assertTrue((left["velocity"] == right["velocity"]).all())
+        for name in ("steps", "energy.bodies", "quantities.height"):
+            self.assertEqual(a.series[name][a.series["steps"] % 10 == 0].tolist(), b.series[name].tolist())  # a row more where it was broken off
+        self.assertEqual((out / "series_course.csv").read_text(), (other / "series_course.csv").read_text())
+
+    def test_it_writes_what_the_program_does(self):
+        self.write(CASE.replace("[output]", "[output]\nreport = { every = 10 }") + '[[output.series]]\nname = "course"\nevery = 1\ncolumns = ["height"]\n')
+        self.silt("run", self.case)
+        out = self.case / "driven"
+        with silt.Simulation(self.case, out=out) as simulation:
+            while not simulation.ended:
+                simulation.step()
+            with self.assertRaisesRegex(ValueError, "step 60 was the last one.*raise run.steps"):
+                simulation.step()
+        self.same_files(out, self.out)
+        log = (out / "run.log").read_text()
+        self.assertRegex(log, r"^silt [^\n]*1 ranks(?s:.*)kinematic viscosity(?s:.*)warning: bodies.0..shape(?s:.*)\nstep 60/60 ")
+        done = subprocess.run([ROOT / "scripts/report", self.case, out], capture_output=True, text=True)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("Completed", (out / "report.html").read_text())
+        broken_off = """
+            import silt
+            with silt.Simulation(".", out="driven", overwrite=True) as simulation:
+                simulation.run(35)
+            """
+        for ranks in (1, 2):
+            result = self.script(broken_off, ranks)
+            self.assertEqual((result.returncode, result.stdout, result.stderr), (0, "", ""))
+            self.assertEqual((self.report(out)["exit_reason"], self.report(out)["exit_text"]), ("interrupted", "the program ended it at step 35"))
+            self.silt("resume", self.case, "--out", out) if ranks == 2 else silt.Simulation(self.case, out=out, resume=True).run()
+            (out / "checkpoint_000000000035.h5").unlink(missing_ok=True)
+            (self.out / "checkpoint_000000000025.h5").unlink(missing_ok=True)
+            self.same_files(out, self.out)
+
+    def test_what_cannot_be_written_is_told(self):
+        self.write(UNSTABLE)
+        with self.assertRaisesRegex(silt.GuardStop, "coupling.time"), silt.Simulation(self.case, out=self.out) as simulation:
+            simulation.run()
+        self.assertEqual(self.report()["exit_reason"], "guard")
+        for options, error, text in (({"overwrite": True}, ValueError, "overwrite and resume are of a folder of results: give out as well"),
+                                     ({"out": self.case / "case.toml"}, silt.CaseError, "case.toml"),
+                                     ({"out": self.case / "none", "resume": True}, silt.CaseError, "there is no checkpoint to go on from|none")):
+            with self.assertRaisesRegex(error, text):
+                silt.Simulation(self.case, **options)
+
     # ---- arrays ----
 
     def test_views_are_views(self):
