@@ -51,5 +51,9 @@ cases = {case.parent.name for case in root.glob("cases/*/case.toml")}
 for case in sorted(cases - set(re.findall(r"`([a-z0-9-]+)`", readme))):
     faults.append(f"README.md: the case {case} is not in the table")
 
+setup = re.split(r"[\s()]+", (root / "scripts/setup").read_text())
+for package in sorted(set(re.findall(r"`((?:lib|python3-|zlib)[a-z0-9+-]+)`", (root / "INSTALL.md").read_text())) - set(setup)):
+    faults.append(f"INSTALL.md: scripts/setup does not install {package}")
+
 print("\n".join(faults))
 sys.exit(1 if faults or not pages else 0)

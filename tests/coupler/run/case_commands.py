@@ -154,7 +154,7 @@ class Commands(SiltTest):
         shutil.copy(SCRIPTS / "build", tree / "scripts")
         (tree / "scripts/setup").write_text("#!/bin/sh\n")
         (tree / "scripts/setup").chmod(0o755)
-        (tree / "CMakeLists.txt").write_text("cmake_minimum_required(VERSION 3.25)\nproject(tiny NONE)\nadd_custom_target(short ALL COMMAND mkdir "
+        (tree / "CMakeLists.txt").write_text("cmake_minimum_required(VERSION 3.22...3.25)\nproject(tiny NONE)\nadd_custom_target(short ALL COMMAND mkdir "
                                              "busy COMMAND ${CMAKE_COMMAND} -E sleep 1 COMMAND rmdir busy)\n")
         (tree / "CMakePresets.json").write_text('{"version": 3, "configurePresets": [{"name": "release", "generator": "Ninja", '
                                                 '"binaryDir": "${sourceDir}/build/release"}]}')
