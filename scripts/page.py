@@ -1,7 +1,9 @@
 """What the pages of scripts share: their form, their tables, and curves of what runs have written over time."""
 import html
 import io
+import os
 import re
+import urllib.parse
 
 import numpy as np
 
@@ -22,7 +24,15 @@ video { max-width: 100% } ul.files { columns: 16rem; padding-left: 1.2rem; font-
 
 
 def said(text):
-    return html.escape(str(text))
+    return html.escape(str(text).encode(errors="replace").decode())  # a name need not be UTF-8
+
+
+def link(path):
+    return urllib.parse.quote(os.fsencode(path))
+
+
+def drawable(text):
+    return "".join(c if c.isprintable() else " " for c in str(text))
 
 
 def number(x):
@@ -84,8 +94,8 @@ def drawn(title, unit, lines, along, marker=None):
     if len(lines) > 10:  # as many as there are colours in turn
         axes.set_prop_cycle(color=plt.get_cmap("viridis")(np.linspace(0, 0.95, len(lines))))
     for label, x, y in lines:
-        axes.plot(*thinned(x, y), label=label, marker=marker)
-    axes.set_title("".join(c if c.isprintable() else " " for c in title), fontsize=11)
+        axes.plot(*thinned(x, y), label=drawable(label), marker=marker)
+    axes.set_title(drawable(title), fontsize=11)
     axes.set_xlabel(along, fontsize=10)
     axes.set_ylabel(f"[{unit}]" if unit else "", fontsize=10)
     axes.tick_params(labelsize=10)

@@ -137,7 +137,7 @@ class HostileNames(SiltTest):
         command("run", case, "--silt", SILT, "--resume", **at)
         found = {entry.name for entry in (self.work / path / "out").iterdir()}
         self.assertLessEqual({"report.json", "report.html", "bodies.h5", "velocity.png", "slice.png"}, found)
-        calls = [("compare", case, case), ("surfaces", case), ("regress", case, "--silt", SILT)]
+        calls = [("compare", case, case, "--page", f"{case}/runs.html"), ("watch", case), ("sweep", case, "--vary", "run.steps=1,2", "--collect"), ("surfaces", case), ("regress", case, "--silt", SILT)]
         if shutil.which("povray"):
             calls.append(("render", case, "--size", 40))
         with concurrent.futures.ThreadPoolExecutor(2) as pool:
