@@ -89,23 +89,21 @@ class Sweeps(SiltTest):
         self.assertIn("nor has Silt a case of that name", run_script(SWEEP, "nowhere", "--vary", "run.steps=1").stderr)
 
     def test_a_run_that_stops_is_told_and_the_others_go_on(self):
-        said = self.sweep("--vary", "bodies[0].velocity=[0.02, 0, 0],[0.29, 0, 0]", "--set", "coupling.time=explicit",
-                          "--set", "bodies[0].density=0.05", "--collect")
-        self.assertEqual([row["exit_reason"] for row in self.table()], ["not run", "not run"], said)
-        said = self.sweep("--vary", "bodies[0].density=0.05,1.5", "--set", 'coupling.time="explicit"', "--set", "bodies[0].velocity=[0.05, 0, 0]", code=1)
+        vary = ("--vary", "bodies[0].density=0.05,1.5", "--set", 'coupling.time="explicit"', "--set", "bodies[0].velocity=[0.05, 0, 0]")
+        self.sweep(*vary, "--collect")
+        self.assertEqual([row["exit_reason"] for row in self.table()], ["not run", "not run"])
+        said = self.sweep(*vary, code=1)
         self.assertEqual([row["exit_reason"] for row in self.table()], ["guard", "completed"], said)
         self.assertRegex(said, "density=0.05: guard")
 
     def test_slurm_gets_a_script_for_each(self):
-        vary = ("--vary", "fluid.relaxation_time=0.7,0.9", "--slurm", "--time", "00:20:00", "--partition", "short", "--no-submit")
-        self.sweep(*vary, "-n", 2)
-        scripts = sorted(self.folder.glob("*.sh"))
-        self.assertEqual(len(scripts), 2)
-        for script, value in zip(scripts, ("0.7", "0.9")):
-            self.assertRegex(script.read_text(), rf"(?s)--partition=short.*mpirun -n 2 .*silt run .*sweep/fluid.relaxation_time={value}.*--set fluid.relaxation_time={value}")
-        self.silt("run", self.case, "--out", scripts[0].with_suffix(""), "--set", "fluid.relaxation_time=0.7", "--time-limit", 1e-9, code=4)
-        self.sweep(*vary)
-        self.assertIn(" resume ", scripts[0].read_text())
+        options = ("--slurm", "--time", "00:20:00", "--partition", "short", "--no-submit", "-n", 2)
+        self.sweep("--vary", "fluid.relaxation_time=0.7", *options)
+        script = self.folder / "fluid.relaxation_time=0.7.sh"
+        self.assertRegex(script.read_text(), r"(?s)--partition=short.*mpirun -n 2 .*silt run .*sweep/fluid.relaxation_time=0.7 .*--set fluid.relaxation_time=0.7")
+        self.silt("run", self.case, "--out", script.with_suffix(""), "--set", "fluid.relaxation_time=0.7", "--time-limit", 1e-9, code=4)
+        self.sweep("--vary", "fluid.relaxation_time=0.7", *options)
+        self.assertIn(" resume ", script.read_text())
         self.assertEqual(json.loads((self.folder / "sweep.json").read_text())["options"], [])
 
 
