@@ -299,7 +299,11 @@ void bind_simulation(py::module_& module) {
       .def("finish", &LiveSimulation::finish, py::call_guard<py::gil_scoped_release>(),
            "Ends the files: report.json says how the run ended, before its last step with a checkpoint.")
       .def("__enter__", [](py::object self) { return self; })
-      .def("__exit__", [](LiveSimulation& live, const py::args&) { live.finish(); })
+      .def("__exit__",
+           [](LiveSimulation& live, const py::object& error, const py::args&) {
+             if (error.is_none() || live.get().scene().ranks == 1)
+               live.finish();  // else it may be this rank's alone
+           })
       .def_property_readonly("ended", &LiveSimulation::has_ended, "whether the case's last step is done")
       .def(
           "hash",

@@ -327,10 +327,11 @@ class Module(SiltTest):
     def test_an_error_on_one_rank_ends_all(self):
         result = self.script("""
             import silt
-            simulation = silt.Simulation(".")
-            if simulation.rank == 1:
-                raise RuntimeError("this rank is ill")
-            simulation.run(60)
+            with silt.Simulation(".", out="driven") as simulation:
+                simulation.run(5)
+                if simulation.rank == 1:
+                    raise RuntimeError("this rank is ill")
+                simulation.run(55)
             """, 2)
         self.assertNotEqual(result.returncode, 0)
         self.assertIn("this rank is ill", result.stderr)
