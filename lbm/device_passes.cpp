@@ -29,12 +29,28 @@ void return_from_outlet([[maybe_unused]] Device device, const ReturnFromOutlet<T
   SILT_ON(device, return_from_outlet<T>)(cell, cells);
 }
 
+template <class T>
+void carry_packets([[maybe_unused]] Device device, const BorderRows<T>& rows,
+                   std::span<const typename BorderRows<T>::Carried> carried, std::uint32_t longest) {
+  SILT_ON(device, carry_packets<T>)(rows, carried, longest);
+}
+
+template <class T>
+void cross_border([[maybe_unused]] Device device, const BorderRows<T>& rows, const BorderLists<T>& lists,
+                  std::span<const typename BorderRows<T>::Passing> passing, std::uint32_t longest) {
+  SILT_ON(device, cross_border<T>)(rows, lists, passing, longest);
+}
+
 #define SILT_PASSES_OF(T)                                                                                    \
   template void stream_collide(Device, Block<T>&, Parity, const CollisionRates<T>&, RowRange,                \
                                const WatchedPlanes&);                                                        \
   template void move_slots(Device, const SlotPairs&, std::span<const T>, SlotArrays<const T>, SlotArrays<T>, \
                            bool);                                                                            \
-  template void return_from_outlet(Device, const ReturnFromOutlet<T>&, std::size_t);
+  template void return_from_outlet(Device, const ReturnFromOutlet<T>&, std::size_t);                         \
+  template void carry_packets(Device, const BorderRows<T>&, std::span<const BorderRows<T>::Carried>,         \
+                              std::uint32_t);                                                                \
+  template void cross_border(Device, const BorderRows<T>&, const BorderLists<T>&,                            \
+                             std::span<const BorderRows<T>::Passing>, std::uint32_t);
 SILT_PASSES_OF(float)
 SILT_PASSES_OF(double)
 

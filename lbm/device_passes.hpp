@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "device/device.hpp"
+#include "lbm/level_border_rows.hpp"
 #include "lbm/outlet.hpp"
 #include "lbm/slot_lists.hpp"
 #include "lbm/stream_collide.hpp"
@@ -22,16 +23,29 @@ void move_slots(Device, const SlotPairs&, std::span<const T> addends, SlotArrays
                 SlotArrays<T> targets, bool back);
 template <class T>
 void return_from_outlet(Device, const ReturnFromOutlet<T>&, std::size_t cells);
+/// What is done at a border when its coarse cells have collided, and after a pass of its fine ones.
+/// `longest`: of the rows.
+template <class T>
+void carry_packets(Device, const BorderRows<T>&, std::span<const typename BorderRows<T>::Carried>,
+                   std::uint32_t longest);
+template <class T>
+void cross_border(Device, const BorderRows<T>&, const BorderLists<T>&,
+                  std::span<const typename BorderRows<T>::Passing>, std::uint32_t longest);
 
-#define SILT_DEVICE_PASSES                                                                          \
-  void wait();                                                                                      \
-                                                                                                    \
-  template <class T>                                                                                \
-  void stream_collide(Block<T>&, Parity, const CollisionRates<T>&, RowRange, const WatchedPlanes&); \
-  template <class T>                                                                                \
-  void move_slots(const SlotPairs&, std::span<const T>, SlotArrays<const T>, SlotArrays<T>, bool);  \
-  template <class T>                                                                                \
-  void return_from_outlet(const ReturnFromOutlet<T>&, std::size_t cells);
+#define SILT_DEVICE_PASSES                                                                                   \
+  void wait();                                                                                               \
+                                                                                                             \
+  template <class T>                                                                                         \
+  void stream_collide(Block<T>&, Parity, const CollisionRates<T>&, RowRange, const WatchedPlanes&);          \
+  template <class T>                                                                                         \
+  void move_slots(const SlotPairs&, std::span<const T>, SlotArrays<const T>, SlotArrays<T>, bool);           \
+  template <class T>                                                                                         \
+  void return_from_outlet(const ReturnFromOutlet<T>&, std::size_t cells);                                    \
+  template <class T>                                                                                         \
+  void carry_packets(const BorderRows<T>&, std::span<const typename BorderRows<T>::Carried>, std::uint32_t); \
+  template <class T>                                                                                         \
+  void cross_border(const BorderRows<T>&, const BorderLists<T>&,                                             \
+                    std::span<const typename BorderRows<T>::Passing>, std::uint32_t);
 namespace host {
 SILT_DEVICE_PASSES
 }

@@ -86,6 +86,40 @@ struct MoveSlots {
   }
 };
 
+/// What is done with an element of a row at a border, in the words of BorderRows. (nvcc takes no pointer to a
+/// member.)
+struct Carry {
+  SILT_DEVICE void operator()(const auto& rows, const auto& row, int n) const { rows.carry(row, n, n + 1); }
+};
+struct Explode {
+  SILT_DEVICE void operator()(const auto& rows, const auto& row, int n) const { rows.explode(row, n, n + 1); }
+};
+struct AddUp {
+  SILT_DEVICE void operator()(const auto& rows, const auto& row, int n) const { rows.add_up(row, n, n + 1); }
+};
+struct Coalesce {
+  SILT_DEVICE void operator()(const auto& rows, const auto& row, int n) const {
+    rows.coalesce(row, n, n + 1);
+  }
+};
+struct Pass {
+  SILT_DEVICE void operator()(const auto& rows, const auto& row, int n) const { rows.pass(row, n, n + 1); }
+};
+
+template <class Act, class T, class Entry>
+struct OverRows {
+  BorderRows<T> rows;
+  const Entry* entries;
+  SILT_DEVICE void operator()(int n, int k) const {
+    if (unsigned(n) < entries[k].length) Act()(rows, entries[k], n);
+  }
+};
+template <class Act, class T, class Entries>
+void over_rows(const BorderRows<T>& rows, const Entries& entries, std::uint32_t longest) {
+  using Entry = std::remove_cvref_t<decltype(*entries.data())>;
+  for_rows(int(longest), int(entries.size()), OverRows<Act, T, Entry>{rows, entries.data()});
+}
+
 inline FastList& fast_list() {
 #if defined(__CUDACC__)
   static const auto list = std::static_pointer_cast<FastList>(zeroed_on_gpu(sizeof(FastList)));
@@ -141,10 +175,32 @@ void return_from_outlet(const ReturnFromOutlet<T>& cell, std::size_t cells) {
   for_each(std::int64_t(cells), cell);
 }
 
+template <class T>
+void carry_packets(const BorderRows<T>& rows, std::span<const typename BorderRows<T>::Carried> carried,
+                   std::uint32_t longest) {
+  over_rows<Carry>(rows, carried, longest);
+}
+
+/// Nothing that arrives is given before all is added up: it may lie where something else left.
+template <class T>
+void cross_border(const BorderRows<T>& all, const BorderLists<T>& lists,
+                  std::span<const typename BorderRows<T>::Passing> passing, std::uint32_t longest) {
+  BorderRows<T> rows = all;
+  rows.refer_to(lists);
+  over_rows<Explode>(rows, lists.explosions, longest);
+  over_rows<AddUp>(rows, lists.coalescences, longest);
+  over_rows<Coalesce>(rows, lists.coalescences, longest);
+  over_rows<Pass>(rows, passing, longest);
+  wait();
+}
+
 #define SILT_PASSES_OF(T)                                                                                    \
   template void stream_collide(Block<T>&, Parity, const CollisionRates<T>&, RowRange, const WatchedPlanes&); \
   template void move_slots(const SlotPairs&, std::span<const T>, SlotArrays<const T>, SlotArrays<T>, bool);  \
-  template void return_from_outlet(const ReturnFromOutlet<T>&, std::size_t);
+  template void return_from_outlet(const ReturnFromOutlet<T>&, std::size_t);                                 \
+  template void carry_packets(const BorderRows<T>&, std::span<const BorderRows<T>::Carried>, std::uint32_t); \
+  template void cross_border(const BorderRows<T>&, const BorderLists<T>&,                                    \
+                             std::span<const BorderRows<T>::Passing>, std::uint32_t);
 SILT_PASSES_OF(float)
 SILT_PASSES_OF(double)
 

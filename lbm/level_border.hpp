@@ -8,11 +8,12 @@
 //
 // The lists are made for rows of coarse cells whose surroundings are the same leaves of the tree of cuts, so
 // that what one cell of a row does the next does too, two fine cells further on (level_border_lists.cpp).
-#include <array>
 #include <cstdint>
+#include <memory_resource>
 #include <vector>
 
 #include "lbm/fluid.hpp"
+#include "lbm/level_border_rows.hpp"
 #include "lbm/slot_exchange.hpp"
 
 namespace silt::lbm {
@@ -36,89 +37,36 @@ class LevelBorder {
 
  private:
   struct Builder;
-  /// Elements of an array of a table, one for each coarse cell of a row. Tables have the arrays of all
-  /// directions of the blocks of a fluid, block * directions + i; of the coarse one those of what left, then
-  /// of what arrives; then what was fetched from other ranks.
-  struct Row {
-    std::uint32_t array = 0;
-    std::int32_t first = 0, step = 0;
-  };
-  /// What the packets carry that leave a row of coarse cells along one direction: rows beside one another.
-  struct Carried {
-    std::uint32_t length, first;  // first: in carried_
-    Row value;
-    std::array<Row, 3> above, below;  // beside it along each axis; itself where no coarse cell is
-    std::array<T, 3> slope;           // times their difference: the change to a packet's place
-    std::int32_t before;  // in coarse_before_, what had arrived in the first cell; -1: does not count
-  };
-  static constexpr int carried_rows =
-      5;  // populations of the first step, of the second; changes along x, y, z
-  /// An explosion is that of coarse populations of one direction that left a row of cells, into fine cells.
-  struct Explosion {
-    std::uint32_t length, carried;
-    std::array<std::uint8_t, 2> packets;  // how many, by sub-step
-  };
-  struct Packet {
-    Row to;
-    T addend;             // by walls that it met, and the force
-    std::uint8_t corner;  // bit d for the upper half along axis d
-    bool paired = false;  // the next element is for the other corner along x
-  };
-  /// A coalescence is what arrives along one direction in a row of coarse cells.
-  struct Coalescence {
-    std::uint32_t length;
-    Row to;
-    std::uint32_t sum;  // in sums_, of the first sub-step's
-    T addend;
-    std::uint8_t from_coarse;             // packets of the eight
-    std::array<std::uint8_t, 2> sources;  // how many, by sub-step
-    std::uint8_t taken;                   // how many
-  };
-  struct Source {  // in fine cells
-    Row from;
-    bool paired = false;  // the next element is one more
-  };
-  /// By packets that entered fine cells, beyond the value in the middle of their cell.
-  struct Taken {
-    Row above, below;
-    T factor;
-  };
-  /// Packets that pass between two fine cells.
-  struct Passing {
-    std::uint32_t length;
-    Row from, to;
-    std::uint32_t kept;  // in sums_
-    T addend;
-  };
+  using Rows = BorderRows<T>;
+  using Row = typename Rows::Row;
+  using Explosion = typename Rows::Explosion;
+  using Packet = typename Rows::Packet;
+  using Coalescence = typename Rows::Coalescence;
+  using Source = typename Rows::Source;
+  using Taken = typename Rows::Taken;
+  using Lists = BorderLists<T>;
 
-  /// The list says which of them are ready after a part of a block; those that need more than one block, or
-  /// what was fetched from other ranks, and those that take from what others read, come after the pass.
-  struct Ready {
-    std::vector<Explosion> explosions;
-    std::vector<Packet> packets[2];  // those of one explosion after those of another, by sub-step
-    std::vector<Coalescence> coalescences;
-    std::vector<Source> sources[2];
-    std::vector<Taken> taken;
-  };
-
-  void carry(const Carried&);
-  void explode(const Explosion&, const Packet*);
-  void coalesce(const Coalescence&, const Source*, const Taken*);
-  void do_ready(const Ready&);
+  LevelBorder(Fluid<T>& fine, Fluid<T>& coarse, std::pmr::polymorphic_allocator<> memory);
+  void make_lists();  // level_border_lists.cpp
+  bool on_device() const { return fine_.device() != Device::cpu; }
+  void do_ready(const Lists&);
 
   Fluid<T>&fine_, &coarse_;
   SlotExchange<T> before_, coarse_left_, fine_left_[2];
-  std::vector<T> coarse_before_, coarse_fetched_, fine_fetched_[2], carried_, sums_;
-  std::vector<Carried> carry_;
-  std::vector<Passing> passing_;
-  std::vector<std::vector<Ready>> ready_;  // by block and part
-  std::vector<char> by_parts_;             // whether parts of a block were told of in this pass
-  Ready late_;
-  struct {  // of the pass at hand
-    int sub_step = 0;
-    std::vector<T*> fine_arriving, coarse_arriving;
-    std::vector<const T*> fine_left, coarse_left;
-  } now_;
+  std::pmr::vector<T> coarse_before_, coarse_fetched_, fine_fetched_[2], carried_, sums_;
+  /// The tables of rows, by parity: of the coarse fluid coarse_fetched_ and coarse_before_ follow, of the
+  /// fine one fine_fetched_.
+  std::pmr::vector<T*> coarse_arrays_[2], fine_arrays_[2];
+  std::pmr::vector<typename Rows::Carried> carry_;
+  std::pmr::vector<typename Rows::Passing> passing_;
+  std::uint32_t longest_ = 0;  // row
+  /// The lists of what is ready after a part of a block, by block and part, on the processor alone; what
+  /// needs more than one block, or was fetched from other ranks, and what takes from what others read, comes
+  /// after the pass.
+  std::vector<std::vector<Lists>> ready_;
+  std::vector<char> by_parts_;  // whether parts of a block were told of in this pass
+  Lists late_;
+  Rows now_{};  // of the pass at hand
 };
 
 }  // namespace silt::lbm

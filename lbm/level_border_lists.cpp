@@ -59,7 +59,7 @@ struct LevelBorder<T>::Builder {
     if (owner == user) return row;
     if (owner == rank) slots.sent(user).add(run_of(row));
     if (user != rank) return {};
-    slots.received(owner).add({0, next, 1, length});
+    slots.received(owner).add({table, next, 1, length});
     next += length;
     return {table, std::int32_t(next - length), 1};
   }
@@ -69,7 +69,8 @@ struct LevelBorder<T>::Builder {
   }
   Row fine_row(int user, Int3 cell, int direction, int sub_step) {
     return fetched(border.fine_left_[sub_step], border.fine_, leaves, user, cell, direction,
-                   fine_next[sub_step], std::uint32_t(border.fine_.blocks().size() * directions));
+                   fine_next[sub_step],
+                   std::uint32_t(2 * border.fine_.blocks().size() * directions + sub_step));
   }
 
   // ---- after which part of a pass ----
@@ -90,8 +91,9 @@ struct LevelBorder<T>::Builder {
       part_ = std::max(
           {part_, order.part_of(x.y, x.z), order.part_of(std::min(last_y, place.box.size.y - 1), x.z)});
     }
-    Ready& list() const {
-      return several_ || block_ < 0 ? builder_.border.late_ : builder_.border.ready_[block_][part_];
+    Lists& list() const {
+      return several_ || block_ < 0 || builder_.border.on_device() ? builder_.border.late_
+                                                                   : builder_.border.ready_[block_][part_];
     }
 
    private:
@@ -143,7 +145,7 @@ struct LevelBorder<T>::Builder {
   }
   /// Adds a packet to those of an explosion, or what a fine cell sends to a coalescence: one element, or the
   /// second of a pair.
-  static void add(std::vector<Packet>& packets, std::uint8_t& count, const Packet& one) {
+  static void add(std::pmr::vector<Packet>& packets, std::uint8_t& count, const Packet& one) {
     if (count > 0 && !packets.back().paired && one.corner == (packets.back().corner | 1) &&
         one.corner != packets.back().corner && one.addend == packets.back().addend &&
         goes_on(packets.back().to, one.to))
@@ -151,7 +153,7 @@ struct LevelBorder<T>::Builder {
     else
       packets.push_back(one), ++count;
   }
-  static void add(std::vector<Source>& sources, std::uint8_t& count, const Row& from) {
+  static void add(std::pmr::vector<Source>& sources, std::uint8_t& count, const Row& from) {
     if (count > 0 && !sources.back().paired && goes_on(sources.back().from, from))
       sources.back().paired = true;
     else
@@ -198,7 +200,7 @@ void LevelBorder<T>::Builder::add_explosion(int j) {
   }
   const bool in_time = in_step[0] == 4 && in_step[1] == 4 && !by_outlet;
   for (const int user : users) {
-    Carried one{length, 0, coarse_row(user, x, j), {}, {}, {}, -1}, returned = one;
+    typename Rows::Carried one{length, 0, coarse_row(user, x, j), {}, {}, {}, -1}, returned = one;
     for (int d = 0; d < 3; ++d) {
       const Slope s = slope(user, x, j, d);
       one.above[d] = s.above, one.below[d] = s.below, one.slope[d] = s.factor;
@@ -211,7 +213,8 @@ void LevelBorder<T>::Builder::add_explosion(int j) {
     for (const Entry& entry : entries)
       if (leaves.at(entry.to.cell).rank == rank) part.add(entry.to.cell);
     for (const bool outlet : {false, true}) {
-      Explosion explosion{length, carried, {}};
+      Explosion explosion{length, carried, {}, {}};
+      for (int s = 0; s < 2; ++s) explosion.first[s] = std::uint32_t(part.list().packets[s].size());
       for (const Entry& entry : entries) {
         if (entry.to.by_outlet != outlet || leaves.at(entry.to.cell).rank != rank) continue;
         const double addend = entry.to.addend + (in_time ? 0 : entry.to.by_force);
@@ -221,10 +224,10 @@ void LevelBorder<T>::Builder::add_explosion(int j) {
       }
       if (explosion.packets[0] + explosion.packets[1] == 0) continue;
       part.list().explosions.push_back(explosion);
-      Carried& its = outlet ? returned : one;
+      typename Rows::Carried& its = outlet ? returned : one;
       its.first = carried;
       border.carry_.push_back(its);
-      carried += carried_rows * length;
+      carried += Rows::carried_rows * length;
     }
   }
 }
@@ -234,7 +237,8 @@ void LevelBorder<T>::Builder::add_explosion(int j) {
 template <class T>
 std::int32_t LevelBorder<T>::Builder::before_row(int user, int j) {
   const int owner = coarse_leaves.at(x).rank;
-  const SlotRun to{0, std::uint32_t(border.coarse_before_.size()), 1, length};
+  const SlotRun to{std::uint32_t(border.coarse_.blocks().size() * directions + 1),  // behind coarse_fetched_
+                   std::uint32_t(border.coarse_before_.size()), 1, length};
   const SlotRun from = owner == rank ? run_of(own_row(border.coarse_, coarse_leaves, x, j)) : SlotRun{0, 0};
   if (owner == rank && user == rank) border.before_.copied().add(from, to);
   if (owner == rank && user != rank) border.before_.sent(user).add(from);
@@ -300,11 +304,13 @@ void LevelBorder<T>::Builder::add_coalescence(int j) {
     taken.push_back({s.above, s.below, T(corners[d]) * s.factor});
   }
   if (user != rank) return;
-  Ready& list = from_coarse ? border.late_ : part.list();
+  Lists& list = from_coarse ? border.late_ : part.list();
   Coalescence one{length,
                   own_row(border.coarse_, coarse_leaves, x, j),
                   sums,
                   T(addend),
+                  {std::uint32_t(list.sources[0].size()), std::uint32_t(list.sources[1].size())},
+                  std::uint32_t(list.taken.size()),
                   std::uint8_t(8 - packets.size()),
                   {},
                   std::uint8_t(taken.size())};
@@ -326,11 +332,11 @@ void LevelBorder<T>::Builder::add_passing(int j) {
     const Flight to = one_step(fine, middle);
     if (!is_fine(to.cell)) continue;
     const int user = leaves.at(to.cell).rank;
-    Passing one{length,
-                fine_row(user, from.cell, from.direction, 0),
-                {},
-                sums,
-                T(from.addend + to.addend + 2 * by_force(j))};
+    typename Rows::Passing one{length,
+                               fine_row(user, from.cell, from.direction, 0),
+                               {},
+                               sums,
+                               T(from.addend + to.addend + 2 * by_force(j))};
     if (user != rank) continue;
     one.to = own_row(border.fine_, leaves, to.cell, to.direction);
     sums += length;
@@ -371,6 +377,7 @@ void LevelBorder<T>::Builder::add_rows(const CellBox& box) {
       const Surroundings s = around(x);
       length = std::uint32_t(std::min(s.alike, end[axis] - x[axis]));
       if (!s.any_fine || s.any_far) continue;  // far: it has nothing to do with this rank
+      border.longest_ = std::max(border.longest_, length);
       for (int j = 1; j < directions; ++j) {
         const bool enters = s.may_meet(j), comes = s.may_meet(opposite(j));
         if (enters) add_explosion(j);
@@ -416,16 +423,10 @@ void LevelBorder<T>::Builder::build() {
 }
 
 template <class T>
-LevelBorder<T>::LevelBorder(Fluid<T>& fine, Fluid<T>& coarse)
-    : fine_(fine),
-      coarse_(coarse),
-      before_(fine.comm(), 5),
-      coarse_left_(fine.comm(), 5),
-      fine_left_{{fine.comm(), 5}, {fine.comm(), 5}} {
-  Builder{*this, fine.domain(), coarse.domain(), parallel::rank_of(fine.comm())}.build();
+void LevelBorder<T>::make_lists() {
+  Builder{*this, fine_.domain(), coarse_.domain(), parallel::rank_of(fine_.comm())}.build();
 }
-
-template LevelBorder<float>::LevelBorder(Fluid<float>&, Fluid<float>&);
-template LevelBorder<double>::LevelBorder(Fluid<double>&, Fluid<double>&);
+template void LevelBorder<float>::make_lists();
+template void LevelBorder<double>::make_lists();
 
 }  // namespace silt::lbm

@@ -18,8 +18,8 @@ struct LevelledFlow {
   Fluid<T> finest;
   Levels<T> levels;
   LevelledFlow(const CutTree& tree, const std::array<SideCondition, 6>& sides, const CollisionSpec& spec,
-               int coarser, MPI_Comm comm = MPI_COMM_WORLD)
-      : finest(Domain(tree, sides, parallel::ranks_of(comm)), spec, comm), levels(finest, coarser) {}
+               int coarser, MPI_Comm comm = MPI_COMM_WORLD, Device device = Device::cpu)
+      : finest(Domain(tree, sides, parallel::ranks_of(comm)), spec, comm, device), levels(finest, coarser) {}
 
   void step(int finest_steps) {
     for (int n = 0; n < finest_steps; ++n) {

@@ -111,8 +111,8 @@ TEST(Levels, UniformFlowAndLinearPressurePassABorder) {
 }
 
 template <class T>
-std::uint64_t stirred(const CutTree& tree, const Sides& sides, MPI_Comm comm) {
-  LevelledFlow<T> flow(tree, sides, {0.6, 1. / 6, Collision::trt, {1e-5, 0, 2e-5}}, 2, comm);
+std::uint64_t stirred(const CutTree& tree, const Sides& sides, MPI_Comm comm, Device device = Device::cpu) {
+  LevelledFlow<T> flow(tree, sides, {0.6, 1. / 6, Collision::trt, {1e-5, 0, 2e-5}}, 2, comm, device);
   flow.for_all([](Fluid<T>& fluid, int b, Int3 x, const Vector& at, int) {
     const double rho = 0.01 * std::sin(at[0] + 2 * at[1]), u = 0.05 * std::cos(at[2] - at[0]);
     fluid.set_equilibrium(b, x, rho, {u, -u, u / 2});
@@ -160,7 +160,7 @@ TEST(Levels, CellsThatChangeTheirLevelKeepMassAndMomentum) {
   for (int d = 0; d < 3; ++d) EXPECT_NEAR(after.momentum[d], before.momentum[d], 1e-10);
 }
 
-TEST(Levels, EveryLayoutGivesTheSameBits) {
+TEST(Levels, EveryLayoutAndDeviceGivesTheSameBits) {
   EXPECT_EQ(regridded<float>(MPI_COMM_SELF, 32)->fingerprint(),
             regridded<float>(MPI_COMM_WORLD, 16)->fingerprint());
   const Int3 n{64, 48, 48};
@@ -175,8 +175,13 @@ TEST(Levels, EveryLayoutGivesTheSameBits) {
     const std::uint64_t alone = stirred<float>(large.tree(), sides, MPI_COMM_SELF);
     EXPECT_EQ(alone, stirred<float>(small.tree(), sides, MPI_COMM_SELF));
     EXPECT_EQ(alone, stirred<float>(dealt.tree(), sides, MPI_COMM_WORLD));
-    EXPECT_EQ(stirred<double>(large.tree(), sides, MPI_COMM_SELF),
-              stirred<double>(dealt.tree(), sides, MPI_COMM_WORLD));
+    const std::uint64_t in_double = stirred<double>(large.tree(), sides, MPI_COMM_SELF);
+    EXPECT_EQ(in_double, stirred<double>(dealt.tree(), sides, MPI_COMM_WORLD));
+    for (const Device device : {Device::host, Device::gpu}) {
+      if (!unusable(device).empty()) continue;
+      EXPECT_EQ(alone, stirred<float>(dealt.tree(), sides, MPI_COMM_WORLD, device));
+      EXPECT_EQ(in_double, stirred<double>(small.tree(), sides, MPI_COMM_SELF, device));
+    }
   }
 }
 
