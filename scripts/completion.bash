@@ -32,7 +32,7 @@ _silt_cases() {
 _silt_complete() {
   local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]}
   case $before in
-    --set) compopt -o nospace 2>/dev/null; mapfile -t COMPREPLY < <(compgen -S = -W "$(_silt_keys)" -- "$word"); return ;;
+    --set|--vary) compopt -o nospace 2>/dev/null; mapfile -t COMPREPLY < <(compgen -S = -W "$(_silt_keys)" -- "$word"); return ;;
     --unset) mapfile -t COMPREPLY < <(compgen -W "$(_silt_keys)" -- "$word"); return ;;
     --backend) mapfile -t COMPREPLY < <(compgen -W "auto analytic bullet fcl" -- "$word"); return ;;
     --out|--checkpoint|--hostfile|--json) mapfile -t COMPREPLY < <(compgen -f -- "$word"); return ;;
