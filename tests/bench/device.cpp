@@ -1,8 +1,9 @@
-// The fluid alone on a device: its bits against those of the processor's kernels, its speed, and the share of
-// the speed at which the device's memory copies. On a machine without a graphics processor the device is the
-// host, for a look. It runs for some two minutes by itself, in need of MPI and CUDA's driver alone.
+// The fluid alone on a device, with walls, an outlet, levels and messages: its bits against those of the
+// processor's kernels, its speed, and the share of the speed at which the device's memory copies. On a
+// machine without a graphics processor the device is the host, for a look. It runs for some two minutes by
+// itself, in need of MPI and CUDA's driver alone.
 //   scripts/bench device [--quick] [--json FILE]
-#include <bit>
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstring>
@@ -10,9 +11,12 @@
 
 #include "cpu/isa.hpp"
 #include "device/device.hpp"
+#include "lbm/slot_exchange.hpp"
 #include "tests/bench/figures.hpp"
 #include "tests/bench/periodic_box.hpp"
 #include "tests/bench/spread.hpp"
+#include "tests/lbm/levelled_cut.hpp"
+#include "tests/lbm/levelled_flow.hpp"
 
 namespace silt::bench {
 
@@ -20,43 +24,117 @@ void copy_on_gpu(void* to, const void* from, std::int64_t bytes);  // device_cop
 
 namespace {
 
-/// A box between moving walls, stirred: what arrives in its cells after some steps.
-template <class T>
-std::vector<T> stirred(Device device, lbm::Collision model, double tau, double force) {
-  std::array<lbm::SideCondition, 6> sides;
-  sides[4] = {lbm::SideKind::bounce, {0.03, 0.01, 0}, 0};
-  sides[5].kind = lbm::SideKind::bounce;
-  const lbm::Int3 n{64, 48, 32};
-  lbm::Fluid<T> fluid(lbm::Domain(n, sides, std::nullopt, 1), {tau, 3. / 16, model, {force, 0, 0}, 0.1},
-                      MPI_COMM_SELF, device);
-  lbm::for_cells({}, n, [&](lbm::Int3 x) {
-    fluid.set_equilibrium(0, x, 1e-3 * std::sin(x.x + 2.0 * x.y),
-                          {0.01 * std::sin(0.3 * x.z), 0.02 * std::cos(0.2 * x.x), 0});
+/// Boxes of fluid, of one level or three: between moving walls, or with a stream from an inlet to an outlet.
+lbm::testing::LevelledCut cut_in(lbm::Int3 cells, int levels) {
+  return lbm::testing::LevelledCut(cells, 16, [cells, levels](lbm::Int3 x) {
+    const auto inside = [&](int margin) {
+      for (int d = 0; d < 3; ++d)
+        if (x[d] < margin || x[d] >= cells[d] - margin) return false;
+      return true;
+    };
+    return levels == 1 ? 0 : inside(32) ? 0 : inside(16) ? 1 : 2;
   });
-  step(fluid, 21);
+}
+std::array<lbm::SideCondition, 6> sides_of(bool open) {
+  using lbm::SideKind;
+  std::array<lbm::SideCondition, 6> sides;
+  if (open) sides[0] = {SideKind::bounce, {0.03, 0, 0}, 0}, sides[1] = {SideKind::pressure, {}, 1e-3};
+  if (open) sides[2].kind = sides[3].kind = SideKind::free_slip;
+  sides[4] = {SideKind::bounce, {0.03, 0.01, 0}, 0};
+  sides[5].kind = SideKind::bounce;
+  return sides;
+}
+
+/// What arrives in the cells of a stirred box after some steps.
+template <class T>
+std::vector<T> stirred(Device device, const lbm::CollisionSpec& spec, int levels, bool open) {
+  const lbm::Int3 n = levels == 1 ? lbm::Int3{64, 48, 32} : lbm::Int3{96, 80, 80};
+  lbm::testing::LevelledFlow<T> flow(cut_in(n, levels).tree(), sides_of(open), spec, levels - 1,
+                                     MPI_COMM_SELF, device);
+  flow.set([&](const lbm::testing::Vector& x, double& rho, lbm::testing::Vector& u, auto&) {
+    rho = 1e-3 * std::sin(x[0] + 2 * x[1]);
+    u = {0.01 * std::sin(0.3 * x[2]), 0.02 * std::cos(0.2 * x[0]), 0};
+  });
+  flow.step(levels == 1 ? 21 : 12);
   std::vector<T> all;
-  lbm::for_cells({}, n, [&](lbm::Int3 x) {
-    for (int i = 0; i < lbm::directions; ++i) all.push_back(fluid.arriving(0, x, i));
+  flow.for_all([&](lbm::Fluid<T>& fluid, int b, lbm::Int3 x, auto&, int) {
+    for (int i = 0; i < lbm::directions; ++i) all.push_back(fluid.arriving(b, x, i));
   });
   return all;
 }
 
 template <class T>
+void tell(const std::string& name, const T& here, const T& there, Figures& out) {
+  std::int64_t unlike = here.size() != there.size();
+  for (std::size_t k = 0; k < std::min(here.size(), there.size()); ++k)
+    unlike += std::memcmp(&here[k], &there[k], sizeof here[k]) != 0;
+  const std::string key = std::string(sizeof here[0] == 4 ? "single" : "double") + "." + name;
+  printf("bits %s: %lld of %zu populations differ\n", key.c_str(), static_cast<long long>(unlike),
+         here.size());
+  out.figures["device.unlike." + key] = double(unlike);
+}
+
+template <class T>
 void compare(Device device, Figures& out) {
+  const auto both = [&](const std::string& name, const lbm::CollisionSpec& spec, int levels, bool open) {
+    tell(name, stirred<T>(Device::cpu, spec, levels, open), stirred<T>(device, spec, levels, open), out);
+  };
   for (const auto& [model, tau] :
        {std::pair(lbm::Collision::trt, 0.6), std::pair(lbm::Collision::regularised, 0.51)})
-    for (const double force : {0., 1e-5}) {
-      const std::vector<T> here = stirred<T>(Device::cpu, model, tau, force),
-                           there = stirred<T>(device, model, tau, force);
-      std::int64_t unlike = 0;
-      for (std::size_t k = 0; k < here.size(); ++k)
-        unlike += std::memcmp(&here[k], &there[k], sizeof(T)) != 0;
-      const std::string name = std::string(sizeof(T) == 4 ? "single" : "double") + "." +
-                               std::string(model_of(model).name) + (force != 0 ? ".force" : "");
-      printf("bits %s: %lld of %zu populations differ\n", name.c_str(), static_cast<long long>(unlike),
-             here.size());
-      out.figures["device.unlike." + name] = double(unlike);
-    }
+    for (const double force : {0., 1e-5})
+      both(std::string(model_of(model).name) + (force != 0 ? ".force" : ""),
+           {tau, 3. / 16, model, {force, 0, 0}, 0.1}, 1, false);
+  both("outlet", {0.6, 3. / 16}, 1, true);
+  both("levels", {0.6, 1. / 6, lbm::Collision::trt, {1e-5, 0, 0}}, 3, false);
+  both("levels.outlet", {0.6, 1. / 6}, 3, true);
+}
+
+/// Messages of the ghost layer of a block of n^3 cells, to this rank itself: packed, sent, taken apart.
+template <class T>
+void messages(Device device, int n, Figures& out) {
+  lbm::SlotExchange<T> slots(MPI_COMM_SELF, 7, device);
+  std::pmr::vector<T> from(std::size_t(5) * n * n * n, memory_of(device)), to(from.size(), memory_of(device));
+  for (std::size_t k = 0; k < from.size(); ++k) from[k] = T(k % 8191);
+  const std::pmr::vector<const T*> sources({from.data()}, memory_of(device));
+  const std::pmr::vector<T*> targets({to.data()}, memory_of(device));
+  std::vector<T> expected(from.size());
+  for (int i = 0; i < 5; ++i)
+    for (int axis = 0; axis < 3; ++axis)
+      for (int y = 0; y < n; ++y) {  // a row of a face: along y, x, x
+        const int stride = axis == 0 ? n : 1, row = axis == 0 ? n * n * y : axis == 1 ? n * n * y + n : n * y;
+        const lbm::SlotRun run{0, std::uint32_t(i * n * n * n + row), stride, std::uint32_t(n)};
+        slots.sent(0).add(run), slots.received(0).add(run);
+        for (int x = 0; x < n; ++x) expected[run.first + x * stride] = from[run.first + x * stride];
+      }
+  Spread rate;
+  for (int r = 0; r < 9; ++r) {
+    const double t = seconds([&] { slots.start(sources), slots.finish(sources, targets); });
+    if (r > 1) rate.add(double(slots.message_bytes()) / t);
+  }
+  tell("messages", expected, std::vector<T>(to.begin(), to.end()), out);
+  printf("messages of a block of %d^3: %.2f GB/s\n", n, rate.middle() * 1e-9);
+  out.figures[std::string("device.messages.") + (sizeof(T) == 4 ? "single" : "double") + ".bytes_a_second"] =
+      rate.middle();
+}
+
+/// A cube of finest cells in the middle of coarser ones: updates of cells in a second.
+template <class T>
+void measure_levels(Device device, int n, Figures& out) {
+  const lbm::CutTree tree = cut_in({n, n, n}, 3).tree();
+  lbm::testing::LevelledFlow<T> flow(tree, {}, {0.8, 1. / 6}, 2, MPI_COMM_SELF, device);
+  double updates = 0;  // in a finest step
+  for (int level = 0; level < 3; ++level)
+    for (const auto& block : flow.levels.fluid(level).blocks())
+      updates += double(block.box().cells()) / (1 << level);
+  const int steps = device == Device::gpu ? 40 : 4;
+  flow.step(4);
+  Spread mlups;
+  for (int r = 0; r < 5; ++r) mlups.add(steps * updates / seconds([&] { flow.step(steps); }) * 1e-6);
+  const char* const precision = sizeof(T) == 4 ? "single" : "double";
+  printf("%s, three levels in %d^3: %.0f MLUPS (%.0f to %.0f)\n", precision, n, mlups.middle(),
+         mlups.lowest(), mlups.highest());
+  out.figures[std::string("device.levels.") + precision + "." + std::to_string(n) + ".mlups"] =
+      mlups.middle();
 }
 
 /// Bytes a second, read and written, in copying.
@@ -106,6 +184,10 @@ void run(const Options& o) {
     measure<float>(device, n, copied, out);
     if (n < 512) measure<double>(device, n, copied, out);
   }
+  messages<float>(device, small ? 32 : 256, out);
+  messages<double>(device, small ? 32 : 256, out);
+  measure_levels<float>(device, small ? 96 : 384, out);
+  measure_levels<double>(device, small ? 96 : 384, out);
   out.write(o.json);
 }
 
