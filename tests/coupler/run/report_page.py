@@ -125,14 +125,14 @@ class Page(SiltTest):
 
     def test_is_seen_while_it_goes_on(self):
         self.write(CASE.replace("steps = 60", "steps = 1000000").replace("fields = { every = 20 }", "report = { every = 10 }"))
-        run = subprocess.Popen([SCRIPTS / "run", self.case, "--overwrite", "--silt", SILT, "--follow", "0.2", "--no-pictures"], stdout=subprocess.DEVNULL,
+        run = subprocess.Popen([SCRIPTS / "run", self.case, "--overwrite", "--silt", SILT, "--follow", "1.5", "--no-pictures"], stdout=subprocess.DEVNULL,
                                stderr=subprocess.DEVNULL, env=ENVIRONMENT)
         try:
             while not (self.out / "report.html").exists():
                 self.assertIsNone(run.poll())
                 time.sleep(0.05)
             text = (self.out / "report.html").read_text()
-            self.assertIn("<meta http-equiv=refresh content=1>", text)
+            self.assertIn("<meta http-equiv=refresh content=2>", text)
             self.assertIn("Running:", text)
             self.assertRegex(run_script(SCRIPTS / "watch", self.case).stdout, r"two balls: running\n(no step|step \d+/1000000 )[^\n]*\n\n"
                              r"  height  [0-9.]+ cells  [▁▂▃▄▅▆▇█]{2,40}\n\n[^\n]*warning: bodies\[0\].shape: shape 'ball' is 5 cells across")
