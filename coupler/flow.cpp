@@ -61,12 +61,16 @@ class FlowOf final : public Flow {
         links_(fluid_.blocks().size()),
         pushes_bodies_(scene.fluid->body_force_on_bodies && !scene.fluid->body_force.isZero(0)),
         forces_(coupling_, exchange, scene.contacts.substeps, scene.fluid->relaxation_time) {
+    if (scene.device != Device::cpu) {  // whose passes do all links at once
+      schedule_ = LinkSchedule::sequential;
+      for (BlockLinks<T>& block : links_) block.on_device.emplace(scene.device);
+    }
     for (int level = 1; level < levels_.count(); ++level) {
       coarser_.push_back(std::make_unique<CoarserFields>(levels_.fluid(level), world_));
       account_.add_level(*coarser_.back()->fields);
     }
     if (!lbm::reads_beyond(coupling_.wall_scheme) || world_.shapes.empty()) return;
-    pairs_.emplace(fluid_.domain(), comm, fluid_.blocks());
+    pairs_.emplace(fluid_.domain(), comm, fluid_.blocks(), scene.device);
     for (const BlockMap& map : map_.blocks()) columns_.emplace_back(map.solid);
     for (std::size_t b = 0; b < links_.size(); ++b) links_[b].pairs_across = pairs_->of(int(b));
   }
@@ -160,22 +164,26 @@ class FlowOf final : public Flow {
   /// Cells that changed sides, and links.
   void remap(const rigid::BodySet& bodies, const BodyChanges& changes) {
     const ChangedCells cells = changed_cells(map_.blocks());
-    const auto fetch = [&](const CoveredCell& c) { fluid_.prefetch(c.block, c.cell); };
-    for_ahead(cells.covered, 8, fetch,
-              [&](std::size_t n) { take_cell(+1, cells.covered[n], bodies, changes); });
+    take_cells(+1, cells.covered, bodies, changes);
     refill(fluid_, map_.blocks(), cells, bodies, changes.gone, coupling_.refill);
-    for (const CoveredCell& c : cells.uncovered) take_cell(-1, c, bodies, changes);
+    take_cells(-1, cells.uncovered, bodies, changes);
     counts_.covered = cells.covered.size(), counts_.uncovered = cells.uncovered.size();
     rebuild_links(bodies);
   }
 
   bool is_exact() const { return coupling_.force == ForceForm::exact; }
 
-  /// A body has covered a cell (sign 1) or left it (-1).
-  void take_cell(int sign, const CoveredCell& c, const rigid::BodySet& bodies, const BodyChanges& changes) {
+  /// Bodies have covered cells (sign 1) or left them (-1).
+  void take_cells(int sign, const std::vector<CoveredCell>& cells, const rigid::BodySet& bodies,
+                  const BodyChanges& changes) {
+    if (!account_.corrects_mass() && !is_exact() && changes.none()) return;
+    const std::span<const lbm::Moments> moments = fluid_.moments(places(cells));
+    for (std::size_t n = 0; n < cells.size(); ++n) take_cell(sign, cells[n], moments[n], bodies, changes);
+  }
+  void take_cell(int sign, const CoveredCell& c, const lbm::Moments& m, const rigid::BodySet& bodies,
+                 const BodyChanges& changes) {
     const bool comes_or_goes = sign > 0 ? changes.is_new(c.body->id) : changes.has_gone(c.body->id);
     if (!account_.corrects_mass() && !is_exact() && !comes_or_goes) return;
-    const lbm::Moments m = fluid_.moments(c.block, c.cell);
     account_.gain_cell(-sign, m);
     const auto u = fluid_.velocity(m);
     const Vec3 momentum = sign * Vec3(u[0], u[1], u[2]);
@@ -203,11 +211,12 @@ class FlowOf final : public Flow {
       BlockLinks<T>& block = links_[b];
       if (map.changed) {
         fluid_.set_idle(int(b), !map.has_fluid());
-        build_links<T>(map, world_, bodies, {coupling_, fluid, fluid_.pass_order(int(b)), &meshes_},
+        build_links<T>(map, world_, bodies, {coupling_, fluid, fluid_.pass_order(int(b)), &meshes_, fluid_.device()},
                        block.surfaces);
         block.order_groups(fluid_.pass_order(int(b)));
         if (lbm::knows_opposite_wall(coupling_.wall_scheme))
           block.gaps.pair(block.surfaces, fluid_.domain(), map.box);
+        if (block.on_device) block.list_for_device();
       }
       counts_.links += block.count;
     }

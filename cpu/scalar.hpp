@@ -1,14 +1,21 @@
 #pragma once
 // Vectors of one lane: plain numbers, for kernels that are built for a device (SILT_SCALAR).
 #include <cmath>
+#include <cstdint>
 
 #include "cpu/device_code.hpp"
 
 namespace silt::inline SILT_ISA {
 
-template <class V>
-SILT_DEVICE inline V load(const V* from) {
-  return *from;
+template <class E, int n = 1>
+struct VectorOf {
+  static_assert(n == 1);
+  using type = E;
+};
+
+template <class V, class U>
+SILT_DEVICE inline V load(const U* from) {
+  return V(*from);
 }
 template <class V>
 SILT_DEVICE inline void store(V* to, const V& v) {
@@ -17,5 +24,19 @@ SILT_DEVICE inline void store(V* to, const V& v) {
 SILT_DEVICE inline bool any_lane(bool lane) {
   return lane;
 }
+
+template <class T>
+struct Lanes {
+  static constexpr int count = 1;
+  using Real = T;
+  using Whole = std::int32_t;
+  using Mask = bool;
+
+  SILT_DEVICE static Real real(Whole w) { return T(w); }
+  SILT_DEVICE static Mask mask(bool lane) { return lane; }
+  SILT_DEVICE static Real magnitude(Real x) { return std::fabs(x); }
+  SILT_DEVICE static bool all(Mask m) { return m; }
+  SILT_DEVICE static Whole look_up(const std::int32_t (&table)[32], Whole index) { return table[index]; }
+};
 
 }  // namespace silt::inline SILT_ISA

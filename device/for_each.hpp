@@ -9,6 +9,21 @@
 
 namespace silt::inline SILT_ISA {
 
+/// Those that do one entry together: member `lane` of `size`.
+struct Team {
+  int lane, size;
+  /// Adds the terms of all members, each of which calls it, to a sum that other teams may add to as well.
+  SILT_DEVICE void add(std::int64_t term, std::int64_t& sum) const {
+#if defined(__CUDA_ARCH__)
+    for (int half = size / 2; half > 0; half /= 2) term += __shfl_down_sync(~0u, term, half);
+    if (lane == 0 && term != 0)
+      atomicAdd(reinterpret_cast<unsigned long long*>(&sum), static_cast<unsigned long long>(term));
+#else
+    sum += term;
+#endif
+  }
+};
+
 #if defined(__CUDACC__)
 
 template <class Body>
@@ -21,6 +36,12 @@ template <class Body>
 __global__ void one_of_rows(int entries, const Body body) {
   const int k = int(blockIdx.y * blockDim.x + threadIdx.x);
   if (k < entries) body(k, int(blockIdx.x));
+}
+
+template <class Body>
+__global__ void one_of_teams(std::int64_t entries, const Body body) {
+  const std::int64_t k = (std::int64_t{blockIdx.x} * blockDim.x + threadIdx.x) / warpSize;
+  if (k < entries) body(k, Team{int(threadIdx.x) % warpSize, warpSize});
 }
 
 inline void check(cudaError_t found) {
@@ -43,6 +64,14 @@ void for_rows(int entries, int rows, const Body& body) {
   if (entries == 0 || rows == 0) return;
   const int wanted = (entries + warp - 1) / warp * warp, threads = wanted < most ? wanted : most;
   one_of_rows<<<dim3(unsigned(rows), unsigned((entries + threads - 1) / threads)), threads>>>(entries, body);
+  check(cudaGetLastError());
+}
+/// Calls body(k, member) for each entry and each member of the team that does it together.
+template <class Body>
+void for_teams(std::int64_t entries, const Body& body) {
+  constexpr int teams = 8, warp = 32;  // of a block of threads
+  if (entries == 0) return;
+  one_of_teams<<<unsigned((entries + teams - 1) / teams), teams * warp>>>(entries, body);
   check(cudaGetLastError());
 }
 /// Returns when all passes are done: what they wrote may then be read.
@@ -68,6 +97,10 @@ template <class Body>
 void for_rows(int entries, int rows, const Body& body) {
   for (int row = 0; row < rows; ++row)
     for (int k = 0; k < entries; ++k) body(k, row);
+}
+template <class Body>
+void for_teams(std::int64_t entries, const Body& body) {
+  for (std::int64_t k = 0; k < entries; ++k) body(k, Team{0, 1});
 }
 inline void wait() {}
 inline unsigned next_of(unsigned* count) {

@@ -12,8 +12,10 @@
 // plane, or in a few if these are small. It may be applied once its cells and their neighbours have collided:
 // inner groups as soon as the dense pass is done with part `ready` (pass_order.hpp), while the populations
 // are still in cache; groups at the rim of the block, which touch ghost cells, after the halo exchange.
+#include <cmath>
 #include <cstdint>
 #include <limits>
+#include <memory_resource>
 #include <stdexcept>
 #include <vector>
 
@@ -83,13 +85,21 @@ struct CutLinks {
   WallFluid<T> fluid;  // that the links stand in
   SurfaceFrame frame;
   std::vector<LinkGroup> groups;
-  std::vector<std::uint32_t> place;       // of whole groups, padded
-  std::vector<T> q;                       // at a time that `age` counts from
-  std::vector<T> rate;                    // of q, a step; empty: of none
+  std::pmr::vector<std::uint32_t> place;  // of whole groups, padded
+  std::pmr::vector<T> q;                  // at a time that `age` counts from
+  std::pmr::vector<T> rate;               // of q, a step; empty: of none
   T age = 0;                              // steps since then; may be negative
-  std::vector<T> opposite_q, opposite_u;  // OppositeWall of the links of `single_cell_gap`; empty: of none
+  std::pmr::vector<T> opposite_q,
+      opposite_u;  // OppositeWall of the links of `single_cell_gap`; empty: of none
   /// Of the links of groups `across`, padded as they are: which of the block's PairsAcross has their pair.
-  std::vector<std::uint32_t> across;
+  std::pmr::vector<std::uint32_t> across;
+
+  /// None yet, in a memory that a device may reach.
+  static CutLinks in(std::pmr::memory_resource* memory) {
+    const auto none = [&] { return std::pmr::vector<T>(memory); };
+    const auto no_places = [&] { return std::pmr::vector<std::uint32_t>(memory); };
+    return {{}, {}, {}, no_places(), none(), none(), 0, none(), none(), no_places()};
+  }
 
   /// A hint that a group will be wanted soon.
   void prefetch(const LinkGroup& g) const {
@@ -109,13 +119,24 @@ struct BeyondPair {
   T away, toward;
 };
 
+/// Components of the directions, two bits each: one look-up for the three.
+struct Components {
+  std::int32_t packed[32] = {};
+  constexpr Components() {
+    for (int d = 0; d < 3; ++d)
+      for (int i = 0; i < directions; ++i) packed[i] |= (c[i][d] & 3) << (2 * d);
+  }
+};
+inline constexpr Components components;
+
 /// The populations of a link along i lie at these slots, by direction, from its cell at Block::middle(). What
 /// passes further away from the surface lies as many steps behind, at either parity: f*_i(x - c_i) at out -
 /// step, f*_i(x - 2 c_i) at out - 2 step, f*_opp(x) at back - step, f*_opp(x - c_i) at back - 2 step.
 struct LinkSlots {
-  std::int32_t out[32] = {};   // f*_i(x)
-  std::int32_t back[32] = {};  // f_opp(x, t + 1): what the surface returns
-  std::int32_t step[32] = {};  // from a cell to the next along c_i
+  std::int32_t out[32] = {};         // f*_i(x)
+  std::int32_t back[32] = {};        // f_opp(x, t + 1): what the surface returns
+  std::int32_t step[32] = {};        // from a cell to the next along c_i
+  std::int32_t components[32] = {};  // silt::lbm::components, where a device finds them
 };
 /// Offsets of 32 bits reach over 9 directions of a block.
 inline constexpr std::int64_t most_cells_with_links = 220'000'000;
@@ -133,6 +154,7 @@ LinkSlots link_slots(const Block<T>& block, Parity parity) {
     s.out[i] = from_middle(block.leaving(i, parity));
     s.back[i] = from_middle(block.arriving(opposite(i), parity));
     s.step[i] = std::int32_t(block.step(i));
+    s.components[i] = components.packed[i];
   }
   return s;
 }
@@ -142,6 +164,13 @@ LinkSlots link_slots(const Block<T>& block, Parity parity) {
 struct SurfaceMotion {
   double v[3] = {}, omega[3] = {};
 };
+
+/// The largest |f* + f_opp| for which no term leaves its range (README.md, "Forces and sums").
+inline double largest_exchange(const SurfaceFrame& frame, const SurfaceMotion& m) {
+  double u = 0;
+  for (int k = 0; k < 3; ++k) u += std::fabs(m.v[k]) + frame.reach * std::fabs(m.omega[k]);
+  return 32 / ((1 + frame.reach) * (1 + u));
+}
 
 /// Sums are in fixed point, so that they do not depend on the order or the partition of links (README.md,
 /// "Forces and sums"). This is the quantum of force and torque in lattice units; that of mass: moments.hpp.

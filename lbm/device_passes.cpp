@@ -1,11 +1,5 @@
 #include "lbm/device_passes.hpp"
 
-#if defined(SILT_CUDA)
-#define SILT_ON(device, pass) (device == Device::gpu ? gpu::pass : host::pass)
-#else
-#define SILT_ON(device, pass) host::pass
-#endif
-
 namespace silt::lbm {
 
 void wait(Device device) {
@@ -41,12 +35,24 @@ void cross_border([[maybe_unused]] Device device, const BorderRows<T>& rows, con
   SILT_ON(device, cross_border<T>)(rows, lists, passing, longest);
 }
 
+template <class T>
+void gather_moments([[maybe_unused]] Device device, const ListedCells<T>& cells, Moments* moments) {
+  SILT_ON(device, gather_moments<T>)(cells, moments);
+}
+
+template <class T>
+void set_arriving([[maybe_unused]] Device device, const ListedCells<T>& cells, const double* g) {
+  SILT_ON(device, set_arriving<T>)(cells, g);
+}
+
 #define SILT_PASSES_OF(T)                                                                                    \
   template void stream_collide(Device, Block<T>&, Parity, const CollisionRates<T>&, RowRange,                \
                                const WatchedPlanes&);                                                        \
   template void move_slots(Device, const SlotPairs&, std::span<const T>, SlotArrays<const T>, SlotArrays<T>, \
                            bool);                                                                            \
   template void return_from_outlet(Device, const ReturnFromOutlet<T>&, std::size_t);                         \
+  template void gather_moments(Device, const ListedCells<T>&, Moments*);                                     \
+  template void set_arriving(Device, const ListedCells<T>&, const double*);                                  \
   template void carry_packets(Device, const BorderRows<T>&, std::span<const BorderRows<T>::Carried>,         \
                               std::uint32_t);                                                                \
   template void cross_border(Device, const BorderRows<T>&, const BorderLists<T>&,                            \

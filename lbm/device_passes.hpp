@@ -6,11 +6,35 @@
 
 #include "device/device.hpp"
 #include "lbm/level_border_rows.hpp"
+#include "lbm/moments.hpp"
 #include "lbm/outlet.hpp"
 #include "lbm/slot_lists.hpp"
 #include "lbm/stream_collide.hpp"
 
+// The build of a pass for a device.
+#if defined(SILT_CUDA)
+#define SILT_ON(device, pass) (device == Device::gpu ? gpu::pass : host::pass)
+#else
+#define SILT_ON(device, pass) host::pass
+#endif
+
 namespace silt::lbm {
+
+/// Single cells of the blocks of a fluid: where a cell's populations are counted from, and its block; for
+/// each block, where those arriving at a cell are.
+template <class T>
+struct ListedCells {
+  struct Cell {
+    T* data;
+    int block;
+  };
+  struct Block {
+    std::ptrdiff_t arriving[directions];
+  };
+  const Cell* cells;
+  std::int64_t count;
+  const Block* blocks;
+};
 
 /// Returns when all passes are done: what they wrote may then be read on the processor.
 void wait(Device);
@@ -32,6 +56,11 @@ template <class T>
 void cross_border(Device, const BorderRows<T>&, const BorderLists<T>&,
                   std::span<const typename BorderRows<T>::Passing>, std::uint32_t longest);
 
+template <class T>
+void gather_moments(Device, const ListedCells<T>&, Moments*);
+template <class T>
+void set_arriving(Device, const ListedCells<T>&, const double* g);
+
 #define SILT_DEVICE_PASSES                                                                                   \
   void wait();                                                                                               \
                                                                                                              \
@@ -41,6 +70,10 @@ void cross_border(Device, const BorderRows<T>&, const BorderLists<T>&,
   void move_slots(const SlotPairs&, std::span<const T>, SlotArrays<const T>, SlotArrays<T>, bool);           \
   template <class T>                                                                                         \
   void return_from_outlet(const ReturnFromOutlet<T>&, std::size_t cells);                                    \
+  template <class T>                                                                                         \
+  void gather_moments(const ListedCells<T>&, Moments*);                                                      \
+  template <class T>                                                                                         \
+  void set_arriving(const ListedCells<T>&, const double* g);                                                 \
   template <class T>                                                                                         \
   void carry_packets(const BorderRows<T>&, std::span<const typename BorderRows<T>::Carried>, std::uint32_t); \
   template <class T>                                                                                         \

@@ -120,6 +120,29 @@ void over_rows(const BorderRows<T>& rows, const Entries& entries, std::uint32_t 
   for_rows(int(longest), int(entries.size()), OverRows<Act, T, Entry>{rows, entries.data()});
 }
 
+template <class T>
+struct GatherMoments {
+  ListedCells<T> of;
+  Moments* moments;
+  SILT_DEVICE void operator()(std::int64_t k) const {
+    const auto& cell = of.cells[k];
+    const T* g[directions];
+    for (int i = 0; i < directions; ++i) g[i] = cell.data + of.blocks[cell.block].arriving[i];
+    moments[k] = moments_of<T>(g, 0);
+  }
+};
+
+template <class T>
+struct SetArriving {
+  ListedCells<T> of;
+  const double* g;
+  SILT_DEVICE void operator()(std::int64_t k) const {
+    const auto& cell = of.cells[k];
+    for (int i = 0; i < directions; ++i)
+      cell.data[of.blocks[cell.block].arriving[i]] = T(g[k * directions + i]);
+  }
+};
+
 inline FastList& fast_list() {
 #if defined(__CUDACC__)
   static const auto list = std::static_pointer_cast<FastList>(zeroed_on_gpu(sizeof(FastList)));
@@ -194,10 +217,24 @@ void cross_border(const BorderRows<T>& all, const BorderLists<T>& lists,
   wait();
 }
 
+template <class T>
+void gather_moments(const ListedCells<T>& cells, Moments* moments) {
+  for_each(cells.count, GatherMoments<T>{cells, moments});
+  silt::SILT_ISA::wait();
+}
+
+template <class T>
+void set_arriving(const ListedCells<T>& cells, const double* g) {
+  for_each(cells.count, SetArriving<T>{cells, g});
+  silt::SILT_ISA::wait();
+}
+
 #define SILT_PASSES_OF(T)                                                                                    \
   template void stream_collide(Block<T>&, Parity, const CollisionRates<T>&, RowRange, const WatchedPlanes&); \
   template void move_slots(const SlotPairs&, std::span<const T>, SlotArrays<const T>, SlotArrays<T>, bool);  \
   template void return_from_outlet(const ReturnFromOutlet<T>&, std::size_t);                                 \
+  template void gather_moments(const ListedCells<T>&, Moments*);                                             \
+  template void set_arriving(const ListedCells<T>&, const double*);                                          \
   template void carry_packets(const BorderRows<T>&, std::span<const BorderRows<T>::Carried>, std::uint32_t); \
   template void cross_border(const BorderRows<T>&, const BorderLists<T>&,                                    \
                              std::span<const BorderRows<T>::Passing>, std::uint32_t);

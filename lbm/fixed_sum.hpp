@@ -3,6 +3,7 @@
 #include <bit>
 #include <cstdint>
 
+#include "cpu/device_code.hpp"
 #include "cpu/lanes.hpp"
 
 namespace silt::lbm::SILT_ISA {
@@ -13,18 +14,26 @@ class FixedSum {
  public:
   using Real = typename VectorOf<T, n>::type;
 
-  [[gnu::always_inline]] void add(const Real& x) { sum_ += rounded(x); }
-  [[gnu::always_inline]] void subtract(const Real& x) { sum_ -= rounded(x); }
+  [[gnu::always_inline]] SILT_DEVICE void add(const Real& x) { sum_ += rounded(x); }
+  [[gnu::always_inline]] SILT_DEVICE void subtract(const Real& x) { sum_ -= rounded(x); }
   /// `terms`: how many more were added than subtracted.
-  std::int64_t total(std::uint64_t terms) const {
+  SILT_DEVICE std::int64_t total(std::uint64_t terms) const {
     std::uint64_t all = 0;
+#if defined(SILT_SCALAR)
+    all = sum_;
+#else
     for (int l = 0; l < count; ++l) all += sum_[l];
+#endif
     return std::int64_t(all - terms * offset);
   }
 
  private:
   // as wide as a register: compilers take wider ones apart
+#if defined(SILT_SCALAR)
+  static constexpr bool fills_register = false;
+#else
   static constexpr bool fills_register = n * int(sizeof(T)) == vector_bytes;
+#endif
   static constexpr int parts = fills_register ? int(sizeof(double) / sizeof(T)) : 1, count = n / parts;
   using Sum = typename VectorOf<std::uint64_t, count>::type;
   using Wide = typename VectorOf<double, count>::type;
@@ -37,10 +46,13 @@ class FixedSum {
   static constexpr double magic = 0x1.8p52 * quantum;
   static constexpr auto offset = converts ? std::uint64_t{0} : std::bit_cast<std::uint64_t>(magic);
 
-  [[gnu::always_inline]] static Sum low_bits(const Wide& x) {
+  [[gnu::always_inline]] SILT_DEVICE static Sum low_bits(const Wide& x) {
     return std::bit_cast<Sum>(Wide(x + magic));
   }
-  [[gnu::always_inline]] static Sum rounded(const Real& x) {
+  [[gnu::always_inline]] SILT_DEVICE static Sum rounded(const Real& x) {
+#if defined(SILT_SCALAR)
+    return low_bits(double(x));
+#else
 #if defined(SILT_ISA_avx512)
     if constexpr (converts) {
       constexpr __mmask8 all = 0xff;
@@ -62,6 +74,7 @@ class FixedSum {
 #else
     else
       return low_bits(Wide{x[0], x[1]}) + low_bits(Wide{x[2], x[3]});
+#endif
 #endif
   }
 

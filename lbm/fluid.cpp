@@ -179,6 +179,40 @@ Moments Fluid<T>::moments(int b, Int3 x) const {
   return for_arriving(b, x, [](const T* const(&g)[directions]) { return moments_of(g, 0); });
 }
 
+/// Where a device finds single cells; until the next call.
+template <class T>
+ListedCells<T> Fluid<T>::listed(std::span<const LocalCell> cells) {
+  listed_blocks_.resize(blocks_.size()), listed_cells_.resize(cells.size());
+  for (std::size_t b = 0; b < blocks_.size(); ++b)
+    for (int i = 0; i < directions; ++i) listed_blocks_[b].arriving[i] = blocks_[b].arriving(i, parity_);
+  for (std::size_t k = 0; k < cells.size(); ++k) {
+    Block<T>& block = blocks_[cells[k].block];
+    listed_cells_[k] = {block.data() + block.cell(cells[k].cell), cells[k].block};
+  }
+  return {listed_cells_.data(), std::int64_t(cells.size()), listed_blocks_.data()};
+}
+
+template <class T>
+std::span<const Moments> Fluid<T>::moments(std::span<const LocalCell> cells) {
+  cell_moments_.resize(cells.size());
+  if (device_ != Device::cpu) {
+    gather_moments(device_, listed(cells), cell_moments_.data());
+  } else {
+    for_ahead(
+        cells, 6, [&](const LocalCell& x) { prefetch(x.block, x.cell); },
+        [&](std::size_t k) { cell_moments_[k] = moments(cells[k].block, cells[k].cell); });
+  }
+  return cell_moments_;
+}
+
+template <class T>
+void Fluid<T>::set_arriving(std::span<const LocalCell> cells, std::span<const double> g) {
+  if (device_ != Device::cpu) return lbm::set_arriving(device_, listed(cells), g.data());
+  for (std::size_t k = 0; k < cells.size(); ++k)
+    for (int i = 0; i < directions; ++i)
+      arriving(cells[k].block, cells[k].cell, i) = T(g[k * directions + i]);
+}
+
 template <class T>
 void Fluid<T>::moments(int b, const CellBox& box, MomentArrays& moments) const {
   moments.resize(box.cells());

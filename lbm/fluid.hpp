@@ -4,9 +4,11 @@
 #include <mpi.h>
 
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "lbm/collision_model.hpp"
+#include "lbm/device_passes.hpp"
 #include "lbm/domain.hpp"
 #include "lbm/halo.hpp"
 #include "lbm/moments.hpp"
@@ -17,6 +19,12 @@ namespace silt::lbm {
 
 template <class T>
 struct CollisionRates;
+
+/// A cell of a local block.
+struct LocalCell {
+  int block;
+  Int3 cell;
+};
 
 template <class T>
 class Fluid {
@@ -78,6 +86,10 @@ class Fluid {
     return blocks_[b].data()[blocks_[b].leaving(i, parity_) + blocks_[b].cell(local_cell)];
   }
   Moments moments(int b, Int3 local_cell) const;
+  /// Those of single cells, in their order; there until the next call.
+  std::span<const Moments> moments(std::span<const LocalCell>);
+  /// Sets what arrives at single cells: 19 numbers a cell.
+  void set_arriving(std::span<const LocalCell>, std::span<const double> g);
   /// Those of a box of local cells.
   void moments(int b, const CellBox&, MomentArrays&) const;
   /// What they, and as many in the rows after theirs, hold together.
@@ -92,6 +104,7 @@ class Fluid {
  private:
   void collide_rows(int b, RowRange);
   void pass_over(std::size_t b, RowRange);
+  ListedCells<T> listed(std::span<const LocalCell>);
   template <class Sum>
   auto for_arriving(int b, Int3 local_cell, Sum&& sum) const;
 
@@ -107,6 +120,10 @@ class Fluid {
   std::int64_t passes_ = 0;
   std::vector<FastCell> fast_in_pass_;  // of a range of rows
   std::vector<Fast> fast_cells_;
+  // of single cells, for a device
+  std::pmr::vector<typename ListedCells<T>::Cell> listed_cells_{memory_of(device_)};
+  std::pmr::vector<typename ListedCells<T>::Block> listed_blocks_{memory_of(device_)};
+  std::pmr::vector<Moments> cell_moments_{memory_of(device_)};
   Halo<T> halo_;
 };
 

@@ -2,6 +2,9 @@
 // D3Q19. Direction 0 rests; 2k+1 and 2k+2 are opposite: a pair. Weights w, sound speed c_s^2 = 1/3.
 #include <array>
 #include <cstddef>
+#include <utility>
+
+#include "cpu/device_code.hpp"
 
 namespace silt::lbm {
 
@@ -48,6 +51,16 @@ inline constexpr int direction_of(Int3 v) {
   for (int i = 0; i < directions; ++i)
     if (c[i] == v) return i;
   return -1;
+}
+
+/// Calls f with the directions from `first` on, as constants of the type: the tables of directions exist only
+/// for the compiler where code is for a graphics processor.
+template <int first, class F>
+SILT_DEVICE [[gnu::always_inline]] inline void for_directions(F&& f) {
+  [&]<int... k>(std::integer_sequence<int, k...>) __attribute__((always_inline)) {
+    (f(std::integral_constant<int, first + k>()), ...);
+  }
+  (std::make_integer_sequence<int, directions - first>());
 }
 
 namespace check {  // sum w = 1, sum w c c = 1/3 (in 36ths), opposites cancel

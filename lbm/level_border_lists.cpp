@@ -5,6 +5,7 @@
 #include <set>
 #include <stdexcept>
 
+#include "lbm/ghost_home.hpp"
 #include "lbm/level_border.hpp"
 #include "lbm/packet_flight.hpp"
 #include "parallel/communicator.hpp"

@@ -5,16 +5,12 @@
 #include <algorithm>
 
 #include "cpu/prefetch.hpp"
-#include "lbm/link_places.hpp"
+#include "lbm/link_exchange.hpp"
 
 namespace silt::lbm::SILT_ISA {
 
 /// Of a link either all that a scheme reads and writes is wanted, or only what the surface returns.
 enum class Wanted { all, returned };
-
-/// What is listed of a link, in this order; the pair beyond only where it is read from the block, and under
-/// `single_cell_gap` all that leaves the cell instead of what follows `out`.
-enum LinkRow { back_row, out_row, behind_row, against_row, away_row, toward_row };
 
 template <class T>
 class LinkFetch {
@@ -98,12 +94,12 @@ class LinkFetch {
     if (scheme == WallScheme::single_cell_gap) {
       for (int i = 1; i < directions; ++i) add(at.cell + slots_.out[i]);
     } else if (reads_behind(scheme)) {
-      const Whole step = L::look_up(slots_.step, at.direction);
-      add(out - step);
-      add(back - step);
+      const SlotsBehind<Whole> slots(out, back, L::look_up(slots_.step, at.direction));
+      add(slots.behind);
+      add(slots.against);
       if (!reads_beyond(scheme) || group.across) return;
-      add(back - 2 * step);
-      add(out - 2 * step);
+      add(slots.away);
+      add(slots.toward);
     }
   }
 

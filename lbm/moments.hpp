@@ -105,15 +105,15 @@ class MomentsByRow {
 
 /// Returns the moments of one cell, where g[i][k] is the population i that arrives at it.
 template <class T>
-[[gnu::always_inline]] inline Moments moments_of(const T* const (&g)[directions], std::ptrdiff_t k) {
+[[gnu::always_inline]] SILT_DEVICE inline Moments moments_of(const T* const (&g)[directions],
+                                                             std::ptrdiff_t k) {
   Moments m;
   const auto add = [](double& sum, int factor, double value) {  // factor: -1, 0, 1, known to the compiler
     if (factor) sum += factor * value;
   };
-#pragma GCC unroll 19
-  for (int i = 0; i < directions; ++i) {
-    const double value = g[i][k];
-    const Int3 v = c[i];
+  for_directions<0>([&](auto i) __attribute__((always_inline)) {
+    const double value = g[i()][k];
+    constexpr Int3 v = c[i()];
     m.density_deviation += value;
     add(m.momentum[0], v.x, value);
     add(m.momentum[1], v.y, value);
@@ -124,7 +124,7 @@ template <class T>
     add(m.flux[3], v.x * v.y, value);
     add(m.flux[4], v.x * v.z, value);
     add(m.flux[5], v.y * v.z, value);
-  }
+  });
   return m;
 }
 

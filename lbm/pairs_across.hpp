@@ -59,7 +59,7 @@ class PairsAcross {
  public:
   /// `blocks` are the local ones, in the order of domain.blocks_of(rank). All pairs are brought until some
   /// are chosen.
-  PairsAcross(const Domain&, MPI_Comm, std::span<const Block<T>> blocks);
+  PairsAcross(const Domain&, MPI_Comm, std::span<const Block<T>> blocks, Device = Device::cpu);
   /// From now on the pairs of cut links are brought: of fluid cells x with x + c_i solid; others mean
   /// nothing. solid(block, cell, axis) has 64 cells of a local block along x or y as bits, `cell` the first,
   /// for cells to two beyond its faces. Each rank calls it when one of these of its blocks has changed. What
@@ -91,7 +91,8 @@ class PairsAcross {
   void add(const Line&, std::uint32_t n, std::uint32_t count);
 
   int rank_;
-  std::vector<std::vector<BeyondPair<T>>> pairs_;  // of the blocks
+  Device device_;
+  std::vector<std::pmr::vector<BeyondPair<T>>> pairs_;  // of the blocks
   std::vector<Line> lines_;
   SlotExchange<T> slots_;
 };

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <type_traits>
 
+#include "cpu/device_code.hpp"
 #include "lbm/collision_model.hpp"
 #include "lbm/wall_scheme.hpp"
 
@@ -15,7 +16,7 @@ namespace silt::lbm {
 
 /// Calls f with the scheme as a constant of the type.
 template <class F>
-void with_scheme(WallScheme scheme, F&& f) {
+SILT_DEVICE void with_scheme(WallScheme scheme, F&& f) {
   using enum WallScheme;
   switch (scheme) {
     case cli:
@@ -44,7 +45,7 @@ struct WallFluid {
         share(T(stable_share(s))),
         curved(T(curved_share(s))),
         force{T(s.force[0]), T(s.force[1]), T(s.force[2])} {}
-  bool has_force() const { return force[0] != 0 || force[1] != 0 || force[2] != 0; }
+  SILT_DEVICE bool has_force() const { return force[0] != 0 || force[1] != 0 || force[2] != 0; }
 };
 
 /// e follows from the others (equation 11); d and g are of the schemes that read beyond.

@@ -82,8 +82,9 @@ void FluidForces<T>::begin(const lbm::Fluid<T>& fluid, std::span<const BlockMap>
           time_.is_implicit() ? Vec6(foreseen_change(bodies, surface.row)) : Vec6(Vec6::Zero());
       set_motion(surface.motion, bodies.velocity[surface.row] + foreseen.head<3>(),
                  bodies.angular_velocity[surface.row] + foreseen.tail<3>());
+      if (links[b].on_device) links[b].on_device->set_motion(k, surface.motion, surface.links.age);
     }
-    links[b].gaps.set_velocities(links[b].surfaces);
+    if (!links[b].on_device) links[b].gaps.set_velocities(links[b].surfaces);
   }
 }
 
@@ -108,6 +109,7 @@ void FluidForces<T>::apply(lbm::Block<T>& block, const BlockLinks<T>& links, Sur
 template <class T>
 void FluidForces<T>::apply_inner(lbm::Block<T>& block, BlockLinks<T>& links, GroupRange groups,
                                  bool at_hand) {
+  if (links.on_device) return;
   const auto& inner = links.inner;
   const std::uint32_t end = groups.end;
   std::uint32_t soon = groups.begin + 2;
@@ -149,12 +151,21 @@ void FluidForces<T>::finish_body(lbm::Block<T>& block, const lbm::LinkSlots& slo
 }
 
 template <class T>
+void FluidForces<T>::apply_on_device(lbm::Block<T>& block, BlockLinks<T>& links) {
+  links.on_device->apply(block, links.slots, links.pairs_across, spec_.force);
+  for (std::size_t k = 0; k < links.surfaces.size(); ++k) links.surfaces[k].sums = links.on_device->sums(k);
+}
+
+template <class T>
 void FluidForces<T>::apply_rims(lbm::Fluid<T>& fluid, std::span<BlockLinks<T>> links) {
   for (std::size_t b = 0; b < links.size(); ++b) {
     const auto& rim = links[b].rim;
-    links[b].for_groups(rim, 0, rim.size(), [&](auto& surface, const auto& group, const auto& next) {
-      apply(fluid.blocks()[b], links[b], surface, group, next, false);
-    });
+    if (links[b].on_device)
+      apply_on_device(fluid.blocks()[b], links[b]);
+    else
+      links[b].for_groups(rim, 0, rim.size(), [&](auto& surface, const auto& group, const auto& next) {
+        apply(fluid.blocks()[b], links[b], surface, group, next, false);
+      });
     for (const SurfaceLinks<T>& surface : links[b].surfaces) {
       outcome_.mass_gain += surface.sums.mass;
       if (surface.sums.invalid)
@@ -228,8 +239,10 @@ std::int64_t FluidForces<T>::correct(lbm::Block<T>& block, BlockLinks<T>& links,
     const double* const d = corrections.data() + surface.row * 6;
     set_motion(surface.motion, Vec3(d[0], d[1], d[2]), Vec3(d[3], d[4], d[5]));
     if (is_at_rest(surface.motion)) continue;
+    if (links.on_device) links.on_device->set_increment(k, surface.motion);
     for (std::uint32_t g = 0; g < surface.links.groups.size(); ++g) open.push_back({k, g});
   }
+  if (links.on_device) return links.on_device->correct(block, links.slots);
   std::int64_t mass = 0;
   lbm::ListedLinks listed;
   links.for_groups(open, 0, open.size(), [&](const auto& surface, const auto& group, const auto& next) {

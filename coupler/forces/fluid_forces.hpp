@@ -58,7 +58,8 @@ class FluidForces {
   void begin(const lbm::Fluid<T>&, std::span<const BlockMap>, std::span<BlockLinks<T>>, rigid::BodySet&,
              const BodyChanges&);
   /// Applies inner groups of a block, all of whose cells have collided, and solves for bodies all of whose
-  /// links have been applied. `at_hand`: the dense pass has just come by, so the populations are in a cache.
+  /// links have been applied; on a device finish() does. `at_hand`: the dense pass has just come by, so the
+  /// populations are in a cache.
   void apply_inner(lbm::Block<T>&, BlockLinks<T>&, GroupRange, bool at_hand);
   /// Applies all other links and solves for all other bodies, after the halo exchange, with messages between
   /// ranks that hold a body. What is out of range is left out of the sums: its step means nothing.
@@ -69,6 +70,7 @@ class FluidForces {
              const lbm::NextGroup<T>&, bool at_hand);
   void prefetch_row(const SurfaceLinks<T>&);
   void finish_body(lbm::Block<T>&, const lbm::LinkSlots&, SurfaceLinks<T>&);
+  void apply_on_device(lbm::Block<T>&, BlockLinks<T>&);
   void apply_rims(lbm::Fluid<T>&, std::span<BlockLinks<T>>);
   void gather(std::span<const BlockLinks<T>>, const rigid::BodySet&);
   std::int64_t move(lbm::Fluid<T>&, std::span<BlockLinks<T>>, rigid::BodySet&);

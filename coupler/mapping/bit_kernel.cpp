@@ -302,7 +302,7 @@ std::uint32_t list_beyond(const std::uint32_t* place, std::uint32_t n, lbm::Int3
                     ((at >> lbm::place_x_bits) & ((1 << lbm::place_y_bits) - 1)) + corner.y,
                     ((at >> lbm::place_z_shift) & ((1 << lbm::place_z_bits) - 1)) + corner.z};
     Whole listed{};
-    const Whole packed = Links::look_up(lbm::SILT_ISA::components.packed, direction);
+    const Whole packed = Links::look_up(lbm::components.packed, direction);
     for (int d = 0; d < 3; ++d) {
       const Whole c = lbm::SILT_ISA::component(packed, d);
       far[d] -= c;

@@ -2,10 +2,12 @@
 // The cut links of a block, surface by surface, in the order in which they are applied, with what a step sums
 // over them, and what links in gaps of a single cell know of the wall behind.
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "cpu/prefetch.hpp"
 #include "lbm/cut_links.hpp"
+#include "lbm/device_links.hpp"
 #include "lbm/domain.hpp"
 #include "lbm/pass_order.hpp"
 
@@ -14,7 +16,7 @@ namespace silt::coupler {
 /// One periodic image of a body, or a wall.
 template <class T>
 struct SurfaceLinks {
-  lbm::CutLinks<T> links;
+  lbm::CutLinks<T> links{};
   lbm::StiffnessSums stiffness;  // implicit coupling only; renewed with the links
   // of the step under way:
   std::size_t row = 0;  // of the BodySet
@@ -33,6 +35,12 @@ class SingleCellGaps {
   /// Fills opposite_q of all links, and opposite_u where that is a side's; call when the links of the box
   /// were built.
   void pair(std::vector<SurfaceLinks<T>>&, const lbm::Domain&, const lbm::CellBox&);
+  /// Calls visit(surface, n, other surface, cell, direction) for the links that are told of another surface:
+  /// the n-th of a surface's opposite_u.
+  template <class Visit>
+  void for_opposites(Visit&& visit) const {
+    for (const Opposite& o : opposites_) visit(o.surface, o.place, o.of, o.cell, o.direction);
+  }
   /// Fills the rest of opposite_u; call when the motions of a step are set, with the surfaces as they were
   /// paired.
   void set_velocities(std::vector<SurfaceLinks<T>>&) const;
@@ -56,7 +64,7 @@ class SingleCellGaps {
   };
   template <class F>
   void for_pairs(F&&);  // calls f with the two links of each pair
-  void pad(std::vector<SurfaceLinks<T>>&, std::vector<T> lbm::CutLinks<T>::*values) const;
+  void pad(std::vector<SurfaceLinks<T>>&, std::pmr::vector<T> lbm::CutLinks<T>::*values) const;
 
   std::vector<Link> links_;
   std::vector<Group> groups_;
@@ -84,6 +92,7 @@ struct BlockLinks {
   lbm::LinkSlots slots;                              // of the step under way
   SingleCellGaps<T> gaps;                            // under schemes that know the opposite wall
   const lbm::BeyondPair<T>* pairs_across = nullptr;  // of the step under way, under schemes that read beyond
+  std::optional<lbm::DeviceLinks<T>> on_device;      // where a device applies them
 
   /// The inner groups that wait for a part of the dense pass; all of them.
   GroupRange inner_after(int part) const {
@@ -114,6 +123,14 @@ struct BlockLinks {
           if (k + 1 < end) next = {&links_of(order[k + 1]), &group_of(order[k + 1])};
           visit(surfaces[order[k].surface], group_of(order[k]), next);
         });
+  }
+  /// Lists the links for the passes of a device; call when they were built.
+  void list_for_device() {
+    on_device->clear();
+    for (SurfaceLinks<T>& surface : surfaces) on_device->add(surface.links);
+    gaps.for_opposites([&](std::uint32_t k, std::uint32_t n, std::uint32_t other, lbm::Int3 cell, int i) {
+      on_device->add_opposite(surfaces[k].links.opposite_u[n], other, cell, i);
+    });
   }
   /// Fills inner, first_inner, rim and count; call when links were built.
   void order_groups(const lbm::PassOrder& sweep) {

@@ -221,7 +221,10 @@ lbm::SurfaceFrame surface_frame(const BlockMap& map, const BodyMask& mask, int l
 template <class T>
 void build_links(const BlockMap& map, const rigid::World& world, const rigid::BodySet& bodies,
                  const LinkRules<T>& rules, std::vector<SurfaceLinks<T>>& surfaces) {
-  std::vector<SurfaceLinks<T>> before(map.masks.size());
+  std::vector<SurfaceLinks<T>> before;
+  before.reserve(map.masks.size());
+  for (std::size_t k = 0; k < map.masks.size(); ++k)
+    before.push_back({lbm::CutLinks<T>::in(memory_of(rules.device))});
   before.swap(surfaces);
   const int link_reach = lbm::link_reach(rules.coupling.wall_scheme);
   PlacedMeshes placed;

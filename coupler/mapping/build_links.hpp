@@ -19,6 +19,7 @@ struct LinkRules {
   const lbm::WallFluid<T>& fluid;
   const lbm::PassOrder& sweep;
   MeshDistances* meshes = nullptr;  // whose memory serves from one mapping to the next; none: its own
+  Device device = Device::cpu;      // that the links are for
 };
 
 /// Builds the links of the block's masks, surface by surface, with the stiffness of free bodies under

@@ -66,13 +66,13 @@ struct SharedMoments {
 
 /// Returns moments of neighbours that other ranks hold, in the order in which the uncovered cells ask.
 template <class T>
-std::vector<lbm::Moments> remote_moments(const lbm::Fluid<T>& fluid, const std::vector<BlockMap>& maps,
+std::vector<lbm::Moments> remote_moments(lbm::Fluid<T>& fluid, const std::vector<BlockMap>& maps,
                                          const ChangedCells& cells) {
   const lbm::Domain& domain = fluid.domain();
   if (domain.ranks() == 1) return {};
   const int here = parallel::rank_of(fluid.comm());
   std::vector<SharedMoments> offers, wants;
-  std::vector<lbm::Moments> offered;
+  std::vector<lbm::LocalCell> offered;
   const auto add = [&](std::vector<SharedMoments>& list, int rank, Int3 uncovered, int k) {
     const Int3 g = domain.wrapped(uncovered), n = domain.cells();
     list.push_back({rank, (std::int64_t(g.z) * n.y + g.y) * n.x + g.x, k, std::uint32_t(list.size())});
@@ -85,7 +85,7 @@ std::vector<lbm::Moments> remote_moments(const lbm::Fluid<T>& fluid, const std::
         const Int3 y = x + lbm::c[k];
         if (!maps[b].has(y) || !maps[b].was_and_is_fluid(y)) continue;
         add(offers, rank, uncovered, k);
-        offered.push_back(fluid.moments(b, y));
+        offered.push_back({b, y});
       }
     });
   for (const CoveredCell& u : cells.uncovered)
@@ -102,7 +102,7 @@ std::vector<lbm::Moments> remote_moments(const lbm::Fluid<T>& fluid, const std::
   lbm::SlotExchange<double> exchange(fluid.comm(), 2);
   for (const SharedMoments& offer : offers) exchange.sent(offer.rank).add(offer.slots());
   for (const SharedMoments& want : wants) exchange.received(want.rank).add(want.slots());
-  const double* const from = reinterpret_cast<const double*>(offered.data());
+  const double* const from = reinterpret_cast<const double*>(fluid.moments(offered).data());
   double* const to = reinterpret_cast<double*>(wanted.data());
   exchange.start({&from, 1});
   exchange.finish({&from, 1}, {&to, 1});
@@ -136,45 +136,51 @@ double grad_part(int i, const double s[6]) {
   return 4.5 * lbm::w(i) * (css - (s[0] + s[1] + s[2]) / 3);
 }
 
-/// The rows next to a cell's, for its neighbours' moments.
-template <class T>
-void prefetch_around(const lbm::Fluid<T>& fluid, const CoveredCell& u) {
-  for (int z = -1; z <= 1; ++z)
-    for (int y = -1; y <= 1; ++y) fluid.prefetch(u.block, u.cell + Int3{0, y, z});
+/// The neighbours of uncovered cells that were fluid and still are, one cell after the other.
+struct Neighbours {
+  std::vector<std::uint8_t> count, is_remote;  // of a cell; of a neighbour
+  std::vector<lbm::LocalCell> local;           // the others
+};
+
+Neighbours neighbours_of(const std::vector<CoveredCell>& uncovered, const std::vector<BlockMap>& maps,
+                         const lbm::Domain& domain, int rank) {
+  Neighbours all;
+  for (const CoveredCell& u : uncovered) {
+    const BlockMap& map = maps[u.block];
+    const std::size_t before = all.is_remote.size();
+    for (int k = 1; k < lbm::directions; ++k) {
+      const Int3 y = u.cell + lbm::c[k];
+      if (!map.was_and_is_fluid(y)) continue;
+      lbm::LocalCell cell{u.block, y};
+      if (!map.has(y)) {
+        const Int3 g = domain.wrapped(map.box.lower + y);
+        const lbm::BlockPlace there = domain.block_at(g);
+        cell = {domain.local_index(there, rank), g - there.box.lower};
+      }
+      all.is_remote.push_back(cell.block < 0);
+      if (cell.block >= 0) all.local.push_back(cell);
+    }
+    all.count.push_back(std::uint8_t(all.is_remote.size() - before));
+  }
+  return all;
 }
 
 /// The averages over the neighbours of each uncovered cell.
 template <class T>
-std::vector<Average> averages_around(const lbm::Fluid<T>& fluid, const std::vector<BlockMap>& maps,
+std::vector<Average> averages_around(lbm::Fluid<T>& fluid, const std::vector<BlockMap>& maps,
                                      const ChangedCells& cells) {
   const std::vector<lbm::Moments> remote = remote_moments(fluid, maps, cells);
+  const Neighbours neighbours =
+      neighbours_of(cells.uncovered, maps, fluid.domain(), parallel::rank_of(fluid.comm()));
   auto next_remote = remote.begin();
-  const lbm::Domain& domain = fluid.domain();
-  const auto& force = fluid.spec().force;
-  const int rank = parallel::rank_of(fluid.comm());
-  std::vector<Average> averages;
-  averages.reserve(cells.uncovered.size());
-  const auto fetch = [&](const CoveredCell& u) { prefetch_around(fluid, u); };
-  for_ahead(cells.uncovered, 3, fetch, [&](std::size_t n) {
-    const CoveredCell& u = cells.uncovered[n];
-    const BlockMap& map = maps[u.block];
-    Average& mean = averages.emplace_back();
-    for (int k = 1; k < lbm::directions; ++k) {
-      const Int3 y = u.cell + lbm::c[k];
-      if (!map.was_and_is_fluid(y)) continue;
-      if (map.has(y)) {
-        mean.add(fluid.moments(u.block, y), force);
-        continue;
-      }
-      const Int3 g = domain.wrapped(map.box.lower + y);
-      const lbm::BlockPlace there = domain.block_at(g);
-      if (there.rank == rank)
-        mean.add(fluid.moments(domain.local_index(there, rank), g - there.box.lower), force);
-      else
-        mean.add(*next_remote++, force);
-    }
-    mean.finish();
-  });
+  auto next_local = fluid.moments(neighbours.local).begin();
+  auto is_remote = neighbours.is_remote.begin();
+  std::vector<Average> averages(cells.uncovered.size());
+  for (std::size_t n = 0; n < averages.size(); ++n) {
+    for (int k = 0; k < neighbours.count[n]; ++k)
+      averages[n].add(*is_remote++ ? *next_remote++ : *next_local++, fluid.spec().force);
+    averages[n].finish();
+  }
   return averages;
 }
 
@@ -209,12 +215,20 @@ ChangedCells changed_cells(const std::vector<BlockMap>& maps) {
   return cells;
 }
 
+std::vector<lbm::LocalCell> places(const std::vector<CoveredCell>& cells) {
+  std::vector<lbm::LocalCell> all;
+  all.reserve(cells.size());
+  for (const CoveredCell& c : cells) all.push_back({c.block, c.cell});
+  return all;
+}
+
 template <class T>
 void refill(lbm::Fluid<T>& fluid, const std::vector<BlockMap>& maps, const ChangedCells& cells,
             const rigid::BodySet& bodies, const rigid::BodySet& gone, Refill scheme) {
   const auto& domain = fluid.domain();
   const auto& force = fluid.spec().force;
   const std::vector<Average> averages = averages_around(fluid, maps, cells);  // before a cell is written
+  std::pmr::vector<double> arriving(cells.uncovered.size() * lbm::directions, memory_of(fluid.device()));
   for (std::size_t n = 0; n < cells.uncovered.size(); ++n) {
     const CoveredCell& u = cells.uncovered[n];
     const Average& mean = averages[n];
@@ -229,9 +243,10 @@ void refill(lbm::Fluid<T>& fluid, const std::vector<BlockMap>& maps, const Chang
     for (int i = 0; i < lbm::directions; ++i) {
       double g = lbm::equilibrium(i, mean.density, j);
       if (scheme == Refill::grad) g += grad_part(i, mean.stress);
-      fluid.arriving(u.block, u.cell, i) = T(g);
+      arriving[n * lbm::directions + i] = g;
     }
   }
+  fluid.set_arriving(places(cells.uncovered), arriving);
 }
 
 template void refill(lbm::Fluid<float>&, const std::vector<BlockMap>&, const ChangedCells&,

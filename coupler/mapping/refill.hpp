@@ -25,6 +25,7 @@ struct ChangedCells {
   std::vector<CoveredCell> covered, uncovered;
 };
 ChangedCells changed_cells(const std::vector<BlockMap>&);
+std::vector<lbm::LocalCell> places(const std::vector<CoveredCell>&);
 
 /// A cell's centre from the nearest periodic image of a body's centre of mass.
 rigid::Vec3 nearest_arm(const lbm::Domain&, const rigid::Vec3& position, lbm::Int3 global_cell);

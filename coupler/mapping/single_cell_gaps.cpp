@@ -20,19 +20,6 @@ std::uint64_t key_of(Int3 cell, int direction) {
   return ((part(cell.z) << 19 | part(cell.y)) << 19 | part(cell.x)) << 4 | std::uint64_t(pair);
 }
 
-/// c_i.u of a rigid surface, at the cell of a link: along c_i it is the same where the link meets it.
-double velocity_along(const lbm::SurfaceFrame& frame, const lbm::SurfaceMotion& m, Int3 cell, Int3 c) {
-  const Int3 from_frame = cell - frame.cell;
-  const double r[3] = {from_frame.x + frame.offset[0], from_frame.y + frame.offset[1],
-                       from_frame.z + frame.offset[2]};
-  double sum = 0;
-  for (int d = 0; d < 3; ++d) {
-    const int e = (d + 1) % 3, f = (d + 2) % 3;
-    sum += c[d] * (m.v[d] + (m.omega[e] * r[f] - m.omega[f] * r[e]));
-  }
-  return sum;
-}
-
 }  // namespace
 
 template <class T>
@@ -74,7 +61,7 @@ void SingleCellGaps<T>::pair(std::vector<SurfaceLinks<T>>& surfaces, const lbm::
 /// What fills up the groups copies their last link.
 template <class T>
 void SingleCellGaps<T>::pad(std::vector<SurfaceLinks<T>>& surfaces,
-                            std::vector<T> lbm::CutLinks<T>::*values) const {
+                            std::pmr::vector<T> lbm::CutLinks<T>::*values) const {
   for (const Group& g : groups_) {
     T* const first = (surfaces[g.surface].links.*values).data() + g.first;
     std::fill(first + g.count, first + lbm::padded(g.count), first[g.count - 1]);
@@ -103,8 +90,8 @@ void SingleCellGaps<T>::for_pairs(F&& f) {
 template <class T>
 void SingleCellGaps<T>::set_velocities(std::vector<SurfaceLinks<T>>& surfaces) const {
   for (const Opposite& o : opposites_)
-    surfaces[o.surface].links.opposite_u[o.place] =
-        T(velocity_along(surfaces[o.of].links.frame, surfaces[o.of].motion, o.cell, lbm::c[o.direction]));
+    surfaces[o.surface].links.opposite_u[o.place] = T(
+        lbm::velocity_along(surfaces[o.of].links.frame, surfaces[o.of].motion, o.cell, lbm::c[o.direction]));
   if (!opposites_.empty()) pad(surfaces, &lbm::CutLinks<T>::opposite_u);
 }
 

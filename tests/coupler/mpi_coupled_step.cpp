@@ -148,17 +148,20 @@ TEST(CoupledStep, SameBitsOnAnyNumberOfRanksAndBlocks) {
   }
 }
 
-/// The crowd in pieces, on all ranks, against one rank and one block.
+/// The crowd in pieces, on all ranks, on one device or another, against one rank and one block.
 void expect_same_bits(const Overrides& overrides) {
-  const auto hash = [&](const char* blocks, MPI_Comm comm) {
+  const auto hash = [&](const char* blocks, MPI_Comm comm, const char* device = "cpu") {
     Overrides all = overrides;
     all.push_back(std::string("domain.blocks=") + blocks);
+    all.push_back(std::string("run.device=") + device);
     Simulation s = crowd().start(comm, all);
     stir(s);
     for (int t = 0; t < 120; ++t) s.step();
     return s.hash();
   };
-  EXPECT_EQ(hash("[12,10,7]", MPI_COMM_WORLD), tests::alone([&] { return hash("auto", MPI_COMM_SELF); }));
+  const std::uint64_t expected = tests::alone([&] { return hash("auto", MPI_COMM_SELF); });
+  EXPECT_EQ(hash("[12,10,7]", MPI_COMM_WORLD), expected);
+  EXPECT_EQ(hash("[12,10,7]", MPI_COMM_WORLD, "host"), expected);
 }
 
 TEST(CoupledStep, SameBitsWithAnyWallScheme) {

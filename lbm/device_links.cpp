@@ -1,0 +1,101 @@
+#include "lbm/device_links.hpp"
+
+#include "lbm/device_passes.hpp"
+#include "lbm/link_passes.hpp"
+
+namespace silt::lbm {
+
+template <class T>
+DeviceLinks<T>::DeviceLinks(Device device)
+    : device_(device),
+      groups_(memory_of(device)),
+      crossing_(memory_of(device)),
+      opposites_(memory_of(device)),
+      surfaces_(memory_of(device)),
+      slots_(1, memory_of(device)) {}
+
+template <class T>
+void DeviceLinks<T>::clear() {
+  groups_.clear(), crossing_.clear(), opposites_.clear(), surfaces_.clear();
+}
+
+template <class T>
+void DeviceLinks<T>::add(const CutLinks<T>& links) {
+  const auto part = [](const auto& values, std::uint32_t first) {
+    return values.empty() ? nullptr : values.data() + first;
+  };
+  for (const LinkGroup& g : links.groups)
+    (g.crossing ? crossing_ : groups_)
+        .push_back({std::uint32_t(surfaces_.size()), g.count, g.scheme, g.corner, part(links.place, g.begin),
+                    part(links.q, g.begin), part(links.rate, g.begin), part(links.opposite_q, g.opposite),
+                    part(links.opposite_u, g.opposite),
+                    g.across ? part(links.across, g.across_begin) : nullptr});
+  surfaces_.push_back({links.fluid, links.frame, T(0), {}, 0, false, {}, 0});
+}
+
+template <class T>
+void DeviceLinks<T>::add_opposite(T& velocity, std::uint32_t other, Int3 cell, int direction) {
+  opposites_.push_back({&velocity, other, cell, c[direction]});
+}
+
+template <class T>
+void DeviceLinks<T>::set_motion(std::size_t k, const SurfaceMotion& motion, T age) {
+  DeviceSurface<T>& surface = surfaces_[k];
+  surface.motion = motion, surface.age = age, surface.limit = largest_exchange(surface.frame, motion);
+  surface.sums = {}, surface.beyond_range = 0, surface.open = false;
+}
+
+template <class T>
+void DeviceLinks<T>::set_increment(std::size_t k, const SurfaceMotion& increment) {
+  surfaces_[k].motion = increment, surfaces_[k].open = true;
+}
+
+template <class T>
+LinkSums DeviceLinks<T>::sums(std::size_t k) const {
+  LinkSums sums = surfaces_[k].sums;
+  sums.invalid = surfaces_[k].beyond_range != 0;
+  return sums;
+}
+
+template <class T>
+LinkPass<T> DeviceLinks<T>::pass_over(Block<T>& block, const LinkSlots& slots) {
+  slots_[0] = slots;
+  return {block.data() + block.middle(),
+          std::int32_t(block.row_stride()),
+          std::int32_t(block.plane_stride()),
+          slots_.data(),
+          surfaces_.data(),
+          nullptr,
+          false};
+}
+
+template <class T>
+void DeviceLinks<T>::apply(Block<T>& block, const LinkSlots& slots, const BeyondPair<T>* pairs_across,
+                           ForceForm form) {
+  LinkPass<T> pass = pass_over(block, slots);
+  pass.pairs_across = pairs_across, pass.galilean = form == ForceForm::galilean;
+  SILT_ON(device_, set_opposites<T>)(opposites_, surfaces_.data());
+  SILT_ON(device_, apply_links<T>)(groups_, pass);
+  SILT_ON(device_, apply_crossing_links<T>)(crossing_, pass);  // which write what others read
+  wait(device_);
+}
+
+template <class T>
+std::int64_t DeviceLinks<T>::correct(Block<T>& block, const LinkSlots& slots) {
+  const LinkPass<T> pass = pass_over(block, slots);
+  const auto mass = [&] {
+    std::int64_t sum = 0;
+    for (const DeviceSurface<T>& surface : surfaces_) sum += surface.sums.mass;
+    return sum;
+  };
+  const std::int64_t before = mass();
+  SILT_ON(device_, correct_links<T>)(groups_, pass);
+  SILT_ON(device_, correct_links<T>)(crossing_, pass);
+  wait(device_);
+  return mass() - before;
+}
+
+template class DeviceLinks<float>;
+template class DeviceLinks<double>;
+
+}  // namespace silt::lbm

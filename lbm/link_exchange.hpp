@@ -1,0 +1,147 @@
+#pragma once
+// What passes between the fluid and a surface along cut links, and its sums: a vector of links at a time, or
+// one (SILT_SCALAR). Where the populations of links are is a matter of who reads them.
+#include "lbm/fixed_sum.hpp"
+#include "lbm/link_places.hpp"
+
+namespace silt::lbm::SILT_ISA {
+
+/// The populations of a link, in the order in which their slots are listed; the pair beyond only where it is
+/// read from the block, and under `single_cell_gap` all that leaves the cell instead of what follows `out`.
+enum LinkRow { back_row, out_row, behind_row, against_row, away_row, toward_row };
+
+/// The slots that a link reads behind its cell, by those of its own.
+template <class Whole>
+struct SlotsBehind {
+  Whole behind, against, away, toward;
+  SILT_DEVICE SlotsBehind(const Whole& out, const Whole& back, const Whole& step)
+      : behind(out - step), against(back - step), away(back - 2 * step), toward(out - 2 * step) {}
+};
+
+/// The velocity of a rigid surface at an arm.
+template <class T>
+struct Motion {
+  using V = typename Lanes<T>::Real;
+  T v[3], o[3];
+  SILT_DEVICE explicit Motion(const SurfaceMotion& m) {
+    for (int k = 0; k < 3; ++k) {
+      v[k] = T(m.v[k]);
+      o[k] = T(m.omega[k]);
+    }
+  }
+  SILT_DEVICE V x(const V& y, const V& z) const { return v[0] + (o[1] * z - o[2] * y); }
+  SILT_DEVICE V y(const V& z, const V& x) const { return v[1] + (o[2] * x - o[0] * z); }
+  SILT_DEVICE V z(const V& x, const V& y) const { return v[2] + (o[0] * y - o[1] * x); }
+};
+
+/// c_i.u of the links' cells, from what left them.
+template <class T, class Read>
+SILT_DEVICE typename Lanes<T>::Real velocity_along(const Read& read, const WallFluid<T>& fluid,
+                                                   const Places<T>& at) {
+  typename Lanes<T>::Real momentum[3];
+  for (int d = 0; d < 3; ++d) momentum[d] = typename Lanes<T>::Real{} + T(-0.5) * fluid.force[d];
+  for_directions<1>([&](auto j) __attribute__((always_inline)) {
+    constexpr Int3 v = lbm::c[j()];
+    const auto out = read(out_row + j());
+    if constexpr (v.x != 0) momentum[0] += T(v.x) * out;
+    if constexpr (v.y != 0) momentum[1] += T(v.y) * out;
+    if constexpr (v.z != 0) momentum[2] += T(v.z) * out;
+  });
+  return at.along(momentum[0], momentum[1], momentum[2]);
+}
+
+/// A vector of links sends `out` to the surface; `back` is what comes back (README.md, equations 9 and 15).
+template <class T>
+struct Exchange {
+  typename Lanes<T>::Real out, back;
+};
+
+template <WallScheme scheme, class T, class Read, class V = typename Lanes<T>::Real>
+SILT_DEVICE Exchange<T> exchange(const Read& read, const WallFluid<T>& fluid, const Places<T>& at, const V& q,
+                                 const V& cu, const OppositeWall<V>& opposite) {
+  const auto s = coefficients<scheme>(q, at.weight6(), fluid);
+  const auto out = read(out_row);
+  auto back = s.a * out - s.k * cu;
+  if constexpr (reads_behind(scheme)) {
+    const auto against = read(against_row), behind = read(behind_row);
+    auto others = s.b * behind + s.c * against;
+    auto uneven = s.a - s.c;
+    if constexpr (reads_beyond(scheme)) {
+      const auto pair = read.beyond();
+      others += s.d * pair.away + s.g * pair.toward;
+      uneven -= T(2) * s.d + s.g;
+    }
+    if (fluid.has_force()) {
+      const auto cf = at.c[0] * fluid.force[0] + at.c[1] * fluid.force[1] + at.c[2] * fluid.force[2];
+      others += T(0.5) * (s.k - at.weight6() * uneven) * cf;
+    }
+    back += others;
+  } else if constexpr (scheme == WallScheme::single_cell_gap) {
+    const auto along = velocity_along(read, fluid, at);
+    back -= (at.weight6() - s.k) * along + at.weight6() * gap_curvature(q, along, cu, opposite, fluid);
+  }
+  return {out, back};
+}
+
+/// What the surface returned, if it had moved faster by `u`.
+template <WallScheme scheme, class T, class V = typename Lanes<T>::Real>
+SILT_DEVICE V corrected(const V& before, const V& q, const Places<T>& at, const Motion<T>& u,
+                        const WallFluid<T>& fluid) {
+  const V cu = at.along(u.x(at.r[1], at.r[2]), u.y(at.r[2], at.r[0]), u.z(at.r[0], at.r[1]));
+  return before - coefficients<scheme>(q, at.weight6(), fluid).k * cu;
+}
+
+template <class T>
+SILT_DEVICE void add_change(FixedSum<T>& mass, const typename Lanes<T>::Real& before,
+                            const typename Lanes<T>::Real& after, const typename Lanes<T>::Mask& counted) {
+  using V = typename Lanes<T>::Real;
+  constexpr T scale = T(1 / mass_quantum);
+  mass.add(counted ? V(after * scale) : V{});
+  mass.subtract(counted ? V(before * scale) : V{});
+}
+
+/// The sums of one group, kept in registers.
+template <class T>
+class GroupSums {
+ public:
+  using L = Lanes<T>;
+  using V = typename L::Real;
+  /// `galilean`: 1 or 0; `limit`: of |f* + f_opp|.
+  SILT_DEVICE GroupSums(T galilean, T limit) : galilean_(galilean * T(1 / link_quantum)), limit_(limit) {}
+
+  SILT_DEVICE void add(const Exchange<T>& e, const typename L::Mask& counted, const Places<T>& at,
+                       const V& ux, const V& uy, const V& uz) {
+    const V in = counted ? e.out : V{}, returned = counted ? e.back : V{};
+    constexpr T scale = T(1 / link_quantum), mass_scale = T(1 / mass_quantum);
+    const V sum = (in + returned) * scale, difference = (in - returned) * galilean_;
+    const V g[3] = {at.c[0] * sum - ux * difference, at.c[1] * sum - uy * difference,
+                    at.c[2] * sum - uz * difference};
+    const auto& r = at.r;
+    for (int d = 0; d < 3; ++d) force_[d].add(g[d]);
+    torque_[0].add(r[1] * g[2] - r[2] * g[1]);
+    torque_[1].add(r[2] * g[0] - r[0] * g[2]);
+    torque_[2].add(r[0] * g[1] - r[1] * g[0]);
+    mass_.add(returned * mass_scale);
+    mass_.subtract(in * mass_scale);
+    terms_ += L::count;
+    good_ &= L::magnitude(in) + L::magnitude(returned) < limit_;
+  }
+  /// Calls add(term, sum) for each of the sums; without a last one that a term was out of range.
+  template <class Add>
+  SILT_DEVICE void add_to(LinkSums& sums, const Add& add) const {
+    for (int d = 0; d < 3; ++d) {
+      add(force_[d].total(terms_), sums.force[d]);
+      add(torque_[d].total(terms_), sums.torque[d]);
+    }
+    add(mass_.total(0), sums.mass);
+  }
+  SILT_DEVICE bool in_range() const { return L::all(good_); }
+
+ private:
+  T galilean_, limit_;
+  FixedSum<T> force_[3], torque_[3], mass_;
+  std::uint64_t terms_ = 0;
+  typename L::Mask good_ = V{} == V{};
+};
+
+}  // namespace silt::lbm::SILT_ISA

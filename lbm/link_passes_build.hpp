@@ -1,0 +1,169 @@
+// The passes of link_passes.hpp, for the one file of each device that includes this (SILT_ISA, SILT_SCALAR).
+#include "device/for_each.hpp"
+#include "lbm/link_exchange.hpp"
+#include "lbm/link_passes.hpp"
+
+namespace silt::lbm::SILT_ISA {
+
+/// A link as it was found in its group.
+template <class T>
+struct FoundLink {
+  Places<T> at;
+  T q;
+  std::int32_t back;  // the slot that the surface returns to
+};
+
+/// The links of one group.
+template <class T>
+struct LinksOfGroup {
+  const LinkPass<T>& pass;
+  const DeviceGroup<T>& group;
+  DeviceSurface<T>& surface;
+  PlaceOrigin<T> origin;
+  WallDistances<T> distance;
+  T* corner;
+
+  SILT_DEVICE LinksOfGroup(const LinkPass<T>& pass, const DeviceGroup<T>& group)
+      : pass(pass),
+        group(group),
+        surface(pass.surfaces[group.surface]),
+        origin(group.corner, surface.frame, pass.slots->components),
+        distance(group.q, group.rate, surface.age),
+        corner(pass.data + group.corner.x + std::ptrdiff_t{pass.row} * group.corner.y +
+               std::ptrdiff_t{pass.plane} * group.corner.z) {
+    origin.row = pass.row, origin.plane = pass.plane;
+  }
+  SILT_DEVICE FoundLink<T> operator[](int l) const {
+    const Places<T> at(group.place + l, origin);
+    return {at, distance.at(l), at.slots(pass.slots->back)};
+  }
+};
+
+/// Where one link reads.
+template <WallScheme scheme, class T>
+struct ReadLink {
+  const LinksOfGroup<T>& links;
+  const FoundLink<T>& link;
+  int l;
+
+  SILT_DEVICE std::int32_t out() const { return link.at.slots(links.pass.slots->out); }
+  SILT_DEVICE SlotsBehind<std::int32_t> slots() const {
+    return {out(), link.back, links.pass.slots->step[link.at.direction]};
+  }
+  SILT_DEVICE T operator()(int row) const {
+    if (row == out_row) return links.corner[out()];
+    if constexpr (scheme == WallScheme::single_cell_gap)
+      return links.corner[link.at.cell + links.pass.slots->out[row - out_row]];
+    return links.corner[row == behind_row ? slots().behind : slots().against];
+  }
+  SILT_DEVICE BeyondPair<T> beyond() const {
+    if (links.group.across) return links.pass.pairs_across[links.group.across[l]];
+    return {links.corner[slots().away], links.corner[slots().toward]};
+  }
+  SILT_DEVICE OppositeWall<T> opposite() const {
+    if (scheme != WallScheme::single_cell_gap || !links.group.opposite_q) return {};
+    return {links.group.opposite_q[l], links.group.opposite_u[l]};
+  }
+};
+
+/// Applies the links of a group that are a member's, so many together: all of these are read before one is
+/// written.
+template <WallScheme scheme, int together, class T>
+SILT_DEVICE void apply_group(const LinksOfGroup<T>& links, const Team& member) {
+  DeviceSurface<T>& surface = links.surface;
+  const Motion<T> u(surface.motion);
+  GroupSums<T> sums(links.pass.galilean ? T(1) : T(0), T(surface.limit));
+  const int count = int(links.group.count);
+  for (int first = together * member.lane; first < count; first += together * member.size) {
+    Exchange<T> passed[together];
+    std::int32_t back[together];
+    const int end = first + together <= count ? together : count - first;
+    for (int k = 0; k < end; ++k) {
+      const FoundLink<T> link = links[first + k];
+      const ReadLink<scheme, T> read{links, link, first + k};
+      const Places<T>& at = link.at;
+      const T ux = u.x(at.r[1], at.r[2]), uy = u.y(at.r[2], at.r[0]), uz = u.z(at.r[0], at.r[1]);
+      passed[k] = exchange<scheme>(read, surface.fluid, at, link.q, at.along(ux, uy, uz), read.opposite());
+      back[k] = link.back;
+      sums.add(passed[k], true, at, ux, uy, uz);
+    }
+    for (int k = 0; k < end; ++k) links.corner[back[k]] = passed[k].back;
+  }
+  sums.add_to(surface.sums, [&](std::int64_t term, std::int64_t& sum) { member.add(term, sum); });
+  member.add(sums.in_range() ? 0 : 1, surface.beyond_range);
+}
+
+template <WallScheme scheme, class T>
+SILT_DEVICE void correct_group(const LinksOfGroup<T>& links, const Team& member) {
+  DeviceSurface<T>& surface = links.surface;
+  const Motion<T> u(surface.motion);
+  FixedSum<T> mass;
+  for (int l = member.lane; l < int(links.group.count); l += member.size) {
+    const FoundLink<T> link = links[l];
+    const T before = links.corner[link.back];
+    const T after = corrected<scheme>(before, link.q, link.at, u, surface.fluid);
+    links.corner[link.back] = after;
+    add_change(mass, before, after, true);
+  }
+  member.add(mass.total(0), surface.sums.mass);
+}
+
+/// The two ends of crossing links are beside one another in their groups.
+template <class T, int together>
+struct ApplyLinks {
+  LinkPass<T> pass;
+  const DeviceGroup<T>* groups;
+  SILT_DEVICE void operator()(std::int64_t k, const Team& member) const {
+    const LinksOfGroup<T> links(pass, groups[k]);
+    with_scheme(links.group.scheme, [&](auto scheme) { apply_group<scheme(), together>(links, member); });
+  }
+};
+
+template <class T>
+struct CorrectLinks {
+  LinkPass<T> pass;
+  const DeviceGroup<T>* groups;
+  SILT_DEVICE void operator()(std::int64_t k, const Team& member) const {
+    const LinksOfGroup<T> links(pass, groups[k]);
+    if (!links.surface.open) return;
+    with_scheme(links.group.scheme, [&](auto scheme) { correct_group<scheme()>(links, member); });
+  }
+};
+
+template <class T>
+struct SetOpposites {
+  const OppositeLink<T>* links;
+  const DeviceSurface<T>* surfaces;
+  SILT_DEVICE void operator()(std::int64_t k) const {
+    const OppositeLink<T>& link = links[k];
+    const DeviceSurface<T>& there = surfaces[link.surface];
+    *link.velocity = T(velocity_along(there.frame, there.motion, link.cell, link.along));
+  }
+};
+
+template <class T>
+void set_opposites(std::span<const OppositeLink<T>> links, const DeviceSurface<T>* surfaces) {
+  for_each(std::int64_t(links.size()), SetOpposites<T>{links.data(), surfaces});
+}
+template <class T>
+void apply_links(std::span<const DeviceGroup<T>> groups, const LinkPass<T>& pass) {
+  for_teams(std::int64_t(groups.size()), ApplyLinks<T, 1>{pass, groups.data()});
+}
+template <class T>
+void apply_crossing_links(std::span<const DeviceGroup<T>> groups, const LinkPass<T>& pass) {
+  for_teams(std::int64_t(groups.size()), ApplyLinks<T, 2>{pass, groups.data()});
+}
+template <class T>
+void correct_links(std::span<const DeviceGroup<T>> groups, const LinkPass<T>& pass) {
+  for_teams(std::int64_t(groups.size()), CorrectLinks<T>{pass, groups.data()});
+}
+
+#define SILT_PASSES_OF(T)                                                                  \
+  template void set_opposites(std::span<const OppositeLink<T>>, const DeviceSurface<T>*);  \
+  template void apply_links(std::span<const DeviceGroup<T>>, const LinkPass<T>&);          \
+  template void apply_crossing_links(std::span<const DeviceGroup<T>>, const LinkPass<T>&); \
+  template void correct_links(std::span<const DeviceGroup<T>>, const LinkPass<T>&);
+SILT_PASSES_OF(float)
+SILT_PASSES_OF(double)
+
+}  // namespace silt::lbm::SILT_ISA
