@@ -8,6 +8,7 @@ namespace silt {
 namespace cuda {  // gpu.cu
 std::string unusable();
 std::string description();
+std::string choose(int rank, int ranks);
 std::shared_ptr<void> zeroed(std::size_t bytes);
 std::pmr::memory_resource* memory();
 std::pmr::memory_resource* message_memory();
@@ -27,6 +28,13 @@ std::string unusable(Device device) {
 std::string description([[maybe_unused]] Device device) {
 #if defined(SILT_CUDA)
   if (device == Device::gpu) return cuda::description();
+#endif
+  return "";
+}
+
+std::string choose([[maybe_unused]] Device device, [[maybe_unused]] int rank, [[maybe_unused]] int ranks) {
+#if defined(SILT_CUDA)
+  if (device == Device::gpu) return cuda::choose(rank, ranks);
 #endif
   return "";
 }

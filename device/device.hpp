@@ -20,6 +20,10 @@ std::string unusable(Device);
 /// Returns the name of the graphics processor, its memory, its driver and the toolkit; "" for other devices.
 std::string description(Device);
 
+/// Takes one of the machine's graphics processors for a rank, of so many on this machine, in turn. Returns
+/// what is to be said where ranks share one and no MPS server lets them use it at the same time; else "".
+std::string choose(Device, int rank, int ranks);
+
 /// Memory that the processor and the device both read and write; that for messages stays the processor's.
 std::pmr::memory_resource* memory_of(Device);
 std::pmr::memory_resource* message_memory(Device);

@@ -96,6 +96,7 @@ void for_each(std::int64_t entries, const Body& body) {
 template <class Body>
 void for_rows(int entries, int rows, const Body& body) {
   for (int row = 0; row < rows; ++row)
+#pragma GCC ivdep
     for (int k = 0; k < entries; ++k) body(k, row);
 }
 template <class Body>

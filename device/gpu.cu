@@ -41,10 +41,20 @@ std::string unusable() {
   return "no graphics processor was found" + why + "; look at nvidia-smi, or use run.device = \"cpu\"";
 }
 
+std::string choose(int rank, int ranks) {
+  int count = 1, card = 0, is_shared = 0;
+  if (cudaGetDeviceCount(&count) != cudaSuccess || cudaSetDevice(card = rank % count) != cudaSuccess ||
+      cudaDeviceGetAttribute(&is_shared, cudaDevAttrMpsEnabled, card) != cudaSuccess || ranks <= count || is_shared)
+    return "";
+  return std::to_string(ranks) + " ranks share " + std::to_string(count) +
+         " graphics processor(s) in turn, which takes up to four times as long; start NVIDIA's MPS server before: "
+         "nvidia-cuda-mps-control -d";
+}
+
 std::string description() {
   cudaDeviceProp card;
-  int driver = 0, runtime = 0;
-  if (cudaGetDeviceProperties(&card, 0) != cudaSuccess || cudaDriverGetVersion(&driver) != cudaSuccess ||
+  int driver = 0, runtime = 0, chosen = 0;
+  if (cudaGetDevice(&chosen) != cudaSuccess || cudaGetDeviceProperties(&card, chosen) != cudaSuccess || cudaDriverGetVersion(&driver) != cudaSuccess ||
       cudaRuntimeGetVersion(&runtime) != cudaSuccess)
     return "";
   return std::string(card.name) + ", " + std::to_string(card.totalGlobalMem >> 30) +
@@ -52,9 +62,14 @@ std::string description() {
 }
 
 /// Pages move to where they are used.
-std::pmr::memory_resource* memory() {
+std::pmr::memory_resource* managed() {
   static Memory<allocate_managed, cudaFree> managed;
   return &managed;
+}
+/// An allocation of CUDA's takes long, and whole pages; lists are many, and small.
+std::pmr::memory_resource* memory() {
+  static std::pmr::unsynchronized_pool_resource pool(managed());
+  return &pool;
 }
 /// Pages stay, and the card writes to them: MPI sends from there.
 std::pmr::memory_resource* message_memory() {
@@ -63,7 +78,7 @@ std::pmr::memory_resource* message_memory() {
 }
 
 std::shared_ptr<void> zeroed(std::size_t bytes) {
-  const std::shared_ptr<void> owned(memory()->allocate(bytes), [](void* p) { cudaFree(p); });
+  const std::shared_ptr<void> owned(managed()->allocate(bytes), [](void* p) { cudaFree(p); });
   if (cudaMemset(owned.get(), 0, bytes) != cudaSuccess || cudaDeviceSynchronize() != cudaSuccess)
     throw std::bad_alloc();
   return owned;

@@ -20,7 +20,8 @@ struct CellsOfRows {
         plane(block.plane_stride()),
         nx(block.size().x),
         ny(range.y1 - range.y0) {}
-  SILT_DEVICE std::ptrdiff_t row_at(int k) const { return first + k % ny * row + k / ny * plane; }
+  SILT_DEVICE std::ptrdiff_t row_at(int y, int z) const { return first + y * row + z * plane; }
+  SILT_DEVICE std::ptrdiff_t row_at(int k) const { return row_at(k % ny, k / ny); }
 };
 
 /// Fast cells in the order in which they are found; beyond `room` they are counted alone.
@@ -33,27 +34,47 @@ struct FastList {
 template <class T>
 struct Watch {
   T limit, scale;
-  FastList* list;  // null: nobody looks
+  FastList* list;
+
   template <class Keep>
   SILT_DEVICE void see(T square, std::ptrdiff_t x, const Keep&) const {
-    if (!list || square <= limit) return;
+    if (square <= limit) return;
     const unsigned k = next_of(&list->count);
     if (k < FastList::room) list->cells[k] = {x, std::sqrt(double(square) / double(scale))};
   }
 };
 
-template <class Model, bool source, class T>
+struct NoWatch {
+  template <class T, class Keep>
+  SILT_DEVICE void see(const T&, std::ptrdiff_t, const Keep&) const {}
+};
+
+/// Of planes in turn, one in each period is watched, from the first such one on.
+struct WatchedInTurn {
+  static constexpr int period = WatchedPlanes::period;
+  int first, planes;
+  int count() const { return first < planes ? (planes - first + period - 1) / period : 0; }
+  SILT_DEVICE int operator()(int n) const { return first + n * period; }
+};
+struct OthersInTurn {
+  static constexpr int period = WatchedPlanes::period;
+  int first, planes;
+  int count() const { return planes - WatchedInTurn{first, planes}.count(); }
+  SILT_DEVICE int operator()(int n) const { return n + int(n >= first) * (1 + (n - first) / (period - 1)); }
+};
+
+template <class Model, bool source, class T, class Planes, class Watch>
 struct CollideCells {
   Slots<T> slots;
   CollisionRates<T> rates;
   CellsOfRows cells;
-  Watch<T> watch;
-  int z0, first_watched;
-  SILT_DEVICE void operator()(int x, int row) const {
-    Watch<T> its = watch;
-    if ((z0 + row / cells.ny) % WatchedPlanes::period != first_watched) its.list = nullptr;
-    collide<Model, source, T>(slots, cells.row_at(row) + x, rates, AllLanes{}, its);
+  Planes planes;
+  Watch watch;
+  [[gnu::always_inline]] SILT_DEVICE void operator()(int x, int row) const {
+    collide<Model, source, T>(slots, cells.row_at(row % cells.ny, planes(row / cells.ny)) + x, rates,
+                              AllLanes{}, watch);
   }
+  void run() const { for_rows(cells.nx, planes.count() * cells.ny, *this); }
 };
 
 template <class T>
@@ -163,9 +184,13 @@ void stream_collide(Block<T>& block, Parity parity, const CollisionRates<T>& rat
   with_model(rates, [&]<class Model>(Model) {
     const T scale = Model::square_scale(rates);
     const Watch<T> watch{T(speed_of_sound * speed_of_sound) * scale, scale, &fast};
+    constexpr int period = WatchedPlanes::period;
+    const int first = ((watched.first - range.z0) % period + period) % period, planes = range.z1 - range.z0;
     const auto collide_all = [&]<bool source>(std::bool_constant<source>) {
-      for_rows(cells.nx, rows,
-               CollideCells<Model, source, T>{{block, parity}, rates, cells, watch, range.z0, watched.first});
+      const Slots<T> slots(block, parity);
+      CollideCells<Model, source, T, OthersInTurn, NoWatch>{slots, rates, cells, {first, planes}, {}}.run();
+      CollideCells<Model, source, T, WatchedInTurn, Watch<T>>{slots, rates, cells, {first, planes}, watch}
+          .run();
     };
     if (rates.has_source())
       collide_all(std::true_type{});

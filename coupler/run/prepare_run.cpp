@@ -64,6 +64,15 @@ void require_memory(const Case& setup, double here) {
                     needed / 1e9, here / 1e9));
 }
 
+/// Collective. Each rank takes a graphics processor of its machine. Adds what is to be said of it.
+void choose_card(const Case& setup, MPI_Comm comm, std::vector<Diagnostic>& warnings) {
+  MPI_Comm machine;
+  MPI_Comm_split_type(comm, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &machine);
+  const std::string note = choose(setup.device, parallel::rank_of(machine), parallel::ranks_of(machine));
+  MPI_Comm_free(&machine);
+  if (!note.empty()) warnings.push_back({Diagnostic::Severity::warning, setup.place("run.device"), note});
+}
+
 /// How many machines like this one a check on so many ranks is about: one has a rank a core.
 double machines_for(int ranks) {
   const double cores = std::max(1u, std::thread::hardware_concurrency());
@@ -92,6 +101,7 @@ std::unique_ptr<Case> judged_once(const fs::path& directory, MPI_Comm comm, Prep
   });
   require_memory(*setup, memory_of_machines(comm));
   parallel::together(comm, [&] { require_buildable(*setup, parallel::ranks_of(comm)); });
+  choose_card(*setup, comm, prepared.warnings);
   return setup;
 }
 

@@ -178,6 +178,13 @@ class Submit(unittest.TestCase):
         for option, value in {"--time-limit": "6900", "--set": "run.steps=50", "resume": str(self.case), "--out": str(self.folder / "results")}.items():
             self.assertEqual(words[words.index(option) + 1], value)  # 6900: 300 s before the end
         self.assertEqual(subprocess.run(["bash", "-n", self.case / "submit.sh"]).returncode, 0)
+        command("submit", self.case, "-n", 16, "--nodes", 2, "--gpus", 4, "--no-submit")
+        script = (self.case / "submit.sh").read_text()
+        self.assertEqual(directives(script)["gpus-per-node"], "4")
+        self.assertIn("srun --ntasks-per-node=1 nvidia-cuda-mps-control -d", script)
+        words = shlex.split(script.splitlines()[-1])
+        self.assertEqual(words[words.index("--device") + 1], "gpu")
+        self.assertEqual(subprocess.run(["bash", "-n", self.case / "submit.sh"]).returncode, 0)
         if shutil.which("sbatch") and subprocess.run(["sinfo"], capture_output=True).returncode == 0:
             command("submit", self.case, "--time", 10, "--no-submit")
             judged = subprocess.run(["sbatch", "--test-only", self.case / "submit.sh"], capture_output=True, text=True)
@@ -187,6 +194,7 @@ class Submit(unittest.TestCase):
         for words, said in {("--time", "5"): "leaves nothing before the margin of 300 s",
                             ("--time", "soon"): "give MINUTES, MM:SS, HH:MM:SS or D-HH:MM:SS",
                             ("-n", "2", "--nodes", "3"): "2 ranks on 3 nodes",
+                            ("--gpus", "0"): "--gpus 0: there must be at least one a node",
                             ("--account", "a\n#SBATCH --wrap=x"): "it must be one word of ASCII characters",
                             ("--partition", "a b"): "it must be one word of ASCII characters",
                             ("--no-submit", "--set", "fluid.viscosty=1"): "viscosty"}.items():
