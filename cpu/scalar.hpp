@@ -35,6 +35,7 @@ struct Lanes {
   SILT_DEVICE static Real real(Whole w) { return T(w); }
   SILT_DEVICE static Mask mask(bool lane) { return lane; }
   SILT_DEVICE static Real magnitude(Real x) { return std::fabs(x); }
+  SILT_DEVICE static Real root(Real x) { return std::sqrt(x); }
   SILT_DEVICE static bool all(Mask m) { return m; }
   SILT_DEVICE static Whole look_up(const std::int32_t (&table)[32], Whole index) { return table[index]; }
 };

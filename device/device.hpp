@@ -8,6 +8,13 @@
 #include <string>
 #include <string_view>
 
+// The build of a pass for a device other than `cpu`.
+#if defined(SILT_CUDA)
+#define SILT_ON(device, pass) (device == Device::gpu ? gpu::pass : host::pass)
+#else
+#define SILT_ON(device, pass) host::pass
+#endif
+
 namespace silt {
 
 /// `cpu`: the vector kernels of the processor. `host`: the passes of a graphics processor, in loops on the

@@ -11,13 +11,6 @@
 #include "lbm/slot_lists.hpp"
 #include "lbm/stream_collide.hpp"
 
-// The build of a pass for a device.
-#if defined(SILT_CUDA)
-#define SILT_ON(device, pass) (device == Device::gpu ? gpu::pass : host::pass)
-#else
-#define SILT_ON(device, pass) host::pass
-#endif
-
 namespace silt::lbm {
 
 /// Single cells of the blocks of a fluid: where a cell's populations are counted from, and its block; for

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <type_traits>
 
-#include "lbm/link_places.hpp"
+#include "lbm/link_stiffness.hpp"
 
 namespace silt::lbm::SILT_ISA {
 namespace {
@@ -24,21 +24,14 @@ void add_group(const CutLinks<T>& links, const LinkGroup& group, int exponent, E
   const std::uint32_t* const place = links.place.data() + group.begin;
   const T* const distance = links.q.data() + group.begin;
   const int count = int(group.count);
-  const T unit = T(1 / stiffness_quantum<T>), arm = T(std::ldexp(1.0, -exponent));
+  const T arm = T(std::ldexp(1.0, -exponent));
   for (int first = 0; first < count; first += chunk) {
     Terms h[entries] = {};
     for (int l = first; l < std::min(first + chunk, count); l += L::count) {
       const Places<T> at(place + l, origin);
       const V q = load<V>(distance + l);
-      const V k = coefficients<scheme>(q, at.weight6(), links.fluid).k * unit;
-      const V x = at.r[0] * arm, y = at.r[1] * arm, z = at.r[2] * arm, weight = L::below(count - l) ? k : V{};
-      const auto& c = at.c;
-      const V j[6] = {c[0], c[1], c[2], y * c[2] - z * c[1], z * c[0] - x * c[2], x * c[1] - y * c[0]};
-      int e = 0;
-      for (int a = 0; a < 6; ++a) {
-        const V kj = weight * j[a];
-        for (int b = a; b < 6; ++b, ++e) h[e] += __builtin_convertvector(kj * j[b], Terms);
-      }
+      add_stiffness<scheme>(at, q, L::below(count - l), links.fluid, arm,
+                            [&](int e, const V& term) { h[e] += __builtin_convertvector(term, Terms); });
     }
     for (int e = 0; e < entries; ++e) sums[e] += __builtin_convertvector(h[e], typename L::Quanta);
   }

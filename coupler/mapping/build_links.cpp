@@ -39,23 +39,33 @@ bool touches_rim(const BitFrame& f, Int3 block, int rim) {
 template <class T>
 class LinkWriter {
  public:
-  LinkWriter(const BlockMap& map, const lbm::PassOrder& sweep, WallScheme scheme, MeshDistances& meshes)
+  LinkWriter(const BlockMap& map, const lbm::PassOrder& sweep, WallScheme scheme, MeshDistances& meshes,
+             DeviceMeasure<T>* device)
       : map_(map),
         sweep_(sweep),
         scheme_(scheme),
         reach_(lbm::link_reach(scheme)),
         places_across_(map.box.size),
-        surface_(scheme, meshes),
+        surface_(scheme, meshes, device),
         groups_(scheme) {}
 
-  /// The links' frame is set already.
-  void body(const BodyMask& mask, const rigid::Shape& shape, const MappedMotion& mapped,
-            lbm::CutLinks<T>& links) {
+  /// The links' frame is set already. `radius` is that of a ball about the body, if its stiffness is wanted;
+  /// else 0.
+  void body(const BodyMask& mask, const rigid::Shape& shape, const MappedMotion& mapped, double radius,
+            SurfaceLinks<T>& surface) {
     mask_ = &mask;
+    lbm::CutLinks<T>& links = surface.links;
     groups_.begin(links);
     if (mask.any) write(shape, links.frame);
     groups_.end();
+    const int exponent = lbm::stiffness_exponent(radius);
+    if (mask.any && surface_.leaves_to_device()) {
+      links.rate.clear();
+      return surface_.leave_to_device(surface, shape, mapped,
+                                      radius > 0 ? T(std::ldexp(1.0, -exponent)) : T(0));
+    }
     surface_.set_rates(links, shape, mapped);
+    if (radius > 0) surface.stiffness = lbm::stiffness_of(links, exponent);
   }
 
  private:
@@ -229,7 +239,9 @@ void build_links(const BlockMap& map, const rigid::World& world, const rigid::Bo
   const int link_reach = lbm::link_reach(rules.coupling.wall_scheme);
   PlacedMeshes placed;
   MeshDistances own(placed);
-  LinkWriter<T> writer(map, rules.sweep, rules.coupling.wall_scheme, rules.meshes ? *rules.meshes : own);
+  DeviceMeasure<T> measure(rules.device);
+  LinkWriter<T> writer(map, rules.sweep, rules.coupling.wall_scheme, rules.meshes ? *rules.meshes : own,
+                       rules.device == Device::cpu ? nullptr : &measure);
   for_masks(map.masks, [&](std::size_t k) {
     const BodyMask& mask = map.masks[k];
     if (mask.before >= 0) surfaces[k] = std::move(before[mask.before]);
@@ -237,10 +249,11 @@ void build_links(const BlockMap& map, const rigid::World& world, const rigid::Bo
     lbm::CutLinks<T>& links = surfaces[k].links;
     links.fluid = rules.fluid, links.frame = surface_frame(map, mask, link_reach);
     const std::int32_t shape = bodies.shape[mask.row];
-    writer.body(mask, world.shapes[shape], mapped_motion(bodies, mask.row), links);
-    if (rules.coupling.time == TimeCoupling::implicit_ && bodies.is_dynamic(mask.row))
-      surfaces[k].stiffness = lbm::stiffness_of(links, lbm::stiffness_exponent(world.bounding_radii[shape]));
+    const bool is_stiff = rules.coupling.time == TimeCoupling::implicit_ && bodies.is_dynamic(mask.row);
+    writer.body(mask, world.shapes[shape], mapped_motion(bodies, mask.row),
+                is_stiff ? world.bounding_radii[shape] : 0, surfaces[k]);
   });
+  if (rules.device != Device::cpu) measure.run();
 }
 
 template void build_links(const BlockMap&, const rigid::World&, const rigid::BodySet&,

@@ -26,8 +26,8 @@ struct NearestEdge {
 
   /// p is a point on the part, in its axes from its centre.
   template <PartKind kind>
-  NearestEdge(std::integral_constant<PartKind, kind>, const V (&p)[3], const V (&d)[3],
-              const SurfacePart<T>& part, const Plane<T>* planes) {
+  SILT_DEVICE NearestEdge(std::integral_constant<PartKind, kind>, const V (&p)[3], const V (&d)[3],
+                          const SurfacePart<T>& part, const Plane<T>* planes) {
     static_assert(has_edges(kind));
     if constexpr (kind == PartKind::box)
       of_box(p, d, part);
@@ -38,7 +38,7 @@ struct NearestEdge {
   }
 
  private:
-  void of_box(const V (&p)[3], const V (&d)[3], const SurfacePart<T>& part) {
+  SILT_DEVICE void of_box(const V (&p)[3], const V (&d)[3], const SurfacePart<T>& part) {
     V depth{};
     for (int k = 0; k < 3; ++k) {
       const V other = part.size[k] - L::magnitude(p[k]);
@@ -51,7 +51,7 @@ struct NearestEdge {
     }
   }
   /// Of a cylinder at either end, of a cone (whose apex is up) at its base.
-  void of_rim(const V (&p)[3], const V (&d)[3], const SurfacePart<T>& part, bool tapers) {
+  SILT_DEVICE void of_rim(const V (&p)[3], const V (&d)[3], const SurfacePart<T>& part, bool tapers) {
     const T taper = tapers ? part.size[0] / (2 * part.size[2]) : T(0), slant = std::sqrt(1 + taper * taper);
     const V r = L::root(p[0] * p[0] + p[1] * p[1]), z = tapers ? -p[2] : L::magnitude(p[2]);
     const V end = part.size[2] - z;
@@ -62,7 +62,7 @@ struct NearestEdge {
     slope = L::magnitude(on_end ? d[2] : (outwards + taper * d[2]) / slant);
   }
   /// The face is the plane that the point is next to; each other plane cuts it off somewhere.
-  void of_planes(const V (&p)[3], const V (&d)[3], const Plane<T>* first, const Plane<T>* end) {
+  SILT_DEVICE void of_planes(const V (&p)[3], const V (&d)[3], const Plane<T>* first, const Plane<T>* end) {
     V least = distance, n[3] = {};
     const auto depth_under = [&](const T* m, T offset) {
       return offset - (m[0] * p[0] + m[1] * p[1] + m[2] * p[2]);
@@ -87,8 +87,9 @@ struct NearestEdge {
 
 /// Wall distances with the lip of the part that lines meet at them; 1: they may not.
 template <PartKind kind, class T>
-typename Lanes<T>::Real under_lip(const typename Lanes<T>::Real& q, const LineLanes<T, kind>& lines,
-                                  const SurfacePart<T>& part, const Plane<T>* planes) {
+SILT_DEVICE typename Lanes<T>::Real under_lip(const typename Lanes<T>::Real& q,
+                                              const LineLanes<T, kind>& lines, const SurfacePart<T>& part,
+                                              const Plane<T>* planes) {
   using V = typename Lanes<T>::Real;
   if constexpr (!has_edges(kind)) {
     return q;

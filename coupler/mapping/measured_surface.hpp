@@ -2,6 +2,7 @@
 // A surface that answers at what distance links meet it, and how that changes while it moves on from where it
 // was mapped: in the steps until it is mapped again its links follow it, to first order.
 #include "coupler/exchange/coupling_state.hpp"
+#include "coupler/mapping/device_measure.hpp"
 #include "coupler/mapping/link_groups.hpp"
 #include "coupler/mapping/mesh_distances.hpp"
 #include "coupler/mapping/surface_parts.hpp"
@@ -12,8 +13,9 @@ namespace silt::coupler {
 template <class T>
 class MeasuredSurface {
  public:
-  MeasuredSurface(WallScheme scheme, MeshDistances& mesh)
-      : follows_(lbm::follows_distance(scheme)), mesh_(mesh) {}
+  /// Distances to bodies of convex parts are left to `device`, if there is one.
+  MeasuredSurface(WallScheme scheme, MeshDistances& mesh, DeviceMeasure<T>* device)
+      : follows_(lbm::follows_distance(scheme)), mesh_(mesh), device_(device) {}
 
   void reset(const rigid::Shape& shape, const BlockMap& map, const BodyMask& mask,
              const lbm::SurfaceFrame& frame) {
@@ -39,8 +41,18 @@ class MeasuredSurface {
       mesh_.set(list.corner, list.place, list.n, list.q);
     else if (way_ == Way::hollow)
       distance_kernel<double, T>()(links, *frame_, hollow_.view(), 0.0, list.q);
-    else
+    else if (!device_)
       distance_kernel<T, T>()(links, *frame_, parts_.view(), T(0), list.q);
+  }
+  bool leaves_to_device() const { return device_ && follows_ && way_ == Way::parts; }
+  /// Has the distances of the surface's links measured, and what follows from them.
+  void leave_to_device(SurfaceLinks<T>& surface, const rigid::Shape& shape, const MappedMotion& mapped,
+                       T arm) {
+    device_->add(surface, parts_.view(), arm);
+    const double steps = steps_with_rates(surface.links, mapped);
+    if (steps == 0) return;
+    parts_.reset(shape, mapped.pose_after(steps).orientation);
+    device_->add_rates(parts_.view(), frame_after(surface.links.frame, mapped, steps), steps);
   }
 
   /// Sets the rates of links, built in the middle of the body's steps, by their distances in the last of
@@ -48,19 +60,19 @@ class MeasuredSurface {
   /// there is one at all depends on them.
   void set_rates(lbm::CutLinks<T>& links, const rigid::Shape& shape, const MappedMotion& mapped) {
     links.rate.clear();
-    const double steps = static_cast<double>(mapped.end - 1) - mapped.middle();
-    if (mapped.is_at_rest() || links.q.empty() || !(steps > 0)) return;
+    const double steps = steps_with_rates(links, mapped);
+    if (steps == 0) return;
     parts_.reset(shape, mapped.pose_after(steps).orientation);
-    lbm::SurfaceFrame frame = links.frame;
-    for (int d = 0; d < 3; ++d) frame.offset[d] -= steps * mapped.velocity[d];
+    const lbm::SurfaceFrame frame = frame_after(links.frame, mapped, steps);
     links.rate.assign(links.q.size(), T(0));
     for (const lbm::LinkGroup& group : links.groups) {
       if (group.crossing) continue;
       const int padded = int(lbm::padded(group.count));
       T* const last = links.rate.data() + group.begin;
       distance_kernel<T, T>()({links.place.data() + group.begin, padded, group.corner}, frame, parts_.view(),
-                              most_change, last);
-      change_a_step(links.q.data() + group.begin, padded, steps, last);
+                              T(most_change), last);
+      const T* const middle = links.q.data() + group.begin;
+      for (int l = 0; l < padded; ++l) last[l] = rate_of(middle[l], last[l], steps);
     }
   }
 
@@ -70,22 +82,19 @@ class MeasuredSurface {
 
  private:
   enum class Way { parts, hollow, mesh };
-  /// Of a distance in half of the steps: a line that grazes the surface may meet it at one time only.
-  static constexpr T most_change = T(0.25);
-
-  /// Turns distances so many steps after the middle into rates. Where a surface comes past a cell, q < 0,
-  /// wall formulas amplify: for a few steps they may.
-  static void change_a_step(const T* middle, int links, double steps, T* last) {
-    constexpr double few = 4;
-    const T least = steps > few ? T(0) : T(-0.1), per_step = T(1 / steps);
-    for (int l = 0; l < links; ++l) {
-      const T most = std::min(most_change, middle[l] - least);
-      last[l] = std::clamp(last[l] - middle[l], -most, most) * per_step;
-    }
+  /// The steps from the middle of those that links are built for to the last one; 0 if distances stay.
+  static double steps_with_rates(const lbm::CutLinks<T>& links, const MappedMotion& mapped) {
+    const double steps = static_cast<double>(mapped.end - 1) - mapped.middle();
+    return mapped.is_at_rest() || links.q.empty() || !(steps > 0) ? 0 : steps;
+  }
+  static lbm::SurfaceFrame frame_after(lbm::SurfaceFrame frame, const MappedMotion& mapped, double steps) {
+    for (int d = 0; d < 3; ++d) frame.offset[d] -= steps * mapped.velocity[d];
+    return frame;
   }
 
   bool follows_;  // else links meet it midway
   MeshDistances& mesh_;
+  DeviceMeasure<T>* device_;
   Way way_ = Way::parts;
   SurfaceParts<T> parts_;
   SurfaceParts<double> hollow_;  // in double: it may be far longer than anything else is wide

@@ -8,6 +8,7 @@
 #include <limits>
 #include <type_traits>
 
+#include "cpu/device_code.hpp"
 #include "cpu/isa.hpp"
 #include "lbm/cut_links.hpp"
 #ifdef SILT_ISA
@@ -79,14 +80,14 @@ struct IntervalLanes {
   using V = typename Lanes<T>::Real;
   V enter, leave;
 
-  static V smaller(const V& a, const V& b) { return a < b ? a : b; }
-  static V larger(const V& a, const V& b) { return a > b ? a : b; }
+  SILT_DEVICE static V smaller(const V& a, const V& b) { return a < b ? a : b; }
+  SILT_DEVICE static V larger(const V& a, const V& b) { return a > b ? a : b; }
   /// In both. A side that is not a number (a line in the plane of a face) bounds nothing.
-  IntervalLanes within(const IntervalLanes& o) const {
+  SILT_DEVICE IntervalLanes within(const IntervalLanes& o) const {
     return {larger(o.enter, enter), smaller(o.leave, leave)};
   }
   /// Of a convex shape that several shapes make up.
-  IntervalLanes joined(const IntervalLanes& o) const {
+  SILT_DEVICE IntervalLanes joined(const IntervalLanes& o) const {
     const auto here = enter <= leave, there = o.enter <= o.leave;
     return {there ? here ? smaller(enter, o.enter) : o.enter : enter,
             there ? here ? larger(leave, o.leave) : o.leave : leave};
@@ -103,7 +104,7 @@ class LineLanes {
   using Part = SurfacePart<T>;
 
   /// r and c: the same in the axes of the world, from the body's reference point.
-  LineLanes(const Part& part, const V (&r)[3], const V (&c)[3]) {
+  SILT_DEVICE LineLanes(const Part& part, const V (&r)[3], const V (&c)[3]) {
     for (int k = 0; k < 3; ++k)
       if constexpr (kind == PartKind::sphere) {
         o_[k] = r[k] - part.centre[k], d_[k] = c[k];
@@ -115,12 +116,12 @@ class LineLanes {
   }
 
   /// A coordinate of the points at t, and the directions.
-  V at(int k, const V& t) const { return o_[k] + t * d_[k]; }
-  const V (&direction() const)[3] { return d_; }
+  SILT_DEVICE V at(int k, const V& t) const { return o_[k] + t * d_[k]; }
+  SILT_DEVICE const V (&direction() const)[3] { return d_; }
 
   /// Lines none of whose points -past <= t <= 1 + past is in the box around the part, as one of its axes
   /// shows.
-  typename L::Mask beyond(const Part& part, T past) const {
+  SILT_DEVICE typename L::Mask beyond(const Part& part, T past) const {
     const T half = T(0.5) + past;
     const auto along = [&](int k) {
       return L::magnitude(o_[k] + T(0.5) * d_[k]) > part.extent[k] + half * L::magnitude(d_[k]);
@@ -128,7 +129,7 @@ class LineLanes {
     return along(0) | along(1) | along(2);
   }
 
-  Interval inside(const Part& part, const Plane<T>* planes) const {
+  SILT_DEVICE Interval inside(const Part& part, const Plane<T>* planes) const {
     const T* const size = part.size;
     if constexpr (kind == PartKind::sphere || kind == PartKind::ellipsoid) return ball(T(0), size[0]);
     if constexpr (kind == PartKind::box)
@@ -148,7 +149,7 @@ class LineLanes {
   static constexpr T infinity = std::numeric_limits<T>::infinity();
 
   /// a t^2 + 2 b t + c <= 0, a >= 0.
-  static Interval between_roots(const V& a, const V& b, const V& c) {
+  SILT_DEVICE static Interval between_roots(const V& a, const V& b, const V& c) {
     const V discriminant = b * b - a * c, s = L::root(discriminant < T(0) ? V{} : discriminant);
     const auto outside = is_hollow(kind) ? c >= T(0) : c > T(0);                     // the surface is solid
     const V parallel = outside ? V{} + infinity : V{} - infinity, per_a = T(1) / a;  // a may be 0
@@ -156,21 +157,21 @@ class LineLanes {
     return {discriminant < T(0) ? V{} + infinity : enter, discriminant < T(0) ? V{} - infinity : leave};
   }
   /// About the point at height z of the third axis.
-  Interval ball(T z, T radius) const {
+  SILT_DEVICE Interval ball(T z, T radius) const {
     const V h = o_[2] - z;
     return between_roots(d_[0] * d_[0] + d_[1] * d_[1] + d_[2] * d_[2],
                          o_[0] * d_[0] + o_[1] * d_[1] + h * d_[2],
                          (o_[0] * o_[0] + o_[1] * o_[1] + h * h) - radius * radius);
   }
   /// Round about the third axis, without end.
-  Interval barrel(T radius) const {
+  SILT_DEVICE Interval barrel(T radius) const {
     return between_roots(d_[0] * d_[0] + d_[1] * d_[1], o_[0] * d_[0] + o_[1] * d_[1],
                          (o_[0] * o_[0] + o_[1] * o_[1]) - radius * radius);
   }
   /// In the double cone about the third axis with its apex at `half` and this radius at -half, on the side of
   /// the apex where the radius is: a line that is steeper than the cone is inside before one root and after
   /// the other. No cancellation, for a may be 0.
-  Interval tapered(T radius, T half) const {
+  SILT_DEVICE Interval tapered(T radius, T half) const {
     const T k = radius / (2 * half);
     const V w = half - o_[2], a = (d_[0] * d_[0] + d_[1] * d_[1]) - k * k * (d_[2] * d_[2]);
     const V b = (o_[0] * d_[0] + o_[1] * d_[1]) + k * k * (w * d_[2]);
@@ -187,13 +188,13 @@ class LineLanes {
     return in;
   }
   /// Between two planes across axis k.
-  Interval slab(int k, T half_width) const {
+  SILT_DEVICE Interval slab(int k, T half_width) const {
     const V along = d_[k] < T(0) ? -o_[k] : o_[k], slowness = T(1) / L::magnitude(d_[k]);
     return Interval{V{} - infinity, V{} + infinity}.within(
         {(-half_width - along) * slowness, (half_width - along) * slowness});
   }
   /// By the plane of one face after the other.
-  Interval clipped(const Plane<T>* planes, std::uint32_t n) const {
+  SILT_DEVICE Interval clipped(const Plane<T>* planes, std::uint32_t n) const {
     Interval all{V{} - infinity, V{} + infinity};
     for (const Plane<T>* p = planes; p < planes + n; ++p) {
       const T* const m = p->normal;
@@ -211,7 +212,7 @@ class LineLanes {
 
 /// Calls use(std::integral_constant<PartKind, kind>{}).
 template <class F>
-void with_kind(PartKind kind, F&& use) {
+SILT_DEVICE void with_kind(PartKind kind, F&& use) {
   using enum PartKind;
   switch (kind) {
     case sphere:

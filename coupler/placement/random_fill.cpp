@@ -9,6 +9,7 @@
 #include "coupler/placement/one_fill.hpp"
 #include "coupler/placement/rain.hpp"
 #include "rigid/math/elementary.hpp"
+#include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {
 namespace {
