@@ -107,35 +107,46 @@ template <class T>
 class BlockSums {
  public:
   BlockSums(const lbm::Fluid<T>& fluid, int b, FlowSums& sums)
-      : fluid_(fluid), block_(b), lower_(fluid.blocks()[b].box().lower), sums_(sums) {}
+      : fluid_(fluid),
+        block_(b),
+        lower_(fluid.blocks()[b].box().lower),
+        sums_(sums),
+        runs_(memory_of(fluid.device())),
+        found_(memory_of(fluid.device())) {}
 
   void add(const BlockMap& map) {
     for_fluid_runs(map, CellTotals::most_cells, [&](Int3 first, int cells, int rows) {
-      const Run run{first, cells, rows};
-      const CellTotals t = fluid_.totals(block_, first, cells, rows);
-      if (!t.sound) return for_cells_of(run, [&](Int3 x) { add_cell(x); });
-      sums_.add(cells * rows, t);
-      if (t.speed_squared > extremes_.speed_squared)
-        extremes_.speed_squared = t.speed_squared, fastest_ = run;
-      if (t.least_deviation < extremes_.least_deviation)
-        extremes_.least_deviation = t.least_deviation, thinnest_ = run;
+      runs_.push_back({first, cells, rows});
+      if (runs_.size() == at_once) add_runs();
     });
+    add_runs();
     see(fastest_, &CellTotals::speed_squared), see(thinnest_, &CellTotals::least_deviation);
   }
 
  private:
   using CellTotals = lbm::CellTotals;
-  struct Run {
-    Int3 first;
-    int cells = 0, rows = 0;
-  };
+  using Run = lbm::LocalRows;
+  static constexpr std::size_t at_once = 2048;
 
+  void add_runs() {
+    found_.resize(runs_.size());
+    fluid_.totals(block_, runs_, found_.data());
+    for (std::size_t k = 0; k < runs_.size(); ++k) add(runs_[k], found_[k]);
+    runs_.clear();
+  }
+  void add(const Run& run, const CellTotals& t) {
+    if (!t.sound) return for_cells_of(run, [&](Int3 x) { add_cell(x); });
+    sums_.add(run.cells * run.rows, t);
+    if (t.speed_squared > extremes_.speed_squared) extremes_.speed_squared = t.speed_squared, fastest_ = run;
+    if (t.least_deviation < extremes_.least_deviation)
+      extremes_.least_deviation = t.least_deviation, thinnest_ = run;
+  }
   template <class Visit>
   void for_cells_of(const Run& run, Visit&& visit) const {
     for_cells(run.first, run.first + Int3{run.cells, run.rows, 1}, visit);
   }
   void add_cell(Int3 x) {
-    const CellTotals t = fluid_.totals(block_, x, 1);
+    const CellTotals t = fluid_.totals(block_, {x, 1});
     const lbm::Moments m = fluid_.moments(block_, x);
     if (!t.sound) return sums_.add(lower_ + x, m, fluid_.velocity(m));
     sums_.add(1, t);
@@ -145,9 +156,9 @@ class BlockSums {
   void see(const Run& run, double CellTotals::*extreme) {
     const double value = extremes_.*extreme;
     for (Int3 x = run.first; x.y < run.first.y + run.rows; ++x.y) {
-      if (fluid_.totals(block_, x, run.cells).*extreme != value) continue;
-      CellTotals t = fluid_.totals(block_, x, 1);
-      while (t.*extreme != value) ++x.x, t = fluid_.totals(block_, x, 1);
+      if (fluid_.totals(block_, {x, run.cells}).*extreme != value) continue;
+      CellTotals t = fluid_.totals(block_, {x, 1});
+      while (t.*extreme != value) ++x.x, t = fluid_.totals(block_, {x, 1});
       return sums_.see(lower_ + x, t);
     }
   }
@@ -156,7 +167,9 @@ class BlockSums {
   const int block_;
   const Int3 lower_;
   FlowSums& sums_;
-  Run fastest_, thinnest_;
+  std::pmr::vector<Run> runs_;  // whose totals are looked for next
+  std::pmr::vector<CellTotals> found_;
+  Run fastest_{{}, 0, 0}, thinnest_{{}, 0, 0};
   CellTotals extremes_;
 };
 

@@ -12,10 +12,18 @@ namespace silt::inline SILT_ISA {
 /// Those that do one entry together: member `lane` of `size`.
 struct Team {
   int lane, size;
+  /// Joins the terms of all members, each of which calls it, for the member 0.
+  template <class X, class Join>
+  SILT_DEVICE X joined(X term, [[maybe_unused]] Join join) const {
+#if defined(__CUDA_ARCH__)
+    for (int half = size / 2; half > 0; half /= 2) term = join(term, __shfl_down_sync(~0u, term, half));
+#endif
+    return term;
+  }
   /// Adds the terms of all members, each of which calls it, to a sum that other teams may add to as well.
   SILT_DEVICE void add(std::int64_t term, std::int64_t& sum) const {
+    term = joined(term, [](std::int64_t a, std::int64_t b) { return a + b; });
 #if defined(__CUDA_ARCH__)
-    for (int half = size / 2; half > 0; half /= 2) term += __shfl_down_sync(~0u, term, half);
     if (lane == 0 && term != 0)
       atomicAdd(reinterpret_cast<unsigned long long*>(&sum), static_cast<unsigned long long>(term));
 #else

@@ -45,6 +45,12 @@ void set_arriving([[maybe_unused]] Device device, const ListedCells<T>& cells, c
   SILT_ON(device, set_arriving<T>)(cells, g);
 }
 
+template <class T>
+void total_rows([[maybe_unused]] Device device, const Block<T>& block, Parity parity,
+                std::span<const LocalRows> rows, const std::array<double, 3>& force, CellTotals* totals) {
+  SILT_ON(device, total_rows<T>)(block, parity, rows, force, totals);
+}
+
 #define SILT_PASSES_OF(T)                                                                                    \
   template void stream_collide(Device, Block<T>&, Parity, const CollisionRates<T>&, RowRange,                \
                                const WatchedPlanes&);                                                        \
@@ -56,7 +62,9 @@ void set_arriving([[maybe_unused]] Device device, const ListedCells<T>& cells, c
   template void carry_packets(Device, const BorderRows<T>&, std::span<const BorderRows<T>::Carried>,         \
                               std::uint32_t);                                                                \
   template void cross_border(Device, const BorderRows<T>&, const BorderLists<T>&,                            \
-                             std::span<const BorderRows<T>::Passing>, std::uint32_t);
+                             std::span<const BorderRows<T>::Passing>, std::uint32_t);                        \
+  template void total_rows(Device, const Block<T>&, Parity, std::span<const LocalRows>,                      \
+                           const std::array<double, 3>&, CellTotals*);
 SILT_PASSES_OF(float)
 SILT_PASSES_OF(double)
 

@@ -53,6 +53,10 @@ template <class T>
 void gather_moments(Device, const ListedCells<T>&, Moments*);
 template <class T>
 void set_arriving(Device, const ListedCells<T>&, const double* g);
+/// The totals of rows of cells of a block each.
+template <class T>
+void total_rows(Device, const Block<T>&, Parity, std::span<const LocalRows>,
+                const std::array<double, 3>& force, CellTotals*);
 
 #define SILT_DEVICE_PASSES                                                                                   \
   void wait();                                                                                               \
@@ -67,6 +71,9 @@ void set_arriving(Device, const ListedCells<T>&, const double* g);
   void gather_moments(const ListedCells<T>&, Moments*);                                                      \
   template <class T>                                                                                         \
   void set_arriving(const ListedCells<T>&, const double* g);                                                 \
+  template <class T>                                                                                         \
+  void total_rows(const Block<T>&, Parity, std::span<const LocalRows>, const std::array<double, 3>&,         \
+                  CellTotals*);                                                                              \
   template <class T>                                                                                         \
   void carry_packets(const BorderRows<T>&, std::span<const typename BorderRows<T>::Carried>, std::uint32_t); \
   template <class T>                                                                                         \

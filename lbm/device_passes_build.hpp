@@ -6,6 +6,7 @@
 #include "device/for_each.hpp"
 #include "lbm/collide_cells.hpp"
 #include "lbm/device_passes.hpp"
+#include "lbm/lane_totals.hpp"
 
 namespace silt::lbm::SILT_ISA {
 
@@ -254,6 +255,46 @@ void set_arriving(const ListedCells<T>& cells, const double* g) {
   silt::SILT_ISA::wait();
 }
 
+template <class T>
+struct TotalRows {
+  const T* g[directions];  // what arrives at the first cell
+  std::ptrdiff_t row, plane;
+  T half_force[3];
+  const LocalRows* rows;
+  CellTotals* totals;
+  SILT_DEVICE void operator()(std::int64_t k, Team team) const {
+    const LocalRows all = rows[k];
+    const std::ptrdiff_t first = all.first.x + all.first.y * row + all.first.z * plane;
+    LaneTotals<T, 1> own;
+    std::int64_t cells = 0;
+    for (int y = 0; y < all.rows; ++y)
+      for (int x = team.lane; x < all.cells; x += team.size, ++cells)
+        own.template add<false>(g, first + y * row + x, half_force);
+    CellTotals t;
+    own.give(cells, t);
+    const auto sum = [](auto a, auto b) { return a + b; };
+    const auto most = [](auto a, auto b) { return a > b ? a : b; };
+    t.mass = team.joined(t.mass, sum);
+    for (std::int64_t& of : t.momentum) of = team.joined(of, sum);
+    t.energy = team.joined(t.energy, sum), t.energy_rest = team.joined(t.energy_rest, sum);
+    t.speed_squared = team.joined(t.speed_squared, most);
+    t.most_deviation = team.joined(t.most_deviation, most);
+    t.least_deviation = -team.joined(-t.least_deviation, most);
+    t.sound = team.joined(int(!t.sound), most) == 0;
+    if (team.lane == 0) totals[k] = t;
+  }
+};
+
+template <class T>
+void total_rows(const Block<T>& block, Parity parity, std::span<const LocalRows> rows,
+                const std::array<double, 3>& force, CellTotals* totals) {
+  TotalRows<T> pass{{}, block.row_stride(), block.plane_stride(), {}, rows.data(), totals};
+  for (int i = 0; i < directions; ++i) pass.g[i] = block.data() + block.arriving(i, parity);
+  for (int d = 0; d < 3; ++d) pass.half_force[d] = T(0.5 * force[d]);
+  for_teams(std::int64_t(rows.size()), pass);
+  wait();
+}
+
 #define SILT_PASSES_OF(T)                                                                                    \
   template void stream_collide(Block<T>&, Parity, const CollisionRates<T>&, RowRange, const WatchedPlanes&); \
   template void move_slots(const SlotPairs&, std::span<const T>, SlotArrays<const T>, SlotArrays<T>, bool);  \
@@ -262,7 +303,9 @@ void set_arriving(const ListedCells<T>& cells, const double* g) {
   template void set_arriving(const ListedCells<T>&, const double*);                                          \
   template void carry_packets(const BorderRows<T>&, std::span<const BorderRows<T>::Carried>, std::uint32_t); \
   template void cross_border(const BorderRows<T>&, const BorderLists<T>&,                                    \
-                             std::span<const BorderRows<T>::Passing>, std::uint32_t);
+                             std::span<const BorderRows<T>::Passing>, std::uint32_t);                        \
+  template void total_rows(const Block<T>&, Parity, std::span<const LocalRows>,                              \
+                           const std::array<double, 3>&, CellTotals*);
 SILT_PASSES_OF(float)
 SILT_PASSES_OF(double)
 

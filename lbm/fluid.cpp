@@ -224,11 +224,17 @@ void Fluid<T>::moments(int b, const CellBox& box, MomentArrays& moments) const {
 }
 
 template <class T>
-CellTotals Fluid<T>::totals(int b, Int3 first, int cells, int rows) const {
-  const CellRows all{cells, rows, blocks_[b].row_stride()};
-  return for_arriving(b, first, [&](const T* const(&g)[directions]) {
+CellTotals Fluid<T>::totals(int b, const LocalRows& of) const {
+  const CellRows all{of.cells, of.rows, blocks_[b].row_stride()};
+  return for_arriving(b, of.first, [&](const T* const(&g)[directions]) {
     return moments_kernels<T>().total(g, all, spec_.force);
   });
+}
+
+template <class T>
+void Fluid<T>::totals(int b, std::span<const LocalRows> of, CellTotals* totals_of) const {
+  if (device_ != Device::cpu) return total_rows(device_, blocks_[b], parity_, of, spec_.force, totals_of);
+  for (std::size_t k = 0; k < of.size(); ++k) totals_of[k] = totals(b, of[k]);
 }
 
 template <class T>

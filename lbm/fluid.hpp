@@ -92,8 +92,9 @@ class Fluid {
   void set_arriving(std::span<const LocalCell>, std::span<const double> g);
   /// Those of a box of local cells.
   void moments(int b, const CellBox&, MomentArrays&) const;
-  /// What they, and as many in the rows after theirs, hold together.
-  CellTotals totals(int b, Int3 first_local_cell, int cells, int rows = 1) const;
+  /// What rows of them hold together; of many such at once, all in memory that the device reaches.
+  CellTotals totals(int b, const LocalRows&) const;
+  void totals(int b, std::span<const LocalRows>, CellTotals*) const;
   /// Hints that the populations arriving at a cell (ghosts too) will be asked for soon.
   void prefetch(int b, Int3 local_cell) const;
   std::array<double, 3> velocity(const Moments& m) const { return velocity_of(m, spec_.force); }

@@ -40,6 +40,11 @@ struct CellTotals {
   bool sound = true;  // false: a cell is not a number or beyond the limits, and the sums mean nothing
 };
 
+/// Cells of a block that follow each other along x, from the first on, and as many in the rows after theirs.
+struct LocalRows {
+  Int3 first;
+  int cells = 0, rows = 1;
+};
 /// Cells that follow each other along x, and rows of them so far apart in memory.
 struct CellRows {
   int cells, rows = 1;

@@ -79,11 +79,11 @@ TYPED_TEST(RowsOf, HaveTheTotalsOfTheirCells) {
   constexpr double near = 4 * double(std::numeric_limits<TypeParam>::epsilon());  // of sums of 19 up to 0.1
   this->set_at_random(11);
   for (const auto& [first, count, rows] : {std::tuple(0, 37, 3), {5, 1, 1}, {3, 30, 1}, {0, 16, 2}}) {
-    const CellTotals found = this->fluid.totals(0, {first, 0, 1}, count, rows);
+    const CellTotals found = this->fluid.totals(0, {{first, 0, 1}, count, rows});
     CellTotals sum;
     for (int cell = 0; cell < count * rows; ++cell) {
       const Int3 x{first + cell % count, cell / count, 1};
-      const CellTotals t = this->fluid.totals(0, x, 1);
+      const CellTotals t = this->fluid.totals(0, {x, 1});
       const Moments m = this->summed(x);
       const auto u = this->fluid.velocity(m);
       const double square = u[0] * u[0] + u[1] * u[1] + u[2] * u[2];
@@ -112,13 +112,43 @@ TYPED_TEST(RowsOf, HaveTheTotalsOfTheirCells) {
   }
 }
 
+TYPED_TEST(RowsOf, HaveTheSameTotalsOnADevice) {
+  const LocalRows rows[] = {{{0, 0, 1}, 37, 3}, {{5, 0, 0}, 1, 1}, {{3, 1, 0}, 30, 1}, {{0, 2, 1}, 16, 1}};
+  for (const Device device : {Device::host, Device::gpu}) {
+    if (!unusable(device).empty()) continue;
+    for (const double wrong : {0., HUGE_VAL}) {
+      this->set_at_random(17);
+      this->fluid.arriving(0, {4, 1, 0}, 3) += TypeParam(wrong);
+      Fluid<TypeParam> there(this->fluid.domain(), this->fluid.spec(), MPI_COMM_SELF, device);
+      for_cells({}, this->cells, [&](Int3 x) {
+        for (int i = 0; i < directions; ++i) there.arriving(0, x, i) = this->fluid.arriving(0, x, i);
+      });
+      const std::pmr::vector<LocalRows> listed(rows, std::end(rows), memory_of(device));
+      std::pmr::vector<CellTotals> found(listed.size(), memory_of(device));
+      there.totals(0, listed, found.data());
+      for (std::size_t k = 0; k < listed.size(); ++k) {
+        const CellTotals expected = this->fluid.totals(0, listed[k]), &is = found[k];
+        EXPECT_EQ(is.sound, expected.sound);
+        if (!is.sound) continue;
+        EXPECT_EQ(is.mass, expected.mass);
+        for (int d = 0; d < 3; ++d) EXPECT_EQ(is.momentum[d], expected.momentum[d]);
+        EXPECT_EQ(is.energy, expected.energy);
+        EXPECT_EQ(is.energy_rest, expected.energy_rest);
+        EXPECT_EQ(is.speed_squared, expected.speed_squared);
+        EXPECT_EQ(is.least_deviation, expected.least_deviation);
+        EXPECT_EQ(is.most_deviation, expected.most_deviation);
+      }
+    }
+  }
+}
+
 TYPED_TEST(RowsOf, WithACellThatIsNoFlowAreNotSound) {
   for (const double wrong : {std::nan(""), HUGE_VAL, -HUGE_VAL, 1e4, -1e4})
     for (const int cell : {0, 7, 36}) {
       this->set_at_random(13);
       this->fluid.arriving(0, {cell, 1, 0}, 3) = TypeParam(wrong);
-      EXPECT_FALSE(this->fluid.totals(0, {0, 1, 0}, 37).sound) << wrong << " in cell " << cell;
-      EXPECT_TRUE(this->fluid.totals(0, {0, 0, 0}, 37).sound);
+      EXPECT_FALSE(this->fluid.totals(0, {{0, 1, 0}, 37}).sound) << wrong << " in cell " << cell;
+      EXPECT_TRUE(this->fluid.totals(0, {{0, 0, 0}, 37}).sound);
     }
 }
 
