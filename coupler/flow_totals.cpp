@@ -22,7 +22,7 @@ void FlowSums::add(Int3 g, const lbm::Moments& m, const std::array<double, 3>& u
     first_bad_ = std::min(first_bad_, index_of(g));
     return;
   }
-  t.mass = quanta(m.density_deviation, lbm::mass_quantum);
+  t.mass = lbm::mass_quanta(m);
   for (int d = 0; d < 3; ++d) t.momentum[d] = quanta(m.momentum[d], CellTotals::momentum_quantum);
   t.energy = quanta(0.5 * t.speed_squared, CellTotals::energy_quantum);
   t.energy_rest = quanta(0.5 * t.speed_squared - double(t.energy) * CellTotals::energy_quantum,
@@ -111,28 +111,22 @@ class BlockSums {
         block_(b),
         lower_(fluid.blocks()[b].box().lower),
         sums_(sums),
-        runs_(memory_of(fluid.device())),
         found_(memory_of(fluid.device())) {}
 
   void add(const BlockMap& map) {
-    for_fluid_runs(map, CellTotals::most_cells, [&](Int3 first, int cells, int rows) {
-      runs_.push_back({first, cells, rows});
-      if (runs_.size() == at_once) add_runs();
-    });
-    add_runs();
+    for_fluid_runs(map, CellTotals::most_cells, memory_of(fluid_.device()),
+                   [&](std::span<const Run> runs) { add(runs); });
     see(fastest_, &CellTotals::speed_squared), see(thinnest_, &CellTotals::least_deviation);
   }
 
  private:
   using CellTotals = lbm::CellTotals;
   using Run = lbm::LocalRows;
-  static constexpr std::size_t at_once = 2048;
 
-  void add_runs() {
-    found_.resize(runs_.size());
-    fluid_.totals(block_, runs_, found_.data());
-    for (std::size_t k = 0; k < runs_.size(); ++k) add(runs_[k], found_[k]);
-    runs_.clear();
+  void add(std::span<const Run> runs) {
+    found_.resize(runs.size());
+    fluid_.totals(block_, runs, found_.data());
+    for (std::size_t k = 0; k < runs.size(); ++k) add(runs[k], found_[k]);
   }
   void add(const Run& run, const CellTotals& t) {
     if (!t.sound) return for_cells_of(run, [&](Int3 x) { add_cell(x); });
@@ -167,8 +161,7 @@ class BlockSums {
   const int block_;
   const Int3 lower_;
   FlowSums& sums_;
-  std::pmr::vector<Run> runs_;  // whose totals are looked for next
-  std::pmr::vector<CellTotals> found_;
+  std::pmr::vector<CellTotals> found_;  // of the runs at hand
   Run fastest_{{}, 0, 0}, thinnest_{{}, 0, 0};
   CellTotals extremes_;
 };

@@ -43,10 +43,17 @@ class FieldsOf final : public FluidFields {
   }
   FluidMass mass() const override {
     FluidMass all;
-    for_each_fluid_cell(*this, [&](Int3, const lbm::Moments& m) {
-      all.cells += std::uint64_t(volume());
-      all.mass += volume() * rigid::FixedSum(std::llrint(m.density_deviation / lbm::mass_quantum));
-    });
+    std::pmr::vector<std::int64_t> quanta(memory_of(fluid_.device()));
+    for (std::size_t b = 0; b < maps().size(); ++b)
+      for_fluid_runs(maps()[b], lbm::CellTotals::most_cells, memory_of(fluid_.device()),
+                     [&](std::span<const lbm::LocalRows> runs) {
+                       quanta.resize(runs.size());
+                       fluid_.masses(int(b), runs, quanta.data());
+                       for (std::size_t k = 0; k < runs.size(); ++k) {
+                         all.cells += std::uint64_t(volume()) * std::uint64_t(runs[k].cells * runs[k].rows);
+                         all.mass += volume() * rigid::FixedSum(quanta[k]);
+                       }
+                     });
     return all;
   }
   std::uint64_t hash() const override {

@@ -51,6 +51,12 @@ void total_rows([[maybe_unused]] Device device, const Block<T>& block, Parity pa
   SILT_ON(device, total_rows<T>)(block, parity, rows, force, totals);
 }
 
+template <class T>
+void mass_of_rows([[maybe_unused]] Device device, const Block<T>& block, Parity parity,
+                  std::span<const LocalRows> rows, std::int64_t* quanta) {
+  SILT_ON(device, mass_of_rows<T>)(block, parity, rows, quanta);
+}
+
 #define SILT_PASSES_OF(T)                                                                                    \
   template void stream_collide(Device, Block<T>&, Parity, const CollisionRates<T>&, RowRange,                \
                                const WatchedPlanes&);                                                        \
@@ -64,7 +70,8 @@ void total_rows([[maybe_unused]] Device device, const Block<T>& block, Parity pa
   template void cross_border(Device, const BorderRows<T>&, const BorderLists<T>&,                            \
                              std::span<const BorderRows<T>::Passing>, std::uint32_t);                        \
   template void total_rows(Device, const Block<T>&, Parity, std::span<const LocalRows>,                      \
-                           const std::array<double, 3>&, CellTotals*);
+                           const std::array<double, 3>&, CellTotals*);                                       \
+  template void mass_of_rows(Device, const Block<T>&, Parity, std::span<const LocalRows>, std::int64_t*);
 SILT_PASSES_OF(float)
 SILT_PASSES_OF(double)
 

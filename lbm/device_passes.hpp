@@ -53,10 +53,12 @@ template <class T>
 void gather_moments(Device, const ListedCells<T>&, Moments*);
 template <class T>
 void set_arriving(Device, const ListedCells<T>&, const double* g);
-/// The totals of rows of cells of a block each.
+/// The totals and the masses of rows of cells of a block.
 template <class T>
 void total_rows(Device, const Block<T>&, Parity, std::span<const LocalRows>,
                 const std::array<double, 3>& force, CellTotals*);
+template <class T>
+void mass_of_rows(Device, const Block<T>&, Parity, std::span<const LocalRows>, std::int64_t* quanta);
 
 #define SILT_DEVICE_PASSES                                                                                   \
   void wait();                                                                                               \
@@ -78,7 +80,9 @@ void total_rows(Device, const Block<T>&, Parity, std::span<const LocalRows>,
   void carry_packets(const BorderRows<T>&, std::span<const typename BorderRows<T>::Carried>, std::uint32_t); \
   template <class T>                                                                                         \
   void cross_border(const BorderRows<T>&, const BorderLists<T>&,                                             \
-                    std::span<const typename BorderRows<T>::Passing>, std::uint32_t);
+                    std::span<const typename BorderRows<T>::Passing>, std::uint32_t);                        \
+  template <class T>                                                                                         \
+  void mass_of_rows(const Block<T>&, Parity, std::span<const LocalRows>, std::int64_t* quanta);
 namespace host {
 SILT_DEVICE_PASSES
 }

@@ -255,21 +255,35 @@ void set_arriving(const ListedCells<T>& cells, const double* g) {
   silt::SILT_ISA::wait();
 }
 
+/// Calls visit(pointers to what arrives at the first cell of a row, how far a cell is from it) for the cells
+/// of rows that a member of a team has; returns how many.
+template <class T>
+struct CellsOfTeam {
+  const T* g[directions];  // what arrives at the first cell of a block
+  std::ptrdiff_t row, plane;
+  CellsOfTeam(const Block<T>& block, Parity parity) : row(block.row_stride()), plane(block.plane_stride()) {
+    for (int i = 0; i < directions; ++i) g[i] = block.data() + block.arriving(i, parity);
+  }
+  template <class Visit>
+  SILT_DEVICE std::int64_t operator()(const LocalRows& rows, Team team, Visit&& visit) const {
+    const std::ptrdiff_t first = rows.first.x + rows.first.y * row + rows.first.z * plane;
+    std::int64_t cells = 0;
+    for (int y = 0; y < rows.rows; ++y)
+      for (int x = team.lane; x < rows.cells; x += team.size, ++cells) visit(g, first + y * row + x);
+    return cells;
+  }
+};
+
 template <class T>
 struct TotalRows {
-  const T* g[directions];  // what arrives at the first cell
-  std::ptrdiff_t row, plane;
+  CellsOfTeam<T> cells_of;
   T half_force[3];
   const LocalRows* rows;
   CellTotals* totals;
   SILT_DEVICE void operator()(std::int64_t k, Team team) const {
-    const LocalRows all = rows[k];
-    const std::ptrdiff_t first = all.first.x + all.first.y * row + all.first.z * plane;
     LaneTotals<T, 1> own;
-    std::int64_t cells = 0;
-    for (int y = 0; y < all.rows; ++y)
-      for (int x = team.lane; x < all.cells; x += team.size, ++cells)
-        own.template add<false>(g, first + y * row + x, half_force);
+    const std::int64_t cells = cells_of(
+        rows[k], team, [&](const auto& g, std::ptrdiff_t at) { own.template add<false>(g, at, half_force); });
     CellTotals t;
     own.give(cells, t);
     const auto sum = [](auto a, auto b) { return a + b; };
@@ -286,12 +300,32 @@ struct TotalRows {
 };
 
 template <class T>
+struct MassOfRows {
+  CellsOfTeam<T> cells_of;
+  const LocalRows* rows;
+  std::int64_t* quanta;
+  SILT_DEVICE void operator()(std::int64_t k, Team team) const {
+    std::int64_t mass = 0;
+    cells_of(rows[k], team,
+             [&](const auto& g, std::ptrdiff_t at) { mass += mass_quanta(moments_of(g, at)); });
+    mass = team.joined(mass, [](auto a, auto b) { return a + b; });
+    if (team.lane == 0) quanta[k] = mass;
+  }
+};
+
+template <class T>
 void total_rows(const Block<T>& block, Parity parity, std::span<const LocalRows> rows,
                 const std::array<double, 3>& force, CellTotals* totals) {
-  TotalRows<T> pass{{}, block.row_stride(), block.plane_stride(), {}, rows.data(), totals};
-  for (int i = 0; i < directions; ++i) pass.g[i] = block.data() + block.arriving(i, parity);
+  TotalRows<T> pass{{block, parity}, {}, rows.data(), totals};
   for (int d = 0; d < 3; ++d) pass.half_force[d] = T(0.5 * force[d]);
   for_teams(std::int64_t(rows.size()), pass);
+  wait();
+}
+
+template <class T>
+void mass_of_rows(const Block<T>& block, Parity parity, std::span<const LocalRows> rows,
+                  std::int64_t* quanta) {
+  for_teams(std::int64_t(rows.size()), MassOfRows<T>{{block, parity}, rows.data(), quanta});
   wait();
 }
 
@@ -305,7 +339,8 @@ void total_rows(const Block<T>& block, Parity parity, std::span<const LocalRows>
   template void cross_border(const BorderRows<T>&, const BorderLists<T>&,                                    \
                              std::span<const BorderRows<T>::Passing>, std::uint32_t);                        \
   template void total_rows(const Block<T>&, Parity, std::span<const LocalRows>,                              \
-                           const std::array<double, 3>&, CellTotals*);
+                           const std::array<double, 3>&, CellTotals*);                                       \
+  template void mass_of_rows(const Block<T>&, Parity, std::span<const LocalRows>, std::int64_t*);
 SILT_PASSES_OF(float)
 SILT_PASSES_OF(double)
 

@@ -238,6 +238,18 @@ void Fluid<T>::totals(int b, std::span<const LocalRows> of, CellTotals* totals_o
 }
 
 template <class T>
+void Fluid<T>::masses(int b, std::span<const LocalRows> of, std::int64_t* quanta) const {
+  if (device_ != Device::cpu) return mass_of_rows(device_, blocks_[b], parity_, of, quanta);
+  MomentArrays moments_of_run;
+  for (std::size_t k = 0; k < of.size(); ++k) {
+    const CellBox box{of[k].first, {of[k].cells, of[k].rows, 1}};
+    moments(b, box, moments_of_run);
+    quanta[k] = 0;
+    for (std::int64_t n = 0; n < box.cells(); ++n) quanta[k] += mass_quanta(moments_of_run[n]);
+  }
+}
+
+template <class T>
 void Fluid<T>::prefetch(int b, Int3 x) const {
   for (int i = 0; i < directions; ++i)
     prefetch_to_read(blocks_[b].data() + blocks_[b].arriving(i, parity_) + blocks_[b].cell(x));

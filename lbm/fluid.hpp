@@ -95,6 +95,8 @@ class Fluid {
   /// What rows of them hold together; of many such at once, all in memory that the device reaches.
   CellTotals totals(int b, const LocalRows&) const;
   void totals(int b, std::span<const LocalRows>, CellTotals*) const;
+  /// Their masses, of which each cell's is the sum of its populations in double, in quanta.
+  void masses(int b, std::span<const LocalRows>, std::int64_t* quanta) const;
   /// Hints that the populations arriving at a cell (ghosts too) will be asked for soon.
   void prefetch(int b, Int3 local_cell) const;
   std::array<double, 3> velocity(const Moments& m) const { return velocity_of(m, spec_.force); }

@@ -1,6 +1,7 @@
 #pragma once
 // The moments of the populations that arrive at a cell, those of the cells of a row, and their totals.
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -25,6 +26,9 @@ inline std::array<double, 3> velocity_of(const Moments& m, const std::array<doub
 
 /// The quantum of sums of mass in lattice units.
 inline constexpr double mass_quantum = 0x1p-40;
+SILT_DEVICE inline std::int64_t mass_quanta(const Moments& m) {
+  return std::llrint(m.density_deviation / mass_quantum);
+}
 
 /// What cells hold together, in whole quanta, so that sums depend on no order, and their extremes: mass (of
 /// the deviations of density), momentum (without the half force) and kinetic energy (with it).

@@ -2,6 +2,7 @@
 // Which cells of a block are solid, and the bodies that make them so, each with the bits of its own.
 #include <algorithm>
 #include <cstdint>
+#include <memory_resource>
 #include <span>
 #include <vector>
 
@@ -9,6 +10,7 @@
 #include "coupler/mapping/cell_bits.hpp"
 #include "cpu/prefetch.hpp"
 #include "lbm/block.hpp"
+#include "lbm/moments.hpp"
 #include "rigid/math/types.hpp"
 
 namespace silt::coupler {
@@ -83,10 +85,16 @@ void for_fluid_cells(std::span<const BlockMap> maps, Visit&& visit) {
     });
 }
 
-/// Calls visit(first local cell, cells, rows) for runs of at most so many fluid cells along x inside a block,
-/// of whole rows without a solid cell for several at a time.
+/// Calls visit(runs) for runs of at most so many fluid cells along x inside a block, of whole rows without a
+/// solid cell for several at a time; the runs lie in this memory.
 template <class Visit>
-void for_fluid_runs(const BlockMap& map, int most_cells, Visit&& visit) {
+void for_fluid_runs(const BlockMap& map, int most_cells, std::pmr::memory_resource* memory, Visit&& visit) {
+  constexpr std::size_t at_once = 2048;
+  std::pmr::vector<lbm::LocalRows> runs(memory);
+  const auto add = [&](const lbm::LocalRows& run) {
+    runs.push_back(run);
+    if (runs.size() == at_once) visit(runs), runs.clear();
+  };
   const lbm::Int3 size = map.box.size;
   const auto next = [&](lbm::Int3 x, bool solid) {  // such cell of the row, or its end
     for (; x.x < size.x; x.x += 64) {
@@ -101,16 +109,17 @@ void for_fluid_runs(const BlockMap& map, int most_cells, Visit&& visit) {
       int rows = 0;
       while (rows < most_rows && y + rows < size.y && next({0, y + rows, z}, true) == size.x) ++rows;
       if (rows > 0) {
-        visit(lbm::Int3{0, y, z}, size.x, rows);
+        add({{0, y, z}, size.x, rows});
         y += rows;
         continue;
       }
       for (lbm::Int3 x{0, y++, z}; (x.x = next(x, false)) < size.x;) {
         const int end = std::min(next(x, true), x.x + most_cells);
-        visit(x, end - x.x, 1);
+        add({x, end - x.x, 1});
         x.x = end;
       }
     }
+  visit(runs);
 }
 
 }  // namespace silt::coupler

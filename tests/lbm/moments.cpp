@@ -125,11 +125,14 @@ TYPED_TEST(RowsOf, HaveTheSameTotalsOnADevice) {
       });
       const std::pmr::vector<LocalRows> listed(rows, std::end(rows), memory_of(device));
       std::pmr::vector<CellTotals> found(listed.size(), memory_of(device));
+      std::pmr::vector<std::int64_t> masses(listed.size(), memory_of(device)), expected_masses(listed.size());
       there.totals(0, listed, found.data());
+      there.masses(0, listed, masses.data()), this->fluid.masses(0, listed, expected_masses.data());
       for (std::size_t k = 0; k < listed.size(); ++k) {
         const CellTotals expected = this->fluid.totals(0, listed[k]), &is = found[k];
         EXPECT_EQ(is.sound, expected.sound);
         if (!is.sound) continue;
+        EXPECT_EQ(masses[k], expected_masses[k]);
         EXPECT_EQ(is.mass, expected.mass);
         for (int d = 0; d < 3; ++d) EXPECT_EQ(is.momentum[d], expected.momentum[d]);
         EXPECT_EQ(is.energy, expected.energy);
