@@ -9,7 +9,7 @@
 
 namespace silt::inline SILT_ISA {
 
-/// Those that do one entry together: member `lane` of `size`.
+/// A member of those that do one entry together: the one at `lane` of `size`.
 struct Team {
   int lane, size;
   /// Joins the terms of all members, each of which calls it, for the member 0.

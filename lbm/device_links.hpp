@@ -73,7 +73,7 @@ class DeviceLinks {
   /// The velocity that a link is told of is that of another surface.
   void add_opposite(T& velocity, std::uint32_t other, Int3 cell, int direction);
 
-  /// Of a step: how surface k moves, and the age of its distances.
+  /// Begins a step: surface k moves so, and its distances have this age.
   void set_motion(std::size_t k, const SurfaceMotion&, T age);
   /// Writes what the surfaces return along all links, and sums force, torque and mass.
   void apply(Block<T>&, const LinkSlots&, const BeyondPair<T>* pairs_across, ForceForm);

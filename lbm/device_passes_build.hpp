@@ -50,7 +50,7 @@ struct NoWatch {
   SILT_DEVICE void see(const T&, std::ptrdiff_t, const Keep&) const {}
 };
 
-/// Of planes in turn, one in each period is watched, from the first such one on.
+/// One plane in each period is watched, from the first such one on.
 struct WatchedInTurn {
   static constexpr int period = WatchedPlanes::period;
   int first, planes;

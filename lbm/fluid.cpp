@@ -179,7 +179,7 @@ Moments Fluid<T>::moments(int b, Int3 x) const {
   return for_arriving(b, x, [](const T* const(&g)[directions]) { return moments_of(g, 0); });
 }
 
-/// Where a device finds single cells; until the next call.
+/// Returns where a device finds single cells; it holds until the next call.
 template <class T>
 ListedCells<T> Fluid<T>::listed(std::span<const LocalCell> cells) {
   listed_blocks_.resize(blocks_.size()), listed_cells_.resize(cells.size());

@@ -86,7 +86,7 @@ class Fluid {
     return blocks_[b].data()[blocks_[b].leaving(i, parity_) + blocks_[b].cell(local_cell)];
   }
   Moments moments(int b, Int3 local_cell) const;
-  /// Those of single cells, in their order; there until the next call.
+  /// Returns those of single cells, in their order; they are there until the next call.
   std::span<const Moments> moments(std::span<const LocalCell>);
   /// Sets what arrives at single cells: 19 numbers a cell.
   void set_arriving(std::span<const LocalCell>, std::span<const double> g);

@@ -1,5 +1,5 @@
 #pragma once
-// What passes between the fluid and a surface along cut links, and its sums: a vector of links at a time, or
+// The exchange between the fluid and a surface along cut links, and its sums: a vector of links at a time, or
 // one (SILT_SCALAR). Where the populations of links are is a matter of who reads them.
 #include "lbm/fixed_sum.hpp"
 #include "lbm/link_places.hpp"
@@ -83,7 +83,7 @@ SILT_DEVICE Exchange<T> exchange(const Read& read, const WallFluid<T>& fluid, co
   return {out, back};
 }
 
-/// What the surface returned, if it had moved faster by `u`.
+/// Returns what the surface would have returned, had it moved faster by `u`.
 template <WallScheme scheme, class T, class V = typename Lanes<T>::Real>
 SILT_DEVICE V corrected(const V& before, const V& q, const Places<T>& at, const Motion<T>& u,
                         const WallFluid<T>& fluid) {

@@ -6,7 +6,7 @@
 
 namespace silt::lbm {
 
-/// What the passes over groups read and write. Places count from the corner of a group.
+/// The passes over groups read and write these. Places count from the corner of a group.
 template <class T>
 struct LinkPass {
   T* data;  // the block's cell 0 at Block::middle()

@@ -39,7 +39,7 @@ struct LinksOfGroup {
   }
 };
 
-/// Where one link reads.
+/// The populations that one link reads.
 template <WallScheme scheme, class T>
 struct ReadLink {
   const LinksOfGroup<T>& links;

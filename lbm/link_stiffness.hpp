@@ -1,5 +1,5 @@
 #pragma once
-// What links add to the stiffness of their surface (README.md, equation 23): a vector of links at a time, or
+// The part of links in the stiffness of their surface (README.md, equation 23): a vector of links at a time, or
 // one (SILT_SCALAR).
 #include "lbm/link_places.hpp"
 

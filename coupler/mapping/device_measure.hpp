@@ -11,12 +11,12 @@
 
 namespace silt::coupler {
 
-/// Of a distance in half of the steps that a body is mapped for: a line that grazes the surface may meet it
-/// at one time only.
+/// A distance changes by at most this in half of the steps that a body is mapped for: a line that grazes the
+/// surface may meet it at one time only.
 inline constexpr double most_change = 0.25;
 
 /// The rate of a distance which is `middle` in the middle of these steps, and `last` so many steps later.
-/// Where a surface comes past a cell, q < 0, wall formulas amplify: for a few steps they may.
+/// Wall formulas amplify where a surface has come past a cell, q < 0: for a few steps they may.
 template <class T>
 SILT_DEVICE inline T rate_of(T middle, T last, double steps) {
   constexpr double few = 4;
@@ -51,7 +51,7 @@ struct GroupToMeasure {
   T *q, *rate;
 };
 
-/// What the pass reads and writes.
+/// The pass reads and writes these arrays.
 template <class T>
 struct MeasureLinks {
   GroupToMeasure<T>* groups;
@@ -68,7 +68,7 @@ class DeviceMeasure {
 
   /// The distances of the surface's links are wanted. `arm` is that of SurfaceToMeasure.
   void add(SurfaceLinks<T>&, const SurfaceView<T>&, T arm);
-  /// And the rates of those of the surface added last, from how it will be after so many steps.
+  /// The rates of the surface added last are wanted as well, from how it will be after so many steps.
   void add_rates(const SurfaceView<T>&, const lbm::SurfaceFrame&, double steps);
   /// Sets all that is wanted. The surfaces have stayed where they were.
   void run();

@@ -6,7 +6,7 @@
 
 namespace silt::coupler::SILT_ISA {
 
-/// Where lines enter, within [-past, 1 + past]; 1 + past where they do not. A line that has a convex part
+/// Returns where lines enter, within [-past, 1 + past]; 1 + past where they do not. A line that has a convex part
 /// behind it, or leaves it just now, has the middle of its way through it behind.
 template <class T>
 SILT_DEVICE auto first_inside(const IntervalLanes<T>& i, T past) {
@@ -15,14 +15,14 @@ SILT_DEVICE auto first_inside(const IntervalLanes<T>& i, T past) {
   return V(t < -past ? V{} - past : t > end ? end : t);
 }
 
-/// Where lines from the hole of a hollow leave it, within [0, 1].
+/// Returns where lines from the hole of a hollow leave it, within [0, 1].
 template <class T>
 SILT_DEVICE auto last_inside(const IntervalLanes<T>& i) {
   using V = typename IntervalLanes<T>::V;
   return V(i.leave > T(0) ? i.leave > T(1) ? V{} + T(1) : i.leave : V{});
 }
 
-/// Of a vector of links, to one part.
+/// Returns the distance of links to one part.
 template <PartKind kind, class T>
 SILT_DEVICE auto distance_to(const LineLanes<T, kind>& lines, const SurfacePart<T>& part,
                              const Plane<T>* planes, T past) {
@@ -33,7 +33,7 @@ SILT_DEVICE auto distance_to(const LineLanes<T, kind>& lines, const SurfacePart<
     return first_inside(inside, past);
 }
 
-/// To the nearest part. Each lane by itself leaves out what is beyond it: what the others do cannot matter.
+/// Returns the distance to the nearest part. Each lane by itself leaves out what is beyond it: what the others do cannot matter.
 template <class T>
 SILT_DEVICE auto distance_to_any(const lbm::SILT_ISA::Places<T>& at, const SurfaceView<T>& surface, T past) {
   auto nearest = typename IntervalLanes<T>::V{} + (T(1) + past);
@@ -48,7 +48,7 @@ SILT_DEVICE auto distance_to_any(const lbm::SILT_ISA::Places<T>& at, const Surfa
   return nearest;
 }
 
-/// To a body of one part, under its lip.
+/// Returns the distance to a body of one part, under its lip.
 template <PartKind kind, class T>
 SILT_DEVICE auto distance_to_part(const lbm::SILT_ISA::Places<T>& at, const SurfaceView<T>& surface, T past) {
   const SurfacePart<T>& part = surface.parts[0];
