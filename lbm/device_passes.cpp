@@ -6,10 +6,14 @@ void wait(Device device) {
   if (device != Device::cpu) SILT_ON(device, wait)();
 }
 
+std::vector<FastInBlock> take_fast_cells([[maybe_unused]] Device device) {
+  return SILT_ON(device, take_fast_cells)();
+}
+
 template <class T>
-void stream_collide([[maybe_unused]] Device device, Block<T>& block, Parity parity,
-                    const CollisionRates<T>& rates, RowRange range, const WatchedPlanes& watched) {
-  SILT_ON(device, stream_collide<T>)(block, parity, rates, range, watched);
+void stream_collide([[maybe_unused]] Device device, int b, Block<T>& block, Parity parity,
+                    const CollisionRates<T>& rates, RowRange range, int first_watched) {
+  SILT_ON(device, stream_collide<T>)(b, block, parity, rates, range, first_watched);
 }
 
 template <class T>
@@ -58,8 +62,7 @@ void mass_of_rows([[maybe_unused]] Device device, const Block<T>& block, Parity 
 }
 
 #define SILT_PASSES_OF(T)                                                                                    \
-  template void stream_collide(Device, Block<T>&, Parity, const CollisionRates<T>&, RowRange,                \
-                               const WatchedPlanes&);                                                        \
+  template void stream_collide(Device, int, Block<T>&, Parity, const CollisionRates<T>&, RowRange, int);     \
   template void move_slots(Device, const SlotPairs&, std::span<const T>, SlotArrays<const T>, SlotArrays<T>, \
                            bool);                                                                            \
   template void return_from_outlet(Device, const ReturnFromOutlet<T>&, std::size_t);                         \

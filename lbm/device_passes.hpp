@@ -29,11 +29,20 @@ struct ListedCells {
   const Block* blocks;
 };
 
+/// A fast cell of a block of a fluid.
+struct FastInBlock {
+  int block;
+  FastCell at;
+};
+
 /// Returns when all passes are done: what they wrote may then be read on the processor.
 void wait(Device);
-/// A pass on a device other than `cpu`; only the first waits for its end.
+/// A pass on a device other than `cpu`; most do not wait for its end. This one looks at every
+/// WatchedPlanes::period-th plane from one on, and take_fast_cells() waits for what it has found in block b
+/// since it was called last, by block and cell.
 template <class T>
-void stream_collide(Device, Block<T>&, Parity, const CollisionRates<T>&, RowRange, const WatchedPlanes&);
+void stream_collide(Device, int b, Block<T>&, Parity, const CollisionRates<T>&, RowRange, int first_watched);
+std::vector<FastInBlock> take_fast_cells(Device);
 /// Adds addends[k] to the values of the k-th pair, if there are any.
 template <class T>
 void move_slots(Device, const SlotPairs&, std::span<const T> addends, SlotArrays<const T> sources,
@@ -61,10 +70,11 @@ template <class T>
 void mass_of_rows(Device, const Block<T>&, Parity, std::span<const LocalRows>, std::int64_t* quanta);
 
 #define SILT_DEVICE_PASSES                                                                                   \
+  std::vector<FastInBlock> take_fast_cells();                                                                \
   void wait();                                                                                               \
                                                                                                              \
   template <class T>                                                                                         \
-  void stream_collide(Block<T>&, Parity, const CollisionRates<T>&, RowRange, const WatchedPlanes&);          \
+  void stream_collide(int, Block<T>&, Parity, const CollisionRates<T>&, RowRange, int);                      \
   template <class T>                                                                                         \
   void move_slots(const SlotPairs&, std::span<const T>, SlotArrays<const T>, SlotArrays<T>, bool);           \
   template <class T>                                                                                         \

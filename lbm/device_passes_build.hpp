@@ -2,6 +2,7 @@
 // SILT_SCALAR).
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include "device/for_each.hpp"
 #include "lbm/collide_cells.hpp"
@@ -28,7 +29,7 @@ struct CellsOfRows {
 /// Fast cells in the order in which they are found; beyond `room` they are counted alone.
 struct FastList {
   static constexpr unsigned room = 4096;
-  FastCell cells[room];
+  FastInBlock cells[room];
   unsigned count;
 };
 
@@ -36,12 +37,13 @@ template <class T>
 struct Watch {
   T limit, scale;
   FastList* list;
+  int block;
 
   template <class Keep>
   SILT_DEVICE void see(T square, std::ptrdiff_t x, const Keep&) const {
     if (square <= limit) return;
     const unsigned k = next_of(&list->count);
-    if (k < FastList::room) list->cells[k] = {x, std::sqrt(double(square) / double(scale))};
+    if (k < FastList::room) list->cells[k] = {block, {x, std::sqrt(double(square) / double(scale))}};
   }
 };
 
@@ -175,18 +177,16 @@ inline FastList& fast_list() {
 }
 
 template <class T>
-void stream_collide(Block<T>& block, Parity parity, const CollisionRates<T>& rates, RowRange range,
-                    const WatchedPlanes& watched) {
+void stream_collide(int b, Block<T>& block, Parity parity, const CollisionRates<T>& rates, RowRange range,
+                    int first_watched) {
   const CellsOfRows cells(block, range);
   const int rows = std::max(range.y1 - range.y0, 0) * std::max(range.z1 - range.z0, 0);
   if (rows == 0) return;
-  FastList& fast = fast_list();
-  fast.count = 0;
   with_model(rates, [&]<class Model>(Model) {
     const T scale = Model::square_scale(rates);
-    const Watch<T> watch{T(speed_of_sound * speed_of_sound) * scale, scale, &fast};
+    const Watch<T> watch{T(speed_of_sound * speed_of_sound) * scale, scale, &fast_list(), b};
     constexpr int period = WatchedPlanes::period;
-    const int first = ((watched.first - range.z0) % period + period) % period, planes = range.z1 - range.z0;
+    const int first = ((first_watched - range.z0) % period + period) % period, planes = range.z1 - range.z0;
     const auto collide_all = [&]<bool source>(std::bool_constant<source>) {
       const Slots<T> slots(block, parity);
       CollideCells<Model, source, T, OthersInTurn, NoWatch>{slots, rates, cells, {first, planes}, {}}.run();
@@ -201,11 +201,17 @@ void stream_collide(Block<T>& block, Parity parity, const CollisionRates<T>& rat
   CloseRows<T> close{block.data(), cells, 0, {}};
   for (const RowEnd<T>& end : block.row_ends(parity)) close.ends[close.count++] = end;
   for_rows(close.count, rows, close);
-  wait();
-  const auto first = watched.found.end() - watched.found.begin();
-  watched.found.insert(watched.found.end(), fast.cells, fast.cells + std::min(fast.count, FastList::room));
-  std::sort(watched.found.begin() + first, watched.found.end(),
-            [](const FastCell& a, const FastCell& b) { return a.cell < b.cell; });
+}
+
+std::vector<FastInBlock> take_fast_cells() {
+  silt::SILT_ISA::wait();
+  FastList& list = fast_list();
+  std::vector<FastInBlock> found(list.cells, list.cells + std::min(list.count, FastList::room));
+  list.count = 0;
+  std::sort(found.begin(), found.end(), [](const FastInBlock& a, const FastInBlock& b) {
+    return std::tie(a.block, a.at.cell) < std::tie(b.block, b.at.cell);
+  });
+  return found;
 }
 
 void wait() {
@@ -330,7 +336,7 @@ void mass_of_rows(const Block<T>& block, Parity parity, std::span<const LocalRow
 }
 
 #define SILT_PASSES_OF(T)                                                                                    \
-  template void stream_collide(Block<T>&, Parity, const CollisionRates<T>&, RowRange, const WatchedPlanes&); \
+  template void stream_collide(int, Block<T>&, Parity, const CollisionRates<T>&, RowRange, int);             \
   template void move_slots(const SlotPairs&, std::span<const T>, SlotArrays<const T>, SlotArrays<T>, bool);  \
   template void return_from_outlet(const ReturnFromOutlet<T>&, std::size_t);                                 \
   template void gather_moments(const ListedCells<T>&, Moments*);                                             \

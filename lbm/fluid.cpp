@@ -121,14 +121,21 @@ template <class T>
 void Fluid<T>::pass_over(std::size_t b, RowRange rows) {
   constexpr int period = WatchedPlanes::period;
   const int first = int(passes_ % period) - blocks_[b].box().lower.z % period;
+  const int watched = (first + period) % period;
+  if (device_ != Device::cpu)
+    return lbm::stream_collide(device_, int(b), blocks_[b], parity_, *rates_, rows, watched);
   fast_in_pass_.clear();
-  const WatchedPlanes watched{(first + period) % period, fast_in_pass_};
-  if (device_ == Device::cpu)
-    lbm::stream_collide(blocks_[b], parity_, *rates_, rows, watched);
-  else
-    lbm::stream_collide(device_, blocks_[b], parity_, *rates_, rows, watched);
+  lbm::stream_collide(blocks_[b], parity_, *rates_, rows, {watched, fast_in_pass_});
   for (const FastCell& fast : fast_in_pass_)
     fast_cells_.push_back({int(b), blocks_[b].cell_at(fast.cell), fast.speed});
+}
+
+template <class T>
+void Fluid<T>::end_pass() {
+  parity_ = flipped(parity_), ++passes_;
+  if (device_ == Device::cpu) return;
+  for (const auto& [b, fast] : take_fast_cells(device_))
+    fast_cells_.push_back({b, blocks_[b].cell_at(fast.cell), fast.speed});
 }
 
 template <class T>

@@ -54,7 +54,7 @@ class Fluid {
   void begin_pass();
   int parts(int b) const { return idle_[b] ? 0 : orders_[b].parts(); }
   void collide(int b, int part) { collide_rows(b, orders_[b].rows_of(part)); }
-  void end_pass() { parity_ = flipped(parity_), ++passes_; }
+  void end_pass();
   /// Each plane is looked at in one pass of WatchedPlanes::period, which one is a matter of how many were
   /// done.
   std::int64_t passes() const { return passes_; }
