@@ -4,6 +4,7 @@
 // itself, in need of MPI and CUDA's driver alone.
 //   scripts/bench device [--quick] [--json FILE]
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstdio>
 #include <cstring>
@@ -64,20 +65,47 @@ std::vector<T> stirred(Device device, const lbm::CollisionSpec& spec, int levels
 }
 
 template <class T>
-void tell(const std::string& name, const T& here, const T& there, Figures& out) {
+const char* const precision_of = sizeof(T) == 4 ? "single" : "double";
+
+template <class T, class Values>
+void tell(const std::string& name, const Values& here, const Values& there, Figures& out) {
   std::int64_t unlike = here.size() != there.size();
   for (std::size_t k = 0; k < std::min(here.size(), there.size()); ++k)
     unlike += std::memcmp(&here[k], &there[k], sizeof here[k]) != 0;
-  const std::string key = std::string(sizeof here[0] == 4 ? "single" : "double") + "." + name;
-  printf("bits %s: %lld of %zu populations differ\n", key.c_str(), static_cast<long long>(unlike),
-         here.size());
+  const std::string key = std::string(precision_of<T>) + "." + name;
+  printf("bits %s: %lld of %zu numbers differ\n", key.c_str(), static_cast<long long>(unlike), here.size());
   out.figures["device.unlike." + key] = double(unlike);
+}
+
+/// The totals and masses of rows of cells, long and short.
+template <class T>
+std::vector<std::int64_t> totals(Device device) {
+  const lbm::Int3 n{100, 48, 16};
+  lbm::Fluid<T> fluid(lbm::Domain(n, {}, std::nullopt, 1), {0.6, 3. / 16}, MPI_COMM_SELF, device);
+  lbm::for_cells({}, n, [&](lbm::Int3 x) {
+    fluid.set_equilibrium(0, x, 1e-3 * std::sin(x.x + 2.0 * x.y),
+                          {0.01 * std::sin(0.3 * x.z), 0.02 * std::cos(0.2 * x.x), 0});
+  });
+  std::pmr::vector<lbm::LocalRows> rows(memory_of(device));
+  for (int z = 0; z < n.z; ++z)
+    rows.push_back({{0, 0, z}, n.x, n.y}), rows.push_back({{z, z, z}, 1 + 2 * z, 1});
+  std::pmr::vector<lbm::CellTotals> found(rows.size(), memory_of(device));
+  std::pmr::vector<std::int64_t> masses(rows.size(), memory_of(device));
+  fluid.totals(0, rows, found.data()), fluid.masses(0, rows, masses.data());
+  std::vector<std::int64_t> all(masses.begin(), masses.end());
+  for (const lbm::CellTotals& t : found) {
+    all.insert(all.end(),
+               {t.mass, t.momentum[0], t.momentum[1], t.momentum[2], t.energy, t.energy_rest, t.sound});
+    for (const double x : {t.speed_squared, t.least_deviation, t.most_deviation})
+      all.push_back(std::bit_cast<std::int64_t>(x));
+  }
+  return all;
 }
 
 template <class T>
 void compare(Device device, Figures& out) {
   const auto both = [&](const std::string& name, const lbm::CollisionSpec& spec, int levels, bool open) {
-    tell(name, stirred<T>(Device::cpu, spec, levels, open), stirred<T>(device, spec, levels, open), out);
+    tell<T>(name, stirred<T>(Device::cpu, spec, levels, open), stirred<T>(device, spec, levels, open), out);
   };
   for (const auto& [model, tau] :
        {std::pair(lbm::Collision::trt, 0.6), std::pair(lbm::Collision::regularised, 0.51)})
@@ -87,6 +115,7 @@ void compare(Device device, Figures& out) {
   both("outlet", {0.6, 3. / 16}, 1, true);
   both("levels", {0.6, 1. / 6, lbm::Collision::trt, {1e-5, 0, 0}}, 3, false);
   both("levels.outlet", {0.6, 1. / 6}, 3, true);
+  tell<T>("totals", totals<T>(Device::cpu), totals<T>(device), out);
 }
 
 /// Messages of the ghost layer of a block of n^3 cells, to this rank itself: packed, sent, taken apart.
@@ -111,10 +140,9 @@ void messages(Device device, int n, Figures& out) {
     const double t = seconds([&] { slots.start(sources), slots.finish(sources, targets); });
     if (r > 1) rate.add(double(slots.message_bytes()) / t);
   }
-  tell("messages", expected, std::vector<T>(to.begin(), to.end()), out);
+  tell<T>("messages", expected, std::vector<T>(to.begin(), to.end()), out);
   printf("messages of a block of %d^3: %.2f GB/s\n", n, rate.middle() * 1e-9);
-  out.figures[std::string("device.messages.") + (sizeof(T) == 4 ? "single" : "double") + ".bytes_a_second"] =
-      rate.middle();
+  out.figures[std::string("device.messages.") + precision_of<T> + ".bytes_a_second"] = rate.middle();
 }
 
 /// A cube of finest cells in the middle of coarser ones: updates of cells in a second.
@@ -130,7 +158,7 @@ void measure_levels(Device device, int n, Figures& out) {
   flow.step(4);
   Spread mlups;
   for (int r = 0; r < 5; ++r) mlups.add(steps * updates / seconds([&] { flow.step(steps); }) * 1e-6);
-  const char* const precision = sizeof(T) == 4 ? "single" : "double";
+  const char* const precision = precision_of<T>;
   printf("%s, three levels in %d^3: %.0f MLUPS (%.0f to %.0f)\n", precision, n, mlups.middle(),
          mlups.lowest(), mlups.highest());
   out.figures[std::string("device.levels.") + precision + "." + std::to_string(n) + ".mlups"] =
@@ -160,7 +188,7 @@ void measure(Device device, int n, double copied, Figures& out) {
   step(fluid, 4);
   Spread mlups;
   for (int r = 0; r < 5; ++r) mlups.add(steps * cells / seconds([&] { step(fluid, steps); }) * 1e-6);
-  const char* const precision = sizeof(T) == 4 ? "single" : "double";
+  const char* const precision = precision_of<T>;
   const double share = copied > 0 ? mlups.middle() * 1e6 * 2 * lbm::directions * sizeof(T) / copied : 0;
   printf("%s %d^3: %.0f MLUPS (%.0f to %.0f), %.2f of copying\n", precision, n, mlups.middle(),
          mlups.lowest(), mlups.highest(), share);
