@@ -28,8 +28,8 @@ def state(out):
 with tempfile.TemporaryDirectory() as folder:
     out = pathlib.Path(folder) / "out"
     # The last one has three levels, an inlet, an outlet and sides that let slip.
-    for case, steps, ranks, *more in [("segregation", 20, (1, 4)), ("settling-sphere", 40, (1,), "--set", "fluid.precision=double"),
-                                      ("channel", 40, (1, 2)), ("sphere-in-stream", 16, (1, 2, 4), "--set", "run.balance.every=0")]:
+    for case, steps, ranks, *more in [("segregation", 20, (4,)), ("settling-sphere", 40, (1,), "--set", "fluid.precision=double"),
+                                      ("channel", 40, (2,)), ("sphere-in-stream", 16, (1, 2, 4), "--set", "run.balance.every=0")]:
         found = []
         for device, n in [("cpu", 1), *(("host", n) for n in ranks)]:
             silt_run("run", cases / case, "--out", out, "--overwrite", "--steps", steps, "--device", device, *more, ranks=n)
