@@ -1,6 +1,7 @@
 #include "coupler/coupled_step.hpp"
 
 #include "coupler/exchange/coupling_state.hpp"
+#include "coupler/forces/springs.hpp"
 #include "parallel/traffic.hpp"
 
 namespace silt::coupler {
@@ -9,6 +10,7 @@ CoupledStep::CoupledStep(const SceneParts& scene)
     : scene_(scene), clock_([] { return parallel::traffic(); }) {}
 
 rigid::RigidStepReport CoupledStep::operator()(rigid::BodySet& bodies, const BodyChanges& changes) {
+  if (scene_.springs) scene_.springs->push(bodies);
   if (Flow* const flow = scene_.flow) {
     // Lines 1 and 2-4. Line 1 sends the densities around every body; here the moments around uncovered cells
     // go, once the bodies are mapped, and only if there are such cells.
@@ -21,6 +23,7 @@ rigid::RigidStepReport CoupledStep::operator()(rigid::BodySet& bodies, const Bod
     if (scene_.surfaces) {
       clock_.timed(Stage::force_evaluation, [&] { flow->evaluate_forces(bodies); });
       note_loads(bodies);
+      if (scene_.springs) scene_.springs->leave_out(bodies);
       forget_contact_loads(bodies);  // the flow has used them
     }
   }

@@ -6,9 +6,12 @@
 
 namespace silt::coupler {
 
+class Springs;
+
 /// What a scene consists of; a part that is absent is null, and its passes do not exist.
 struct SceneParts {
   Flow* flow = nullptr;
+  Springs* springs = nullptr;
   rigid::RigidStep* rigid_step = nullptr;  // null: no body moves
   int substeps = 1;
   bool surfaces = false;  // of bodies, fixed ones included, or of curved walls

@@ -34,6 +34,7 @@ bool is_driven(const Case& setup) {
   };
   return std::any_of(setup.boundary.begin(), setup.boundary.end(), moves) ||
          std::any_of(setup.walls.begin(), setup.walls.end(), std::mem_fn(&CurvedWall::moves)) ||
+         setup.gravity_over_time.varies() || !setup.springs.empty() ||
          setup.any_given([](const BodySpec& b) { return b.motion == rigid::Motion::prescribed; });
 }
 

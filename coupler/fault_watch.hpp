@@ -62,8 +62,8 @@ class FaultWatch {
 
   /// Looks at the energy after a step; `brought`: that of the bodies that came less that of those that left,
   /// on this rank. The first look tells what there was at the start. Scenes with a fluid, with bodies of
-  /// prescribed motion or with walls that move are not watched: there energy comes from outside. Returns
-  /// whether it is.
+  /// prescribed motion, springs, walls that move or a gravity that changes are not watched: there energy
+  /// comes from outside. Returns whether it is.
   bool see_energy(const Scene&, rigid::FixedSum brought, std::int64_t step);
   /// A program has done something to the bodies: the next look at their energy is the first of a new start.
   void start_anew() { energy_.fresh = true; }

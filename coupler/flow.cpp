@@ -5,6 +5,7 @@
 
 #include "coupler/case/case.hpp"
 #include "coupler/exchange/parallel_body_exchange.hpp"
+#include "coupler/flow_control.hpp"
 #include "coupler/forces/entrained_fluid.hpp"
 #include "coupler/forces/fluid_forces.hpp"
 #include "coupler/mapping/body_changes.hpp"
@@ -59,12 +60,14 @@ class FlowOf final : public Flow {
         fields_(make_fields<T>(fluid_, map_.blocks())),
         account_(*fields_, comm, coupling_.mass_correction && scene.has_surfaces() && !is_open(scene)),
         links_(fluid_.blocks().size()),
-        pushes_bodies_(scene.fluid->body_force_on_bodies && !scene.fluid->body_force.isZero(0)),
+        pushes_bodies_(scene.fluid->body_force_on_bodies && scene.fluid->has_body_force()),
+        drive_{scene.fluid->body_force, scene.fluid->body_force_over_time, scene.boundary},
         forces_(coupling_, exchange, scene.contacts.substeps, scene.fluid->relaxation_time) {
     if (scene.device != Device::cpu) {  // whose passes do all links at once
       schedule_ = LinkSchedule::sequential;
       for (BlockLinks<T>& block : links_) block.on_device.emplace(scene.device);
     }
+    if (!scene.fluid->superficial_velocity.isZero(0)) control_.emplace(*scene.fluid, scene.volume(), comm);
     for (int level = 1; level < levels_.count(); ++level) {
       coarser_.push_back(std::make_unique<CoarserFields>(levels_.fluid(level), world_));
       account_.add_level(*coarser_.back()->fields);
@@ -79,6 +82,12 @@ class FlowOf final : public Flow {
   FluidFields& fields(int level) override { return level == 0 ? *fields_ : *coarser_[level - 1]->fields; }
   double seconds(int level) const override { return levels_.seconds()[level]; }
   FlowAccount& account() override { return account_; }
+
+  void drive(std::int64_t step) override {
+    if (control_ && control_->is_due(step)) control_->look(step, fields_->sums());
+    take_drive(static_cast<double>(step));
+  }
+  FlowControl* control() override { return control_ ? &*control_ : nullptr; }
 
   void map_bodies(rigid::BodySet& bodies, const BodyChanges& changes) override {
     cells_changed();
@@ -132,6 +141,7 @@ class FlowOf final : public Flow {
     account_.take_over(from.account_);
     levels_.set_passes(from.fluid_.passes());
     levels_.set_seconds(from.levels_.seconds());
+    if (control_) control_->set_state(from.control_->state(), from.control_->looked_at());
     resumed_ = true;
   }
   void start(rigid::BodySet& bodies) override {
@@ -153,6 +163,33 @@ class FlowOf final : public Flow {
     CoarserFields(lbm::Fluid<T>& fluid, const rigid::World& world)
         : map(fluid.domain(), world, boxes(fluid), 0), fields(make_fields<T>(fluid, map.blocks())) {}
   };
+
+  /// The force acts at the time of a step, a side half a step later, when it is met.
+  void take_drive(double time) {
+    bool sides_vary = false;
+    for (int side = 0; side < 6; ++side) {
+      const BoundarySpec& of = drive_.sides[side];
+      if (!of.has_velocity() || !of.over_time.varies()) continue;
+      const Vec3 u = of.velocity_at(time + 0.5);
+      fluid_.set_side_velocity(side, {u[0], u[1], u[2]});
+      sides_vary = true;
+    }
+    for (std::size_t b = 0; sides_vary && b < links_.size(); ++b) {
+      if (!lbm::knows_opposite_wall(coupling_.wall_scheme)) break;
+      links_[b].gaps.pair(links_[b].surfaces, fluid_.domain(), map_.blocks()[b].box);
+      if (links_[b].on_device) links_[b].list_for_device();
+    }
+    if (!control_ && !drive_.over_time.varies()) return;
+    const Vec3 given = drive_.over_time.at(time) * drive_.body_force;
+    const Vec3 f = control_ ? control_->force(given) : given;
+    cells_changed();
+    fluid_.set_force({f[0], f[1], f[2]});
+    const lbm::WallFluid<T> fluid(fluid_.spec());
+    for (BlockLinks<T>& block : links_) {
+      for (auto& surface : block.surfaces) surface.links.fluid = fluid;
+      if (block.on_device) block.on_device->set_fluid(fluid);
+    }
+  }
 
   void cells_changed() {
     for (int level = 0; level < levels(); ++level) fields(level).changed();
@@ -211,7 +248,8 @@ class FlowOf final : public Flow {
       BlockLinks<T>& block = links_[b];
       if (map.changed) {
         fluid_.set_idle(int(b), !map.has_fluid());
-        build_links<T>(map, world_, bodies, {coupling_, fluid, fluid_.pass_order(int(b)), &meshes_, fluid_.device()},
+        build_links<T>(map, world_, bodies,
+                       {coupling_, fluid, fluid_.pass_order(int(b)), &meshes_, fluid_.device()},
                        block.surfaces);
         block.order_groups(fluid_.pass_order(int(b)));
         if (lbm::knows_opposite_wall(coupling_.wall_scheme))
@@ -245,6 +283,12 @@ class FlowOf final : public Flow {
   std::optional<lbm::PairsAcross<T>> pairs_;  // under schemes that read beyond
   std::vector<SideColumns> columns_;          // of the blocks, for pairs_
   bool pushes_bodies_;
+  struct {
+    Vec3 body_force;
+    rigid::OverTime over_time;
+    std::array<BoundarySpec, 6> sides;
+  } drive_;
+  mutable std::optional<FlowControl> control_;
   FluidForces<T> forces_;
   LinkSchedule schedule_ = LinkSchedule::interleaved;
   MappingCounts counts_;
@@ -269,6 +313,7 @@ lbm::SideCondition side_condition(const BoundarySpec& b) {
       s.kind = lbm::SideKind::bounce;
   }
   s.velocity = {b.velocity[0], b.velocity[1], b.velocity[2]};
+  s.varies = b.over_time.varies();
   s.density_deviation = b.density - 1;
   return s;
 }

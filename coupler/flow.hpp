@@ -13,6 +13,7 @@
 
 namespace silt::coupler {
 
+class FlowControl;
 class ParallelBodyExchange;
 struct BodyChanges;
 struct Case;
@@ -39,6 +40,12 @@ class Flow {
   void for_levels(Visit&& visit) const {
     for (int level = 0; level < levels(); ++level) visit(fields(level));
   }
+
+  /// Gives the fluid the body force and its sides the velocities of the step that follows so many; to be
+  /// called before each, once the flow has started. Collective, but waits for nobody.
+  virtual void drive(std::int64_t steps_done) = 0;
+  /// Null where the case asks for no superficial velocity.
+  virtual FlowControl* control() = 0;
 
   // ---- the passes of a step, in this order (Algorithm 2) ----
   /// Object mapping: puts bodies that moved further than the tolerance onto the lattice at their present

@@ -8,6 +8,7 @@
 #include <span>
 
 #include "lbm/moments.hpp"
+#include "parallel/collectives.hpp"
 #include "rigid/math/fixed_point.hpp"
 
 namespace silt::lbm {
@@ -45,6 +46,9 @@ class FlowSums {
   void see(lbm::Int3 global_cell, const lbm::CellTotals& of_the_cell);
   /// Adds those of another level of the same domain.
   void add(const FlowSums&);
+  /// This rank's momentum (CellTotals::momentum_quantum), and how many finest cells are fluid.
+  std::array<parallel::WideSum, 3> momentum() const { return {momentum_[0], momentum_[1], momentum_[2]}; }
+  std::uint64_t cells() const { return count_; }
   /// Collective.
   FlowTotals over_ranks(MPI_Comm) const;
 

@@ -30,6 +30,9 @@ class FieldsOf final : public FluidFields {
     fluid_.moments(b, box, moments);
   }
   void read(int b, const lbm::CellBox& box, int i, double* g) const override { fluid_.read(b, box, i, g); }
+  std::pair<double, double> link(int b, Int3 x, int i) const override {
+    return {fluid_.leaving(b, x, i), fluid_.arriving(b, x, lbm::opposite(i))};
+  }
   std::optional<Fast> too_fast() const override {
     const auto order = [](const Fast& f) { return std::tuple(-f.speed, f.cell.z, f.cell.y, f.cell.x); };
     std::optional<Fast> first;

@@ -29,8 +29,8 @@ std::string in_case_units(const Case& setup, double x, Dimension dimension, cons
 /// The keys of this case that set things in motion, at most one a section: "fluid.body_force,
 /// bodies[0].velocity".
 std::string drives(const Case& setup) {
-  constexpr std::array<std::string_view, 5> names = {"acceleration", "body_force", "velocity",
-                                                     "angular_velocity", "amplitude"};
+  constexpr std::array<std::string_view, 6> names = {
+      "acceleration", "body_force", "superficial_velocity", "velocity", "angular_velocity", "amplitude"};
   std::string listed, last;
   for (const auto& [path, place] : setup.places) {
     const std::string section = path.substr(0, path.find_first_of(".["));

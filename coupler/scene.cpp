@@ -73,7 +73,8 @@ bool Scene::has_surfaces() const {
   return setup.has_surfaces();
 }
 
-Scene::Scene(Case given, MPI_Comm communicator, const SavedBodies* saved, const SavedLevels& levels)
+Scene::Scene(Case given, MPI_Comm communicator, const SavedBodies* saved, const SavedLevels& levels,
+             rigid::BodyId first_id)
     : own_setup_(std::make_shared<const Case>(std::move(given))),
       setup(*own_setup_),
       comm(communicator),
@@ -83,10 +84,8 @@ Scene::Scene(Case given, MPI_Comm communicator, const SavedBodies* saved, const 
   const auto shapes = centred_shapes(setup);
   bodies.locked_of_kind = setup.kind_locks;
   world = make_world(setup, shapes);
-  if (saved)
-    take_saved_bodies(*saved);
-  else
-    take_placed_bodies(shapes);
+  if (saved) take_saved_bodies(*saved);
+  if (!saved || first_id > 0) take_placed_bodies(shapes, std::max<rigid::BodyId>(first_id, 1));
   count_bodies();
   if (setup.has_bodies()) rigid::add_walls(bodies, world, extent_of(setup), walls_of(setup));
   for (std::size_t k = 0; k < setup.walls.size(); ++k) {
@@ -114,6 +113,7 @@ Scene::Scene(Case given, MPI_Comm communicator, const SavedBodies* saved, const 
         world, *contacts.backend, *contacts.resolver, *exchange,
         adapters::make_broad_phase(setup.contacts.broad_phase, setup.contacts.backend));
   }
+  if (!setup.springs.empty()) springs = std::make_unique<Springs>(setup, comm);
   if (levels)
     level_view_ = lbm::Domain(level_views_->view(levels(level_views_->part())), domain.sides(), ranks);
   if (setup.fluid) flow = make_flow(setup, level_view_ ? *level_view_ : domain, comm, *exchange);
@@ -133,6 +133,25 @@ void Scene::move_walls(std::int64_t step) {
     rigid::move_wall(bodies, row, *setup.walls[wall.number].mesh(), static_cast<double>(step));
     set_mapping_pose(bodies, row, wall.mapping.pose(step));
   }
+}
+
+void Scene::drive(std::int64_t step) {
+  const double middle = static_cast<double>(step) + 0.5;  // of the step
+  world.gravity = setup.gravity_at(middle);
+  for (int side = 0; side < 6; ++side) {
+    const BoundarySpec& of = setup.boundary[side];
+    if (of.kind != BoundaryKind::moving || !of.over_time.varies()) continue;
+    const std::size_t row = bodies.row_of(rigid::first_wall_id + side);
+    if (row < bodies.size()) bodies.set_velocity(row, of.velocity_at(middle), Vec3::Zero());
+  }
+  for (std::size_t row = 0; row < bodies.first_wall() && !setup.kind_motions.empty(); ++row) {
+    const auto found = setup.kind_motions.find(bodies.kind[row]);
+    if (found == setup.kind_motions.end() || bodies.motion[row] != rigid::Motion::prescribed) continue;
+    const auto velocity = found->second.over_step(static_cast<double>(step));
+    bodies.set_velocity(row, velocity.linear, velocity.angular);
+  }
+  if (springs) springs->look(bodies);
+  if (flow) flow->drive(step);
 }
 
 bool Scene::may_be_cut_anew() const {
@@ -197,14 +216,15 @@ void Scene::take_saved_bodies(const SavedBodies& saved) {
   send_home(messages, Holders(domain, 0), saved, bodies);
 }
 
-void Scene::take_placed_bodies(const std::vector<CentredShape>& shapes) {
-  const PlacedBodies placed = place_bodies(setup, domain, comm);
-  at_start.first_free_id = placed.next_id;
-  bodies.resize(placed.size());
-  bodies.owned = placed.size();
-  std::size_t row = 0;
-  placed.for_each(
-      [&](rigid::BodyId id, const BodySpec& body) { set_placed(row++, id, body, shapes[body.shape]); });
+void Scene::take_placed_bodies(const std::vector<CentredShape>& shapes, rigid::BodyId first_id) {
+  const PlacedBodies placed = place_bodies(setup, domain, comm, &bodies);
+  at_start.first_free_id = placed.next_id + first_id - 1;
+  std::size_t row = bodies.owned;
+  bodies.resize(row + placed.size());
+  bodies.owned += placed.size();
+  placed.for_each([&](rigid::BodyId id, const BodySpec& body) {
+    set_placed(row++, id + first_id - 1, body, shapes[body.shape]);
+  });
   bodies.reindex();
 }
 
@@ -230,6 +250,7 @@ void Scene::count_bodies() {
 SceneParts Scene::parts() {
   SceneParts parts;
   parts.flow = flow.get();
+  parts.springs = springs.get();
   parts.rigid_step = rigid_step.get();
   parts.substeps = setup.contacts.substeps;
   parts.surfaces = has_surfaces();

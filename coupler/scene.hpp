@@ -13,6 +13,7 @@
 #include "coupler/exchange/parallel_body_exchange.hpp"
 #include "coupler/exchange/send_home.hpp"
 #include "coupler/flow.hpp"
+#include "coupler/forces/springs.hpp"
 #include "coupler/load_balance.hpp"
 #include "coupler/mapping/mapping_poses.hpp"
 #include "coupler/placement/start_positions.hpp"
@@ -34,10 +35,11 @@ class Scene {
  public:
   /// Collective. The case must have passed check_case; CaseError on every rank if a fill does not fit. With
   /// `saved` the bodies are those, each of them saved on exactly one rank, whichever, instead of the case's,
-  /// and the levels of cells those saved.
+  /// and the levels of cells those saved. With a first id those of the case are there as well, from it on.
   /// std::invalid_argument for a domain that cannot be cut for this many ranks, or an unknown backend or
   /// resolver. The flow is at rest and not started.
-  Scene(Case, MPI_Comm, const SavedBodies* saved = nullptr, const SavedLevels& = {});
+  Scene(Case, MPI_Comm, const SavedBodies* saved = nullptr, const SavedLevels& = {},
+        rigid::BodyId first_id = 0);
 
   const Case& setup;
   MPI_Comm comm;
@@ -59,11 +61,16 @@ class Scene {
     std::unique_ptr<rigid::ContactResolver> resolver;
   } contacts;  // this and the step: null if no body moves
   std::unique_ptr<rigid::RigidStep> rigid_step;
-  std::unique_ptr<Flow> flow;  // null: no [fluid]
+  std::unique_ptr<Flow> flow;        // null: no [fluid]
+  std::unique_ptr<Springs> springs;  // null: no [[springs]]
 
   /// Gives walls that move the pose and the velocities that they have after so many steps, and the pose at
   /// which the next step maps them: functions of the step alone.
   void move_walls(std::int64_t step);
+
+  /// Gives gravity, moving sides, bodies, springs and the flow what drives them in the step that follows so
+  /// many.
+  void drive(std::int64_t steps_done);
 
   /// Whether the domain may be cut as the work is shared best.
   bool may_be_cut_anew() const;
@@ -94,7 +101,7 @@ class Scene {
 
  private:
   void take_saved_bodies(const SavedBodies&);
-  void take_placed_bodies(const std::vector<CentredShape>&);
+  void take_placed_bodies(const std::vector<CentredShape>&, rigid::BodyId first_id);
   void count_bodies();
   void cut_for_bodies();
   void take_cut(const lbm::CutTree&);

@@ -33,34 +33,44 @@ bool asks_for_contacts(const Case& setup, bool of_bodies_alone) {
   });
 }
 
+bool asks_for_stress(const Case& setup) {
+  return std::any_of(setup.quantities.begin(), setup.quantities.end(),
+                     [](const QuantitySpec& q) { return q.type == "contact-stress"; });
+}
+
 }  // namespace
 
 Simulation::Simulation(Case setup, MPI_Comm comm) : Simulation(std::move(setup), comm, nullptr) {
+  if (scene_.setup.start)
+    throw std::invalid_argument("the case begins with another run's end: simulation_from");
   start_fresh();
 }
 Simulation::Simulation(Case setup, MPI_Comm comm, const SavedState& saved,
                        const std::function<void(const Case&, Flow&)>& set_populations)
     : Simulation(std::move(setup), comm, &saved) {
-  resume(saved, set_populations);
+  saved.is_start ? start_fresh(set_populations) : resume(saved, set_populations);
 }
 
 /// All but the state that either start gives.
 Simulation::Simulation(Case&& setup, MPI_Comm comm, const SavedState* saved)
-    : scene_(std::move(setup), comm, saved ? &saved->bodies : nullptr, saved ? saved->levels : SavedLevels{}),
+    : scene_(std::move(setup), comm, saved ? &saved->bodies : nullptr, saved ? saved->levels : SavedLevels{},
+             saved && saved->is_start ? saved->next_id : 0),
       coupled_step_(scene_.parts()),
-      turnover_(scene_, saved ? saved->next_id : scene_.at_start.first_free_id,
+      turnover_(scene_, saved && !saved->is_start ? saved->next_id : scene_.at_start.first_free_id,
                 saved && scene_.rank == 0 ? saved->momentum_brought : rigid::FixedVec3{}),
       faults_(scene_.setup) {
   flush_denormals_to_zero();
   if (scene_.rigid_step) scene_.rigid_step->set_observer(*this);
 }
 
-void Simulation::start_fresh() {
+void Simulation::start_fresh(const std::function<void(const Case&, Flow&)>& set_populations) {
   if (scene_.flow) {
-    for (int level = 0; level < scene_.flow->levels(); ++level)
+    if (set_populations) set_populations(setup(), *scene_.flow);
+    for (int level = 0; level < scene_.flow->levels() && !set_populations; ++level)
       set_initial_flow(setup(), scene_.flow->fields(level));
     scene_.flow->start(scene_.bodies);
   }
+  scene_.drive(0);
   initial_ = balance();
   faults_.hold_runaways(setup(), scene_.bodies, step_);
   settle();
@@ -78,6 +88,9 @@ void Simulation::resume(const SavedState& saved,
     scene_.flow->start(scene_.bodies);
   }
   step_ = saved.step;
+  if (FlowControl* const control = scene_.flow ? scene_.flow->control() : nullptr)
+    control->set_state(saved.flow_control, step_);
+  scene_.drive(step_);
   if (scene_.rank == 0) counters_ = saved.counters;
   counters_.sweeps = saved.counters.sweeps;
   initial_ = saved.initial;
@@ -90,6 +103,7 @@ void Simulation::before_drift(rigid::BodySet& bodies) {
   const rigid::RigidStep& step = *scene_.rigid_step;
   if (asks_for_contacts(setup(), false))
     contact_loads_ = coupler::contact_loads(bodies, step.contacts(), scene_.exchange->extent());
+  if (asks_for_stress(setup())) contact_moments_ = coupler::contact_moments(bodies, step.contacts());
   add_wall_impulses(bodies, step.other_wall_impulses(), scene_.exchange->extent(), wall_impulses_);
   const double speed = faults_.hold_runaways(setup(), bodies, step_ + 1);
   counters_.body_speed = std::max(counters_.body_speed, speed);
@@ -205,6 +219,7 @@ void Simulation::step() {
     std::fill(scene_.bodies.torque.begin(), scene_.bodies.torque.end(), rigid::FixedVec3{});
   }
   ++step_;
+  scene_.drive(step_);
   count(report);
   watch();
   check_.finish(*scene_.exchange, scene_.bodies, turnover_.expected());  // of the step before

@@ -14,6 +14,7 @@
 #include "coupler/body_turnover.hpp"
 #include "coupler/exchange/coupling_state.hpp"
 #include "coupler/fault_watch.hpp"
+#include "coupler/flow_control.hpp"
 #include "coupler/forces/contact_loads.hpp"
 #include "coupler/guard.hpp"
 #include "coupler/run_counters.hpp"
@@ -32,6 +33,7 @@ struct Balance {
 
 /// This is what a checkpoint brings back, but for the populations of the fluid.
 struct SavedState {
+  bool is_start = false;  // of a run of its own: what there is but bodies and next_id begins anew
   SavedBodies bodies;
   std::int64_t step = 0;
   RunCounters counters;
@@ -40,6 +42,7 @@ struct SavedState {
   rigid::FixedVec3 momentum_brought;  // by bodies that came and went
   double fluid_speed = 0;
   MassCorrectionState mass_correction;
+  FlowControl::State flow_control;
   SavedLevels levels;
 };
 
@@ -47,7 +50,8 @@ class Simulation : private rigid::StepObserver {
  public:
   /// Starts at step 0. Errors are those of Scene.
   Simulation(Case, MPI_Comm);
-  /// Goes on from a state, with populations that set_populations gives the fluid, if there is one.
+  /// Goes on from a state, with populations that set_populations gives the fluid, if there is one; or starts
+  /// with it, at step 0, where its fluid may be that of the case too.
   Simulation(Case, MPI_Comm, const SavedState&,
              const std::function<void(const Case&, Flow&)>& set_populations);
   Simulation(const Simulation&) = delete;
@@ -112,6 +116,8 @@ class Simulation : private rigid::StepObserver {
   /// Returns what owned bodies' contacts did to [[walls]] and to bodies that they do not move in the last
   /// sub-step; empty where no quantity of the case asks for it. Local.
   std::span<const ContactLoad> contact_loads() const { return contact_loads_; }
+  /// The same of what a quantity of stress asks for.
+  std::span<const ContactMoment> contact_moments() const { return contact_moments_; }
   /// Returns what owned bodies' contacts did to walls in the last step, all sub-steps, besides the impulses
   /// that bodies remember. Local.
   std::span<const WallImpulse> wall_impulses() const { return wall_impulses_; }
@@ -121,7 +127,7 @@ class Simulation : private rigid::StepObserver {
 
  private:
   Simulation(Case&&, MPI_Comm, const SavedState*);
-  void start_fresh();
+  void start_fresh(const std::function<void(const Case&, Flow&)>& set_populations = {});
   void resume(const SavedState&, const std::function<void(const Case&, Flow&)>& set_populations);
   // of the bodies' step
   void before_drift(rigid::BodySet&) override;
@@ -155,6 +161,7 @@ class Simulation : private rigid::StepObserver {
   } effort_;
   std::vector<ContactLoad> contact_loads_;
   std::vector<WallImpulse> wall_impulses_;
+  std::vector<ContactMoment> contact_moments_;
 };
 
 }  // namespace silt::coupler

@@ -158,6 +158,9 @@ class Block {
   /// ghost layer (halo.hpp) that a row exchanges with itself or a wall, by the parity the pass begins with.
   const std::vector<RowEnd<T>>& row_ends(Parity p) const { return row_ends_[int(p)]; }
   void add_row_end(Parity p, const RowEnd<T>& end) { row_ends_[int(p)].push_back(end); }
+  void clear_row_ends() {
+    for (auto& ends : row_ends_) ends.clear();
+  }
 
  private:
   CellBox box_;

@@ -73,6 +73,9 @@ class DeviceLinks {
   /// The velocity that a link is told of is that of another surface.
   void add_opposite(T& velocity, std::uint32_t other, Int3 cell, int direction);
 
+  void set_fluid(const WallFluid<T>& fluid) {
+    for (DeviceSurface<T>& surface : surfaces_) surface.fluid = fluid;
+  }
   /// Begins a step: surface k moves so, and its distances have this age.
   void set_motion(std::size_t k, const SurfaceMotion&, T age);
   /// Writes what the surfaces return along all links, and sums force, torque and mass.

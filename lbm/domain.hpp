@@ -17,6 +17,7 @@ struct SideCondition {
   SideKind kind = SideKind::periodic;
   std::array<double, 3> velocity{};
   double density_deviation = 0;
+  bool varies = false;  // the velocity, over time
 };
 
 struct BlockPlace {
@@ -47,6 +48,9 @@ class Domain {
   bool periodic(int axis) const { return sides_[2 * axis].kind == SideKind::periodic; }
   const SideCondition& side(int axis, bool upper) const { return sides_[2 * axis + upper]; }
   const std::array<SideCondition, 6>& sides() const { return sides_; }
+  void set_side_velocity(int side, const std::array<double, 3>& velocity) {
+    sides_[side].velocity = velocity;
+  }
   const CutTree& tree() const { return tree_; }
   int ranks() const { return ranks_; }
   int blocks() const { return tree_.leaves(); }

@@ -103,6 +103,21 @@ void Fluid<T>::set_mass_correction(double density_per_cell) {
 }
 
 template <class T>
+void Fluid<T>::set_force(const std::array<double, 3>& force) {
+  const T correction = rates_->mass_correction;
+  spec_.force = force;
+  *rates_ = CollisionRates<T>(spec_);
+  rates_->mass_correction = correction;
+  halo_.set_force(force);
+}
+
+template <class T>
+void Fluid<T>::set_side_velocity(int side, const std::array<double, 3>& velocity) {
+  domain_.set_side_velocity(side, velocity);
+  halo_.take_side_velocities(domain_, blocks_);
+}
+
+template <class T>
 void Fluid<T>::begin_pass() {
   fast_cells_.clear();
   for (std::size_t b = 0; b < blocks_.size(); ++b)

@@ -44,6 +44,10 @@ class Fluid {
 
   /// Each collision adds this density to every cell from now on, in the shares w_i; 0 adds none.
   void set_mass_correction(double density_per_cell);
+  /// The acceleration from the next collision on.
+  void set_force(const std::array<double, 3>&);
+  /// The velocity of a side of the domain from the next pass on.
+  void set_side_velocity(int side, const std::array<double, 3>&);
   /// A block without a fluid cell need not collide; what its slots hold means nothing then.
   void set_idle(int b, bool idle) { idle_[b] = idle; }
   /// Every cell of the blocks that are not idle collides; parity flips. Messages to other ranks set out as

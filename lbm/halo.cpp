@@ -28,8 +28,13 @@ RowEndKind row_end_kind(const Domain& domain, const CellBox& box, bool upper) {
 bool is_row_end(const Domain& domain, const CellBox& box, Int3 g, int j) {
   if (g.x >= 0 && g.x < box.size.x) return false;
   const RowEndKind kind = row_end_kind(domain, box, g.x > 0);
-  if (kind == RowEndKind::wall)
-    return wall_addend(domain, domain.walls_met(box.lower + g), j) == wall_addend(domain, {c[j].x, 0, 0}, j);
+  if (kind == RowEndKind::wall) {
+    const Int3 met = domain.walls_met(box.lower + g);
+    bool varies = false;  // at an edge: what is alike now need not be so later
+    for (int d = 0; d < 3; ++d) varies |= met[d] != 0 && domain.side(d, met[d] > 0).varies;
+    if (varies && met != Int3{c[j].x, 0, 0}) return false;
+    return wall_addend(domain, met, j) == wall_addend(domain, {c[j].x, 0, 0}, j);
+  }
   const bool own_row = g.y >= 0 && g.y < box.size.y && g.z >= 0 && g.z < box.size.z;
   return kind == RowEndKind::round && own_row;
 }
@@ -74,6 +79,7 @@ struct Halo<T>::Builder {
     return home_block;
   }
 
+  bool sides_vary = std::ranges::any_of(domain.sides(), &SideCondition::varies);
   bool along_y = false;  // slots at a face across x follow one another along y
 
   SlotRun slot(int local_block, Int3 cell, int i) const {
@@ -116,8 +122,10 @@ struct Halo<T>::Builder {
     if (home.kind == HomeKind::bounce) {
       Walls& walls = halo.walls_;
       const T addend = T(wall_addend(domain, sides, j));
-      if (!walls.pairs.add(from, to, !walls.addends.empty() && walls.addends.back() == addend))
-        walls.addends.push_back(addend);
+      const std::pair met(sides, j);
+      const bool is_alike = !walls.addends.empty() && walls.addends.back() == addend &&
+                            (!sides_vary || walls.met.back() == met);
+      if (!walls.pairs.add(from, to, is_alike)) walls.addends.push_back(addend), walls.met.push_back(met);
     } else {
       const auto part = [](int of) { return std::int8_t(of); };
       outlets[{here, home.axis, home.upper}].push_back(
@@ -165,6 +173,16 @@ Halo<T>::Halo(const Domain& domain, MPI_Comm comm, std::span<Block<T>> blocks,
   for (Block<T>& block : blocks) {
     add_row_ends(domain, block);
     sources_.push_back(block.data()), targets_.push_back(block.data());
+  }
+}
+
+template <class T>
+void Halo<T>::take_side_velocities(const Domain& domain, std::span<Block<T>> blocks) {
+  for (std::size_t k = 0; k < walls_.addends.size(); ++k)
+    walls_.addends[k] = T(wall_addend(domain, walls_.met[k].first, walls_.met[k].second));
+  for (Block<T>& block : blocks) {
+    block.clear_row_ends();
+    add_row_ends(domain, block);
   }
 }
 

@@ -44,13 +44,17 @@ class Halo {
   /// Call when the pass is done. Nothing moves into an idle block: its slots mean nothing, and cut links
   /// cover every way into it.
   void exchange(std::span<Block<T>> blocks, std::span<const char> idle, Parity parity);
+  void set_force(const std::array<double, 3>& force) { force_ = force; }
+  /// Takes the velocities that the sides of the domain have now.
+  void take_side_velocities(const Domain&, std::span<Block<T>> blocks);
   /// As SlotExchange has it.
   std::size_t message_bytes(bool early_alone = false) const { return slots_.message_bytes(early_alone); }
 
  private:
   struct Walls {  // bounces
     SlotPairs pairs;
-    std::pmr::vector<T> addends;  // of each pair, by the wall's motion
+    std::pmr::vector<T> addends;                 // of each pair, by the wall's motion
+    std::vector<std::pair<Int3, int>> met = {};  // the sides that it meets along a direction
   };
   struct Outlet {
     int block;

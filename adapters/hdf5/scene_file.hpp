@@ -15,8 +15,8 @@
 namespace silt::adapters {
 
 /// SceneWall is one of [[walls]]. Of a mesh the vertices are in the frame of the wall, and its pose at a time
-/// t is that of rigid::WallMotion: position + velocity t + amplitude sin(2 pi frequency t + phase) + what the
-/// table says, turned by angular_velocity t and by the rotation of the table.
+/// t is that of rigid::PrescribedMotion: position + velocity t + amplitude sin(2 pi frequency t + phase) +
+/// what the table says, turned by angular_velocity t and by the rotation of the table.
 struct SceneWall {
   using Vector = std::array<double, 3>;
   std::string name, type;  // type: of a hollow, "tube", or "mesh"

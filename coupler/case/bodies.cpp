@@ -33,14 +33,23 @@ constexpr std::tuple body_keys{
     HandKey{"origin", "\"shape\", \"centre\"", "", "\"shape\"",
             "what the positions place: the origin that the shape (or its file) is given about, or the centre "
             "of mass"},
-    Key{"motion", &BodySpec::motion, Choice{motion_names},
-        "whether a body moves by the forces on it, not at all, or keeps its velocity"},
+    HandKey{
+        "motion", "\"free\", \"fixed\", \"prescribed\", table", "", "\"free\"",
+        "whether a body moves by the forces on it, not at all, keeps its velocity, or moves as a table says: "
+        "see walls.motion"},
     HandKey{"locked", "list of axes", "", "none",
             "of free bodies: axes along or about which nothing moves them, as in [\"x\", \"rotation y\"]"},
     Key{"velocity", &EntrySpec::velocity, Vector{dimension::velocity},
         "velocity at the start; not of a fixed body"},
     Key{"angular_velocity", &BodySpec::angular_velocity, Vector{dimension::angular_velocity},
         "angular velocity at the start; not of a fixed body"}};
+
+constexpr std::tuple start_keys{
+    Key{"from", &StartSpec::from, Text{},
+        "folder of another run's results, of which the newest checkpoint counts, or a checkpoint", required},
+    Key{"random_velocity", &StartSpec::random_velocity, Number{dimension::velocity, range::at_least(0)},
+        "largest component of a random velocity that each free body gets besides, the same on any number of "
+        "ranks"}};
 
 constexpr std::tuple fill_keys{
     Key{"arrangement", &FillSpec::arrangement, Choice{arrangement_names}, "where the bodies are"},
@@ -180,6 +189,32 @@ void read_locked(TableReader& table, BodySpec& body, const Case& setup,
       unfit("angular_velocity turns the body about a locked axis", "make that component 0");
 }
 
+/// A name; or a table of a motion over time, in which bodies of a kind do not differ.
+void read_body_motion(TableReader& table, BodySpec& body, Case& setup) {
+  const Node* const node = table.find("motion");
+  if (!node || node->kind != Node::Kind::table) {
+    body.motion = table.choice("motion", motion_names).value_or(rigid::Motion::free);
+  } else {
+    body.motion = rigid::Motion::prescribed;
+    TableReader motion = table.table("motion");
+    if (motion.has("point"))
+      motion.fail("point", "{} is of a wall; a body turns about its centre of mass, remove the key",
+                  motion.path("point"));
+    for (const char* key : {"velocity", "angular_velocity"})
+      if (table.has(key))
+        table.fail(key, "{} is given, and so is the table {}; remove one of them", table.path(key),
+                   motion.path());
+    setup.kind_motions[body.kind] = read_motion(motion).motion;
+  }
+  const auto other = std::find_if(setup.bodies.begin(), setup.bodies.end(), [&](const BodySpec& b) {
+    return b.kind == body.kind && b.motion == rigid::Motion::prescribed;
+  });
+  if (body.motion == rigid::Motion::prescribed && setup.kind_motions.count(body.kind) &&
+      other != setup.bodies.end())
+    table.fail("motion", "{}: another entry of the name '{}' has a motion too; give them different names",
+               table.path("motion"), setup.kind_names[body.kind]);
+}
+
 void read_given_bodies(TableReader& root, Case& setup) {
   int entry = 0;
   std::map<int, rigid::LockedAxes> locks;  // of kinds
@@ -188,6 +223,7 @@ void read_given_bodies(TableReader& root, Case& setup) {
     body.entry = entry++;
     read_entry(table, body, setup);
     read_keys(table, body, body_keys);
+    read_body_motion(table, body, setup);
     read_locked(table, body, setup, locks);
     body.pose.orientation = read_orientation(table);
     body.origin = read_origin(table, body.shape, setup);
@@ -198,6 +234,10 @@ void read_given_bodies(TableReader& root, Case& setup) {
     const Node* positions = table.find("positions");
     if (positions && positions->kind == Node::Kind::string && !table.has("position")) {
       read_filed_bodies(table, body, setup);
+      continue;
+    }
+    if (setup.start && !table.has("position") && !table.has("positions")) {
+      setup.continued.push_back(body);
       continue;
     }
     for (const Vec3& position : read_positions(table)) {
@@ -231,12 +271,15 @@ void judge_fill(TableReader& table, const FillSpec& fill) {
 }  // namespace
 
 std::vector<KeySection> body_sections() {
-  return {section_of("bodies", shape_name_keys, entry_keys, body_keys, orientation_keys),
+  return {section_of("initial", start_keys),
+          section_of("bodies", shape_name_keys, entry_keys, body_keys, orientation_keys),
           section_of("fill", shape_name_keys, entry_keys, fill_keys), fill_size_section(),
           section_of("outflow", outflow_keys)};
 }
 
 void read_bodies(TableReader& root, Case& setup) {
+  if (TableReader start = root.table("initial"); start.present())
+    read_keys(start, setup.start.emplace(), start_keys);
   read_given_bodies(root, setup);
   std::vector<std::vector<SizeShare>> sizes;
   for (TableReader& table : root.tables("fill")) {

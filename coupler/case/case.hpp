@@ -97,6 +97,22 @@ struct OutflowSpec {
   rigid::BoundingBox box{rigid::Vec3::Zero(), rigid::Vec3::Zero()};
 };
 
+/// What the run begins with: the end of another one.
+struct StartSpec {
+  std::string from;  // a folder of results, or a checkpoint; from the folder of the case
+  double random_velocity = 0;
+};
+
+/// A spring and a damper between two points, each fixed to a body, or the second to the domain.
+struct SpringSpec {
+  rigid::BodyId body = 0, to = 0;  // 0: the domain
+  rigid::Vec3 arm = rigid::Vec3::Zero(),
+              to_arm = rigid::Vec3::Zero();  // from the centre of mass, in its frame
+  double stiffness = 0, damping = 0;
+  double length = 0;      // at which it does not pull; 0: the two points are one
+  double compliance = 0;  // of the two points together: velocity by an impulse, at most
+};
+
 // The sides of the domain and the curved walls in it: domain.boundary and [[walls]].
 
 enum class Side { x_low, x_high, y_low, y_high, z_low, z_high };
@@ -113,9 +129,12 @@ inline constexpr auto leaving_names = names_of<Leaving>("remove", "stop");
 struct BoundarySpec {
   BoundaryKind kind = BoundaryKind::periodic;
   rigid::Vec3 velocity = rigid::Vec3::Zero();  // moving walls and inlets
+  rigid::OverTime over_time;                   // of the velocity
   double density = 1;                          // outlets
   bool solid_for_bodies = true;                // a half-space for bodies (every kind but periodic)
   Leaving leaving = Leaving::remove;           // of a side that is not solid for them
+  rigid::Vec3 velocity_at(double time) const { return over_time.at(time) * velocity; }
+  double largest_speed() const { return over_time.most() * velocity.norm(); }
   bool has_velocity() const { return kind == BoundaryKind::moving || kind == BoundaryKind::velocity_inlet; }
   bool lets_bodies_pass() const { return kind != BoundaryKind::periodic && !solid_for_bodies; }
   bool removes_bodies() const { return lets_bodies_pass() && leaving == Leaving::remove; }
@@ -140,7 +159,7 @@ struct CurvedWall {
     return std::visit([](const auto& wall) { return wall.moves(); }, surface);
   }
   /// Velocities of the origin of its frame.
-  rigid::WallMotion::Velocity velocity_at(double time) const {
+  rigid::PrescribedMotion::Velocity velocity_at(double time) const {
     return std::visit([&](const auto& wall) { return wall.velocity_at(time); }, surface);
   }
   /// About which it turns; of a mesh where it is at the start.
@@ -178,6 +197,8 @@ struct Case {
   CouplingSpec coupling;
   ContactSpec contacts;
   rigid::Vec3 gravity = rigid::Vec3::Zero();
+  rigid::OverTime gravity_over_time;
+  rigid::Vec3 gravity_at(double time) const { return gravity_over_time.at(time) * gravity; }
 
   // material 0 is "default": of walls, and of bodies that name none
   std::vector<std::string> shape_names, material_names;
@@ -186,14 +207,18 @@ struct Case {
   std::vector<rigid::Material> pair_materials;  // material_names.size()^2
   std::vector<BodySpec> bodies;
   std::vector<FiledBodies> filed;
+  std::optional<StartSpec> start;
+  std::vector<BodySpec> continued;  // of the entries whose bodies come from there; without a place
   std::vector<FillSpec> fills;
   std::vector<OutflowSpec> outflows;
+  std::vector<SpringSpec> springs;
   std::vector<CurvedWall> walls;  // besides the sides of the domain
   // names of the [[bodies]] and [[fill]] entries ("light spheres", by default the shape's name); entries of
   // one name make one kind, and have one shape
   std::vector<std::string> kind_names;
   std::vector<int> kind_shapes;
-  std::vector<rigid::LockedAxes> kind_locks;  // of the bodies of a kind; empty: none has any
+  std::vector<rigid::LockedAxes> kind_locks;            // of the bodies of a kind; empty: none has any
+  std::map<int, rigid::PrescribedMotion> kind_motions;  // of kinds whose bodies move by a function of time
 
   std::int64_t steps = 0;
   std::optional<SteadySpec> steady;
@@ -205,7 +230,9 @@ struct Case {
   std::map<std::string, Place> places;  // of every key, by its path: "fluid.density", "bodies[2].position"
   /// Where a key stands; if it is not in the file, where the table that would hold it does.
   Place place(std::string path) const;
-  bool has_bodies() const { return !bodies.empty() || !filed.empty() || !fills.empty(); }
+  bool has_bodies() const {
+    return !bodies.empty() || !filed.empty() || !fills.empty() || !continued.empty();
+  }
   /// Calls f(body, count) for every given body, and once for all of a file, of which the position is not
   /// known.
   template <class F>

@@ -88,6 +88,10 @@ void check_speeds(const Case& setup, Findings& findings) {
     if (!setup.fluid) continue;
     check_speed(findings, entry.key + ".velocity", entry.velocity.norm());
     if (rim > 0) check_speed(findings, entry.key + ".angular_velocity", rim);
+    if (const auto found = setup.kind_motions.find(entry.kind);
+        found != setup.kind_motions.end() && entry.motion == rigid::Motion::prescribed)
+      check_speed(findings, entry.key + ".motion",
+                  found->second.speed_bound(rigid::bounding_radius(setup.shapes[entry.shape])));
   }
 }
 
@@ -107,6 +111,7 @@ std::vector<Diagnostic> check_case(const Case& setup) {
   find_body_faults(setup, findings);
   find_turnover_faults(setup, findings);
   find_driving_faults(setup, findings);
+  find_spring_faults(setup, findings);
   find_coarsening_faults(setup, findings);
   return std::move(findings.list);
 }

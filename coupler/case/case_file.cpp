@@ -153,6 +153,7 @@ constexpr std::tuple top_keys{
     HandKey{"fluid", "table", "", "none", "without it the run is dry: bodies alone"},
     HandKey{"coarsening", "table", "", "none", "where cells of the fluid may be coarser"},
     HandKey{"gravity", "table", "", "0", "what acts on the bodies"},
+    HandKey{"initial", "table", "", "none", "another run at whose end this one begins"},
     HandKey{"coupling", "table", "", "defaults", "how fluid and bodies are coupled"},
     HandKey{"contacts", "table", "", "defaults", "how bodies collide"},
     HandKey{"output", "table", "", "none", "what is written"},
@@ -162,6 +163,7 @@ constexpr std::tuple top_keys{
     HandKey{"shapes", "list of tables", "", "none", "of bodies"},
     HandKey{"bodies", "list of tables", "", "none", "bodies at given places"},
     HandKey{"fill", "list of tables", "", "none", "bodies that find their places by themselves"},
+    HandKey{"springs", "list of tables", "", "none", "springs, dampers and joints between bodies"},
     HandKey{"outflow", "list of tables", "", "none", "boxes where bodies are taken out"},
     HandKey{"quantities", "list of tables", "", "none", "figures of the report"}};
 
@@ -175,6 +177,7 @@ void read_sections(TableReader reader, Case& setup) {
   read_walls(reader, setup);
   read_shapes(reader, setup);
   read_bodies(reader, setup);
+  read_springs(reader, setup);
   read_coarsening(reader, setup);
   read_output(reader, setup);
   add_masks(setup);
@@ -196,7 +199,7 @@ std::vector<KeySection> case_keys() {
   std::vector<KeySection> all = {section_of("", top_keys)};
   for (const auto sections :
        {domain_sections, fluid_sections, coarsening_sections, contact_sections, wall_sections, shape_sections,
-        body_sections, output_sections, quantity_sections})
+        body_sections, spring_sections, output_sections, quantity_sections})
     for (KeySection& section : sections()) all.push_back(std::move(section));
   return all;
 }

@@ -8,7 +8,7 @@
 #include "coupler/case/case_check.hpp"
 #include "coupler/case/case_file.hpp"
 #include "coupler/case/case_reader.hpp"
-#include "rigid/bodies/wall_motion.hpp"
+#include "rigid/bodies/prescribed_motion.hpp"
 #include "rigid/shapes/polyhedron_mesh.hpp"
 #include "rigid/shapes/shape_fwd.hpp"
 
@@ -22,11 +22,24 @@ void read_domain(TableReader& root, Case&);  // [units], [domain]; first: everyt
 std::vector<KeySection> fluid_sections();
 void read_fluid(TableReader& root, Case&);  // [fluid], [coupling], [gravity]
 
+// driving.cpp
+KeySection over_time_section();
+/// Reads how something changes over time; steady without the key.
+rigid::OverTime read_over_time(TableReader& parent, const char* key);
+
 // contacts.cpp
 std::vector<KeySection> contact_sections();
 void read_contacts(TableReader& root, Case&);  // [contacts], [[materials]], [[material_pairs]]
 
 // walls.cpp
+struct ReadMotion {
+  rigid::PrescribedMotion motion;
+  rigid::Vec3 axis = rigid::Vec3::UnitZ();  // that it turns about
+  std::string table;                        // the name of its file; "" without one
+  int table_headings = 0;
+};
+/// Reads how a wall or a body moves over time.
+ReadMotion read_motion(TableReader&);
 std::vector<KeySection> wall_sections();
 void read_walls(TableReader& root, Case&);  // [[walls]]; after the materials
 /// Reads the shape of a body of type "mesh"; a sphere if its file is no good (reported).
@@ -52,6 +65,11 @@ std::vector<std::string> hollow_names();
 // bodies.cpp
 std::vector<KeySection> body_sections();
 void read_bodies(TableReader& root, Case&);  // [[bodies]], [[fill]], [[outflow]]
+
+// springs.cpp
+std::vector<KeySection> spring_sections();
+void read_springs(TableReader& root, Case&);      // [[springs]]; after the bodies
+void find_spring_faults(const Case&, Findings&);  // too stiff for a step
 
 // coarsening.cpp
 std::vector<KeySection> coarsening_sections();

@@ -139,6 +139,13 @@ void check_intervals(Findings& findings) {
       require_whole(findings, fmt::format("quantities[{}].time", i), std::llround(q.time), unit);
 }
 
+void check_start(Findings& findings) {
+  if (findings.setup.start)
+    findings.error("initial.from",
+                   "initial.from gives all cells of one level, but [coarsening] is given; remove one of "
+                   "them");
+}
+
 void check_fine_boxes(Findings& findings) {
   const Case& setup = findings.setup;
   for (std::size_t i = 0; i < setup.coarsening->fine.size(); ++i) {
@@ -201,6 +208,7 @@ void find_coarsening_faults(const Case& setup, Findings& findings) {
   check_size(findings);
   check_intervals(findings);
   check_fine_boxes(findings);
+  check_start(findings);
   check_layers(findings);
 }
 

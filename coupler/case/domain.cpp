@@ -53,7 +53,8 @@ constexpr std::tuple side_keys{
         "of a side that is none: bodies beyond it are taken out, or the run stops"}};
 constexpr std::tuple velocity_keys{
     Key{"velocity", &BoundarySpec::velocity, Vector{dimension::velocity},
-        "velocity of a moving wall or of the incoming fluid, [x, y, z]; only for those two", required}};
+        "velocity of a moving wall or of the incoming fluid, [x, y, z]; only for those two", required},
+    HandKey{"over_time", "table", "", "steady", "how the velocity changes: see gravity.over_time"}};
 constexpr std::tuple density_keys{
     Key{"density", &BoundarySpec::density, Number{dimension::density, range::above(0)},
         "density at a pressure outlet: in this method density is pressure", "the fluid's"}};
@@ -130,7 +131,10 @@ void read_side_name(ReadContext& context, const Node& node, const std::string& p
 
 void read_side_table(TableReader table, BoundarySpec& side) {
   read_keys(table, side, side_keys);
-  if (side.has_velocity()) read_keys(table, side, velocity_keys);
+  if (side.has_velocity()) {
+    read_keys(table, side, velocity_keys);
+    side.over_time = read_over_time(table, "over_time");
+  }
   if (side.kind == BoundaryKind::pressure_outlet) read_keys(table, side, density_keys);
   if (table.has("leaving") && !side.lets_bodies_pass())
     table.fail("leaving",
@@ -240,7 +244,7 @@ namespace {
 void check_moving_wall(const Case& setup, Findings& findings, int side) {
   const BoundarySpec& wall = setup.boundary[side];
   const std::string key = fmt::format("{}.velocity", side_key(side));
-  check_speed(findings, key, wall.velocity.norm());
+  check_speed(findings, key, wall.largest_speed());
   if (std::abs(wall.velocity[side / 2]) > 0)
     findings.error(key,
                    "{} moves through itself: the velocity of a moving wall must have no component along {}",
@@ -251,7 +255,7 @@ void check_inlet(const Case& setup, Findings& findings, int side) {
   const rigid::Vec3& velocity = setup.boundary[side].velocity;
   const std::string key = fmt::format("{}.velocity", side_key(side));
   const int axis = side / 2;
-  check_speed(findings, key, velocity.norm());
+  check_speed(findings, key, setup.boundary[side].largest_speed());
   const double inwards = side % 2 == 0 ? velocity[axis] : -velocity[axis];
   const auto shown_velocity = [&](const rigid::Vec3& v) {
     return shown(rigid::Vec3(v * setup.units.scale(dimension::velocity)));

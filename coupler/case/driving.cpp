@@ -1,4 +1,5 @@
-// What drives the bodies and the fluid of a case, and how fast they will fall, rise or flow.
+// What drives the bodies and the fluid of a case, how it changes over time, and how fast they will fall, rise
+// or flow.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -16,6 +17,16 @@ namespace silt::coupler {
 namespace {
 
 using rigid::Vec3;
+
+using rigid::OverTime;
+constexpr std::tuple over_time_keys{
+    HandKey{"table", "[[time, share], …]", "s, 1", "1",
+            "what it is multiplied with at some times, straight in between, constant before and after"},
+    Key{"amplitude", &OverTime::amplitude, Number{},
+        "of what is added to that: amplitude × sin(2π frequency t + phase)"},
+    HandKey{"frequency", "number", "1/s", "with amplitude", "oscillations in a unit of time"},
+    Key{"phase", &OverTime::phase, Number{dimension::none, range::any, "degrees"},
+        "of the sine at the start"}};
 
 constexpr double endless = std::numeric_limits<double>::infinity();
 constexpr double least_exponent = 2.4;                     // of Richardson and Zaki, at high Reynolds numbers
@@ -105,15 +116,16 @@ void check_gain(const Case& setup, Findings& findings, const char* key, double g
 
 void check_gravity(const Case& setup, Findings& findings) {
   constexpr const char* key = "gravity.acceleration";
-  check_gain(setup, findings, key, setup.gravity.cwiseAbs().maxCoeff(), most_gravity);
-  const double gravity = setup.units.physical(setup.gravity.norm(), dimension::acceleration);
+  const double most = setup.gravity_over_time.most();
+  check_gain(setup, findings, key, most * setup.gravity.cwiseAbs().maxCoeff(), most_gravity);
+  const double gravity = most * setup.units.physical(setup.gravity.norm(), dimension::acceleration);
   if (setup.units.si && gravity > most_metres)
     findings.warning(key, "{} is {} m/s2; that of the Earth is 9.81, which is 9810 mm/s2", key,
                      shown(gravity));
   const bool all_periodic =
       setup.periodic(0) && setup.periodic(1) && setup.periodic(2) && setup.walls.empty();
   const bool held = setup.any_given([](const BodySpec& b) { return b.motion != rigid::Motion::free; });
-  const bool balanced = setup.fluid && setup.fluid->body_force != Vec3::Zero();
+  const bool balanced = setup.fluid && setup.fluid->has_body_force();
   if (setup.has_bodies() && gravity > 0 && all_periodic && !held && !balanced)
     findings.warning(key,
                      "gravity acts, but nothing holds the fluid and the bodies: a domain that is periodic "
@@ -124,7 +136,7 @@ void check_gravity(const Case& setup, Findings& findings) {
 void check_weight(const Case& setup, Findings& findings) {
   const FluidSpec& fluid = *setup.fluid;
   const std::vector<Entry> entries = entries_of(setup);
-  if (setup.places.count("gravity.acceleration") || fluid.body_force.norm() > 0 || fluid.initial.noise > 0 ||
+  if (setup.places.count("gravity.acceleration") || fluid.has_body_force() || fluid.initial.noise > 0 ||
       fastest_given(setup) > 0 || std::any_of(entries.begin(), entries.end(), std::mem_fn(&Entry::moves)) ||
       std::any_of(setup.boundary.begin(), setup.boundary.end(),
                   [](const BoundarySpec& side) { return side.density != 1; }) ||
@@ -163,7 +175,7 @@ void check_fall(const Case& setup, Findings& findings, const Fall& fall) {
 /// The largest velocity of laminar flow under the body force, between walls across it or, where there are
 /// none, at the end; lattice units.
 double laminar_speed(const Case& setup) {
-  const Vec3& force = setup.fluid->body_force;
+  const Vec3 force = setup.fluid->body_force_over_time.most() * setup.fluid->body_force;
   const double nu = setup.fluid->kinematic_viscosity;
   double speed = force.norm() * static_cast<double>(setup.steps);
   for (int d = 0; d < 3; ++d) {
@@ -192,7 +204,63 @@ void check_flow(const Case& setup, Findings& findings) {
                                   : fmt::format("use {} times as much", shown(rounded_down(factor))));
 }
 
+/// A mean velocity can be given only where the flow goes round, and in steps of one length.
+void check_control(const Case& setup, Findings& findings) {
+  constexpr const char* key = "fluid.superficial_velocity";
+  const Vec3& wanted = setup.fluid->superficial_velocity;
+  check_speed(findings, key, wanted.norm());
+  for (int d = 0; d < 3; ++d)
+    if (wanted[d] != 0 && !setup.periodic(d))
+      findings.error(
+          key,
+          "{}[{}] is {}, but {} is not periodic, and no body force drives a flow through it; give a "
+          "velocity-inlet there, or 0",
+          key, d, shown(setup.units.physical(wanted[d], dimension::velocity)), "xyz"[d]);
+}
+
+/// The borders between levels have it built in.
+void check_over_time(const Case& setup, Findings& findings) {
+  const auto refuse = [&](const std::string& key, bool changes) {
+    if (changes && setup.coarsening)
+      findings.error(
+          key,
+          "{} makes what drives the fluid change over time, but [coarsening] is given; remove one of them",
+          key);
+  };
+  refuse("fluid.superficial_velocity", !setup.fluid->superficial_velocity.isZero(0));
+  refuse("fluid.body_force_over_time", setup.fluid->body_force_over_time.varies());
+  for (int side = 0; side < 6; ++side)
+    refuse(fmt::format("{}.over_time", side_key(side)), setup.boundary[side].over_time.varies());
+}
+
 }  // namespace
+
+KeySection over_time_section() {
+  return section_of("gravity.over_time", over_time_keys);
+}
+
+OverTime read_over_time(TableReader& parent, const char* key) {
+  OverTime over_time;
+  TableReader table = parent.table(key);
+  if (!table.present()) return over_time;
+  read_keys(table, over_time, over_time_keys);
+  over_time.phase *= std::numbers::pi / 180;
+  over_time.frequency =
+      table.quantity("frequency", dimension::angular_velocity, range::at_least(0)).value_or(0);
+  if (over_time.amplitude != 0) table.need("frequency", "oscillations in a unit of time");
+  const Node* list = table.find("table");
+  if (!list) return over_time;
+  const double step = table.context().units.time_step;
+  for (const Node& row : list->children) {
+    const auto numbers = row.numbers(2);
+    if (!numbers || (!over_time.table.empty() && !((*numbers)[0] / step > over_time.table.back().time)))
+      break;
+    over_time.table.push_back({(*numbers)[0] / step, (*numbers)[1]});
+  }
+  if (over_time.table.empty() || over_time.table.size() != list->children.size())
+    table.refuse("table", "a list of pairs, [[time, share], ...], in the order of growing times");
+  return over_time;
+}
 
 double sphere_of_volume(const rigid::Shape& shape) {
   return std::cbrt(6 / std::numbers::pi * rigid::mass_properties(shape).volume);
@@ -210,8 +278,11 @@ double terminal_velocity(double diameter, double density, double gravity, double
 void find_driving_faults(const Case& setup, Findings& findings) {
   check_gravity(setup, findings);
   if (!setup.fluid) return;
-  check_gain(setup, findings, "fluid.body_force", setup.fluid->body_force.cwiseAbs().maxCoeff(),
+  check_gain(setup, findings, "fluid.body_force",
+             setup.fluid->body_force_over_time.most() * setup.fluid->body_force.cwiseAbs().maxCoeff(),
              most_body_force);
+  check_control(setup, findings);
+  check_over_time(setup, findings);
   check_weight(setup, findings);
   check_flow(setup, findings);
   if (setup.gravity.norm() == 0) return;

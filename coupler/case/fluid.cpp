@@ -13,8 +13,10 @@
 namespace silt::coupler {
 
 double fastest_given(const Case& setup) {
-  double fastest = setup.fluid ? setup.fluid->initial.largest_speed() : 0;
-  for (const BoundarySpec& side : setup.boundary) fastest = std::max(fastest, side.velocity.norm());
+  double fastest =
+      setup.fluid ? std::max(setup.fluid->initial.largest_speed(), setup.fluid->superficial_velocity.norm())
+                  : 0;
+  for (const BoundarySpec& side : setup.boundary) fastest = std::max(fastest, side.largest_speed());
   for (const Entry& entry : entries_of(setup)) fastest = std::max(fastest, entry.velocity.norm());
   return fastest;
 }
@@ -56,6 +58,10 @@ constexpr std::tuple fluid_keys{
             "\"parabolic\", 2/15 under \"multireflection\" (up to 1/6 below τ = 0.77)"},
     Key{"precision", &FluidSpec::precision, Choice{precision_names}, "precision of the stored populations"},
     Key{"body_force", &FluidSpec::body_force, Vector{dimension::acceleration}, "acceleration of the fluid"},
+    HandKey{"body_force_over_time", "table", "", "steady", "how it changes: see gravity.over_time"},
+    Key{"superficial_velocity", &FluidSpec::superficial_velocity, Vector{dimension::velocity},
+        "mean over all cells, bodies counting as 0, that the body force is controlled for, along the axes "
+        "where it is not 0"},
     Key{"body_force_on_bodies", &FluidSpec::body_force_on_bodies, Flag{},
         "true where the body force stands for a pressure gradient: free bodies feel the force on the fluid "
         "they displace"},
@@ -82,9 +88,10 @@ constexpr std::tuple vortex_keys{
     Key{"radius", &InitialSpec::radius, Number{dimension::length, range::above(0)},
         "of a \"vortex\": how far from its axis it is fastest", required}};
 
-constexpr std::tuple gravity_keys{Key{"acceleration", &Case::gravity, Vector{dimension::acceleration},
-                                      "acts on the bodies, less their buoyancy, as in [0, 0, -9.81]",
-                                      required}};
+constexpr std::tuple gravity_keys{
+    Key{"acceleration", &Case::gravity, Vector{dimension::acceleration},
+        "acts on the bodies, less their buoyancy, as in [0, 0, -9.81]", required},
+    HandKey{"over_time", "table", "", "steady", "how it changes, see below"}};
 
 constexpr std::tuple coupling_keys{
     Key{"wall_scheme", &CouplingSpec::wall_scheme, Choice{wall_scheme_names},
@@ -170,7 +177,7 @@ void read_viscosity(TableReader& fluid, FluidSpec& spec) {
 std::vector<KeySection> fluid_sections() {
   return {section_of("fluid", fluid_keys),
           section_of("fluid.initial", initial_keys, stream_keys, layer_keys, vortex_keys),
-          section_of("gravity", gravity_keys), section_of("coupling", coupling_keys)};
+          section_of("gravity", gravity_keys), over_time_section(), section_of("coupling", coupling_keys)};
 }
 
 void read_fluid(TableReader& root, Case& setup) {
@@ -181,8 +188,10 @@ void read_fluid(TableReader& root, Case& setup) {
     read_viscosity(fluid, spec);
     read_collision(fluid, spec);
     read_initial(fluid.table("initial"), spec.initial);
+    spec.body_force_over_time = read_over_time(fluid, "body_force_over_time");
   }
   read_keys(gravity, setup, gravity_keys);
+  setup.gravity_over_time = read_over_time(gravity, "over_time");
   read_coupling(root, setup);
   if (!setup.fluid) return;
   const bool surfaces = root.has("bodies") || root.has("fill") || root.has("walls");

@@ -6,6 +6,7 @@
 #include "coupler/case/name_table.hpp"
 #include "lbm/collision_model.hpp"
 #include "lbm/wall_scheme.hpp"
+#include "rigid/bodies/over_time.hpp"
 #include "rigid/math/types.hpp"
 
 namespace silt::coupler {
@@ -50,8 +51,13 @@ struct FluidSpec {
   double smagorinsky = 0.1;         // least viscosity of a cell, of collision models that have one
   Precision precision = Precision::single_;
   rigid::Vec3 body_force = rigid::Vec3::Zero();  // acceleration of the fluid
+  rigid::OverTime body_force_over_time;
+  /// Mean over all cells that the body force is controlled for, along the axes on which it is not 0.
+  rigid::Vec3 superficial_velocity = rigid::Vec3::Zero();
   bool body_force_on_bodies = false;  // it stands for a pressure gradient, which pushes free bodies too
   InitialSpec initial;
+
+  bool has_body_force() const { return !body_force.isZero(0) || !superficial_velocity.isZero(0); }
 };
 
 // How fluid and bodies are coupled: the table [coupling].

@@ -44,6 +44,8 @@ constexpr std::tuple type_keys{
     KeyOf{Q::centre, Key{"centre", &QuantitySpec::centre, Vector{dimension::length},
                          "a point of the container's axis, [x, y, z]", required}},
     KeyOf{Q::box, Key{"box", &QuantitySpec::box, Corners{}, "two corners", "the domain"}},
+    KeyOf{Q::component, Key{"component", &QuantitySpec::component, Choice{component_names},
+                            "component of the stress", required}},
     KeyOf{Q::profile,
           Key{"profile", &QuantitySpec::profile, Choice{profile_names},
               "analytic flow to compare with: channel, duct or pipe; of a pipe with its rotation", required}},
@@ -132,6 +134,8 @@ std::string lacking(const Case& setup, const QuantityType& type) {
       setup.any_given([](const BodySpec& b) { return b.motion == rigid::Motion::prescribed; });
   if (type.asks_for(Q::same_bodies) && (setup.bodies_come() || setup.bodies_leave()))
     return "bodies come or leave, of which it knows nothing";
+  if (setup.start && (type.asks_for(Q::same_bodies) || type.name == "drift" || type.name == "displacement"))
+    return "bodies come from another run (initial.from), and it does not know where they were";
   if (type.asks_for(Q::undriven) && driven)
     return "the case has a body of prescribed motion, which drives the others";
   return "";

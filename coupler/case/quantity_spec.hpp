@@ -19,6 +19,10 @@ inline constexpr auto axis_names = names_of<Axis>("x", "y", "z");
 enum class Profile { channel, duct, pipe };
 inline constexpr auto profile_names = names_of<Profile>("channel", "duct", "pipe");
 
+/// Of a symmetric tensor.
+enum class Component { xx, yy, zz, xy, xz, yz };
+inline constexpr auto component_names = names_of<Component>("xx", "yy", "zz", "xy", "xz", "yz");
+
 /// What forces act on: bodies, one of [[walls]] or a side of the domain.
 enum class Bearer { bodies, wall, side };
 
@@ -34,6 +38,7 @@ struct QuantitySpec {
   double height = 0;  // along the axis: of bodies, of a plane
   int side = 0;       // a Side of the domain
   int wall = 0;       // index into Case::walls
+  int component = 0;  // a Component
   rigid::Vec3 centre = rigid::Vec3::Zero();
   rigid::BoundingBox box{rigid::Vec3::Zero(), rigid::Vec3::Zero()};
 
@@ -65,6 +70,7 @@ struct QuantityType {
     at = 1024,
     bearer = 2048,      // body or wall
     side_bears = 4096,  // or side
+    component = 8192,
   };
   enum Need : unsigned {
     fluid = 1,
@@ -179,6 +185,9 @@ inline constexpr QuantityType types[] = {
     {"flow-rate", flow_rate, Q::axis | Q::at, Q::fluid | Q::stepwise,
      "volume of fluid that goes through a plane across the axis, per time, at the end; in the cells the "
      "plane lies in"},
+    {"body-force", dimension::acceleration, Q::axis, Q::fluid | Q::stepwise,
+     "acceleration of the fluid along the axis, as given or as the superficial velocity asks for, at the "
+     "end"},
     {"axis-distance", dimension::length, Q::body | Q::wall, Q::bodies,
      "mean distance of the bodies' centres from the axis of a tube, at the end"},
     {"wall-stress", dimension::pressure, Q::side | Q::axis | Q::time, Q::fluid | Q::stepwise,
@@ -192,6 +201,15 @@ inline constexpr QuantityType types[] = {
     {"relative-viscosity", dimension::none, Q::axis | Q::time, Q::fluid | Q::sheared | Q::stepwise,
      "shear stress on the two walls across the axis over that of the fluid alone at the same velocities, "
      "mean from a time on"},
+    {"viscous-stress", dimension::pressure, Q::box | Q::component, Q::fluid | Q::stepwise,
+     "2 ρ ν S of the fluid in the box, over the volume of the box, at the end"},
+    {"particle-stress", dimension::pressure, Q::body | Q::box | Q::component,
+     Q::fluid | Q::bodies | Q::stepwise,
+     "what bodies with their centres in the box add to it: force of the fluid on their surfaces times the "
+     "way to it "
+     "from their centres, the symmetric part, at the end"},
+    {"contact-stress", dimension::pressure, Q::body | Q::box | Q::component, Q::bodies | Q::stepwise,
+     "the same of contacts and films; pull is positive"},
     {"body-count", dimension::none, Q::body | Q::box, Q::bodies,
      "number of bodies whose centre of mass lies in the box, at the end"},
     {"outflow-rate", rate, Q::time, Q::bodies, "number of bodies that left from a time on, per time"},

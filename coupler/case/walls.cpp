@@ -80,21 +80,23 @@ constexpr std::tuple mesh_keys{
     HandKey{"position", "[x, y, z]", "m", "0", "where the origin of the file is"},
     HandKey{"motion", "table", "", "at rest", "of a mesh, see below"}};
 constexpr std::tuple motion_keys{
-    Key{"velocity", &rigid::WallMotion::velocity, Vector{dimension::velocity}, "velocity of the point"},
+    Key{"velocity", &rigid::PrescribedMotion::velocity, Vector{dimension::velocity}, "velocity of the point"},
     HandKey{"angular_velocity", "number", "1/s", "0",
             "rotation about the axis through the point, which goes along"},
+    HandKey{"over_time", "table", "", "steady", "how both change: see gravity.over_time"},
     HandKey{"axis", "\"x\", \"y\", \"z\", [x, y, z]", "", "z at rest", "of the rotation, and of wall-torque"},
-    HandKey{"point", "[x, y, z]", "m", "position", "of the axis, at the start; wall-torque is about it"},
+    HandKey{"point", "[x, y, z]", "m", "position",
+            "of the axis of a wall, at the start; wall-torque is about it"},
     HandKey{"oscillation", "table", "", "none", "of the point, see below"},
     HandKey{"table", "string", "", "none", "CSV file of a motion, instead of angular_velocity"}};
 constexpr std::tuple oscillation_keys{
-    Key{"amplitude", &rigid::WallMotion::amplitude, Vector{dimension::length},
+    Key{"amplitude", &rigid::PrescribedMotion::amplitude, Vector{dimension::length},
         "how far the wall goes to either side: the displacement is the amplitude times sin(2π frequency t + "
         "phase)",
         required},
-    Key{"frequency", &rigid::WallMotion::frequency, Number{dimension::angular_velocity, range::at_least(0)},
-        "oscillations in a unit of time", required},
-    Key{"phase", &rigid::WallMotion::phase, Number{dimension::none, range::any, "degrees"},
+    Key{"frequency", &rigid::PrescribedMotion::frequency,
+        Number{dimension::angular_velocity, range::at_least(0)}, "oscillations in a unit of time", required},
+    Key{"phase", &rigid::PrescribedMotion::phase, Number{dimension::none, range::any, "degrees"},
         "of the sine at the start"}};
 
 /// Calls use(surface, name) for the surface in `file`, read by read(name, bytes, lattice units in one of the
@@ -129,28 +131,6 @@ Vec3 read_direction(TableReader& table, std::string_view what) {
   return Vec3::UnitZ();
 }
 
-/// What turns, turns about `point`, which is left as it is without a turn.
-void read_motion(TableReader table, MeshWall& wall, Vec3& point) {
-  if (!table.present()) return;
-  rigid::WallMotion& motion = wall.motion;
-  read_keys(table, motion, motion_keys);
-  const std::string turn = table.one_of({"angular_velocity", "table"}, false, "");
-  if (turn == "angular_velocity" || table.has("axis"))
-    wall.axis = read_direction(table, "about which the wall turns");
-  point = table.vector("point", dimension::length).value_or(point);
-  motion.angular_velocity =
-      table.quantity("angular_velocity", dimension::angular_velocity, range::any).value_or(0) * wall.axis;
-  TableReader oscillation = table.table("oscillation");
-  read_keys(oscillation, motion, oscillation_keys);
-  motion.phase = motion.phase * std::numbers::pi / 180;
-  if (turn == "table")
-    with_file(table, "table", false, [&](const std::string& name, const AttachedFile& file) {
-      MotionFile read = read_motion_file(file.bytes, table.context().units);
-      wall.table = name, wall.table_headings = read.headings;
-      motion.table = std::move(read.rows);
-    });
-}
-
 MeshWall read_mesh_wall(TableReader& table) {
   MeshWall wall;
   read_keys(table, wall, mesh_file_keys);
@@ -158,19 +138,48 @@ MeshWall read_mesh_wall(TableReader& table) {
   const Vec3 position = table.vector("position", dimension::length).value_or(Vec3::Zero());
   const rigid::Quat orientation = read_orientation(table);
   const bool hollow = table.choice("solid", {"inside", "outside"}) == "outside";
-  Vec3 point = position;
-  read_motion(table.table("motion"), wall, point);
+  TableReader motion = table.table("motion");
+  ReadMotion read = read_motion(motion);
+  const Vec3 point = motion.vector("point", dimension::length).value_or(position);
+  wall.motion = std::move(read.motion), wall.axis = read.axis;
+  wall.table = read.table, wall.table_headings = read.table_headings;
   wall.start = {point, orientation};
-  with_surface(table, adapters::read_mesh, [&](const adapters::ReadMesh& read, const std::string& name) {
-    wall.file = name, wall.contents = contents_of(read);
-    const Vec3 middle = 0.5 * (read.surface->box().lower + read.surface->box().upper);
-    wall.mesh = rigid::Mesh{read.surface, hollow}.recentred(middle);
+  with_surface(table, adapters::read_mesh, [&](const adapters::ReadMesh& mesh, const std::string& name) {
+    wall.file = name, wall.contents = contents_of(mesh);
+    const Vec3 middle = 0.5 * (mesh.surface->box().lower + mesh.surface->box().upper);
+    wall.mesh = rigid::Mesh{mesh.surface, hollow}.recentred(middle);
     wall.arm = middle - orientation.conjugate() * (point - position);
   });
   return wall;
 }
 
 }  // namespace
+
+ReadMotion read_motion(TableReader& table) {
+  ReadMotion read;
+  if (!table.present()) return read;
+  rigid::PrescribedMotion& motion = read.motion;
+  read_keys(table, motion, motion_keys);
+  motion.over_time = read_over_time(table, "over_time");
+  const std::string turn = table.one_of({"angular_velocity", "table"}, false, "");
+  if (turn == "angular_velocity" || table.has("axis"))
+    read.axis = read_direction(table, "about which it turns");
+  motion.angular_velocity =
+      table.quantity("angular_velocity", dimension::angular_velocity, range::any).value_or(0) * read.axis;
+  TableReader oscillation = table.table("oscillation");
+  read_keys(oscillation, motion, oscillation_keys);
+  motion.phase = motion.phase * std::numbers::pi / 180;
+  if (turn == "table" && motion.over_time.varies())
+    table.fail("over_time", "{} and {} are both given; let the table say all of the motion",
+               table.path("over_time"), table.path("table"));
+  if (turn == "table")
+    with_file(table, "table", false, [&](const std::string& name, const AttachedFile& file) {
+      MotionFile rows = read_motion_file(file.bytes, table.context().units);
+      read.table = name, read.table_headings = rows.headings;
+      motion.table = std::move(rows.rows);
+    });
+  return read;
+}
 
 rigid::Shape read_mesh_body(TableReader& table) {
   require(table, std::get<0>(mesh_file_keys));

@@ -49,6 +49,24 @@ std::vector<ContactLoad> contact_loads(const rigid::BodySet& bodies, std::span<c
   return found;
 }
 
+std::vector<ContactMoment> contact_moments(const rigid::BodySet& bodies, std::span<const Contact> contacts) {
+  std::vector<ContactMoment> found;
+  for (std::size_t row = 0; row < bodies.owned; ++row) {
+    if (bodies.stored_impulses[row].empty()) continue;
+    ContactMoment& of = found.emplace_back(ContactMoment{bodies.kind[row], bodies.position[row], {}});
+    for (const StoredImpulse& s : bodies.stored_impulses[row]) {
+      const bool is_first = s.partner > bodies.id[row];
+      const Contact* const c = is_first ? find(contacts, bodies.id[row], s.partner, s)
+                                        : find(contacts, s.partner, bodies.id[row], s);
+      if (!c) continue;
+      const auto product =
+          is_first ? symmetric_product(c->r_a, -s.impulse) : symmetric_product(c->r_b, s.impulse);
+      for (int k = 0; k < 6; ++k) of.moment[k] += product[k];
+    }
+  }
+  return found;
+}
+
 void add_wall_impulses(const rigid::BodySet& bodies, std::span<const rigid::OtherWallImpulse> others,
                        const rigid::Extent& extent, std::vector<WallImpulse>& found) {
   for (const rigid::OtherWallImpulse& other : others) {

@@ -1,6 +1,7 @@
 #pragma once
 // What contacts do to that which they cannot move: tubes and meshes, and bodies that are fixed or of
 // prescribed motion. Where a body touches is known only while its contacts are.
+#include <array>
 #include <span>
 #include <vector>
 
@@ -17,6 +18,24 @@ struct ContactLoad {
   rigid::Vec3 impulse, torque;  // lattice units, the latter about the point of the wall or the body's centre
 };
 
+/// The impulses of an owned body's contacts in a sub-step times the ways to them from its centre: what they
+/// add to the stress.
+struct ContactMoment {
+  int kind;
+  rigid::Vec3 position;
+  std::array<double, 6> moment;  // xx yy zz xy xz yz
+};
+
+/// The symmetric part of a tensor product.
+inline std::array<double, 6> symmetric_product(const rigid::Vec3& a, const rigid::Vec3& b) {
+  return {a[0] * b[0],
+          a[1] * b[1],
+          a[2] * b[2],
+          0.5 * (a[0] * b[1] + a[1] * b[0]),
+          0.5 * (a[0] * b[2] + a[2] * b[0]),
+          0.5 * (a[1] * b[2] + a[2] * b[1])};
+}
+
 /// What a contact did to a wall in a sub-step besides the impulse that its body remembers.
 struct WallImpulse {
   rigid::BodyId wall;
@@ -28,6 +47,9 @@ struct WallImpulse {
 /// remember. Contacts are sorted by key; one that nobody looked at, of a body at rest, gives no torque.
 std::vector<ContactLoad> contact_loads(const rigid::BodySet&, std::span<const rigid::Contact>,
                                        const rigid::Extent&);
+
+/// Those of the owned bodies, at the same time.
+std::vector<ContactMoment> contact_moments(const rigid::BodySet&, std::span<const rigid::Contact>);
 
 /// Appends what they did besides, at the same time.
 void add_wall_impulses(const rigid::BodySet&, std::span<const rigid::OtherWallImpulse>, const rigid::Extent&,

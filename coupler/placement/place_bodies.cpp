@@ -157,7 +157,8 @@ std::size_t PlacedBodies::size() const {
   return n;
 }
 
-PlacedBodies place_bodies(const Case& setup, const lbm::Domain& domain, MPI_Comm comm) {
+PlacedBodies place_bodies(const Case& setup, const lbm::Domain& domain, MPI_Comm comm,
+                          const rigid::BodySet* there) {
   Surroundings around(setup, domain, comm, reach_of_fills(setup));
   PlacedBodies placed;
   placed.given = given_bodies(setup, around);
@@ -165,6 +166,10 @@ PlacedBodies place_bodies(const Case& setup, const lbm::Domain& domain, MPI_Comm
   std::vector<FillApplication> all;
   for (std::size_t i = 0; i < setup.fills.size(); ++i)
     for (std::size_t size = 0; size < setup.fills[i].sizes.size(); ++size) all.emplace_back(i, 0, size);
+  if (there && !all.empty()) {
+    const auto near = present_near(setup, all, *there, reach_of_fills(setup), around);
+    placed.given.insert(placed.given.end(), near.begin(), near.end());
+  }
   placed.filled = apply_fills(setup, all, placed.given, around, placed.next_id);
   std::erase_if(placed.given, [](const GivenBody& body) { return !body.own; });
   return placed;

@@ -49,7 +49,8 @@ class PlacedBodies {
 /// spheres first (random sequential addition jams near 38 % of the box in bounding spheres). The seeds of two
 /// fills may be equal. Fills on sites take those that are free, in order. CaseError on every rank, saying how
 /// many fitted, if one does not fit.
-PlacedBodies place_bodies(const Case&, const lbm::Domain&, MPI_Comm);
+/// Fills find their places among those that are `there`, of which each rank has its own.
+PlacedBodies place_bodies(const Case&, const lbm::Domain&, MPI_Comm, const rigid::BodySet* there = nullptr);
 
 /// Returns the fills that are applied again before the step that follows so many.
 std::vector<FillApplication> fills_due(const Case&, std::int64_t steps_done);

@@ -302,15 +302,16 @@ bool add_moment(const Simulation& simulation, const QuantitySpec& q, const Quant
 
 /// The angle by which the line from the centre to the bodies' centre of mass is turned from gravity about the
 /// axis: that of the surface, where it is flat and the container round.
-double bed_angle(const Case& setup, const QuantitySpec& q, std::span<const double> sums) {
-  const Vec3 g = setup.gravity, moment(sums[0], sums[1], sums[2]);
+double bed_angle(const Case& setup, const QuantitySpec& q, std::int64_t step, std::span<const double> sums) {
+  const Vec3 g = setup.gravity_at(static_cast<double>(step)), moment(sums[0], sums[1], sums[2]);
   const Vec3 axis = Vec3::Unit(q.axis), across = moment - moment.dot(axis) * axis;
   return rigid::elementary::atan2(axis.dot(g.cross(across)), g.dot(across)) * 180 / std::numbers::pi;
 }
 
 /// The sum of r x (m g) along the axis.
-double weight_torque(const Case& setup, const QuantitySpec& q, std::span<const double> moment) {
-  return Vec3(moment[0], moment[1], moment[2]).cross(setup.gravity)[q.axis];
+double weight_torque(const Case& setup, const QuantitySpec& q, std::int64_t step,
+                     std::span<const double> moment) {
+  return Vec3(moment[0], moment[1], moment[2]).cross(setup.gravity_at(static_cast<double>(step)))[q.axis];
 }
 
 // ---- counts ----

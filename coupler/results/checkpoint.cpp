@@ -11,6 +11,7 @@
 #include "coupler/case/case.hpp"
 #include "coupler/exchange/coupling_state.hpp"
 #include "coupler/results/populations.hpp"
+#include "coupler/results/start_from.hpp"
 #include "parallel/together.hpp"
 
 namespace silt::coupler {
@@ -48,6 +49,15 @@ void visit_mass_correction(MassCorrectionState& correction, std::int64_t cells, 
   visit("mass_correction.surplus", correction.surplus);
   visit("mass_correction.fluid_cells", correction.fluid_cells, 0, cells);
   visit("mass_correction.link_gain", correction.link_gain);
+}
+
+template <class Visit>
+void visit_flow_control(FlowControl::State& state, Visit&& visit) {
+  for (const auto& [name, vector] : {std::pair("force", &state.force),
+                                     {"force_before", &state.force_before},
+                                     {"velocity", &state.velocity},
+                                     {"velocity_before", &state.velocity_before}})
+    for (int d = 0; d < 3; ++d) visit(fmt::format("flow_control.{}_{}", name, "xyz"[d]), (*vector)[d]);
 }
 
 template <class Visit>
@@ -161,6 +171,7 @@ void write_state(CheckpointWriter& writer, const Simulation& simulation, const Q
   writer.set("overrides", joined_lines(setup.overrides));
   writer.set("files", joined_lines(setup.files));
   visit_state(state, Write{writer});
+  write_origin_of_start(writer, setup, state.step);
   for (std::size_t i = 0; i < history.size(); ++i)
     for (std::size_t k = 0; k < history[i].size(); ++k)
       writer.set(history_name(setup.quantities[i], k), history[i][k]);
@@ -173,6 +184,10 @@ void write_state(CheckpointWriter& writer, const Simulation& simulation, const Q
   }
   if (const Flow* flow = simulation.scene().flow.get()) {
     visit_mass_correction(state.mass_correction, cells_of(setup), Write{writer});
+    if (FlowControl* const control = simulation.scene().flow->control()) {
+      FlowControl::State of_control = control->state();
+      visit_flow_control(of_control, Write{writer});
+    }
     write_populations(writer, setup, *flow);
   }
   write_bodies(writer, simulation.bodies());
@@ -219,6 +234,7 @@ SavedState read_state(const CheckpointReader& reader, const Case& setup) {
   state.bodies = {std::move(bodies.records), std::move(bodies.impulses)};
   if (!setup.fluid) return state;
   visit_mass_correction(state.mass_correction, cells_of(setup), Read{reader});
+  if (!setup.fluid->superficial_velocity.isZero(0)) visit_flow_control(state.flow_control, Read{reader});
   require_populations(reader, setup);
   if (setup.coarsening)
     state.levels = [&reader, coarsest = setup.coarsening->levels](const lbm::CellBox& part) {

@@ -7,6 +7,7 @@
 
 #include "coupler/case/case.hpp"
 #include "coupler/results/flow_fields.hpp"
+#include "coupler/results/solid_cells.hpp"
 #include "parallel/together.hpp"
 
 namespace silt::coupler {
@@ -27,6 +28,7 @@ void FlowMean::observe(const Simulation& simulation) {
   if (step < spec_.from || simulation.steps_done() % spec_.every != 0) return;
   ++samples_;
   const FluidFields& fields = simulation.scene().flow->fields();
+  const SolidCells solid(simulation, fields);
   for (int b = 0; b < fields.blocks(); ++b) {
     const Int3 size = fields.block(b).size;
     lbm::MomentsByRow moments(fields, b, 0, size.x);
@@ -51,6 +53,14 @@ void FlowMean::observe(const Simulation& simulation) {
       for (int k = 0; k < 6; ++k) of[(products + k) * cells] += before[pairs[k][0]] * after[pairs[k][1]];
       double& mean = of[density * cells];
       mean += (m.density_deviation - mean) / times;
+    });
+    const Piece all{b, {}, size};
+    solid.for_each(all, [&](std::size_t row, Int3 x, const rigid::Vec3& r) {
+      double* const of = block + all.index(x);
+      const rigid::Vec3 u = simulation.bodies().velocity_at(row, r);
+      const double times = static_cast<double>(samples_) - of[count * cells];
+      for (int d = 0; d < 3; ++d)
+        of[(body_velocity + d) * cells] += (u[d] - of[(body_velocity + d) * cells]) / times;
     });
   }
 }
@@ -81,18 +91,20 @@ void FlowMean::write(const Simulation& simulation, const std::filesystem::path& 
   adapters::FieldSnapshot snapshot = snapshot_of(simulation, all, false);
   const double u = units.scale(dimension::velocity);
   const char* const square = units.si ? "m2/s2" : "cells2/step2";
-  snapshot.quantities = {quantity("velocity", units.si ? "m/s" : "cells/step", u, velocity, 3, false),
-                         quantity("velocity-variance", square, u * u, products, 3, true),
-                         quantity("velocity-covariance", square, u * u, products + 3, 3, true),
-                         quantity("pressure", units.si ? "Pa" : "cells2/step2 reference densities",
-                                  units.scale(dimension::pressure) / 3, density, 1, false),
-                         {"solid-fraction", "1", 1,
-                          [this](std::size_t b, int begin, int end, double* out) {
-                            const std::int64_t plane = blocks_[b].of_a_plane;
-                            for (std::int64_t n = begin * plane; n < end * plane; ++n)
-                              *out++ = 1 - blocks_[b].array(count)[n] / static_cast<double>(samples_);
-                          },
-                          adapters::Storage::double_}};
+  snapshot.quantities = {
+      quantity("velocity", units.si ? "m/s" : "cells/step", u, velocity, 3, false),
+      quantity("velocity-variance", square, u * u, products, 3, true),
+      quantity("velocity-covariance", square, u * u, products + 3, 3, true),
+      quantity("pressure", units.si ? "Pa" : "cells2/step2 reference densities",
+               units.scale(dimension::pressure) / 3, density, 1, false),
+      quantity("body-velocity", units.si ? "m/s" : "cells/step", u, body_velocity, 3, false),
+      {"solid-fraction", "1", 1,
+       [this](std::size_t b, int begin, int end, double* out) {
+         const std::int64_t plane = blocks_[b].of_a_plane;
+         for (std::int64_t n = begin * plane; n < end * plane; ++n)
+           *out++ = 1 - blocks_[b].array(count)[n] / static_cast<double>(samples_);
+       },
+       adapters::Storage::double_}};
   const auto path = adapters::step_path(folder, "mean", snapshot.step, ".hdf");
   parallel::naming(path.string(), [&] {
     adapters::write_fields(simulation.scene().comm, path, boxes_of(simulation.scene().flow->fields()),

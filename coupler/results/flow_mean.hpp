@@ -1,6 +1,7 @@
 #pragma once
 // Means of the fluid over samples in time, for [output.mean]: of each cell, over the samples in which it was
-// fluid, velocity, its covariance, and pressure; and the share of samples in which it was solid. They go
+// fluid, velocity, its covariance, and pressure, over the others the velocity of bodies; and the share of
+// samples in which it was solid. They go
 // through checkpoints, so that a run that goes on comes to the same numbers to the bit (Welford,
 // Technometrics 4 (1962) 419: each sample changes the mean and the sum of squares about it).
 #include <cstdint>
@@ -30,8 +31,8 @@ class FlowMean {
 
  private:
   /// What a cell has, one array after the other: how often it was fluid, mean velocity, sums of the products
-  /// of deviations (xx yy zz xy xz yz), mean density deviation.
-  enum Number { count, velocity = 1, products = 4, density = 10, numbers = 11 };
+  /// of deviations (xx yy zz xy xz yz), mean density deviation, mean velocity of bodies.
+  enum Number { count, velocity = 1, products = 4, density = 10, body_velocity = 11, numbers = 14 };
   struct Block {
     std::int64_t cells, of_a_plane;
     std::vector<double> values;

@@ -79,7 +79,8 @@ double drag_coefficient(const Simulation& simulation, const QuantitySpec& q) {
   for (std::size_t row = 0; row < bodies.owned; ++row) {
     if (!q.is_about(bodies.kind[row]) || bodies.motion[row] != rigid::Motion::fixed) continue;
     const double volume = shapes[bodies.shape[row]].volume;
-    mine.force += to_fixed(loads[row].force[q.axis] + setup.fluid->body_force[q.axis] * volume);
+    mine.force +=
+        to_fixed(loads[row].force[q.axis] + simulation.scene().flow->fields().spec().force[q.axis] * volume);
     mine.radius += to_fixed(rigid::elementary::cbrt(volume * 0.75 / std::numbers::pi));
     mine.count += to_fixed(1);
   }
@@ -130,8 +131,13 @@ bool add_flow_rate(const Simulation& simulation, const QuantitySpec& q, const Qu
   return true;
 }
 
+/// What was added up is the value.
 double flow_rate(const Case&, const QuantitySpec&, std::int64_t, std::span<const double> rate) {
   return rate[0];
+}
+
+void see_body_force(const Simulation& simulation, const QuantitySpec& q, std::span<double> force) {
+  force[0] = simulation.scene().flow->fields().spec().force[q.axis];
 }
 
 double profile_error(const Simulation& simulation, const QuantitySpec& q) {
@@ -169,6 +175,7 @@ constexpr Computation of_flow[] = {
     at_instant<kinetic_energy>("kinetic-energy"),
     at_instant<dissipation>("dissipation"),
     in_step("flow-rate", {1, 0, add_flow_rate, nullptr, flow_rate}),
+    in_step("body-force", {0, 1, nullptr, see_body_force, flow_rate}),
 };
 
 }  // namespace

@@ -11,8 +11,8 @@
 namespace silt::coupler {
 
 const Computation& computation_of(std::string_view type) {
-  for (const auto family :
-       {body_computations(), flow_computations(), motion_computations(), wall_computations()})
+  for (const auto family : {body_computations(), flow_computations(), motion_computations(),
+                            wall_computations(), stress_computations()})
     for (const Computation& c : family)
       if (c.type == type) return c;
   throw std::logic_error("no computation of a quantity of the type " + std::string(type));

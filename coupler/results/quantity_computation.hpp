@@ -1,8 +1,8 @@
 #pragma once
 // How quantities are computed: the form of a row in a family of them (body_, flow_, motion_,
-// wall_quantities, packing_fraction). Computations are collective, give the same on every rank and any number
-// of ranks, and speak lattice units; NaN stands for a value that does not exist (no such body, no step yet).
-// Meanings: coupler/case/quantity_spec.hpp.
+// wall_, stress_quantities, packing_fraction). Computations are collective, give the same on every rank and
+// any number of ranks, and speak lattice units; NaN stands for a value that does not exist (no such body, no
+// step yet). Meanings: coupler/case/quantity_spec.hpp.
 #include <array>
 #include <cmath>
 #include <functional>
@@ -63,6 +63,7 @@ std::span<const Computation> body_computations();
 std::span<const Computation> flow_computations();
 std::span<const Computation> motion_computations();
 std::span<const Computation> wall_computations();
+std::span<const Computation> stress_computations();
 
 /// Returns the computation of a type; std::logic_error for one that no family has.
 const Computation& computation_of(std::string_view type);

@@ -78,8 +78,8 @@ Json skipped_passes(const Scene& scene) {
   for (int s = 0; s < int(Stage::count); ++s) skip(!has_stage(scene, Stage(s)), stage_names[s]);
   skip(scene.ranks == 1, "messages between ranks");
   skip(scene.flow && scene.has_surfaces() && !scene.anything_moves, "remapping");
-  skip(scene.rigid_step && scene.world.gravity.isZero(0), "gravity");
-  skip(scene.flow && scene.setup.fluid->body_force.isZero(0), "body force");
+  skip(scene.rigid_step && scene.setup.gravity.isZero(0), "gravity");
+  skip(scene.flow && !scene.setup.fluid->has_body_force(), "body force");
   skip(scene.rigid_step && none(&rigid::Material::restitution), "restitution");
   skip(scene.rigid_step && none(&rigid::Material::friction), "friction");
   skip(scene.flow && scene.rigid_step && !scene.world.lubrication, "lubrication");
@@ -101,8 +101,8 @@ Json by_stage(const Scene& scene, Of&& of) {
 /// Momentum is a constant only where nothing outside the box acts.
 bool keeps_momentum(const Scene& scene) {
   const Case& c = scene.setup;
-  if (!c.walls.empty()) return false;
-  if (!c.gravity.isZero(0) || (c.fluid && !c.fluid->body_force.isZero(0))) return false;
+  if (!c.walls.empty() || !c.springs.empty()) return false;
+  if (!c.gravity.isZero(0) || (c.fluid && c.fluid->has_body_force())) return false;
   for (int d = 0; d < 3; ++d)
     if (!c.periodic(d)) return false;
   return std::all_of(c.bodies.begin(), c.bodies.end(),

@@ -28,14 +28,15 @@ void describe(const rigid::HollowWallSpec& hollow, const InCaseUnits& physical, 
 }
 
 void describe(const MeshWall& mesh, const InCaseUnits& physical, SceneWall& wall) {
-  const rigid::WallMotion& motion = mesh.motion;
+  const rigid::PrescribedMotion& motion = mesh.motion;
   const rigid::Quat& q = mesh.start.orientation;
   wall.type = rigid::Mesh::name;
   wall.hollow = mesh.mesh.hollow;
   wall.position = physical(mesh.start.position, dimension::length);
   wall.orientation = {q.w(), q.x(), q.y(), q.z()};
-  wall.velocity = physical(motion.velocity, dimension::velocity);
-  wall.angular_velocity = physical(motion.angular_velocity, dimension::angular_velocity);
+  const bool steady = !motion.over_time.varies();  // else a table has what comes of these
+  wall.velocity = physical(steady * motion.velocity, dimension::velocity);
+  wall.angular_velocity = physical(steady * motion.angular_velocity, dimension::angular_velocity);
   wall.amplitude = physical(motion.amplitude, dimension::length);
   wall.frequency = physical(motion.frequency, dimension::angular_velocity);
   wall.phase = motion.phase;
@@ -48,6 +49,18 @@ void describe(const MeshWall& mesh, const InCaseUnits& physical, SceneWall& wall
     const Vec3& turn = row.rotation;
     wall.table.push_back(
         {physical(row.time, dimension::time), to[0], to[1], to[2], turn[0], turn[1], turn[2]});
+  }
+}
+
+/// What changes over time, as a table.
+void add_table(const rigid::PrescribedMotion& motion, double steps, const InCaseUnits& physical,
+               SceneWall& wall) {
+  constexpr int rows = 1000;
+  for (int k = 0; k <= rows; ++k) {
+    const double time = steps * k / rows, so_far = motion.over_time.integral(time);
+    const SceneWall::Vector to = physical(Vec3(motion.velocity * so_far), dimension::length);
+    const Vec3 turn = motion.angular_velocity * so_far;
+    wall.table.push_back({physical(time, dimension::time), to[0], to[1], to[2], turn[0], turn[1], turn[2]});
   }
 }
 
@@ -81,6 +94,8 @@ void write_scene_file(const Case& setup, const std::filesystem::path& folder) {
     SceneWall& wall = info.walls.emplace_back();
     wall.name = curved.name;
     std::visit([&](const auto& surface) { describe(surface, physical, wall); }, curved.surface);
+    if (const MeshWall* const mesh = curved.mesh(); mesh && mesh->motion.over_time.varies())
+      add_table(mesh->motion, static_cast<double>(setup.steps), physical, wall);
   }
   adapters::write_scene(folder / "scene.h5", info);
 }

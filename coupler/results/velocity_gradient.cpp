@@ -155,19 +155,24 @@ Vec3 vorticity(VelocitiesAround& velocities, Int3 cell) {
   return {y[2] - z[1], z[0] - x[2], x[1] - y[0]};
 }
 
-double strain_rate_squared(const FluidFields& fields, const lbm::Moments& m) {
+std::array<double, 6> strain_rate(const FluidFields& fields, const lbm::Moments& m) {
   constexpr int pairs[6][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {0, 2}, {1, 2}};
   const auto& [tau, magic, model, force, smagorinsky] = fields.spec();
   const auto u = fields.velocity(m);
-  double squares = 0;
+  std::array<double, 6> rate;
   for (int k = 0; k < 6; ++k) {
     const auto [a, b] = pairs[k];
     double flux = m.flux[k];  // becomes that which is not in equilibrium
     flux += 0.5 * (u[a] * force[b] + force[a] * u[b]) - u[a] * u[b];
     if (a == b) flux -= m.density_deviation / 3;
-    squares += (a == b ? 1 : 2) * flux * flux;
+    rate[k] = -1.5 / (tau * fields.width()) * flux;
   }
-  return squares * 9 / (4 * tau * tau) / (fields.width() * fields.width());
+  return rate;
+}
+
+double strain_rate_squared(const FluidFields& fields, const lbm::Moments& m) {
+  const auto s = strain_rate(fields, m);
+  return s[0] * s[0] + s[1] * s[1] + s[2] * s[2] + 2 * (s[3] * s[3] + s[4] * s[4] + s[5] * s[5]);
 }
 
 }  // namespace silt::coupler

@@ -79,9 +79,11 @@ class VelocitiesAround {
 /// sides.
 rigid::Vec3 vorticity(VelocitiesAround&, lbm::Int3 cell);
 
-/// S : S of what arrives at a cell, from S = -3/(2 tau) [sum_i c_i c_i (g_i - g_i^eq) + (u F + F u) / 2]
-/// (Chapman-Enskog with the force of Guo, Zheng, Shi 2002; reference density 1), in units of the finest
+/// S of what arrives at a cell, xx yy zz xy xz yz: S = -3/(2 tau) [sum_i c_i c_i (g_i - g_i^eq) + (u F + F u)
+/// / 2] (Chapman-Enskog with the force of Guo, Zheng, Shi 2002; reference density 1), in units of the finest
 /// lattice.
+std::array<double, 6> strain_rate(const FluidFields&, const lbm::Moments&);
+/// S : S.
 double strain_rate_squared(const FluidFields&, const lbm::Moments&);
 
 }  // namespace silt::coupler

@@ -100,9 +100,12 @@ bool add_shear_resistance(const Simulation& simulation, const QuantitySpec& q, c
   return true;
 }
 
-double relative_viscosity(const Case& setup, const QuantitySpec& q, std::span<const double> resistance) {
-  const int low = 2 * q.axis, high = low + 1;
-  const Vec3 shear = (setup.boundary[high].velocity - setup.boundary[low].velocity) / setup.cells[q.axis];
+double relative_viscosity(const Case& setup, const QuantitySpec& q, std::int64_t step,
+                          std::span<const double> resistance) {
+  const auto velocity = [&](int side) {
+    return setup.boundary[side].velocity_at(static_cast<double>(step) - 0.5);
+  };
+  const Vec3 shear = (velocity(2 * q.axis + 1) - velocity(2 * q.axis)) / setup.cells[q.axis];
   const double stress = 0.5 * vector_of(resistance).dot(shear) / area_of(setup, q.axis);
   return stress / (setup.fluid->kinematic_viscosity * shear.squaredNorm());
 }
@@ -148,7 +151,8 @@ double wall_torque(const Case& setup, const QuantitySpec& q, std::int64_t step,
 
 /// With the velocities that the wall had in the step.
 double wall_power(const Case& setup, const QuantitySpec& q, std::int64_t step, std::span<const double> load) {
-  const rigid::WallMotion::Velocity velocity = setup.walls[q.wall].velocity_at(static_cast<double>(step - 1));
+  const rigid::PrescribedMotion::Velocity velocity =
+      setup.walls[q.wall].velocity_at(static_cast<double>(step - 1));
   return -(vector_of(load.first(3)).dot(velocity.linear) + vector_of(load.subspan(3)).dot(velocity.angular));
 }
 

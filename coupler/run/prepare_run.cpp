@@ -13,6 +13,7 @@
 #include "coupler/placement/start_check.hpp"
 #include "coupler/results/body_output.hpp"
 #include "coupler/results/checkpoint.hpp"
+#include "coupler/results/start_from.hpp"
 #include "coupler/run/run_estimate.hpp"
 #include "lbm/cut_links.hpp"
 #include "parallel/collectives.hpp"
@@ -142,6 +143,21 @@ std::unique_ptr<adapters::CheckpointReader> first_sound_checkpoint(
   std::rethrow_exception(first);
 }
 
+/// Collective. Opens what a case begins with.
+std::unique_ptr<adapters::CheckpointReader> checkpoint_of_start(const Case& setup, MPI_Comm comm,
+                                                                std::string& note) {
+  const fs::path from = setup.directory / setup.start->from;
+  auto there = adapters::list_checkpoints(from);
+  if (from.extension() == ".h5") there = {{0, from}};
+  if (there.empty())
+    throw CaseError(
+        setup.place("initial.from"),
+        fmt::format("initial.from is '{}', and there is no checkpoint in {}; let the other run write "
+                    "one at its end (output.checkpoint), or name one",
+                    setup.start->from, from.string()));
+  return first_sound_checkpoint(there, comm, note);
+}
+
 }  // namespace
 
 std::string examine_case(const RunOptions& options) {
@@ -197,7 +213,12 @@ PreparedRun prepare_scene(const RunOptions& options, MPI_Comm comm) {
   const auto setup = judged_once(options.directory, comm, prepared,
                                  [&](CaseSource& source) { return read_case(source, options.overrides); });
   require_sound_start(*setup, make_domain(*setup, parallel::ranks_of(comm)), comm);
-  prepared.simulation = std::make_unique<Simulation>(std::move(*setup), comm);
+  if (setup->start) {
+    const auto reader = checkpoint_of_start(*setup, comm, prepared.earlier_options);
+    prepared.simulation = simulation_from(*reader, std::move(*setup), comm);
+  } else {
+    prepared.simulation = std::make_unique<Simulation>(std::move(*setup), comm);
+  }
   if (prepared.simulation->setup().output.mean) prepared.mean.emplace(*prepared.simulation);
   return prepared;
 }

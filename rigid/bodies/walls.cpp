@@ -48,7 +48,7 @@ void append(BodySet& bodies, World& world, const Shape& shape, const Spec& spec)
   wall.motion = spec.moves() ? Motion::prescribed : Motion::fixed;
   const Pose pose = spec.pose(0);
   const Quat& q = pose.orientation;
-  const WallMotion::Velocity velocity = spec.velocity_at(0);
+  const PrescribedMotion::Velocity velocity = spec.velocity_at(0);
   Eigen::Map<Vec3>{wall.position} = pose.position;
   Eigen::Map<Eigen::Vector4d>{wall.orientation} = Eigen::Vector4d(q.w(), q.x(), q.y(), q.z());
   Eigen::Map<Vec3>{wall.velocity} = velocity.linear;
@@ -70,7 +70,7 @@ void add_wall(BodySet& bodies, World& world, const MeshWallSpec& spec) {
 }
 
 void move_wall(BodySet& bodies, std::size_t row, const MeshWallSpec& spec, double time) {
-  const WallMotion::Velocity velocity = spec.velocity_at(time);
+  const PrescribedMotion::Velocity velocity = spec.velocity_at(time);
   bodies.set_pose(row, spec.pose(time));
   bodies.set_velocity(row, velocity.linear, velocity.angular);
 }
@@ -84,8 +84,8 @@ Pose MeshWallSpec::pose(double time) const {
   return {reference.to_world(arm), reference.orientation};
 }
 
-WallMotion::Velocity MeshWallSpec::velocity_at(double time) const {
-  WallMotion::Velocity at = motion.velocity_at(time);
+PrescribedMotion::Velocity MeshWallSpec::velocity_at(double time) const {
+  PrescribedMotion::Velocity at = motion.velocity_at(time);
   if (!at.angular.isZero(0)) at.linear += at.angular.cross(motion.pose(start, time).orientation * arm);
   return at;
 }

@@ -5,7 +5,7 @@
 
 #include "rigid/bodies/body_exchange.hpp"
 #include "rigid/bodies/body_set.hpp"
-#include "rigid/bodies/wall_motion.hpp"
+#include "rigid/bodies/prescribed_motion.hpp"
 #include "rigid/bodies/world.hpp"
 #include "rigid/shapes/hollow_shape.hpp"
 #include "rigid/shapes/mesh.hpp"
@@ -34,7 +34,7 @@ struct HollowWallSpec {
 
   bool moves() const { return angular_velocity != 0 || velocity != 0; }
   Pose pose(double time = 0) const;
-  WallMotion::Velocity velocity_at(double) const { return {velocity * axis, angular_velocity * axis}; }
+  PrescribedMotion::Velocity velocity_at(double) const { return {velocity * axis, angular_velocity * axis}; }
 };
 
 /// A wall of triangles. What moves as prescribed, and turns about itself, is its reference point, which may
@@ -44,13 +44,13 @@ struct MeshWallSpec {
   Pose start;                 // of the reference point at time 0
   Vec3 axis = Vec3::UnitZ();  // unit: of the quantity wall-torque, through the reference point
   int material = 0;
-  WallMotion motion;
+  PrescribedMotion motion;
   Vec3 arm = Vec3::Zero();  // from the reference point to the origin of the mesh's frame, in that frame
 
   bool moves() const { return motion.moves(); }
   /// Pose and velocities of the mesh's frame.
   Pose pose(double time) const;
-  WallMotion::Velocity velocity_at(double time) const;
+  PrescribedMotion::Velocity velocity_at(double time) const;
   /// How far its furthest corner is from the reference point.
   double reach() const;
 };

@@ -15,4 +15,11 @@ Quat rotation_by(const Vec3& angle) {
   return Quat(elementary::cos(0.5 * size), v[0], v[1], v[2]);
 }
 
+Vec3 angle_of(const Quat& rotation) {
+  const double sine = rotation.vec().norm(), cosine = rotation.w();
+  if (sine == 0) return Vec3::Zero();
+  const double half = cosine < 0 ? elementary::atan2(-sine, -cosine) : elementary::atan2(sine, cosine);
+  return 2 * half / sine * rotation.vec();
+}
+
 }  // namespace silt::rigid

@@ -24,6 +24,8 @@ Quat rotation_between(const Vec3& from, const Vec3& to);
 
 /// Returns the rotation by the vector angle (radians about its own axis).
 Quat rotation_by(const Vec3& angle);
+/// Returns the shortest such vector of a rotation.
+Vec3 angle_of(const Quat&);
 
 /// The normal and two tangents.
 inline std::array<Vec3, 3> contact_directions(const Vec3& n) {

@@ -31,6 +31,8 @@ class LevelledFlow final : public Flow {
   FlowAccount& account() override { return *account_; }
   void set_solid(int level, int block, lbm::Int3 cell) { levels_[level]->maps[block].solid.set(cell); }
 
+  void drive(std::int64_t) override {}
+  FlowControl* control() override { return nullptr; }
   void map_bodies(rigid::BodySet&, const BodyChanges&) override {}
   void stream_collide(StepClock&) override {}
   void communicate() override {}

@@ -129,7 +129,7 @@ Scene meshes_on_a_floor(unsigned order) {
   }
   const auto floor = testing::solid_of(testing::random_slab(9, 0.5, 6, 3));
   add_wall(s.bodies, s.world, {floor, {{-3, -3, 0.6}, Quat::Identity()}, Vec3::UnitZ(), 0, {}});
-  WallMotion turns;
+  PrescribedMotion turns;
   turns.angular_velocity = {0, 0, 0.5};
   const auto paddle = testing::solid_of(testing::cuboid_mesh({-0.8, -0.1, -0.2}, {0.8, 0.1, 0.2}));
   add_wall(s.bodies, s.world, {paddle, {{0.2, 1.5, 0.9}, Quat::Identity()}, Vec3::UnitZ(), 0, turns});

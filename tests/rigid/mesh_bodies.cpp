@@ -21,7 +21,7 @@ class MeshBodies : public ::testing::TestWithParam<const char*> {
 INSTANTIATE_TEST_SUITE_P(On, MeshBodies, ::testing::Values("auto", "analytic", "bullet", "fcl"),
                          [](const auto& name) { return std::string(name.param); });
 
-void add_wall(Scene& s, const Mesh& mesh, const Vec3& x, const WallMotion& motion = {}) {
+void add_wall(Scene& s, const Mesh& mesh, const Vec3& x, const PrescribedMotion& motion = {}) {
   add_wall(s.bodies, s.world, {mesh, {x, Quat::Identity()}, Vec3::UnitZ(), 0, motion});
 }
 
@@ -142,7 +142,7 @@ TEST_P(MeshBodies, FunnelKeepsItsBalls) {
 TEST_P(MeshBodies, MovingWallsCarryAndPush) {
   Scene s(0, 0.5);
   const Mesh paddle = testing::solid_of(testing::cuboid_mesh({-4, -0.2, -0.5}, {4, 0.2, 0.5}));
-  WallMotion turns;
+  PrescribedMotion turns;
   turns.angular_velocity = {0, 0, 1};
   s.add(s.shape(Sphere{0.3}), {13, 10.7, 10});
   const MeshWallSpec wall{paddle, {{10, 10, 10}, Quat::Identity()}, Vec3::UnitZ(), 0, turns};

@@ -114,7 +114,8 @@ units = { system = "si", zzz = 1 }
 domain = { zzz = 1, boundary = { zzz = 1, x = [{ type = "moving", zzz = 1 }, { type = "pressure-outlet", zzz = 1 }] } }
 fluid = { zzz = 1, initial = { type = "uniform", zzz = 1 } }
 coarsening = { zzz = 1, fine = [{ zzz = 1 }] }
-gravity = { zzz = 1 }
+gravity = { zzz = 1, over_time = { zzz = 1 } }
+initial = { zzz = 1 }
 coupling = { zzz = 1 }
 contacts = { zzz = 1 }
 materials = [{ name = "steel", zzz = 1 }]
@@ -123,6 +124,7 @@ walls = [{ type = "tube", zzz = 1 }, { type = "mesh", zzz = 1, motion = { zzz = 
 shapes = []
 bodies = [{ zzz = 1, axis_angle = { zzz = 1 } }]
 fill = [{ zzz = 1, diameter = { zzz = 1 } }]
+springs = [{ zzz = 1 }]
 outflow = [{ zzz = 1 }]
 run = { zzz = 1, steady = { zzz = 1 }, balance = { zzz = 1 } }
 quantities = []

@@ -260,6 +260,7 @@ CaseText watched_crowd() {
     if (type.takes(QuantityType::centre)) c.run += "centre = [16, 16, 16]\n";
     if (type.takes(QuantityType::axis)) c.run += "axis = \"x\"\n";
     if (type.takes(QuantityType::wall)) c.run += "wall = \"pipe\"\n";
+    if (type.takes(QuantityType::component)) c.run += "component = \"xz\"\n";
   }
   return c;
 }

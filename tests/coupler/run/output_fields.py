@@ -329,6 +329,8 @@ class Mean(SiltTest):
         self.assertTrue(0 < (solid.any(0) & ~solid.all(0)).sum())  # the balls move
         np.testing.assert_allclose(means["solid-fraction"], solid.mean(0), atol=1e-15)
         times = np.maximum((~solid).sum(0), 1)
+        bodies = np.where(solid[..., None], u, 0).sum(0) / np.maximum(solid.sum(0), 1)[..., None]
+        np.testing.assert_allclose(means["body-velocity"], bodies, atol=1e-15)
         u[solid], p[solid] = 0, 0
         mean = u.sum(0) / times[..., None]
         np.testing.assert_allclose(means["velocity"], mean, atol=1e-15)

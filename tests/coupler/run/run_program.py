@@ -53,6 +53,21 @@ checkpoint = { every = 12 }
 
 
 class Program(SiltTest):
+    def test_a_run_begins_where_another_has_ended(self):
+        next_case = self.case.parent / "next"
+        next_case.mkdir()
+        text = CASE.replace("velocity = [0.02, 0, 0]\npositions = [[6, 8, 8], [18, 8, 9]]", "").replace("0.8", "1.1")
+        (next_case / "case.toml").write_text(text + '\n[initial]\nfrom = "../case/out"\n')
+        fault = self.silt("run", next_case, code=2).stderr
+        self.assertRegex(fault, "case.toml:.*initial.from is '../case/out', and there is no checkpoint in .*output.checkpoint")
+        self.silt("run", self.case)
+        self.silt("run", next_case, "--steps", "20")
+        hashes = [json.loads((next_case / "out/report.json").read_text())["state_hash"]]
+        self.silt("run", next_case, "--steps", "20", "--overwrite", ranks=3)
+        hashes.append(json.loads((next_case / "out/report.json").read_text())["state_hash"])
+        self.assertEqual(*hashes)
+        self.assertEqual(json.loads((next_case / "out/report.json").read_text())["bodies"], 2)
+
     def test_run_and_resume_on_other_ranks(self):
         self.silt("run", self.case)
         whole = self.report()

@@ -1,8 +1,9 @@
 #pragma once
-// The prescribed motion of a wall: its pose is a function of time alone, so a run that goes on, or runs on
+// The prescribed motion of a wall or a body: a function of time alone, so a run that goes on, or runs on
 // other ranks, has the same walls to the bit.
 #include <vector>
 
+#include "rigid/bodies/over_time.hpp"
 #include "rigid/math/types.hpp"
 
 namespace silt::rigid {
@@ -15,8 +16,9 @@ struct MotionRow {
 
 /// The wall's reference point is carried along and the wall turns about it; what is given of all this is
 /// added up, but a turn at a constant rate and one of a table exclude each other. Lattice units.
-struct WallMotion {
+struct PrescribedMotion {
   Vec3 velocity = Vec3::Zero(), angular_velocity = Vec3::Zero();
+  OverTime over_time = {};            // of both
   Vec3 amplitude = Vec3::Zero();      // the reference point oscillates about where it would be without
   double frequency = 0, phase = 0;    // 1 / step; radian at time 0
   std::vector<MotionRow> table = {};  // times grow; before and after it the wall rests
@@ -30,6 +32,8 @@ struct WallMotion {
   };
   /// The derivative of the pose.
   Velocity velocity_at(double time) const;
+  /// The constant velocities that lead from the pose at a time to that a step later.
+  Velocity over_step(double time) const;
   /// No point of the wall within `radius` of the reference point is ever faster.
   double speed_bound(double radius) const;
 };

@@ -1,4 +1,4 @@
-#include "rigid/bodies/wall_motion.hpp"
+#include "rigid/bodies/prescribed_motion.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -77,35 +77,41 @@ Vec3 angular_velocity_of(const Vec3& rotation, const Vec3& rate) {
 
 }  // namespace
 
-bool WallMotion::moves() const {
+bool PrescribedMotion::moves() const {
   return !velocity.isZero(0) || !angular_velocity.isZero(0) || (!amplitude.isZero(0) && frequency != 0) ||
          table.size() > 1;
 }
 
-Pose WallMotion::pose(const Pose& start, double time) const {
+Pose PrescribedMotion::pose(const Pose& start, double time) const {
   const Interpolated moved = at(table, time);
-  const Vec3 to = velocity * time + amplitude * elementary::sin(full_turn * frequency * time + phase) +
-                  moved.displacement;
-  const Vec3 turned = angular_velocity * time + moved.rotation;
+  const Vec3 to = velocity * over_time.integral(time) +
+                  amplitude * elementary::sin(full_turn * frequency * time + phase) + moved.displacement;
+  const Vec3 turned = angular_velocity * over_time.integral(time) + moved.rotation;
   return {start.position + to, (rotation_by(turned) * start.orientation).normalized()};
 }
 
-WallMotion::Velocity WallMotion::velocity_at(double time) const {
+PrescribedMotion::Velocity PrescribedMotion::velocity_at(double time) const {
   const Interpolated moved = at(table, time);
   const double swing = full_turn * frequency;
-  return {velocity + amplitude * (swing * elementary::cos(swing * time + phase)) + moved.velocity,
-          angular_velocity + angular_velocity_of(moved.rotation, moved.rate)};
+  const double share = over_time.at(time);
+  return {share * velocity + amplitude * (swing * elementary::cos(swing * time + phase)) + moved.velocity,
+          share * angular_velocity + angular_velocity_of(moved.rotation, moved.rate)};
+}
+
+PrescribedMotion::Velocity PrescribedMotion::over_step(double time) const {
+  const Pose from = pose({}, time), to = pose({}, time + 1);
+  return {to.position - from.position, angle_of(to.orientation * from.orientation.conjugate())};
 }
 
 /// The angular velocity is at most the rate of the rotation vector: no direction is stretched by the
 /// Jacobian.
-double WallMotion::speed_bound(double radius) const {
+double PrescribedMotion::speed_bound(double radius) const {
   double along_table = 0;
   for (std::size_t k = 0; k + 1 < table.size(); ++k)
     along_table = std::max(along_table, slope_bound(table, k, &MotionRow::displacement) +
                                             radius * slope_bound(table, k, &MotionRow::rotation));
-  return velocity.norm() + full_turn * std::abs(frequency) * amplitude.norm() +
-         radius * angular_velocity.norm() + along_table;
+  return over_time.most() * (velocity.norm() + radius * angular_velocity.norm()) +
+         full_turn * std::abs(frequency) * amplitude.norm() + along_table;
 }
 
 }  // namespace silt::rigid

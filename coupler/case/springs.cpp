@@ -1,0 +1,130 @@
+// [[springs]]; what may be wrong with them.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "coupler/case/case.hpp"
+#include "coupler/case/case_sections.hpp"
+#include "rigid/shapes/shape.hpp"
+
+namespace silt::coupler {
+
+namespace {
+
+using rigid::Vec3;
+
+constexpr std::tuple spring_keys{
+    HandKey{"body", "string", "", required, "name of a [[bodies]] entry of one body"},
+    HandKey{"to", "string", "", "the domain", "the same, of the other body"},
+    HandKey{"ends", "[[x, y, z], [x, y, z]]", "m", "centres of mass",
+            "where it is at the start: a point that is fixed to body, and one that is fixed to the other "
+            "body, or "
+            "to the domain"},
+    Key{"length", &SpringSpec::length, Number{dimension::length, range::at_least(0)},
+        "at which it does not pull; 0: it holds the two points together, whatever way they part",
+        "of the start"},
+    Key{"stiffness", &SpringSpec::stiffness, Number{{0, -2, 1}, range::at_least(0), "N/m"},
+        "its force over how much longer it is", required},
+    Key{"damping", &SpringSpec::damping, Number{{0, -1, 1}, range::at_least(0), "N s/m"},
+        "the force of its damper over the speed at which it becomes longer"}};
+
+/// The one body of a name; none (reported) where there are several, or a file or a fill names them.
+const BodySpec* read_body(TableReader& table, const char* key, const Case& setup) {
+  const auto kind = read_name(table, key, setup.kind_names, "name of [[bodies]]");
+  if (!kind || *kind < 0) return nullptr;
+  const BodySpec* found = nullptr;
+  bool one = true;
+  for (const BodySpec& body : setup.bodies) {
+    if (body.kind != *kind) continue;
+    one &= !found;
+    found = &body;
+  }
+  for (const FiledBodies& file : setup.filed) one &= file.alike.kind != *kind;
+  for (const FillSpec& fill : setup.fills) one &= fill.kind != *kind;
+  if (found && one) return found;
+  table.fail(
+      key, "{}: '{}' names several bodies, or those of a file or a fill; give the one body a name of its own",
+      table.path(key), setup.kind_names[*kind]);
+  return nullptr;
+}
+
+rigid::BodyId id_of(const BodySpec* body, const Case& setup) {
+  return body ? static_cast<rigid::BodyId>(body - setup.bodies.data()) + 1 : 0;
+}
+
+/// How fast a point of a body becomes by an impulse there, at most.
+double compliance_of(const BodySpec& body, const Vec3& arm, const Case& setup) {
+  if (body.motion != rigid::Motion::free) return 0;
+  const rigid::MassProperties p = rigid::mass_properties(setup.shapes[body.shape]);
+  const double least = Eigen::SelfAdjointEigenSolver<rigid::Mat3>(p.inertia).eigenvalues()[0];
+  return (1 / p.volume + arm.squaredNorm() / least) / body.density;
+}
+
+void read_ends(TableReader& table, SpringSpec& spring, const BodySpec& body, const BodySpec* to,
+               const Case& setup) {
+  const rigid::Extent extent = extent_of(setup);
+  std::vector<Vec3> ends{body.pose.position, to ? to->pose.position : body.pose.position};
+  if (table.has("ends")) {
+    ends = table.points("ends", 2, "two points, [[x, y, z], [x, y, z]]");
+    if (ends.size() != 2) {
+      if (!ends.empty()) table.refuse("ends", "two points, [[x, y, z], [x, y, z]]");
+      return;
+    }
+  } else if (!to) {
+    table.need("ends", "a point of the body, and the one of the domain that it is tied to");
+  }
+  const auto arm = [&](const BodySpec& b, const Vec3& end) -> Vec3 {
+    return b.pose.orientation.conjugate() * nearest_image(end - b.pose.position, extent);
+  };
+  spring.arm = arm(body, ends[0]);
+  spring.to_arm = to ? arm(*to, ends[1]) : ends[1];
+  if (!table.has("length")) spring.length = nearest_image(ends[1] - ends[0], extent).norm();
+  spring.compliance = compliance_of(body, spring.arm, setup);
+  if (to) spring.compliance += compliance_of(*to, spring.to_arm, setup);
+}
+
+}  // namespace
+
+std::vector<KeySection> spring_sections() {
+  return {section_of("springs", spring_keys)};
+}
+
+void read_springs(TableReader& root, Case& setup) {
+  for (TableReader& table : root.tables("springs")) {
+    SpringSpec spring;
+    read_keys(table, spring, spring_keys);
+    const BodySpec *const body = read_body(table, "body", setup), *const to =
+                                                                      table.has("to")
+                                                                          ? read_body(table, "to", setup)
+                                                                          : nullptr;
+    if (!body || (table.has("to") && !to)) continue;
+    spring.body = id_of(body, setup), spring.to = id_of(to, setup);
+    if (body == to) table.fail("to", "{} is the body itself; name another one", table.path("to"));
+    read_ends(table, spring, *body, to, setup);
+    setup.springs.push_back(spring);
+  }
+}
+
+/// A step has to resolve its oscillation: it is stable up to a product of 4 of stiffness and compliance.
+void find_spring_faults(const Case& setup, Findings& findings) {
+  constexpr double most = 0.4;
+  for (std::size_t i = 0; i < setup.springs.size(); ++i) {
+    const SpringSpec& spring = setup.springs[i];
+    const double square = spring.stiffness * spring.compliance;
+    const std::string entry = fmt::format("springs[{}]", i);
+    if (spring.compliance == 0)
+      findings.error(entry + ".body", "{}: neither of its ends can move; one must be of a free body", entry);
+    if (square > most)
+      findings.error(
+          entry + ".stiffness",
+          "{}.stiffness lets its bodies swing in {} steps; at least {} are needed: lower it to {} or "
+          "shorten the time step",
+          entry, shown(2 * std::numbers::pi / std::sqrt(square)),
+          shown(rounded_up(2 * std::numbers::pi / std::sqrt(most))),
+          shown(rounded_down(setup.units.physical(most / spring.compliance, {0, -2, 1}))));
+  }
+}
+
+}  // namespace silt::coupler

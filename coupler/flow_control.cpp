@@ -1,0 +1,50 @@
+#include "coupler/flow_control.hpp"
+
+namespace silt::coupler {
+
+using rigid::Vec3;
+
+FlowControl::FlowControl(const FluidSpec& fluid, double cells, MPI_Comm comm)
+    : wanted_(fluid.superficial_velocity),
+      cells_(cells),
+      comm_(comm),
+      state_{fluid.body_force, fluid.body_force} {}
+
+void FlowControl::look(std::int64_t step, const FlowSums& here) {
+  constexpr double intervals = 4;  // in which a difference is to go: stable whatever resists (README.md)
+  settle();
+  if (step > 0) {
+    if (step == interval) state_.velocity_before = state_.velocity;  // the first is the only one so far
+    const Vec3 gain = (state_.velocity - state_.velocity_before) / double(interval);
+    const Vec3 lacking = (wanted_ - state_.velocity) / (intervals * double(interval));
+    const Vec3 next = state_.force_before - gain + lacking;
+    state_.force_before = state_.force;
+    state_.force = next;
+  }
+  sums_.start(comm_, {here.momentum(), here.cells()});
+  pending_ = true;
+  looked_at_ = step;
+}
+
+Vec3 FlowControl::force(const Vec3& given) const {
+  return (wanted_.array() != 0).select(state_.force, given);
+}
+
+const FlowControl::State& FlowControl::state() {
+  settle();
+  return state_;
+}
+
+/// The velocity of the last look, with half of the force that acts since.
+void FlowControl::settle() {
+  if (!pending_) return;
+  pending_ = false;
+  const Sums& all = sums_.finish();
+  state_.velocity_before = state_.velocity;
+  for (int d = 0; d < 3; ++d)
+    state_.velocity[d] = (double(all.momentum[d].value()) * lbm::CellTotals::momentum_quantum +
+                          0.5 * double(all.cells) * state_.force[d]) /
+                         cells_;
+}
+
+}  // namespace silt::coupler

@@ -1,0 +1,87 @@
+// The parts of the stress of a suspension, means over a box: of the fluid, and what bodies add to it by their
+// presence and by contacts (G. K. Batchelor, J. Fluid Mech. 41 (1970) 545). Pull is positive.
+#include "coupler/case/case.hpp"
+#include "coupler/forces/contact_loads.hpp"
+#include "coupler/results/quantity_computation.hpp"
+#include "coupler/results/solid_cells.hpp"
+#include "coupler/results/velocity_gradient.hpp"
+
+namespace silt::coupler {
+
+namespace {
+
+using lbm::Int3;
+using rigid::ExactSum;
+using rigid::Vec3;
+
+bool is_in(const QuantitySpec& q, const Vec3& x) {
+  return (x.array() >= q.box.lower.array()).all() && (x.array() < q.box.upper.array()).all();
+}
+
+void viscous_stress(const Simulation& simulation, const QuantitySpec& q, ExactSum& stress) {
+  simulation.scene().flow->for_levels([&](const FluidFields& fields) {
+    const double share = 2 * simulation.setup().fluid->kinematic_viscosity * double(fields.volume());
+    for_each_fluid_cell(fields, [&](Int3 cell, const lbm::Moments& m) {
+      if (is_in(q, fields.centre(cell))) stress.add(share * strain_rate(fields, m)[q.component]);
+    });
+  });
+}
+
+/// Force of the links of each body, as README.md (1) and (2) have it, times the way from its centre to where
+/// they are cut, taken to be half-way between cells.
+void particle_stress(const Simulation& simulation, const QuantitySpec& q, ExactSum& stress) {
+  const FluidFields& fields = simulation.scene().flow->fields();
+  const rigid::BodySet& bodies = simulation.bodies();
+  const SolidCells solid(simulation, fields);
+  const bool galilean = simulation.setup().coupling.force == ForceForm::galilean;
+  for (int b = 0; b < fields.blocks(); ++b) {
+    const Int3 size = fields.block(b).size, one{1, 1, 1};
+    solid.for_each({b, Int3{} - one, size + one}, [&](std::size_t row, Int3 cell, const Vec3& r) {
+      if (!q.is_about(bodies.kind[row]) || !is_in(q, bodies.position[row])) return;
+      for (int i = 1; i < lbm::directions; ++i) {
+        const Int3 c = lbm::c[i], x = cell - c;
+        if (!lbm::CellBox{{}, size}.contains(x) || !fields.is_fluid(b, x)) continue;
+        const Vec3 along(c.x, c.y, c.z), arm = r - 0.5 * along;
+        const auto [out, back] = fields.link(b, x, i);
+        Vec3 force = (out + back) * along;
+        if (galilean) force -= (out - back) * bodies.velocity_at(row, arm);
+        stress.add(symmetric_product(arm, force)[q.component]);
+      }
+    });
+  }
+}
+
+void contact_stress(const Simulation& simulation, const QuantitySpec& q, ExactSum& stress) {
+  const double steps = simulation.setup().contacts.substeps;
+  for (const ContactMoment& of : simulation.contact_moments())
+    if (q.is_about(of.kind) && is_in(q, of.position)) stress.add(steps * of.moment[q.component]);
+}
+
+template <auto add_to>
+bool add(const Simulation& simulation, const QuantitySpec& q, const QuantityHistory&,
+         std::span<ExactSum> sums) {
+  if (simulation.steps_done() == 0 && add_to != viscous_stress) return false;  // nothing has acted
+  add_to(simulation, q, sums[0]);
+  return true;
+}
+
+double over_volume(const Case&, const QuantitySpec& q, std::int64_t, std::span<const double> sum) {
+  return sum[0] / (q.box.upper - q.box.lower).prod();
+}
+
+template <auto add_to>
+constexpr Computation part(std::string_view type) {
+  return in_step(type, {1, 0, add<add_to>, nullptr, over_volume});
+}
+
+constexpr Computation of_stress[] = {part<viscous_stress>("viscous-stress"),
+                                     part<particle_stress>("particle-stress"),
+                                     part<contact_stress>("contact-stress")};
+
+}  // namespace
+
+std::span<const Computation> stress_computations() {
+  return of_stress;
+}
+
+}  // namespace silt::coupler
