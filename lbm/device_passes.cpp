@@ -29,14 +29,14 @@ void return_from_outlet([[maybe_unused]] Device device, const ReturnFromOutlet<T
 
 template <class T>
 void carry_packets([[maybe_unused]] Device device, const BorderRows<T>& rows,
-                   std::span<const typename BorderRows<T>::Carried> carried, std::uint32_t longest) {
-  SILT_ON(device, carry_packets<T>)(rows, carried, longest);
+                   std::span<const typename BorderRows<T>::Carried> carried) {
+  SILT_ON(device, carry_packets<T>)(rows, carried);
 }
 
 template <class T>
 void cross_border([[maybe_unused]] Device device, const BorderRows<T>& rows, const BorderLists<T>& lists,
-                  std::span<const typename BorderRows<T>::Passing> passing, std::uint32_t longest) {
-  SILT_ON(device, cross_border<T>)(rows, lists, passing, longest);
+                  std::span<const typename BorderRows<T>::Passing> passing) {
+  SILT_ON(device, cross_border<T>)(rows, lists, passing);
 }
 
 template <class T>
@@ -68,10 +68,9 @@ void mass_of_rows([[maybe_unused]] Device device, const Block<T>& block, Parity 
   template void return_from_outlet(Device, const ReturnFromOutlet<T>&, std::size_t);                         \
   template void gather_moments(Device, const ListedCells<T>&, Moments*);                                     \
   template void set_arriving(Device, const ListedCells<T>&, const double*);                                  \
-  template void carry_packets(Device, const BorderRows<T>&, std::span<const BorderRows<T>::Carried>,         \
-                              std::uint32_t);                                                                \
+  template void carry_packets(Device, const BorderRows<T>&, std::span<const BorderRows<T>::Carried>);        \
   template void cross_border(Device, const BorderRows<T>&, const BorderLists<T>&,                            \
-                             std::span<const BorderRows<T>::Passing>, std::uint32_t);                        \
+                             std::span<const BorderRows<T>::Passing>);                                       \
   template void total_rows(Device, const Block<T>&, Parity, std::span<const LocalRows>,                      \
                            const std::array<double, 3>&, CellTotals*);                                       \
   template void mass_of_rows(Device, const Block<T>&, Parity, std::span<const LocalRows>, std::int64_t*);

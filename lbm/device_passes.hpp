@@ -50,13 +50,11 @@ void move_slots(Device, const SlotPairs&, std::span<const T> addends, SlotArrays
 template <class T>
 void return_from_outlet(Device, const ReturnFromOutlet<T>&, std::size_t cells);
 /// What is done at a border when its coarse cells have collided, and after a pass of its fine ones.
-/// `longest`: of the rows.
 template <class T>
-void carry_packets(Device, const BorderRows<T>&, std::span<const typename BorderRows<T>::Carried>,
-                   std::uint32_t longest);
+void carry_packets(Device, const BorderRows<T>&, std::span<const typename BorderRows<T>::Carried>);
 template <class T>
 void cross_border(Device, const BorderRows<T>&, const BorderLists<T>&,
-                  std::span<const typename BorderRows<T>::Passing>, std::uint32_t longest);
+                  std::span<const typename BorderRows<T>::Passing>);
 
 template <class T>
 void gather_moments(Device, const ListedCells<T>&, Moments*);
@@ -69,29 +67,29 @@ void total_rows(Device, const Block<T>&, Parity, std::span<const LocalRows>,
 template <class T>
 void mass_of_rows(Device, const Block<T>&, Parity, std::span<const LocalRows>, std::int64_t* quanta);
 
-#define SILT_DEVICE_PASSES                                                                                   \
-  std::vector<FastInBlock> take_fast_cells();                                                                \
-  void wait();                                                                                               \
-                                                                                                             \
-  template <class T>                                                                                         \
-  void stream_collide(int, Block<T>&, Parity, const CollisionRates<T>&, RowRange, int);                      \
-  template <class T>                                                                                         \
-  void move_slots(const SlotPairs&, std::span<const T>, SlotArrays<const T>, SlotArrays<T>, bool);           \
-  template <class T>                                                                                         \
-  void return_from_outlet(const ReturnFromOutlet<T>&, std::size_t cells);                                    \
-  template <class T>                                                                                         \
-  void gather_moments(const ListedCells<T>&, Moments*);                                                      \
-  template <class T>                                                                                         \
-  void set_arriving(const ListedCells<T>&, const double* g);                                                 \
-  template <class T>                                                                                         \
-  void total_rows(const Block<T>&, Parity, std::span<const LocalRows>, const std::array<double, 3>&,         \
-                  CellTotals*);                                                                              \
-  template <class T>                                                                                         \
-  void carry_packets(const BorderRows<T>&, std::span<const typename BorderRows<T>::Carried>, std::uint32_t); \
-  template <class T>                                                                                         \
-  void cross_border(const BorderRows<T>&, const BorderLists<T>&,                                             \
-                    std::span<const typename BorderRows<T>::Passing>, std::uint32_t);                        \
-  template <class T>                                                                                         \
+#define SILT_DEVICE_PASSES                                                                           \
+  std::vector<FastInBlock> take_fast_cells();                                                        \
+  void wait();                                                                                       \
+                                                                                                     \
+  template <class T>                                                                                 \
+  void stream_collide(int, Block<T>&, Parity, const CollisionRates<T>&, RowRange, int);              \
+  template <class T>                                                                                 \
+  void move_slots(const SlotPairs&, std::span<const T>, SlotArrays<const T>, SlotArrays<T>, bool);   \
+  template <class T>                                                                                 \
+  void return_from_outlet(const ReturnFromOutlet<T>&, std::size_t cells);                            \
+  template <class T>                                                                                 \
+  void gather_moments(const ListedCells<T>&, Moments*);                                              \
+  template <class T>                                                                                 \
+  void set_arriving(const ListedCells<T>&, const double* g);                                         \
+  template <class T>                                                                                 \
+  void total_rows(const Block<T>&, Parity, std::span<const LocalRows>, const std::array<double, 3>&, \
+                  CellTotals*);                                                                      \
+  template <class T>                                                                                 \
+  void carry_packets(const BorderRows<T>&, std::span<const typename BorderRows<T>::Carried>);        \
+  template <class T>                                                                                 \
+  void cross_border(const BorderRows<T>&, const BorderLists<T>&,                                     \
+                    std::span<const typename BorderRows<T>::Passing>);                               \
+  template <class T>                                                                                 \
   void mass_of_rows(const Block<T>&, Parity, std::span<const LocalRows>, std::int64_t* quanta);
 namespace host {
 SILT_DEVICE_PASSES

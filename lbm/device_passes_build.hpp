@@ -100,48 +100,52 @@ struct MoveSlots {
   SlotArrays<const T> sources;
   SlotArrays<T> targets;
   bool back;
-  SILT_DEVICE void operator()(int n, int k) const {
+  SILT_DEVICE void operator()(std::int64_t k, Team team) const {
     const SlotRun from = back ? pairs[k].to : pairs[k].from, to = back ? pairs[k].from : pairs[k].to;
-    T* const target = targets[to.array];
-    if (!target || n >= int(from.length)) return;
-    const T* const source = sources[from.array];
-    const T value = source[from.first + std::ptrdiff_t{n} * from.stride];
-    target[to.first + std::ptrdiff_t{n} * to.stride] = addends ? value + addends[k] : value;
+    T* target = targets[to.array];
+    if (!target) return;
+    target += to.first;
+    const T* const source = sources[from.array] + from.first;
+    for (std::ptrdiff_t n = team.lane; n < from.length; n += team.size) {
+      const T value = source[n * from.stride];
+      target[n * to.stride] = addends ? value + addends[k] : value;
+    }
   }
 };
 
-/// What is done with an element of a row at a border, in the words of BorderRows. (nvcc takes no pointer to a
+/// What is done with a part of a row at a border, in the words of BorderRows. (nvcc takes no pointer to a
 /// member.)
 struct Carry {
-  SILT_DEVICE void operator()(const auto& rows, const auto& row, int n) const { rows.carry(row, n, n + 1); }
+  SILT_DEVICE void operator()(const auto& rows, const auto&... part) const { rows.carry(part...); }
 };
 struct Explode {
-  SILT_DEVICE void operator()(const auto& rows, const auto& row, int n) const { rows.explode(row, n, n + 1); }
+  SILT_DEVICE void operator()(const auto& rows, const auto&... part) const { rows.explode(part...); }
 };
 struct AddUp {
-  SILT_DEVICE void operator()(const auto& rows, const auto& row, int n) const { rows.add_up(row, n, n + 1); }
+  SILT_DEVICE void operator()(const auto& rows, const auto&... part) const { rows.add_up(part...); }
 };
 struct Coalesce {
-  SILT_DEVICE void operator()(const auto& rows, const auto& row, int n) const {
-    rows.coalesce(row, n, n + 1);
-  }
+  SILT_DEVICE void operator()(const auto& rows, const auto&... part) const { rows.coalesce(part...); }
 };
 struct Pass {
-  SILT_DEVICE void operator()(const auto& rows, const auto& row, int n) const { rows.pass(row, n, n + 1); }
+  SILT_DEVICE void operator()(const auto& rows, const auto&... part) const { rows.pass(part...); }
 };
 
+/// A team does a row, whose elements its members do in turn.
 template <class Act, class T, class Entry>
 struct OverRows {
   BorderRows<T> rows;
   const Entry* entries;
-  SILT_DEVICE void operator()(int n, int k) const {
-    if (unsigned(n) < entries[k].length) Act()(rows, entries[k], n);
+  SILT_DEVICE void operator()(std::int64_t k, Team team) const {
+    const std::ptrdiff_t length = entries[k].length;
+    if (team.size == 1) return Act()(rows, entries[k], 0, length);
+    for (std::ptrdiff_t n = team.lane; n < length; n += team.size) Act()(rows, entries[k], n, n + 1);
   }
 };
 template <class Act, class T, class Entries>
-void over_rows(const BorderRows<T>& rows, const Entries& entries, std::uint32_t longest) {
+void over_rows(const BorderRows<T>& rows, const Entries& entries) {
   using Entry = std::remove_cvref_t<decltype(*entries.data())>;
-  for_rows(int(longest), int(entries.size()), OverRows<Act, T, Entry>{rows, entries.data()});
+  for_teams(std::int64_t(entries.size()), OverRows<Act, T, Entry>{rows, entries.data()});
 }
 
 template <class T>
@@ -221,8 +225,8 @@ void wait() {
 template <class T>
 void move_slots(const SlotPairs& pairs, std::span<const T> addends, SlotArrays<const T> sources,
                 SlotArrays<T> targets, bool back) {
-  for_rows(int(pairs.longest()), int(pairs.pairs().size()),
-           MoveSlots<T>{pairs.pairs().data(), addends.data(), sources, targets, back});
+  for_teams(std::int64_t(pairs.pairs().size()),
+            MoveSlots<T>{pairs.pairs().data(), addends.data(), sources, targets, back});
 }
 
 template <class T>
@@ -231,21 +235,20 @@ void return_from_outlet(const ReturnFromOutlet<T>& cell, std::size_t cells) {
 }
 
 template <class T>
-void carry_packets(const BorderRows<T>& rows, std::span<const typename BorderRows<T>::Carried> carried,
-                   std::uint32_t longest) {
-  over_rows<Carry>(rows, carried, longest);
+void carry_packets(const BorderRows<T>& rows, std::span<const typename BorderRows<T>::Carried> carried) {
+  over_rows<Carry>(rows, carried);
 }
 
 /// Nothing that arrives is given before all is added up: it may lie where something else left.
 template <class T>
 void cross_border(const BorderRows<T>& all, const BorderLists<T>& lists,
-                  std::span<const typename BorderRows<T>::Passing> passing, std::uint32_t longest) {
+                  std::span<const typename BorderRows<T>::Passing> passing) {
   BorderRows<T> rows = all;
   rows.refer_to(lists);
-  over_rows<Explode>(rows, lists.explosions, longest);
-  over_rows<AddUp>(rows, lists.coalescences, longest);
-  over_rows<Coalesce>(rows, lists.coalescences, longest);
-  over_rows<Pass>(rows, passing, longest);
+  over_rows<Explode>(rows, lists.explosions);
+  over_rows<AddUp>(rows, lists.coalescences);
+  over_rows<Coalesce>(rows, lists.coalescences);
+  over_rows<Pass>(rows, passing);
   wait();
 }
 
@@ -335,17 +338,17 @@ void mass_of_rows(const Block<T>& block, Parity parity, std::span<const LocalRow
   wait();
 }
 
-#define SILT_PASSES_OF(T)                                                                                    \
-  template void stream_collide(int, Block<T>&, Parity, const CollisionRates<T>&, RowRange, int);             \
-  template void move_slots(const SlotPairs&, std::span<const T>, SlotArrays<const T>, SlotArrays<T>, bool);  \
-  template void return_from_outlet(const ReturnFromOutlet<T>&, std::size_t);                                 \
-  template void gather_moments(const ListedCells<T>&, Moments*);                                             \
-  template void set_arriving(const ListedCells<T>&, const double*);                                          \
-  template void carry_packets(const BorderRows<T>&, std::span<const BorderRows<T>::Carried>, std::uint32_t); \
-  template void cross_border(const BorderRows<T>&, const BorderLists<T>&,                                    \
-                             std::span<const BorderRows<T>::Passing>, std::uint32_t);                        \
-  template void total_rows(const Block<T>&, Parity, std::span<const LocalRows>,                              \
-                           const std::array<double, 3>&, CellTotals*);                                       \
+#define SILT_PASSES_OF(T)                                                                                   \
+  template void stream_collide(int, Block<T>&, Parity, const CollisionRates<T>&, RowRange, int);            \
+  template void move_slots(const SlotPairs&, std::span<const T>, SlotArrays<const T>, SlotArrays<T>, bool); \
+  template void return_from_outlet(const ReturnFromOutlet<T>&, std::size_t);                                \
+  template void gather_moments(const ListedCells<T>&, Moments*);                                            \
+  template void set_arriving(const ListedCells<T>&, const double*);                                         \
+  template void carry_packets(const BorderRows<T>&, std::span<const BorderRows<T>::Carried>);               \
+  template void cross_border(const BorderRows<T>&, const BorderLists<T>&,                                   \
+                             std::span<const BorderRows<T>::Passing>);                                      \
+  template void total_rows(const Block<T>&, Parity, std::span<const LocalRows>,                             \
+                           const std::array<double, 3>&, CellTotals*);                                      \
   template void mass_of_rows(const Block<T>&, Parity, std::span<const LocalRows>, std::int64_t*);
 SILT_PASSES_OF(float)
 SILT_PASSES_OF(double)

@@ -59,7 +59,6 @@ class LevelBorder {
   std::pmr::vector<T*> coarse_arrays_[2], fine_arrays_[2];
   std::pmr::vector<typename Rows::Carried> carry_;
   std::pmr::vector<typename Rows::Passing> passing_;
-  std::uint32_t longest_ = 0;  // row
   /// The lists of what is ready after a part of a block, by block and part, on the processor alone; what
   /// needs more than one block, or was fetched from other ranks, and what takes from what others read, comes
   /// after the pass.

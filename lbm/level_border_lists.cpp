@@ -378,7 +378,6 @@ void LevelBorder<T>::Builder::add_rows(const CellBox& box) {
       const Surroundings s = around(x);
       length = std::uint32_t(std::min(s.alike, end[axis] - x[axis]));
       if (!s.any_fine || s.any_far) continue;  // far: it has nothing to do with this rank
-      border.longest_ = std::max(border.longest_, length);
       for (int j = 1; j < directions; ++j) {
         const bool enters = s.may_meet(j), comes = s.may_meet(opposite(j));
         if (enters) add_explosion(j);

@@ -1,7 +1,6 @@
 #pragma once
 // Lists of slots of arrays, in runs, and of slots to which the values of others go. What the arrays are is
 // said when something is to go, so that one list serves every array laid out alike.
-#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <memory_resource>
@@ -47,12 +46,10 @@ class SlotPairs {
       pairs_.back().from.length += from.length, pairs_.back().to.length += to.length;
     else
       pairs_.push_back({from, to});
-    longest_ = std::max(longest_, pairs_.back().from.length);
     return may_join;
   }
-  void clear() { pairs_.clear(), longest_ = 0; }
+  void clear() { pairs_.clear(); }
   const std::pmr::vector<Pair>& pairs() const { return pairs_; }
-  std::uint32_t longest() const { return longest_; }
 
   /// Puts change_of(k)(value) of each slot of the k-th pair in its place; `back` goes the other way. Nothing
   /// goes to an array that is a null pointer.
@@ -76,7 +73,6 @@ class SlotPairs {
 
  private:
   std::pmr::vector<Pair> pairs_;
-  std::uint32_t longest_ = 0;
 };
 
 /// Slots in the order in which they were added, and their places in a message.

@@ -33,7 +33,6 @@ TEST(SlotList, JoinsSlotsThatFollowAtOneStride) {
   EXPECT_EQ(runs, expected);
   EXPECT_EQ(list.slots(), 16u);
   EXPECT_EQ(slots, 16);
-  EXPECT_EQ(list.places().longest(), 5u);
 }
 
 /// Arrays of a rank: what lies in slot s of array a.
