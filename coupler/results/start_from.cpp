@@ -46,15 +46,21 @@ struct Scales {
 Scales scales_of(const CheckpointReader& reader, const Case& setup) {
   if (!reader.has("start.cell_size"))
     reader.refuse("it does not say of what run it is; let a new one write it");
-  if (reader.number("start.cell_size") != setup.units.cell_size)
-    reader.refuse(fmt::format("its cells are {} wide, those of the case {}; they must be of one size",
-                              reader.number("start.cell_size"), setup.units.cell_size));
+  const auto positive = [&](const char* name) {
+    const double value = reader.number(name);
+    if (!(value > 0 && std::isfinite(value)))
+      reader.refuse(fmt::format("{} is {}; it must be a number above 0", name, value));
+    return value;
+  };
+  if (const double width = positive("start.cell_size"); width != setup.units.cell_size)
+    reader.refuse(fmt::format("its cells are {} wide, those of the case {}; they must be of one size", width,
+                              setup.units.cell_size));
   Scales scales;
-  scales.step = setup.units.time_step / reader.number("start.time_step");
-  scales.density = setup.units.density / reader.number("start.density");
+  scales.step = setup.units.time_step / positive("start.time_step");
+  scales.density = setup.units.density / positive("start.density");
   if (setup.fluid && reader.has("start.relaxation_time"))
     scales.off_equilibrium =
-        scales.step * setup.fluid->relaxation_time / reader.number("start.relaxation_time");
+        scales.step * setup.fluid->relaxation_time / positive("start.relaxation_time");
   return scales;
 }
 

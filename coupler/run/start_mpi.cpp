@@ -1,7 +1,9 @@
 #include "coupler/run/start_mpi.hpp"
 
 #include <mpi.h>
+#include <sys/mman.h>
 
+#include <cstdio>
 #include <cstdlib>
 #include <string_view>
 #include <vector>
@@ -65,12 +67,25 @@ class Proposal {
   std::vector<const char*> set_;
 };
 
+/// Ends the process where the system would not give so much more memory: Open MPI finds no room for its
+/// parts there, and crashes as it tells of that.
+void require_memory_to_start() {
+  constexpr std::size_t needed = std::size_t{32} << 20;
+  void* const found = mmap(nullptr, needed, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+  if (found == MAP_FAILED) {
+    std::fputs("silt: there is too little memory to start MPI; see ulimit -v\n", stderr);
+    std::exit(1);
+  }
+  munmap(found, needed);
+}
+
 }  // namespace
 
 bool start_mpi(int* argc, char*** argv) {
   int started = 0;
   MPI_Initialized(&started);
   if (started) return false;
+  require_memory_to_start();
   const Proposal proposal;
   MPI_Init(argc, argv);
   return true;

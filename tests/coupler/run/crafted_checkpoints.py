@@ -157,6 +157,18 @@ class Checkpoints(SiltTest):
             change("bodies/position", (0, 1), f["bodies/position"][0, 1])(f)
         self.silt("resume", self.case, "--set", "run.steps=30")
 
+    def test_a_run_that_begins_with_one_is_refused_too(self):
+        follower = pathlib.Path(self.scratch.name) / "follower"
+        follower.mkdir()
+        (follower / "case.toml").write_text(TOUCHING.replace("velocity = [0.02, 0, 0]\npositions = [[6, 8, 2.5], [11, 8, 2.5]]\n", "")
+                                            + f'[initial]\nfrom = "{self.out}"\n')
+        self.silt("run", follower, "--steps", 2)
+        for name, value in (("time_step", 0.0), ("density", np.nan), ("relaxation_time", -1.0)):
+            self.path.write_bytes(self.good)
+            with h5py.File(self.path, "r+") as f:
+                attribute(f"start.{name}", value)(f)
+            self.assertIn(f"start.{name} is {value:g}; it must be a number above 0", self.silt("run", follower, "--overwrite", "--steps", 2, code=2).stderr)
+
     def test_links_and_attributes_have_checksums(self):
         """HDF5 1.10 can crash on a damaged heap: there is none."""
         for heap in (b"FRHP", b"FHDB", b"HEAP", b"GCOL"):
