@@ -15,7 +15,7 @@ class FlowControl {
  public:
   static constexpr std::int64_t interval = 16;  // steps between two looks
 
-  /// What the control knows at a look and until the next: the force then and before, the mean velocity then
+  /// The control knows this at a look and until the next: the force then and before, the mean velocity then
   /// and at the look before.
   struct State {
     rigid::Vec3 force, force_before, velocity = rigid::Vec3::Zero(), velocity_before = rigid::Vec3::Zero();

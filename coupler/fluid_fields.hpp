@@ -53,7 +53,7 @@ class FluidFields {
   std::array<double, 3> velocity(const lbm::Moments& m) const { return lbm::velocity_of(m, spec_.force); }
   /// Population i arriving at the cells, whatever the parity; exact in double for either precision.
   virtual void read(int b, const lbm::CellBox&, int i, double* g) const = 0;
-  /// What left a fluid cell along i in the last pass, and what came back to it against i.
+  /// Returns what left a fluid cell along i in the last pass, and what came back to it against i.
   virtual std::pair<double, double> link(int b, lbm::Int3 local_cell, int i) const = 0;
   void write(int b, const lbm::CellBox& box, int i, const double* g) {
     sums_.reset();

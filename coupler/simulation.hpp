@@ -116,7 +116,7 @@ class Simulation : private rigid::StepObserver {
   /// Returns what owned bodies' contacts did to [[walls]] and to bodies that they do not move in the last
   /// sub-step; empty where no quantity of the case asks for it. Local.
   std::span<const ContactLoad> contact_loads() const { return contact_loads_; }
-  /// The same of what a quantity of stress asks for.
+  /// Returns the moments of their contacts, which quantities of stress ask for. Local.
   std::span<const ContactMoment> contact_moments() const { return contact_moments_; }
   /// Returns what owned bodies' contacts did to walls in the last step, all sub-steps, besides the impulses
   /// that bodies remember. Local.

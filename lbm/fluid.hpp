@@ -96,7 +96,7 @@ class Fluid {
   void set_arriving(std::span<const LocalCell>, std::span<const double> g);
   /// Those of a box of local cells.
   void moments(int b, const CellBox&, MomentArrays&) const;
-  /// What rows of them hold together; of many such at once, all in memory that the device reaches.
+  /// Returns what rows of cells hold together; of many such at once, all in memory that the device reaches.
   CellTotals totals(int b, const LocalRows&) const;
   void totals(int b, std::span<const LocalRows>, CellTotals*) const;
   /// Their masses, of which each cell's is the sum of its populations in double, in quanta.

@@ -1,5 +1,5 @@
 #pragma once
-// What cells hold together (CellTotals), in vectors of cells; in plain numbers for builds for a device.
+// The totals of cells (CellTotals), in vectors of cells; in plain numbers for builds for a device.
 #include <bit>
 #include <limits>
 

@@ -97,7 +97,7 @@ struct OutflowSpec {
   rigid::BoundingBox box{rigid::Vec3::Zero(), rigid::Vec3::Zero()};
 };
 
-/// What the run begins with: the end of another one.
+/// The run begins with the end of another one.
 struct StartSpec {
   std::string from;  // a folder of results, or a checkpoint; from the folder of the case
   double random_velocity = 0;

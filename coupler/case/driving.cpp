@@ -1,5 +1,5 @@
-// What drives the bodies and the fluid of a case, how it changes over time, and how fast they will fall, rise
-// or flow.
+// This reads what drives the bodies and the fluid of a case and how it changes over time, and estimates how
+// fast they will fall, rise or flow.
 #include <fmt/format.h>
 
 #include <algorithm>

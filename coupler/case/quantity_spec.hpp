@@ -19,7 +19,7 @@ inline constexpr auto axis_names = names_of<Axis>("x", "y", "z");
 enum class Profile { channel, duct, pipe };
 inline constexpr auto profile_names = names_of<Profile>("channel", "duct", "pipe");
 
-/// Of a symmetric tensor.
+/// The components of a symmetric tensor.
 enum class Component { xx, yy, zz, xy, xz, yz };
 inline constexpr auto component_names = names_of<Component>("xx", "yy", "zz", "xy", "xz", "yz");
 

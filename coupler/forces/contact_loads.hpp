@@ -48,7 +48,7 @@ struct WallImpulse {
 std::vector<ContactLoad> contact_loads(const rigid::BodySet&, std::span<const rigid::Contact>,
                                        const rigid::Extent&);
 
-/// Those of the owned bodies, at the same time.
+/// Returns the moments of the owned bodies' contacts, at the same time.
 std::vector<ContactMoment> contact_moments(const rigid::BodySet&, std::span<const rigid::Contact>);
 
 /// Appends what they did besides, at the same time.

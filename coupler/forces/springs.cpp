@@ -50,7 +50,7 @@ void Springs::leave_out(BodySet& bodies) const {
   }
 }
 
-/// Where drift takes it before it is kicked; none of a body that is not there.
+/// Returns where drift takes the body before it is kicked; nothing for a body that is not there.
 std::optional<Springs::State> Springs::state(const BodySet& bodies, BodyId id) const {
   const auto found = std::lower_bound(shared_.begin(), shared_.end(), id);
   rigid::Kinematics k;

@@ -131,7 +131,7 @@ bool add_flow_rate(const Simulation& simulation, const QuantitySpec& q, const Qu
   return true;
 }
 
-/// What was added up is the value.
+/// The sum over the cells is the value.
 double flow_rate(const Case&, const QuantitySpec&, std::int64_t, std::span<const double> rate) {
   return rate[0];
 }

@@ -52,7 +52,7 @@ void describe(const MeshWall& mesh, const InCaseUnits& physical, SceneWall& wall
   }
 }
 
-/// What changes over time, as a table.
+/// Adds a motion that changes over time, as a table.
 void add_table(const rigid::PrescribedMotion& motion, double steps, const InCaseUnits& physical,
                SceneWall& wall) {
   constexpr int rows = 1000;

@@ -23,7 +23,7 @@ using adapters::CheckpointReader;
 using rigid::BodyRecord;
 using rigid::Vec3;
 
-/// Where the walls are after so many steps.
+/// Returns where the walls are after so many steps, as a text.
 std::string walls_after(const Case& setup, std::int64_t step) {
   std::string text;
   const auto add = [&](const auto& wall) {

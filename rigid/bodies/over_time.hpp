@@ -1,5 +1,5 @@
 #pragma once
-// What a given velocity or acceleration is multiplied with as time goes on.
+// A given velocity or acceleration is multiplied with this as time goes on.
 #include <vector>
 
 namespace silt::rigid {
