@@ -8,13 +8,22 @@
 #include "parallel/together.hpp"
 
 namespace silt::adapters {
+
+struct TimeRow {
+  double time;
+  std::int64_t step;
+  std::uint64_t offset, count;
+};
+
 namespace {
 
 using hdf5::Column;
 using hdf5::File;
 using hdf5::Handle;
 
-constexpr hsize_t rows_a_chunk = 1024, times_a_chunk = 256;
+// How many rows a file has room for: as many as 16 times like its first one take or twice as many as the file
+// before, within these. A row has some 250 bytes.
+constexpr hsize_t least_rows = 1 << 12, most_rows = 1 << 20;
 
 /// Returns the columns of BodyRow in /bodies.
 std::vector<Column> body_columns(const BodySeriesInfo& info) {
@@ -49,37 +58,24 @@ std::vector<Column> body_columns(const BodySeriesInfo& info) {
       {"contact_torque", offsetof(BodyRow, contact_torque), Column::float64, 3, torque, of_contacts});
   return columns;
 }
-std::vector<Column> body_columns(BodyColumns with) {
-  BodySeriesInfo info;
-  info.columns = with;
-  return body_columns(info);
-}
 
-struct TimeRow {
-  double time;
-  std::int64_t step;
-  std::uint64_t offset, count;
-};
-std::vector<Column> time_columns(const std::string& unit = "") {
+std::vector<Column> time_columns(const std::string& unit) {
   return {{"offset", offsetof(TimeRow, offset), Column::uint64},
           {"count", offsetof(TimeRow, count), Column::uint64},
           {"step", offsetof(TimeRow, step), Column::int64},
           {"time", offsetof(TimeRow, time), Column::float64, 1, unit}};
 }
 
-/// Returns how many bytes appending so many rows can add to the file: those of the chunks it begins.
-std::uint64_t room_to_append(std::size_t rows) {
-  const std::uint64_t chunks = rows / rows_a_chunk + 1;
-  return chunks * rows_a_chunk * sizeof(BodyRow) + times_a_chunk * sizeof(TimeRow) + hdf5::metadata_room;
-}
-
 // ---- rows of columns that grow ----
 
-void create_columns(File& file, const std::string& group, const std::vector<Column>& columns, hsize_t chunk) {
+/// Creates columns of so many rows that may grow to `room` rows. Their space is taken now, so that growing
+/// changes nothing of the file's structure but the number of rows in each header.
+void create_columns(File& file, const std::string& group, const std::vector<Column>& columns, hsize_t rows,
+                    hsize_t room) {
   for (const Column& c : columns) {
     const Handle data =
-        file.create_dataset(group + c.name, c.stored_type(), hdf5::table_shape(0, c.components),
-                            {hdf5::table_shape(chunk, c.components), true});
+        file.create_dataset(group + c.name, c.stored_type(), hdf5::table_shape(rows, c.components),
+                            {hdf5::table_shape(room, c.components), true});
     if (!c.unit.empty()) file.attribute(data, "unit", c.unit);
     if (!c.meaning.empty()) file.attribute(data, "meaning", c.meaning);
   }
@@ -113,35 +109,6 @@ void write_rows(const File& file, hid_t dataset, const Column& c, hsize_t first,
     file.check(H5Dwrite(dataset, c.stored_type(), memory, space, H5P_DEFAULT, values.data()),
                "cannot write " + c.name + " (is the disk full?)");
   });
-}
-
-/// Returns the whole times of a file whose last append may have been cut off: those with rows in every
-/// column.
-std::vector<TimeRow> whole_times(const File& file, BodyColumns with) {
-  hsize_t times = ~hsize_t{0}, rows = ~hsize_t{0};
-  for (const Column& c : time_columns()) times = std::min(times, file.shape(file.dataset(c.name))[0]);
-  for (const Column& c : body_columns(with))
-    rows = std::min(rows, file.shape(file.dataset("/bodies/" + c.name))[0]);
-  std::vector<TimeRow> table(times);
-  for (const Column& c : time_columns()) {
-    const Handle data = file.dataset(c.name);
-    std::vector<std::byte> values(times * c.bytes());
-    if (H5Tequal(file.type(data), c.stored_type()) <= 0)
-      file.refuse(c.name + " has another type than this version writes");
-    for_rows(file, data, c, 0, times, [&](hid_t memory, hid_t space) {
-      file.check(H5Dread(data, c.stored_type(), memory, space, H5P_DEFAULT, values.data()),
-                 "cannot read " + c.name + " (truncated?)");
-    });
-    hdf5::scatter_column(c, values, table);
-  }
-  std::size_t whole = 0;
-  std::uint64_t next = 0;
-  while (whole < table.size() && table[whole].offset == next &&
-         table[whole].offset + table[whole].count <= rows &&
-         (whole == 0 || table[whole].step > table[whole - 1].step))
-    next += table[whole++].count;
-  table.resize(whole);
-  return table;
 }
 
 // ---- the kinds ----
@@ -214,26 +181,29 @@ std::uint64_t surface_bytes(std::span<const BodyKind> kinds) {
   return bytes;
 }
 
-// ---- the file ----
+// ---- the files ----
 
-void create_series(const hdf5::Path& path, const BodySeriesInfo& info, const Provenance& provenance) {
-  hdf5::TemporaryFile part(path.string() + ".part", true);
-  hdf5::reserve(part.path(), provenance.case_text.size() + surface_bytes(info.kinds) + hdf5::metadata_room);
-  File file = File::create(part.path(), hdf5::Format::classic);
+/// Creates a file with room for so many rows and times, of which the first time's are there, but not written.
+void create_file(const hdf5::Path& path, const BodySeriesInfo& info, const Provenance* provenance,
+                 hsize_t rows, hsize_t row_room, hsize_t time_room) {
+  hdf5::reserve(path, surface_bytes(info.kinds) + hdf5::metadata_room +
+                          (provenance ? provenance->case_text.size() : 0));
+  File file = File::create(path, hdf5::Format::classic);
   const Handle root = file.group("/");
   file.attribute(root, "format", std::string("silt bodies"));
-  file.number(root, "format_version", std::int64_t{3});
+  file.number(root, "format_version", std::int64_t{4});
   file.attribute(root, "length_unit", info.length);
   file.attribute(root, "time_unit", info.time);
   file.numbers(root, "domain_lower", info.domain_lower);
   file.numbers(root, "domain_upper", info.domain_upper);
   file.create_group("/bodies");
-  create_columns(file, "/", time_columns(info.time), times_a_chunk);
-  create_columns(file, "/bodies/", body_columns(info), rows_a_chunk);
-  write_kinds(file, info);
-  file.write_provenance(provenance);
+  create_columns(file, "/", time_columns(info.time), 1, time_room);
+  create_columns(file, "/bodies/", body_columns(info), rows, row_room);
+  if (provenance) {
+    write_kinds(file, info);
+    file.write_provenance(*provenance);
+  }
   file.close();
-  part.rename_to(path);
 }
 
 void require_columns(const File& file, BodyColumns with) {
@@ -250,53 +220,131 @@ void require_columns(const File& file, BodyColumns with) {
 
 }  // namespace
 
-/// The file and its columns, which HDF5 keeps at hand from one append to the next.
-struct BodySeries::Open {
-  File file;
-  std::vector<Handle> bodies, times;
-
-  Open(const hdf5::Path& path, BodyColumns with) : file(File::open_journaled(path)) {
-    for (const Column& c : body_columns(with))
-      bodies.push_back(file.dataset_to_append("/bodies/" + c.name, rows_a_chunk * c.bytes()));
-    for (const Column& c : time_columns())
-      times.push_back(file.dataset_to_append("/" + c.name, times_a_chunk * c.bytes()));
-  }
-  void append_time(const TimeRow& now, hsize_t at) {
-    const auto columns = time_columns();
-    for (std::size_t k = 0; k < columns.size(); ++k) {
-      std::vector<std::byte> value;
-      hdf5::gather_column<TimeRow>(
-          columns[k], 1, [&](auto) { return now; }, value);
-      resize(file, times[k], at + 1);
-      write_rows(file, times[k], columns[k], at, value);
-    }
-  }
-};
-
-BodySeries BodySeries::create(MPI_Comm comm, const std::filesystem::path& path, const BodySeriesInfo& info,
-                              const Provenance& provenance) {
-  parallel::on_rank_0(comm, [&] { create_series(path, info, provenance); });
-  return BodySeries(comm, path, info.columns);
+std::vector<std::filesystem::path> body_series_files(const std::filesystem::path& first) {
+  std::vector<std::filesystem::path> files;
+  if (std::filesystem::exists(first)) files.push_back(first);
+  auto later = step_files(first.parent_path(), first.stem().string(), first.extension().string());
+  for (auto file = later.rbegin(); file != later.rend(); ++file) files.push_back(file->path);
+  return files;
 }
 
-BodySeries BodySeries::open_for_append(MPI_Comm comm, const std::filesystem::path& path, std::int64_t step,
-                                       BodyColumns with) {
-  BodySeries series(comm, path, with);
-  parallel::on_rank_0(comm, [&] {
-    File file = File::open_journaled(path);
-    require_columns(file, with);
-    auto table = whole_times(file, with);
-    while (!table.empty() && table.back().step > step) table.pop_back();
-    series.times_ = table.size();
-    if (!table.empty()) {
-      series.rows_ = table.back().offset + table.back().count;
-      series.last_step_ = table.back().step;
+/// The file that is being written, and its columns, which HDF5 keeps at hand from one append to the next.
+struct BodySeries::Open {
+  File file;
+  std::vector<Column> of_bodies, of_times;
+  std::vector<Handle> bodies, times;
+  std::size_t n_times = 0, n_rows = 0;  // that are whole
+  std::int64_t last_step = -1;
+  hdf5::Path name;                            // of the file in the end
+  std::unique_ptr<hdf5::TemporaryFile> part;  // until its first time is whole
+
+  Open(const hdf5::Path& path, const BodySeriesInfo& info)
+      : file(File::open(path, true)),
+        of_bodies(body_columns(info)),
+        of_times(time_columns(info.time)),
+        name(path) {
+    require_columns(file, info.columns);
+    for (const Column& c : of_bodies) bodies.push_back(file.dataset_to_append("/bodies/" + c.name));
+    for (const Column& c : of_times) times.push_back(file.dataset_to_append("/" + c.name));
+  }
+  /// A file without rows has no space for any.
+  bool has_room(hsize_t more) const {
+    return n_times < file.room(times[0]) &&
+           (more == 0 || (n_rows > 0 && n_rows + more <= file.room(bodies[0])));
+  }
+  void cut_after(std::int64_t step);
+  void append(double time, std::int64_t step, std::uint64_t rows);
+
+ private:
+  std::vector<TimeRow> whole_times() const;
+};
+
+/// Reads the times that are whole: of one whose append was cut off some columns are shorter than others.
+std::vector<TimeRow> BodySeries::Open::whole_times() const {
+  hsize_t n = ~hsize_t{0}, rows = ~hsize_t{0};
+  for (const Handle& data : times) n = std::min(n, file.shape(data)[0]);
+  for (const Handle& data : bodies) rows = std::min(rows, file.shape(data)[0]);
+  std::vector<TimeRow> table(n);
+  for (std::size_t k = 0; k < times.size(); ++k) {
+    const Column& c = of_times[k];
+    std::vector<std::byte> values(n * c.bytes());
+    if (H5Tequal(file.type(times[k]), c.stored_type()) <= 0)
+      file.refuse(c.name + " has another type than this version writes");
+    for_rows(file, times[k], c, 0, n, [&](hid_t memory, hid_t space) {
+      file.check(H5Dread(times[k], c.stored_type(), memory, space, H5P_DEFAULT, values.data()),
+                 "cannot read " + c.name + " (truncated?)");
+    });
+    hdf5::scatter_column(c, values, table);
+  }
+  std::size_t whole = 0;
+  std::uint64_t next = 0;
+  while (whole < table.size() && table[whole].offset == next &&
+         table[whole].offset + table[whole].count <= rows &&
+         (whole == 0 || table[whole].step > table[whole - 1].step))
+    next += table[whole++].count;
+  table.resize(whole);
+  return table;
+}
+
+void BodySeries::Open::cut_after(std::int64_t step) {
+  std::vector<TimeRow> table = whole_times();
+  while (!table.empty() && table.back().step > step) table.pop_back();
+  if (table.empty()) return;
+  n_times = table.size();
+  n_rows = table.back().offset + table.back().count;
+  last_step = table.back().step;
+  for (const Handle& data : times) resize(file, data, n_times);
+  if (n_rows > 0)  // a column keeps the space that it was given only while it has rows
+    for (const Handle& data : bodies) resize(file, data, n_rows);
+  file.flush();
+}
+
+void BodySeries::Open::append(double time, std::int64_t step, std::uint64_t rows) {
+  const TimeRow now{time, step, n_rows, rows};
+  for (std::size_t k = 0; k < times.size(); ++k) {
+    std::vector<std::byte> value;
+    hdf5::gather_column<TimeRow>(
+        of_times[k], 1, [&](auto) { return now; }, value);
+    resize(file, times[k], n_times + 1);
+    write_rows(file, times[k], of_times[k], n_times, value);
+  }
+  file.flush();
+  ++n_times;
+  n_rows += rows;
+  last_step = step;
+}
+
+BodySeries::BodySeries(MPI_Comm comm, const std::filesystem::path& path, BodySeriesInfo info,
+                       Provenance provenance, std::optional<std::int64_t> after)
+    : comm_(comm), path_(path), info_(std::move(info)), provenance_(std::move(provenance)) {
+  parallel::on_rank_0(comm_, [&] {
+    for (auto files = body_series_files(path_); !files.empty(); files.pop_back()) {
+      if (after) {
+        open_ = std::make_shared<Open>(files.back(), info_);
+        open_->cut_after(*after);
+        last_step_ = open_->last_step;
+        if (open_->n_times > 0) break;
+        open_.reset();
+      }
+      std::filesystem::remove(files.back());
     }
-    for (const Column& c : time_columns()) resize(file, file.dataset(c.name), series.times_);
-    for (const Column& c : body_columns(with)) resize(file, file.dataset("/bodies/" + c.name), series.rows_);
-    file.close();
   });
-  return series;
+}
+
+/// Begins the next file, under a temporary name.
+std::shared_ptr<BodySeries::Open> BodySeries::begin_file(const Open* last, std::int64_t step,
+                                                         std::uint64_t rows) const {
+  const hdf5::Path path =
+      last ? step_path(path_.parent_path(), path_.stem().string(), step, path_.extension().string()) : path_;
+  const hsize_t wanted = std::max<hsize_t>(16 * rows, last ? 2 * last->file.room(last->bodies[0]) : 0);
+  const hsize_t row_room = std::max<hsize_t>(rows, std::clamp(wanted, least_rows, most_rows));
+  const hsize_t time_room = std::max<hsize_t>(16, row_room / std::max<hsize_t>(rows, 1));
+  auto part = std::make_unique<hdf5::TemporaryFile>(path.string() + ".part", true);
+  create_file(part->path(), info_, last ? nullptr : &provenance_, rows, row_room, time_room);
+  auto next = std::make_shared<Open>(part->path(), info_);
+  next->name = path;
+  next->part = std::move(part);
+  return next;
 }
 
 void BodySeries::append(std::int64_t step, double time, std::size_t n,
@@ -314,34 +362,41 @@ void BodySeries::append(std::int64_t step, double time, std::size_t n,
     throw hdf5::Error(path_.string() + ": body " + std::to_string(*order.twice) + " has two owners in step " +
                       std::to_string(step));
   const hdf5::SliceExchange slices(comm_, order.total, order.places);
-  std::shared_ptr<Open> open = std::move(open_);  // kept if all goes well
+  std::shared_ptr<Open> file = std::move(open_);  // kept if all goes well
   parallel::on_rank_0(comm_, [&] {
-    if (!open) open.reset(new Open(path_, with_));
-    hdf5::reserve(path_, std::filesystem::file_size(path_) + room_to_append(order.total));
+    if (!file && last_step_ >= 0) {  // the append before has failed
+      file = std::make_shared<Open>(body_series_files(path_).back(), info_);
+      file->cut_after(last_step_);
+    }
+    if (!file || !file->has_room(order.total)) file = begin_file(file.get(), step, order.total);
   });
-  const auto columns = body_columns(with_);
+  const auto columns = body_columns(info_);
   for (std::size_t k = 0; k < columns.size(); ++k) {
     const Column& c = columns[k];
-    parallel::on_rank_0(comm_, [&] { resize(open->file, open->bodies[k], rows_ + order.total); });
+    std::uint64_t first = 0;
+    parallel::on_rank_0(comm_, [&] {
+      first = file->n_rows;
+      resize(file->file, file->bodies[k], first + order.total);
+    });
     std::vector<std::byte> values;
     parallel::together(comm_, [&] {
       hdf5::gather_column<BodyRow>(
           c, n, [&](std::size_t r) { return row(order.rows[r]); }, values);
     });
     const auto slice = slices.to_slice(c.bytes(), std::move(values));
-    hsize_t first = rows_;
     hdf5::hand_to_rank_0(slices.comm(), slice, rows_a_piece * c.bytes(),
                          [&](std::span<const std::byte> piece) {
-                           write_rows(open->file, open->bodies[k], c, first, piece);
+                           write_rows(file->file, file->bodies[k], c, first, piece);
                            first += piece.size() / c.bytes();
                          });
   }
   parallel::on_rank_0(comm_, [&] {
-    open->append_time({time, step, rows_, order.total}, times_);
-    open->file.commit();
-    open_ = open;
-    ++times_;
-    rows_ += order.total;
+    file->append(time, step, order.total);
+    if (const auto part = std::move(file->part)) {
+      hdf5::sync_to_disk(part->path());
+      part->rename_to(file->name);
+    }
+    open_ = file;
     last_step_ = step;
   });
 }

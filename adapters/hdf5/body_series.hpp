@@ -1,6 +1,7 @@
 #pragma once
 // bodies.h5: where every body was at every output time, as a series that may be ragged (the number of bodies
-// may change). Layout, T times and R rows in all:
+// may change). A file takes as many times as it has room for; bodies_STEP.h5 goes on from there, STEP being
+// that of its first time, without /kinds and /provenance. Layout of one, T times and R rows:
 //   /time [T]  /step [T]  /offset [T]  /count [T]     time t has the rows offset[t] .. offset[t] + count[t]
 //   /bodies/id [R]  kind [R]  position [R][3]  image [R][3]  orientation [R][4]  velocity [R][3]
 //           angular_velocity [R][3]  force [R][3]  torque [R][3]  mass [R]    sorted by id within a time
@@ -22,6 +23,7 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -72,19 +74,22 @@ struct BodySeriesInfo {
   BodyColumns columns;
 };
 
-/// BodySeries is the open series, of which a file has one at a time. Every call is collective. The file can
-/// be read while the run goes on, and an append comes whole or not at all, whenever the run is killed
-/// (journal.hpp; one killed at the very end leaves FILE.journal, which open_for_append and
-/// scripts/body_series.py see to). Errors are std::runtime_error on every rank, naming the file and the
-/// reason.
+/// Returns the files of a series in their order: the first one, bodies.h5, if it is there, and those that go
+/// on.
+std::vector<std::filesystem::path> body_series_files(const std::filesystem::path& first);
+
+/// BodySeries is the open series. Every call is collective. The files can be read while the run goes on, and
+/// whoever reads sees an append as a whole or not at all, whenever the run is killed: a file gets its name
+/// with its first time and has the space of all it will take, so that an append changes only the lengths of
+/// the columns in their headers, after the rows are written; a time counts once every column reaches it. Each
+/// file has twice the room of the one before, within bounds: N rows take less than 10 + N / 2^20 files unless
+/// one time has more. Errors are std::runtime_error on every rank, naming the file and the reason.
 class BodySeries {
  public:
-  /// Starts an empty series; replaces a file of that name.
-  static BodySeries create(MPI_Comm, const std::filesystem::path&, const BodySeriesInfo&, const Provenance&);
-  /// Opens a series to continue it: drops what was written after `step` and any unfinished rest. An error
-  /// where the file does not have these columns.
-  static BodySeries open_for_append(MPI_Comm, const std::filesystem::path&, std::int64_t step,
-                                    BodyColumns = {});
+  /// Begins a series and removes one that is there; with `after` goes on with it, if it is there, behind that
+  /// step, and removes what is of later ones. An error where it does not have these columns.
+  BodySeries(MPI_Comm, const std::filesystem::path& first, BodySeriesInfo, Provenance,
+             std::optional<std::int64_t> after = {});
 
   /// Appends one time: row(i) makes the row of the i-th of the n bodies that this rank owns, in any order,
   /// and is asked for it more than once. An id that two ranks hand over is an error. Steps must increase. The
@@ -92,18 +97,17 @@ class BodySeries {
   /// than its own slice and a piece.
   void append(std::int64_t step, double time, std::size_t n, const std::function<BodyRow(std::size_t)>& row);
 
-  /// Returns the number of times in the file (rank 0 knows it; 0 elsewhere).
-  std::size_t times() const { return times_; }
+  /// Returns the step of the last time (rank 0 knows it), -1 without any.
+  std::int64_t last_step() const { return last_step_; }
 
  private:
-  BodySeries(MPI_Comm comm, std::filesystem::path path, BodyColumns with)
-      : comm_(comm), path_(std::move(path)), with_(with) {}
+  struct Open;
+  std::shared_ptr<Open> begin_file(const Open* last, std::int64_t step, std::uint64_t rows) const;
   MPI_Comm comm_;
   std::filesystem::path path_;
-  BodyColumns with_;
-  struct Open;
-  std::shared_ptr<Open> open_;  // on rank 0, from the first append on
-  std::size_t times_ = 0, rows_ = 0;
+  BodySeriesInfo info_;
+  Provenance provenance_;
+  std::shared_ptr<Open> open_;  // on rank 0, between two appends
   std::int64_t last_step_ = -1;
 };
 

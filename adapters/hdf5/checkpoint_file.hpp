@@ -29,11 +29,6 @@ inline constexpr std::int64_t checkpoint_format_version = 14;
 
 // ---- the checkpoints of a folder: checkpoint_000000005000.h5, the number being the step ----
 
-struct CheckpointName {
-  std::int64_t step;
-  std::filesystem::path path;
-};
-
 inline std::filesystem::path checkpoint_path(const std::filesystem::path& folder, std::int64_t step) {
   return step_path(folder, "checkpoint", step, ".h5");
 }
@@ -43,7 +38,7 @@ std::optional<std::int64_t> checkpoint_step(const std::filesystem::path&);
 
 /// Lists the checkpoints of a folder by their names, newest (largest step) first; empty for a folder that is
 /// not there.
-std::vector<CheckpointName> list_checkpoints(const std::filesystem::path& folder);
+std::vector<StepFile> list_checkpoints(const std::filesystem::path& folder);
 
 /// Returns the newest checkpoint in the same folder whose step is smaller than that of `path`.
 std::optional<std::filesystem::path> previous_checkpoint(const std::filesystem::path& path);

@@ -5,8 +5,6 @@
 #include <cerrno>
 #include <new>
 
-#include "adapters/hdf5/journal.hpp"
-
 namespace silt::adapters::hdf5 {
 namespace {
 
@@ -51,6 +49,7 @@ Handle access_list(const Path& file) {
   quiet();
   Handle list(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, file, "file access list");
   H5Pset_fclose_degree(list, H5F_CLOSE_STRONG);  // else a group that is still open keeps the file so
+  H5Pset_driver(list, OutputFile::driver(), nullptr);
   return list;
 }
 
@@ -80,53 +79,32 @@ hid_t type_of(Storage storage) {
 File File::create(const Path& path, Format format) {
   const Handle access = access_list(path);
   if (format == Format::checked) H5Pset_libver_bounds(access, H5F_LIBVER_V18, H5F_LIBVER_V18);
-  H5Pset_driver(access, in_place_driver(), nullptr);
   const Handle creation = without_times(H5P_FILE_CREATE, path);
   Handle file(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, creation, access), H5Fclose, path,
               "cannot create the file");
-  return File(path, std::move(file), Writing::own);
+  return File(path, std::move(file), true);
 }
 
 File File::open(const Path& path, bool writable) {
   const Handle access = access_list(path);
   std::error_code ignored;
-  const bool journaled = !writable && std::filesystem::exists(journal_of(path), ignored);
-  H5Pset_driver(access, journaled ? journaled_driver() : in_place_driver(), nullptr);
   const std::string what = "cannot open the file as HDF5 (missing, truncated or altered)";
   if (std::filesystem::exists(path, ignored) && !std::filesystem::is_regular_file(path, ignored))
     throw Error(path.string() + ": is no regular file");
   // HDF5 would take an empty file for a new one.
   if (writable && std::filesystem::file_size(path, ignored) == 0) throw Error(path.string() + ": " + what);
   Handle file(H5Fopen(path.c_str(), writable ? H5F_ACC_RDWR : H5F_ACC_RDONLY, access), H5Fclose, path, what);
-  return File(path, std::move(file), writable ? Writing::own : Writing::none);
+  return File(path, std::move(file), writable);
 }
 
-File File::open_journaled(const Path& path) {
-  finish_journal(path);
-  const Handle access = access_list(path);
-  H5Pset_driver(access, journaled_driver(), nullptr);
-  Handle file(H5Fopen(path.c_str(), H5F_ACC_RDWR, access), H5Fclose, path,
-              "cannot open the file as HDF5 (missing, truncated or altered)");
-  return File(path, std::move(file), Writing::journaled);
-}
-
-File::File(Path path, Handle handle, Writing writing)
-    : path_(std::move(path)), handle_(std::move(handle)), writing_(writing) {
-  if (writing_ != Writing::none) output_ = output_of(handle_);
-}
-
-File::~File() {
-  if (handle_ >= 0 && writing_ == Writing::journaled) abandon();
-}
-
-void File::abandon() const {
-  if (output_ && output_->error == 0) output_->error = ECANCELED;
+File::File(Path path, Handle handle, bool writable) : path_(std::move(path)), handle_(std::move(handle)) {
+  if (writable) output_ = OutputFile::of(handle_);
 }
 
 void File::check(herr_t status, const std::string& what) const {
   if (output_ && output_->error) fail_in_system(path_, what, output_->error);
   if (status >= 0) return;
-  abandon();
+  if (output_) output_->error = ECANCELED;
   fail(path_, what);
 }
 
@@ -134,20 +112,11 @@ void File::flush() {
   check(H5Fflush(handle_, H5F_SCOPE_LOCAL), "cannot write (is the disk full?)");
 }
 
-void File::commit() {
-  flush();
-  commit_journaled(handle_, path_);
-}
-
 void File::close() {
   const std::string what = "cannot close the file (is the disk full?)";
   flush();
-  if (writing_ == Writing::journaled) {
-    commit_journaled(handle_, path_);
-    abandon();
-  }
   const bool closed = handle_.close();  // may still write
-  if (writing_ == Writing::own)
+  if (output_)
     if (const int error = output_->error ? output_->error : output_->close())
       fail_in_system(path_, what, error);
   if (!closed) fail(path_, what);
@@ -181,24 +150,21 @@ Handle File::dataset(const std::string& name) const {
   return {H5Dopen2(handle_, name.c_str(), H5P_DEFAULT), H5Dclose, path_, "has no dataset " + name};
 }
 
-Handle File::dataset_to_append(const std::string& name, std::size_t chunk_bytes) const {
+Handle File::dataset_to_append(const std::string& name) const {
   const Handle list(H5Pcreate(H5P_DATASET_ACCESS), H5Pclose, path_, "dataset access list");
-  constexpr std::size_t slots = 7;
-  H5Pset_chunk_cache(list, slots, 2 * chunk_bytes, 1);
+  H5Pset_chunk_cache(list, 0, 0, 0);
   return {H5Dopen2(handle_, name.c_str(), list), H5Dclose, path_, "has no dataset " + name};
 }
 
 Handle File::create_dataset(const std::string& name, hid_t type, const Shape& shape, const Layout& layout) {
   const int rank = static_cast<int>(shape.size());
   Shape most = shape;
-  if (layout.grows) most[0] = H5S_UNLIMITED;
+  if (layout.grows) most[0] = layout.chunk[0];
   const Handle space(H5Screate_simple(rank, shape.data(), most.data()), H5Sclose, path_, "shape of " + name);
   const Handle list = without_times(H5P_DATASET_CREATE, path_);
-  if (layout.chunk.empty())
-    H5Pset_alloc_time(list, H5D_ALLOC_TIME_EARLY);
-  else
-    H5Pset_chunk(list, rank, layout.chunk.data());
-  if (!layout.grows) H5Pset_fill_time(list, H5D_FILL_TIME_NEVER);
+  if (!layout.chunk.empty()) H5Pset_chunk(list, rank, layout.chunk.data());
+  if (layout.chunk.empty() || layout.grows) H5Pset_alloc_time(list, H5D_ALLOC_TIME_EARLY);
+  H5Pset_fill_time(list, H5D_FILL_TIME_NEVER);
   if (layout.level > 0) {
     H5Pset_shuffle(list);
     H5Pset_deflate(list, static_cast<unsigned>(layout.level));
@@ -222,6 +188,13 @@ Shape File::shape(hid_t dataset) const {
   Shape shape(rank < 0 ? 0 : rank);
   H5Sget_simple_extent_dims(space, shape.data(), nullptr);
   return shape;
+}
+
+hsize_t File::room(hid_t dataset) const {
+  const Handle space(H5Dget_space(dataset), H5Sclose, path_, "shape of a dataset");
+  Shape most(shape(dataset).size());
+  H5Sget_simple_extent_dims(space, nullptr, most.data());
+  return most[0];
 }
 
 Handle File::type(hid_t dataset) const {

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "adapters/hdf5/disk.hpp"
+#include "adapters/hdf5/output_file.hpp"
 #include "adapters/hdf5/result_file.hpp"
 
 namespace silt::adapters::hdf5 {
@@ -41,8 +42,6 @@ class Handle {
   herr_t (*close_)(hid_t) = nullptr;
 };
 
-struct OutputFile;
-
 enum class Format {
   classic,  // any reader, no consistency flags: a file whose writer was killed opens as usual
   checked,  // HDF5 1.8 object headers: every piece of metadata carries a checksum
@@ -56,8 +55,9 @@ inline Shape table_shape(hsize_t rows, hsize_t columns) {
 }
 
 /// How a dataset lies in its file: in one piece, whose space is taken at once and not filled (a fresh file
-/// reads as zeros where nothing is written), or in chunks, which may grow along their first axis or are
-/// packed by gzip of a level, after a shuffle of bytes.
+/// reads as zeros where nothing is written), or in chunks, which are packed by gzip of a level, after a
+/// shuffle of bytes; one that grows along its first axis has a single chunk, whose space is taken at once
+/// too.
 struct Layout {
   Shape chunk = {};
   bool grows = false;
@@ -96,19 +96,12 @@ class File {
  public:
   static File create(const Path&, Format);
   static File open(const Path&, bool writable);
-  /// Opens a file whose changes come all at once with commit() or close(), or not at all: if anything fails,
-  /// if neither is called, or if the process is killed (journal.hpp).
-  static File open_journaled(const Path&);
 
   const Path& path() const { return path_; }
   operator hid_t() const { return handle_; }
   void flush();
-  /// Writes out what has changed in a journaled file, which stays open.
-  void commit();
   /// Writes out everything; throws where that fails. The destructor closes silently.
   void close();
-  ~File();
-  File(File&&) = default;
   void check(herr_t status, const std::string& what) const;
   [[noreturn]] void refuse(const std::string& what) const;
 
@@ -116,9 +109,8 @@ class File {
   Handle group(const std::string& name) const;
   Handle create_group(const std::string& name);
   Handle dataset(const std::string& name) const;
-  /// Opens a dataset that grows by rows at its end: of its chunks, of so many bytes, HDF5 keeps the last two
-  /// at hand and not, as it would by itself, the last megabyte.
-  Handle dataset_to_append(const std::string& name, std::size_t chunk_bytes) const;
+  /// Opens a dataset that grows: HDF5 keeps nothing of it in memory, and writes rows where they belong.
+  Handle dataset_to_append(const std::string& name) const;
   Handle create_dataset(const std::string& name, hid_t type, const Shape&, const Layout& = {});
   /// Creates a dataset in one piece of a list of numbers, or of arrays of them, and writes it.
   template <class Row>
@@ -130,6 +122,8 @@ class File {
                         native_type<typename Row::value_type>(), rows.data());
   }
   Shape shape(hid_t dataset) const;
+  /// Returns how many rows a dataset can grow to.
+  hsize_t room(hid_t dataset) const;
   Handle type(hid_t dataset) const;
   /// Returns where the values of a dataset begin that was created in one piece; 0 of one without any.
   std::uint64_t place_of(hid_t dataset) const;
@@ -166,16 +160,12 @@ class File {
   Handle case_text_dataset() const { return dataset("/provenance/case_text"); }
 
  private:
-  enum class Writing { none, own, journaled };
-  File(Path, Handle, Writing);
+  File(Path, Handle, bool writable);
   Handle write_list(const std::string& name, hid_t type, const Shape&, hid_t memory_type, const void* data);
-  /// Writes nothing any more; HDF5 does not know.
-  void abandon() const;
   void read_number(hid_t owner, const std::string& name, hid_t type, void* value) const;
   Path path_;
   Handle handle_;
-  Writing writing_;
-  std::shared_ptr<OutputFile> output_;  // where it is written
+  std::shared_ptr<OutputFile> output_;  // of a writable one
 };
 
 /// metadata_room is the number of bytes that HDF5 itself may need each time datasets, attributes or chunks

@@ -1,5 +1,7 @@
 #include "adapters/hdf5/result_file.hpp"
 
+#include <algorithm>
+#include <charconv>
 #include <cstdio>
 #include <string_view>
 #include <vector>
@@ -85,6 +87,30 @@ std::filesystem::path step_path(const std::filesystem::path& folder, const std::
   std::string number = std::to_string(step);
   if (number.size() < digits) number.insert(0, digits - number.size(), '0');
   return folder / (name + "_" + number + suffix);
+}
+
+std::optional<std::int64_t> step_of(const std::filesystem::path& path, std::string_view name,
+                                    std::string_view suffix) {
+  const std::string file = path.filename().string();
+  if (!file.starts_with(name) || !file.ends_with(suffix) || file.size() < name.size() + 2 + suffix.size() ||
+      file[name.size()] != '_')
+    return {};
+  std::int64_t step = 0;
+  const char *from = file.data() + name.size() + 1, *to = file.data() + file.size() - suffix.size();
+  const auto [end, error] = std::from_chars(from, to, step);
+  if (error != std::errc{} || end != to) return {};
+  return step;
+}
+
+std::vector<StepFile> step_files(const std::filesystem::path& folder, std::string_view name,
+                                 std::string_view suffix) {
+  std::vector<StepFile> found;
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, error))
+    if (const auto step = step_of(entry.path(), name, suffix); step && entry.is_regular_file(error))
+      found.push_back({*step, entry.path()});
+  std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.step > b.step; });
+  return found;
 }
 
 std::string describe_file(const std::filesystem::path& path) {

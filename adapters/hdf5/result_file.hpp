@@ -5,7 +5,10 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
+#include <string_view>
+#include <vector>
 
 namespace silt::adapters {
 
@@ -39,6 +42,21 @@ enum class Storage { single, double_, byte };
 /// Returns FOLDER/NAME_000000000100SUFFIX for step 100: names sort like steps.
 std::filesystem::path step_path(const std::filesystem::path& folder, const std::string& name,
                                 std::int64_t step, const std::string& suffix);
+
+/// StepFile is a file with such a name.
+struct StepFile {
+  std::int64_t step;
+  std::filesystem::path path;
+};
+
+/// Returns the step in a file's name, if the name is one.
+std::optional<std::int64_t> step_of(const std::filesystem::path&, std::string_view name,
+                                    std::string_view suffix);
+
+/// Lists the files of a folder by their names, newest (largest step) first; none of a folder that is not
+/// there.
+std::vector<StepFile> step_files(const std::filesystem::path& folder, std::string_view name,
+                                 std::string_view suffix);
 
 /// Returns lines of text: where the file came from, the attributes of its groups, its datasets with their
 /// shapes and units. The case's text is left out. One rank calls it. Throws std::runtime_error naming the

@@ -4,7 +4,6 @@
 
 #include "coupler/case/case.hpp"
 #include "coupler/results/tessellation.hpp"
-#include "parallel/collectives.hpp"
 #include "parallel/together.hpp"
 #include "rigid/shapes/shape.hpp"
 
@@ -18,17 +17,11 @@ std::array<double, 3> scaled(const Vec3& v, double scale) {
   return {scale * v[0], scale * v[1], scale * v[2]};
 }
 
-/// Which columns a case has something to say in.
-adapters::BodyColumns columns_of(const Simulation& simulation) {
-  const Case& setup = simulation.setup();
-  return {setup.fluid && !simulation.scene().world.gravity.isZero(0), setup.output.body_contacts,
-          setup.has_sizes()};
-}
-
 adapters::BodySeriesInfo series_info(const Simulation& simulation) {
   const Case& setup = simulation.setup();
   adapters::BodySeriesInfo info;
-  info.columns = columns_of(simulation);
+  info.columns = {setup.fluid && !simulation.scene().world.gravity.isZero(0), setup.output.body_contacts,
+                  setup.has_sizes()};
   for (int d = 0; d < 3; ++d) info.domain_upper[d] = setup.cells[d] * setup.units.cell_size;
   if (setup.units.si) {
     info.length = std::string("m");
@@ -88,16 +81,9 @@ std::vector<adapters::BodyKind> drawn_kinds(const Case& setup) {
 
 BodyOutput::BodyOutput(const Simulation& simulation, const std::filesystem::path& folder,
                        const adapters::Provenance& provenance, bool resumed)
-    : path_(folder / "bodies.h5") {
-  const MPI_Comm comm = simulation.scene().comm;
-  int there = resumed && std::filesystem::exists(path_);
-  parallel::broadcast(comm, there);
-  if (there)
-    series_ =
-        adapters::BodySeries::open_for_append(comm, path_, simulation.steps_done(), columns_of(simulation));
-  else
-    series_ = adapters::BodySeries::create(comm, path_, series_info(simulation), provenance);
-}
+    : path_(folder / "bodies.h5"),
+      series_(simulation.scene().comm, path_, series_info(simulation), provenance,
+              resumed ? std::optional(simulation.steps_done()) : std::nullopt) {}
 
 void BodyOutput::append(const Simulation& simulation) {
   const rigid::BodySet& bodies = simulation.bodies();
@@ -108,7 +94,7 @@ void BodyOutput::append(const Simulation& simulation) {
   const std::vector<int>& kind_shapes = simulation.setup().kind_shapes;
   const std::int64_t step = simulation.steps_done();
   parallel::naming(path_.string(), [&] {
-    series_->append(step, static_cast<double>(step) * units.time_step, bodies.owned, [&](std::size_t row) {
+    series_.append(step, static_cast<double>(step) * units.time_step, bodies.owned, [&](std::size_t row) {
       adapters::BodyRow r = body_row(bodies, row, loads[row], contacts[row], gravity, units);
       r.scale = radii[bodies.shape[row]] / radii[kind_shapes[r.kind]];
       return r;

@@ -1,7 +1,6 @@
 #pragma once
-// The series of the bodies, bodies.h5, which a run writes while it goes on.
+// The series of the bodies, bodies.h5 and what goes on from it, which a run writes while it goes on.
 #include <filesystem>
-#include <optional>
 #include <vector>
 
 #include "adapters/hdf5/body_series.hpp"
@@ -25,7 +24,7 @@ class BodyOutput {
 
  private:
   std::filesystem::path path_;
-  std::optional<adapters::BodySeries> series_;
+  adapters::BodySeries series_;
 };
 
 }  // namespace silt::coupler

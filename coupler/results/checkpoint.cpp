@@ -8,6 +8,7 @@
 #include <limits>
 #include <sstream>
 
+#include "adapters/hdf5/body_series.hpp"
 #include "coupler/case/case.hpp"
 #include "coupler/exchange/coupling_state.hpp"
 #include "coupler/results/populations.hpp"
@@ -205,8 +206,8 @@ std::filesystem::path write_checkpoint(const Simulation& simulation, const Quant
     CheckpointWriter writer(simulation.scene().comm, path, provenance);
     write_state(writer, simulation, quantities, steady);
     if (mean) mean->save(writer, simulation);
-    std::vector<std::filesystem::path> before{folder / "bodies.h5", folder / "series.csv",
-                                              folder / "departures.csv"};
+    std::vector<std::filesystem::path> before = adapters::body_series_files(folder / "bodies.h5");
+    before.insert(before.end(), {folder / "series.csv", folder / "departures.csv"});
     const OutputSpec& output = simulation.setup().output;
     for (const ColumnsSpec& series : output.series) before.push_back(folder / (series.name + ".csv"));
     for (const ProbesSpec& probes : output.probes) before.push_back(folder / (probes.name + ".csv"));

@@ -87,13 +87,13 @@ bool is_result(const fs::path& path) {
     return name.size() >= begin.size() + end.size() && name.starts_with(begin) && name.ends_with(end);
   };
   static const std::vector<std::string> names = {
-      "run.log",         "departures.csv", "report.json", "report.html", "bodies.h5",  "bodies.h5.journal",
-      "mean_height.png", "velocity.png",   "bodies.png",  "slice.png",   "stages.png", "render.png",
-      "film.mp4",        "bodies.pvd",     "scene.h5",    "walls.pvd",   "paraview.py"};
+      "run.log",      "departures.csv", "report.json", "report.html", "bodies.h5",  "mean_height.png",
+      "velocity.png", "bodies.png",     "slice.png",   "stages.png",  "render.png", "film.mp4",
+      "bodies.pvd",   "scene.h5",       "walls.pvd",   "paraview.py"};
   return std::count(names.begin(), names.end(), name) > 0 || is("fields_", ".hdf") || is("mean_", ".hdf") ||
          is("mean", ".hdf.series") || is("slice_", ".hdf") || is("slice_", ".hdf.series") ||
-         is("fields", ".hdf.series") || is("bodies_", ".hdf") || is("bodies_", ".vtp") ||
-         is("walls_", ".vtp") || is("bodies", ".hdf.series") || is("series", ".csv") ||
+         is("fields", ".hdf.series") || is("bodies_", ".h5") || is("bodies_", ".vtp") ||
+         is("walls_", ".vtp") ||  is("series", ".csv") ||
          is("probes_", ".csv") || is("checkpoint_", ".h5") || is("stopped_", ".h5") || is_unfinished(path);
 }
 

@@ -132,9 +132,9 @@ ReadyFolder folder_on_rank_0(MPI_Comm comm, Make&& make) {
 /// Collective. Opens the first checkpoint that can be; notes those passed over. If there is none, throws what
 /// is wrong with the first.
 std::unique_ptr<adapters::CheckpointReader> first_sound_checkpoint(
-    const std::vector<adapters::CheckpointName>& there, MPI_Comm comm, std::string& note) {
+    const std::vector<adapters::StepFile>& there, MPI_Comm comm, std::string& note) {
   std::exception_ptr first;
-  for (const adapters::CheckpointName& checkpoint : there) try {
+  for (const adapters::StepFile& checkpoint : there) try {
       return std::make_unique<adapters::CheckpointReader>(comm, checkpoint.path);
     } catch (const std::runtime_error& error) {  // on every rank
       if (!first) first = std::current_exception();

@@ -1,4 +1,4 @@
-"""Reads bodies.h5: a series of bodies whose number may change from time to time.
+"""Reads bodies.h5 and the files that go on from it: a series of bodies whose number may change from time to time.
 
     series = BodySeries("out/bodies.h5")
     series.time, series.step, series.count      one entry a time
@@ -12,7 +12,6 @@
     series.meshes[kind]                         the surfaces of a kind's convex parts (body_shapes.Mesh)
 An append that was cut off by a killed run is left out.
 """
-import io
 import pathlib
 
 import h5py
@@ -36,44 +35,51 @@ def read_meshes(kinds, count):
     return meshes
 
 
-PAGE = 4096
+def files_of(first):
+    """Returns the files of a series in their order: bodies.h5, and bodies_STEP.h5 that go on from it."""
+    first = pathlib.Path(first)
+    later = [path for path in first.parent.glob(f"{first.stem}_*{first.suffix}") if path.stem[len(first.stem) + 1:].isdigit()]
+    return [first, *sorted(later, key=lambda path: int(path.stem[len(first.stem) + 1:]))]
 
 
-def whole_file(path):
-    """Returns what h5py opens: the path, or, where a run was killed as it ended an append, the file's content with the
-    pages that the journal keeps for it (adapters/hdf5/journal.hpp)."""
-    journal = pathlib.Path(f"{path}.journal")
-    if not journal.exists():
-        return path
-    pages, data = journal.read_bytes(), bytearray(pathlib.Path(path).read_bytes())
-    for at in range(8, len(pages), 8 + PAGE):
-        first = int.from_bytes(pages[at:at + 8], "little") * PAGE
-        data[first:first + PAGE] = pages[at + 8:at + 8 + PAGE]
-    return io.BytesIO(data)
+def whole_times(f):
+    """Returns how many times of a file are whole and how many rows they have: of an append that was cut off, or that is under way,
+    some columns are shorter than others."""
+    times = min(len(f[name]) for name in ("time", "step", "offset", "count"))
+    rows = min(len(column) for column in f["bodies"].values())
+    ends = f["offset"][:times].astype(int) + f["count"][:times].astype(int)
+    whole = np.searchsorted(ends, rows, side="right")
+    return whole, ends[whole - 1] if whole else 0
 
 
 class BodySeries:
     def __init__(self, path):
-        with h5py.File(whole_file(path), "r") as f:
-            times = min(len(f[name]) for name in ("time", "step", "offset", "count"))
-            offset, count = f["offset"][:times].astype(int), f["count"][:times].astype(int)
-            names = COLUMNS + tuple(name for name in SOMETIMES if name in f["bodies"])
-            rows = min(len(f["bodies"][name]) for name in names)
-            whole = 0
-            while (whole < times and offset[whole] == count[:whole].sum() and offset[whole] + count[whole] <= rows):
-                whole += 1
-            self.time, self.step = f["time"][:whole], f["step"][:whole]
-            self.offset, self.count = offset[:whole], count[:whole]
-            self.columns = {name: f["bodies"][name][: self.count.sum()] for name in names}
-            self.units = {name: f["bodies"][name].attrs.get("unit", b"") for name in names}
-            self.units["time"] = f["time"].attrs.get("unit", b"")
-            self.kinds = [text(k) for k in f["bodies"].attrs.get("kind_names", [])]
-            self.domain = np.array([f.attrs["domain_lower"], f.attrs["domain_upper"]])
-            kinds = f["kinds"]
-            self.bounding_radius = kinds["bounding_radius"][:]
-            self.meshes = read_meshes(kinds, len(self.bounding_radius))
-            self.provenance = {name: text(value) for name, value in f["provenance"].attrs.items()}
-            self.case_text = text(f["provenance/case_text"][()])
+        columns, times = {}, {}
+        for number, file in enumerate(files_of(path)):
+            with h5py.File(file, "r") as f:
+                if number == 0:
+                    self.read_head(f)
+                whole, rows = whole_times(f)
+                for name in ("time", "step", "count"):
+                    times.setdefault(name, []).append(f[name][:whole])
+                for name in [name for name in self.units if name != "time"]:
+                    columns.setdefault(name, []).append(f["bodies"][name][:rows])
+        self.columns = {name: np.concatenate(parts) for name, parts in columns.items()}
+        self.time, self.step, count = (np.concatenate(parts) for parts in times.values())
+        self.count = count.astype(int)
+        self.offset = np.cumsum(self.count) - self.count
+
+    def read_head(self, f):
+        names = COLUMNS + tuple(name for name in SOMETIMES if name in f["bodies"])
+        self.units = {name: f["bodies"][name].attrs.get("unit", b"") for name in names}
+        self.units["time"] = f["time"].attrs.get("unit", b"")
+        self.kinds = [text(k) for k in f["bodies"].attrs.get("kind_names", [])]
+        self.domain = np.array([f.attrs["domain_lower"], f.attrs["domain_upper"]])
+        kinds = f["kinds"]
+        self.bounding_radius = kinds["bounding_radius"][:]
+        self.meshes = read_meshes(kinds, len(self.bounding_radius))
+        self.provenance = {name: text(value) for name, value in f["provenance"].attrs.items()}
+        self.case_text = text(f["provenance/case_text"][()])
 
     def __len__(self):
         return len(self.time)

@@ -97,7 +97,7 @@ def fail_once(scratch, whole, case, duration, what, **others):
     reason = "no memory" if "MEMORY" in others else os.strerror(others["ERROR"])
     if process.returncode:
         rank = rf"rank {others['RANK']}: .*" if options.ranks > 1 and process.returncode == 1 and "/run.lock: " not in text else ""
-        file = r"[\w/]+\.(h5|hdf|csv|json|lock|log|part|series|journal)\b.*" if "MEMORY" not in others else ""
+        file = r"[\w/]+\.(h5|hdf|csv|json|lock|log|part|series)\b.*" if "MEMORY" not in others else ""
         assert re.search(rank + file + reason, text), f"{what}: does not say rank, file and reason\n{text}"
     again = "resume" if list(out.glob("checkpoint_*.h5")) else "run"
     finish(launch(again, case, "--out", out, *["--overwrite"] * (again == "run")), f"{what}, {again}")

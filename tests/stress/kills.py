@@ -1,8 +1,8 @@
 #!/usr/bin/python3
 """Runs that are killed while they write, and gone on with: kills.py --silt SILT --preload LIBRARY
 [--writes N] [--appends N] [--rows N] [--moments N] [--ranks N] [--seed N]. Each is killed in the middle of one of its
-changes of the result folder (N of them, evenly spread over the run, over the append to bodies.h5 that splits the nodes
-of its trees, or over the changes of series.csv and report.json; fault_at_write.cpp) or at a random moment, without
+changes of the result folder (N of them, evenly spread over the run, over the appends to bodies.h5 around the one that goes on in
+another file, or over the changes of series.csv and report.json; fault_at_write.cpp) or at a random moment, without
 warning. Then the series of the bodies must be readable and hold frames as they were written, and the run that goes on must come to the same bits,
 files, rows of series.csv and report as one that nobody killed."""
 import argparse
@@ -40,8 +40,6 @@ bodies = { every = 1 }
 checkpoint = { every = 10, keep = 2 }
 report = { every = 5 }
 """
-
-NODES_ARE_FULL = 21  # the append that brings the 65th chunk of 1024 rows to a node of a column's tree, which takes 64
 
 parser = argparse.ArgumentParser(description=__doc__)
 parser.add_argument("--silt", required=True)
@@ -115,9 +113,9 @@ def main():
         duration = time.time() - begin
         whole = Whole(out)
         changes = min(scratch.glob("log*")).read_text().splitlines()  # of rank 0
-        appends = [i for i, change in enumerate(changes) if "fallocate" in change and change.endswith("/bodies.h5")]
-        first, last = appends[NODES_ARE_FULL], appends[NODES_ARE_FULL + 1]
-        print(f"{len(changes)} changes, of them {last - first} of one append", flush=True)
+        begins, *_, ends = [i for i, change in enumerate(changes) if "/bodies_" in change and ".h5.part" in change]
+        first, last = 2 * begins - ends, 2 * ends - begins  # an append before and one behind
+        print(f"{len(changes)} changes, of them {last - first} of three appends", flush=True)
         of_rows = [i for i, change in enumerate(changes) if "/series.csv" in change or "/report.json" in change]
         chosen = [of_rows[i] for i in spread(0, len(of_rows), options.rows)]
         for at in [*spread(0, len(changes), options.writes), *spread(first, last, options.appends), *chosen]:

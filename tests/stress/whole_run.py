@@ -83,5 +83,5 @@ class Whole:
         assert fields.keys() == self.fields.keys(), f"{what}: fields {list(fields)}"
         assert fields == self.fields, f"{what}: other values of fields"
         self.check_bodies(out / "bodies.h5", True, what)
-        left = [path.name for path in out.iterdir() if path.suffix in (".part", ".journal") or path.name == "series.1.csv"]
+        left = [path.name for path in out.iterdir() if path.suffix == ".part" or path.name == "series.1.csv"]
         assert not left, f"{what}: left {left}"

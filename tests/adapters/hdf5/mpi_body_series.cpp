@@ -72,7 +72,7 @@ void append(MPI_Comm comm, BodySeries& series, int first, int last) {
 TEST(BodySeries, is_the_same_on_any_number_of_ranks) {
   const Scratch scratch;
   const auto write = [&](MPI_Comm comm, const char* name) {
-    auto series = BodySeries::create(comm, scratch / name, info, {});
+    BodySeries series(comm, scratch / name, info, {});
     append(comm, series, 0, 12);
   };
   write(MPI_COMM_WORLD, "many.h5");
@@ -85,7 +85,7 @@ TEST(BodySeries, is_the_same_on_any_number_of_ranks) {
 TEST(BodySeries, needs_no_more_memory_the_longer_it_gets) {
   const Scratch scratch;
   if (rank() != 0) return;
-  auto series = BodySeries::create(MPI_COMM_SELF, scratch / "long.h5", info, {});
+  BodySeries series(MPI_COMM_SELF, scratch / "long.h5", info, {});
   append(MPI_COMM_SELF, series, 0, 99);
   const std::size_t before = mallinfo2().uordblks;
   append(MPI_COMM_SELF, series, 100, 1099);  // 21 rows of 250 bytes each
@@ -95,30 +95,66 @@ TEST(BodySeries, needs_no_more_memory_the_longer_it_gets) {
 TEST(BodySeries, goes_on_after_the_step_of_a_checkpoint) {
   const Scratch scratch;
   {
-    auto series = BodySeries::create(MPI_COMM_WORLD, scratch / "b.h5", info, {});
+    BodySeries series(MPI_COMM_WORLD, scratch / "b.h5", info, {});
     append(MPI_COMM_WORLD, series, 0, 9);
   }
   {
-    auto resumed = BodySeries::open_for_append(MPI_COMM_WORLD, scratch / "b.h5", 45, info.columns);
-    EXPECT_EQ(resumed.times(), rank() == 0 ? 5u : 0u);
+    BodySeries resumed(MPI_COMM_WORLD, scratch / "b.h5", info, {}, 45);
+    EXPECT_EQ(resumed.last_step(), rank() == 0 ? 40 : -1);
     append(MPI_COMM_WORLD, resumed, 5, 6);
-    EXPECT_EQ(resumed.times(), rank() == 0 ? 7u : 0u);
+    EXPECT_EQ(resumed.last_step(), rank() == 0 ? 60 : -1);
   }
-  EXPECT_EQ(BodySeries::open_for_append(MPI_COMM_WORLD, scratch / "b.h5", -1, info.columns).times(), 0u);
+  EXPECT_EQ(BodySeries(MPI_COMM_WORLD, scratch / "b.h5", info, {}, -1).last_step(), -1);
+}
+
+TEST(BodySeries, has_few_files_and_drops_those_behind_a_checkpoint) {
+  const Scratch scratch;
+  const auto rows_of = [](std::uint64_t n) {
+    std::vector<BodyRow> rows(rank() == 0 ? n : 0);
+    for (std::uint64_t i = 0; i < n && rank() == 0; ++i) rows[i].id = i;
+    return rows;
+  };
+  const auto files = [&] {
+    const std::size_t n = adapters::body_series_files(scratch / "b.h5").size();
+    MPI_Barrier(MPI_COMM_WORLD);
+    return n;
+  };
+  {
+    BodySeries series(MPI_COMM_WORLD, scratch / "b.h5", info, {});
+    append(series, 0, 0, {});  // a file without rows has no room for any
+    append(series, 1, 0, {});
+    for (int step = 2; step < 66; ++step) append(series, step, 0, rows_of(1000));
+  }
+  EXPECT_EQ(files(), 4u);  // of 16 and 32 times, and of more
+  EXPECT_TRUE(std::filesystem::exists(scratch / "b_000000000018.h5"));
+  BodySeries(MPI_COMM_WORLD, scratch / "b.h5", info, {}, 50);
+  EXPECT_EQ(files(), 4u);
+  BodySeries(MPI_COMM_WORLD, scratch / "b.h5", info, {}, 49);
+  EXPECT_EQ(files(), 3u);
+  {
+    BodySeries resumed(MPI_COMM_WORLD, scratch / "b.h5", info, {}, 18);
+    EXPECT_EQ(resumed.last_step(), rank() == 0 ? 18 : -1);
+    for (int step = 19; step < 50; ++step) append(resumed, step, 0, rows_of(1000));
+    EXPECT_EQ(files(), 3u);
+    append(resumed, 50, 0, rows_of(1000));
+  }
+  EXPECT_EQ(files(), 4u);
+  BodySeries(MPI_COMM_WORLD, scratch / "b.h5", info, {});
+  EXPECT_EQ(files(), 0u);
 }
 
 TEST(BodySeries, errors_reach_every_rank) {
   const Scratch scratch;
-  auto series = BodySeries::create(MPI_COMM_WORLD, scratch / "b.h5", info, {});
+  BodySeries series(MPI_COMM_WORLD, scratch / "b.h5", info, {});
   std::vector<BodyRow> twice(2);
   for (BodyRow& row : twice) row.id = 5;
   EXPECT_TEXT(error_of([&] { append(series, 0, 0, twice); }), "body 5 has two owners in step 0");
   append(series, 3, 0, {});
   EXPECT_TEXT(error_of([&] { append(series, 3, 0, {}); }), "step 3 does not come after step 3");
-  EXPECT_TEXT(error_of([&] { BodySeries::open_for_append(MPI_COMM_WORLD, scratch / "b.h5", 9); }),
+  EXPECT_TEXT(error_of([&] { BodySeries(MPI_COMM_WORLD, scratch / "b.h5", {}, {}, 9); }),
               "its columns are not those of this run (contact_force)");
-  EXPECT_TEXT(error_of([&] { BodySeries::open_for_append(MPI_COMM_WORLD, scratch / "c.h5", 0); }), "c.h5");
-  EXPECT_TEXT(error_of([&] { BodySeries::create(MPI_COMM_WORLD, scratch / "no" / "b.h5", info, {}); }),
+  BodySeries nowhere(MPI_COMM_WORLD, scratch / "no" / "b.h5", info, {});
+  EXPECT_TEXT(error_of([&] { append(nowhere, 0, 0, {}); }),
               "cannot open or create: No such file or directory");
 }
 
@@ -132,20 +168,17 @@ const Act write_a_series("write_a_series", [] {
   adapters::Provenance provenance;
   provenance.title = "\u00e4";
   {
-    auto series = BodySeries::create(MPI_COMM_WORLD, path, info, provenance);
+    BodySeries series(MPI_COMM_WORLD, path, info, provenance);
     append(MPI_COMM_WORLD, series, 0, 9);
   }
-  auto resumed = BodySeries::open_for_append(MPI_COMM_WORLD, path, 45, info.columns);
+  BodySeries resumed(MPI_COMM_WORLD, path, info, provenance, 45);
   append(MPI_COMM_WORLD, resumed, 5, 9);
 });
 
 const Act write_a_series_without_end("write_a_series_without_end", [] {
   const std::filesystem::path path = std::filesystem::path(folder()) / "bodies.h5";
-  auto series = std::filesystem::exists(path)
-                    ? BodySeries::open_for_append(MPI_COMM_WORLD, path, 1 << 30, info.columns)
-                    : BodySeries::create(MPI_COMM_WORLD, path, info, {});
-  const int first = static_cast<int>(series.times());
-  append(MPI_COMM_WORLD, series, first, 1 << 26);
+  BodySeries series(MPI_COMM_WORLD, path, info, {}, 1 << 30);
+  append(MPI_COMM_WORLD, series, int((series.last_step() + 10) / 10), 1 << 26);
 });
 
 }  // namespace

@@ -14,7 +14,7 @@ import h5py
 import numpy as np
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[3] / "scripts"))
-from silt_results import BodySeries  # noqa: E402
+from silt_results.body_series import BodySeries, files_of  # noqa: E402
 
 program = sys.argv[1]
 kills = int(sys.argv[2]) if len(sys.argv) > 2 else 10
@@ -26,6 +26,10 @@ def writer(test, folder, launcher=()):
     command = [*launcher, program, "--act", f"write_{test}"]
     return subprocess.Popen(command, env=dict(ENVIRONMENT, SILT_TEST_FOLDER=folder), stdout=subprocess.DEVNULL,
                             stderr=subprocess.DEVNULL)
+
+
+def changed(folder):
+    return max(os.stat(path).st_mtime for path in files_of(folder + "/bodies.h5"))
 
 
 def check(series):
@@ -58,7 +62,7 @@ for ranks in (1, 3):
             assert np.allclose(part["normals"][:, 0], [0, 0, 3**-0.5, -1]) and len(part["normals"]) == 4
             assert (part["triangle_normals"] == np.arange(4)[:, None]).all()
         with h5py.File(folder + "/bodies.h5") as f:  # the file says what its numbers mean
-            assert f.attrs["format_version"] == 3 and f["kinds/vertex"].attrs["unit"] == b"m"
+            assert f.attrs["format_version"] == 4 and f["kinds/vertex"].attrs["unit"] == b"m"
             assert f["kinds/density"].attrs["unit"] == b"kg/m^3"
             assert all(len(data.attrs["meaning"]) > 10 for data in f["kinds"].values())
         assert len(series.of_body(21, "position")[0]) == 6
@@ -75,7 +79,7 @@ with tempfile.TemporaryDirectory() as folder:
         process = writer("a_series_without_end", folder)
         before = longest
         for _ in range(2000):  # until it has begun
-            if os.path.exists(path) and os.path.getsize(path) > 0 and os.stat(path).st_mtime > before:
+            if os.path.exists(path) and changed(folder) > before:
                 break
             time.sleep(0.005)
         time.sleep(0.05 + random.random() * 0.2)
@@ -88,8 +92,10 @@ with tempfile.TemporaryDirectory() as folder:
         except OSError as error:
             unreadable += 1
             print(f"kill {kill}: {error}")
-            os.remove(path)
+            for file in files_of(path):
+                file.unlink()
             continue
         print(f"kill {kill}: {len(series)} times")
-        longest = os.stat(path).st_mtime
+        longest = changed(folder)
+    assert len(files_of(path)) > 1, "the series never went on in another file"
 sys.exit(f"{unreadable} of {kills} files unreadable" if unreadable else 0)

@@ -54,7 +54,7 @@ void write(const std::filesystem::path& path, const std::string& text) {
 
 /// As a run leaves it: the positions of all bodies at one time.
 void write_series(const std::filesystem::path& path) {
-  auto series = adapters::BodySeries::create(MPI_COMM_WORLD, path, {}, {});
+  adapters::BodySeries series(MPI_COMM_WORLD, path, {}, {});
   series.append(0, 0, rank() == 0 ? points : 0, [](std::size_t i) {
     adapters::BodyRow row{};
     row.id = i;

@@ -55,7 +55,7 @@ class Faults(SiltTest):
         self.write(UNSTABLE)
         self.silt("run", self.case, "--steps", 1)
         (self.out / "report.json.part").write_text("of a killed run")
-        (self.out / "bodies.h5.journal.part").write_text("of a killed run")
+        (self.out / "bodies.h5.part").write_text("of a killed run")
         (self.out / "checkpoint_000000000009.h5.part.metadata.0").write_text("of its MPI")
         errors = self.silt("resume", self.case, "--set", "run.steps=60", ranks=4, code=3).stderr
         self.assertRegex(errors, r"step \d+: body [12] moves")
