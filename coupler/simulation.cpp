@@ -209,6 +209,7 @@ void Simulation::step() {
   balance_work();
   const BodyChanges changes = turnover_.before_step(scene_, step_, counters_);
   const parallel::Traffic before = parallel::traffic();
+  const BusBytes on_bus_before = bus_bytes();
   parallel::begin_step_of_traffic();
   scene_.move_walls(step_);
   wall_impulses_.clear();
@@ -225,7 +226,7 @@ void Simulation::step() {
   check_.finish(*scene_.exchange, scene_.bodies, turnover_.expected());  // of the step before
   if (scene_.anything_moves && step_ % guard_interval == 0)
     check_.start(*scene_.exchange, scene_.bodies, turnover_.expected(), step_);
-  effort_.traffic += parallel::traffic() - before;
+  effort_.traffic += parallel::traffic() - before, effort_.bus += bus_bytes() - on_bus_before;
   effort_.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }
 

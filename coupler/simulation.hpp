@@ -106,6 +106,7 @@ class Simulation : private rigid::StepObserver {
   StageSeconds stage_seconds() const { return coupled_step_.seconds(); }         // local, waits included
   StageTraffic stage_traffic() const { return coupled_step_.traffic(); }         // local: with other ranks
   const parallel::Traffic& traffic_in_steps() const { return effort_.traffic; }  // local: of all steps
+  const BusBytes& bus_bytes_in_steps() const { return effort_.bus; }             // local: of all steps
   double step_seconds() const { return effort_.seconds; }  // local: time spent in step()
   /// Returns the force and torque that the fluid had on each owned body in the last step, by row. Local.
   std::vector<BodyLoad> last_loads() const;
@@ -157,6 +158,7 @@ class Simulation : private rigid::StepObserver {
   struct {  // on this rank, in all steps
     double seconds = 0;
     parallel::Traffic traffic;
+    BusBytes bus;
     BalanceRecord balance;
   } effort_;
   std::vector<ContactLoad> contact_loads_;

@@ -38,4 +38,40 @@ std::pmr::memory_resource* message_memory(Device);
 /// where they are used. Throws std::bad_alloc.
 std::shared_ptr<void> zeroed_on_gpu(std::size_t bytes);
 
+/// What the processor of this rank has written for its device to read, and read of what that wrote. Of the
+/// populations themselves only those in messages count.
+struct BusBytes {
+  std::uint64_t to_device = 0, from_device = 0;
+  BusBytes& operator+=(const BusBytes& b) {
+    to_device += b.to_device, from_device += b.from_device;
+    return *this;
+  }
+  BusBytes operator-(const BusBytes& b) const {
+    return {to_device - b.to_device, from_device - b.from_device};
+  }
+};
+namespace counting {
+inline BusBytes on_bus;
+template <class Value>
+constexpr std::size_t bytes_of(const Value& value) {
+  if constexpr (requires { value.data(), value.size(); })
+    return value.size() * sizeof(*value.data());
+  else
+    return sizeof value;
+}
+}  // namespace counting
+/// Returns the counts since the program began.
+inline const BusBytes& bus_bytes() {
+  return counting::on_bus;
+}
+/// Counts values, and those in lists, that go to a device other than `cpu`, and that come from there.
+template <class... Values>
+void to_device(const Values&... values) {
+  counting::on_bus.to_device += (counting::bytes_of(values) + ...);
+}
+template <class... Values>
+void from_device(const Values&... values) {
+  counting::on_bus.from_device += (counting::bytes_of(values) + ...);
+}
+
 }  // namespace silt

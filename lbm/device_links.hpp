@@ -64,7 +64,7 @@ struct LinkPass;
 template <class T>
 class DeviceLinks {
  public:
-  explicit DeviceLinks(Device);
+  explicit DeviceLinks(Device device) : device_(device) {}
 
   /// The links are those of surfaces added from now on, one after the other, whose arrays lie in memory_of
   /// the device and stay there.
@@ -91,10 +91,10 @@ class DeviceLinks {
   LinkPass<T> pass_over(Block<T>&, const LinkSlots&);
 
   Device device_;
-  std::pmr::vector<DeviceGroup<T>> groups_, crossing_;
-  std::pmr::vector<OppositeLink<T>> opposites_;
-  std::pmr::vector<DeviceSurface<T>> surfaces_;
-  std::pmr::vector<LinkSlots> slots_;  // one: of the pass
+  std::pmr::vector<DeviceGroup<T>> groups_{memory_of(device_)}, crossing_{memory_of(device_)};
+  std::pmr::vector<OppositeLink<T>> opposites_{memory_of(device_)};
+  std::pmr::vector<DeviceSurface<T>> surfaces_{memory_of(device_)};
+  std::pmr::vector<LinkSlots> slots_{1, memory_of(device_)};  // of the pass
 };
 
 }  // namespace silt::lbm

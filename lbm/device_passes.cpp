@@ -7,7 +7,9 @@ void wait(Device device) {
 }
 
 std::vector<FastInBlock> take_fast_cells([[maybe_unused]] Device device) {
-  return SILT_ON(device, take_fast_cells)();
+  std::vector<FastInBlock> found = SILT_ON(device, take_fast_cells)();
+  from_device(std::uint32_t(), found);  // how many, and these
+  return found;
 }
 
 template <class T>
@@ -45,20 +47,17 @@ void gather_moments([[maybe_unused]] Device device, const ListedCells<T>& cells,
 }
 
 template <class T>
-void set_arriving([[maybe_unused]] Device device, const ListedCells<T>& cells, const double* g) {
-  SILT_ON(device, set_arriving<T>)(cells, g);
-}
-
-template <class T>
 void total_rows([[maybe_unused]] Device device, const Block<T>& block, Parity parity,
                 std::span<const LocalRows> rows, const std::array<double, 3>& force, CellTotals* totals) {
   SILT_ON(device, total_rows<T>)(block, parity, rows, force, totals);
+  to_device(rows), from_device(std::span(totals, rows.size()));
 }
 
 template <class T>
 void mass_of_rows([[maybe_unused]] Device device, const Block<T>& block, Parity parity,
                   std::span<const LocalRows> rows, std::int64_t* quanta) {
   SILT_ON(device, mass_of_rows<T>)(block, parity, rows, quanta);
+  to_device(rows), from_device(std::span(quanta, rows.size()));
 }
 
 #define SILT_PASSES_OF(T)                                                                                    \
@@ -67,7 +66,6 @@ void mass_of_rows([[maybe_unused]] Device device, const Block<T>& block, Parity 
                            bool);                                                                            \
   template void return_from_outlet(Device, const ReturnFromOutlet<T>&, std::size_t);                         \
   template void gather_moments(Device, const ListedCells<T>&, Moments*);                                     \
-  template void set_arriving(Device, const ListedCells<T>&, const double*);                                  \
   template void carry_packets(Device, const BorderRows<T>&, std::span<const BorderRows<T>::Carried>);        \
   template void cross_border(Device, const BorderRows<T>&, const BorderLists<T>&,                            \
                              std::span<const BorderRows<T>::Passing>);                                       \

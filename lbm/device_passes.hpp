@@ -14,7 +14,7 @@
 namespace silt::lbm {
 
 /// Single cells of the blocks of a fluid: where a cell's populations are counted from, and its block; for
-/// each block, where those arriving at a cell are.
+/// each block, where those arriving at a cell are, and how far the next cell along c_i is.
 template <class T>
 struct ListedCells {
   struct Cell {
@@ -22,7 +22,7 @@ struct ListedCells {
     int block;
   };
   struct Block {
-    std::ptrdiff_t arriving[directions];
+    std::ptrdiff_t arriving[directions], step[directions];
   };
   const Cell* cells;
   std::int64_t count;
@@ -58,8 +58,6 @@ void cross_border(Device, const BorderRows<T>&, const BorderLists<T>&,
 
 template <class T>
 void gather_moments(Device, const ListedCells<T>&, Moments*);
-template <class T>
-void set_arriving(Device, const ListedCells<T>&, const double* g);
 /// The totals and the masses of rows of cells of a block.
 template <class T>
 void total_rows(Device, const Block<T>&, Parity, std::span<const LocalRows>,
@@ -79,8 +77,6 @@ void mass_of_rows(Device, const Block<T>&, Parity, std::span<const LocalRows>, s
   void return_from_outlet(const ReturnFromOutlet<T>&, std::size_t cells);                            \
   template <class T>                                                                                 \
   void gather_moments(const ListedCells<T>&, Moments*);                                              \
-  template <class T>                                                                                 \
-  void set_arriving(const ListedCells<T>&, const double* g);                                         \
   template <class T>                                                                                 \
   void total_rows(const Block<T>&, Parity, std::span<const LocalRows>, const std::array<double, 3>&, \
                   CellTotals*);                                                                      \

@@ -160,17 +160,6 @@ struct GatherMoments {
   }
 };
 
-template <class T>
-struct SetArriving {
-  ListedCells<T> of;
-  const double* g;
-  SILT_DEVICE void operator()(std::int64_t k) const {
-    const auto& cell = of.cells[k];
-    for (int i = 0; i < directions; ++i)
-      cell.data[of.blocks[cell.block].arriving[i]] = T(g[k * directions + i]);
-  }
-};
-
 inline FastList& fast_list() {
 #if defined(__CUDACC__)
   static const auto list = std::static_pointer_cast<FastList>(zeroed_on_gpu(sizeof(FastList)));
@@ -258,12 +247,6 @@ void gather_moments(const ListedCells<T>& cells, Moments* moments) {
   silt::SILT_ISA::wait();
 }
 
-template <class T>
-void set_arriving(const ListedCells<T>& cells, const double* g) {
-  for_each(cells.count, SetArriving<T>{cells, g});
-  silt::SILT_ISA::wait();
-}
-
 /// Calls visit(pointers to what arrives at the first cell of a row, how far a cell is from it) for the cells
 /// of rows that a member of a team has; returns how many.
 template <class T>
@@ -343,7 +326,6 @@ void mass_of_rows(const Block<T>& block, Parity parity, std::span<const LocalRow
   template void move_slots(const SlotPairs&, std::span<const T>, SlotArrays<const T>, SlotArrays<T>, bool); \
   template void return_from_outlet(const ReturnFromOutlet<T>&, std::size_t);                                \
   template void gather_moments(const ListedCells<T>&, Moments*);                                            \
-  template void set_arriving(const ListedCells<T>&, const double*);                                         \
   template void carry_packets(const BorderRows<T>&, std::span<const BorderRows<T>::Carried>);               \
   template void cross_border(const BorderRows<T>&, const BorderLists<T>&,                                   \
                              std::span<const BorderRows<T>::Passing>);                                      \

@@ -73,11 +73,6 @@ std::vector<PassOrder> orders_of(const Domain& domain, MPI_Comm comm) {
 }
 }  // namespace
 
-double equilibrium(int i, double rho, const double j[3]) {
-  const double cj = c[i].x * j[0] + c[i].y * j[1] + c[i].z * j[2];
-  return w(i) * (rho + 3 * cj + 4.5 * cj * cj - 1.5 * (j[0] * j[0] + j[1] * j[1] + j[2] * j[2]));
-}
-
 double half_push(const std::array<double, 3>& force, int i) {
   return 1.5 * w(i) * (c[i].x * force[0] + c[i].y * force[1] + c[i].z * force[2]);
 }
@@ -201,16 +196,18 @@ Moments Fluid<T>::moments(int b, Int3 x) const {
   return for_arriving(b, x, [](const T* const(&g)[directions]) { return moments_of(g, 0); });
 }
 
-/// Returns where a device finds single cells; it holds until the next call.
 template <class T>
 ListedCells<T> Fluid<T>::listed(std::span<const LocalCell> cells) {
   listed_blocks_.resize(blocks_.size()), listed_cells_.resize(cells.size());
   for (std::size_t b = 0; b < blocks_.size(); ++b)
-    for (int i = 0; i < directions; ++i) listed_blocks_[b].arriving[i] = blocks_[b].arriving(i, parity_);
+    for (int i = 0; i < directions; ++i)
+      listed_blocks_[b].arriving[i] = blocks_[b].arriving(i, parity_),
+      listed_blocks_[b].step[i] = blocks_[b].step(i);
   for (std::size_t k = 0; k < cells.size(); ++k) {
     Block<T>& block = blocks_[cells[k].block];
     listed_cells_[k] = {block.data() + block.cell(cells[k].cell), cells[k].block};
   }
+  if (device_ != Device::cpu) to_device(listed_blocks_, listed_cells_);
   return {listed_cells_.data(), std::int64_t(cells.size()), listed_blocks_.data()};
 }
 
@@ -219,20 +216,13 @@ std::span<const Moments> Fluid<T>::moments(std::span<const LocalCell> cells) {
   cell_moments_.resize(cells.size());
   if (device_ != Device::cpu) {
     gather_moments(device_, listed(cells), cell_moments_.data());
+    from_device(cell_moments_);
   } else {
     for_ahead(
         cells, 6, [&](const LocalCell& x) { prefetch(x.block, x.cell); },
         [&](std::size_t k) { cell_moments_[k] = moments(cells[k].block, cells[k].cell); });
   }
   return cell_moments_;
-}
-
-template <class T>
-void Fluid<T>::set_arriving(std::span<const LocalCell> cells, std::span<const double> g) {
-  if (device_ != Device::cpu) return lbm::set_arriving(device_, listed(cells), g.data());
-  for (std::size_t k = 0; k < cells.size(); ++k)
-    for (int i = 0; i < directions; ++i)
-      arriving(cells[k].block, cells[k].cell, i) = T(g[k * directions + i]);
 }
 
 template <class T>

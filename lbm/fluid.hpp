@@ -92,8 +92,8 @@ class Fluid {
   Moments moments(int b, Int3 local_cell) const;
   /// Returns those of single cells, in their order; they are there until the next call.
   std::span<const Moments> moments(std::span<const LocalCell>);
-  /// Sets what arrives at single cells: 19 numbers a cell.
-  void set_arriving(std::span<const LocalCell>, std::span<const double> g);
+  /// Returns where a pass over single cells finds them; it holds until the next call, of moments() too.
+  ListedCells<T> listed(std::span<const LocalCell>);
   /// Those of a box of local cells.
   void moments(int b, const CellBox&, MomentArrays&) const;
   /// Returns what rows of cells hold together; of many such at once, all in memory that the device reaches.
@@ -101,8 +101,6 @@ class Fluid {
   void totals(int b, std::span<const LocalRows>, CellTotals*) const;
   /// Their masses, of which each cell's is the sum of its populations in double, in quanta.
   void masses(int b, std::span<const LocalRows>, std::int64_t* quanta) const;
-  /// Hints that the populations arriving at a cell (ghosts too) will be asked for soon.
-  void prefetch(int b, Int3 local_cell) const;
   std::array<double, 3> velocity(const Moments& m) const { return velocity_of(m, spec_.force); }
   void set_equilibrium(int b, Int3 local_cell, double density_deviation,
                        const std::array<double, 3>& velocity);
@@ -111,7 +109,8 @@ class Fluid {
  private:
   void collide_rows(int b, RowRange);
   void pass_over(std::size_t b, RowRange);
-  ListedCells<T> listed(std::span<const LocalCell>);
+  /// Hints that the populations arriving at a cell will be asked for soon.
+  void prefetch(int b, Int3 local_cell) const;
   template <class Sum>
   auto for_arriving(int b, Int3 local_cell, Sum&& sum) const;
 
@@ -127,7 +126,7 @@ class Fluid {
   std::int64_t passes_ = 0;
   std::vector<FastCell> fast_in_pass_;  // of a range of rows
   std::vector<Fast> fast_cells_;
-  // of single cells, for a device
+  // of single cells, for passes
   std::pmr::vector<typename ListedCells<T>::Cell> listed_cells_{memory_of(device_)};
   std::pmr::vector<typename ListedCells<T>::Block> listed_blocks_{memory_of(device_)};
   std::pmr::vector<Moments> cell_moments_{memory_of(device_)};
@@ -140,8 +139,6 @@ class Fluid {
 template <class T>
 void move_populations(const Fluid<T>& from, Fluid<T>& to);
 
-/// The equilibrium of a density deviation and momentum (README.md, equation 2), in double.
-double equilibrium(int i, double density_deviation, const double momentum[3]);
 /// Returns half of what an acceleration adds to population i in a step of fluid at rest, 3/2 w c.F (equation
 /// 6).
 double half_push(const std::array<double, 3>& force, int i);

@@ -180,6 +180,7 @@ template <class T>
 void Halo<T>::take_side_velocities(const Domain& domain, std::span<Block<T>> blocks) {
   for (std::size_t k = 0; k < walls_.addends.size(); ++k)
     walls_.addends[k] = T(wall_addend(domain, walls_.met[k].first, walls_.met[k].second));
+  if (device_ != Device::cpu) to_device(walls_.addends);
   for (Block<T>& block : blocks) {
     block.clear_row_ends();
     add_row_ends(domain, block);

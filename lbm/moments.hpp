@@ -20,8 +20,18 @@ struct Moments {
 };
 
 /// The velocity that goes with moments: momentum and half the body force (incompressible, density 1).
-inline std::array<double, 3> velocity_of(const Moments& m, const std::array<double, 3>& force) {
+SILT_DEVICE inline std::array<double, 3> velocity_of(const Moments& m, const std::array<double, 3>& force) {
   return {m.momentum[0] + 0.5 * force[0], m.momentum[1] + 0.5 * force[1], m.momentum[2] + 0.5 * force[2]};
+}
+
+/// The equilibrium along c_i, of weight w_i, of a density deviation and momentum (README.md, equation 2), in
+/// double.
+SILT_DEVICE inline double equilibrium(Int3 c, double weight, double rho, const double (&j)[3]) {
+  const double cj = c.x * j[0] + c.y * j[1] + c.z * j[2];
+  return weight * (rho + 3 * cj + 4.5 * cj * cj - 1.5 * (j[0] * j[0] + j[1] * j[1] + j[2] * j[2]));
+}
+inline double equilibrium(int i, double density_deviation, const double momentum[3]) {
+  return equilibrium(c[i], w(i), density_deviation, {momentum[0], momentum[1], momentum[2]});
 }
 
 /// The quantum of sums of mass in lattice units.

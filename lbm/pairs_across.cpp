@@ -103,6 +103,7 @@ void PairsAcross<T>::exchange(std::span<const Block<T>> blocks, Parity parity) {
     }
   std::pmr::vector<T*> targets(memory_of(device_));
   for (auto& of_block : pairs_) targets.push_back(reinterpret_cast<T*>(of_block.data()));
+  if (device_ != Device::cpu) to_device(sources, targets);
   slots_.start(sources);
   slots_.finish(sources, targets);
 }

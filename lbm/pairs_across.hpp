@@ -115,6 +115,7 @@ void PairsAcross<T>::choose(Solid&& solid) {
       }
     }
   }
+  slots_.count_lists();
 }
 
 }  // namespace silt::lbm

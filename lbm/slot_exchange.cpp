@@ -27,8 +27,11 @@ void SlotExchange<T>::send(std::span<const T* const> sources, bool back, bool ea
     move(peer.list[back].places(), {.table = sources.data()}, {.only = peer.buffer[back].data()}, false);
   }
   wait(device_);
-  for (auto& [rank, peer] : peers_)
-    if (is_sent(peer)) transfers_.send(rank, std::span(peer.buffer[back]));
+  for (auto& [rank, peer] : peers_) {
+    if (!is_sent(peer)) continue;
+    transfers_.send(rank, std::span(peer.buffer[back]));
+    if (device_ != Device::cpu) from_device(peer.buffer[back]);
+  }
 }
 
 template <class T>
@@ -46,9 +49,19 @@ void SlotExchange<T>::finish(std::span<const T* const> sources, std::span<T* con
   send(sources, back, false);
   move(copied_, {.table = sources.data()}, {.table = targets.data()}, back);
   transfers_.wait();
-  for (auto& [rank, peer] : peers_)
+  for (auto& [rank, peer] : peers_) {
     move(peer.list[!back].places(), {.only = peer.buffer[!back].data()}, {.table = targets.data()}, true);
+    if (device_ != Device::cpu) to_device(peer.buffer[!back]);
+  }
   wait(device_);
+}
+
+template <class T>
+void SlotExchange<T>::count_lists() const {
+  if (device_ == Device::cpu) return;
+  to_device(copied_.pairs());
+  for (const auto& [rank, peer] : peers_)
+    for (const SlotList& list : peer.list) to_device(list.places().pairs());
 }
 
 template <class T>

@@ -30,6 +30,8 @@ class SlotExchange {
   void hold_back(int rank) { peer(rank).early = false; }
   /// Empties all lists.
   void clear();
+  /// Call when lists that change from step to step are complete: a device gets them (BusBytes).
+  void count_lists() const;
 
   /// Sends from these arrays, and awaits what comes.
   void start(std::span<const T* const> sources, bool back = false);

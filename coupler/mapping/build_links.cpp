@@ -252,6 +252,7 @@ void build_links(const BlockMap& map, const rigid::World& world, const rigid::Bo
     const bool is_stiff = rules.coupling.time == TimeCoupling::implicit_ && bodies.is_dynamic(mask.row);
     writer.body(mask, world.shapes[shape], mapped_motion(bodies, mask.row),
                 is_stiff ? world.bounding_radii[shape] : 0, surfaces[k]);
+    if (rules.device != Device::cpu) to_device(links.place, links.q, links.rate, links.across);
   });
   if (rules.device != Device::cpu) measure.run();
 }

@@ -2,7 +2,7 @@
 // A surface that answers at what distance links meet it, and how that changes while it moves on from where it
 // was mapped: in the steps until it is mapped again its links follow it, to first order.
 #include "coupler/exchange/coupling_state.hpp"
-#include "coupler/mapping/device_measure.hpp"
+#include "coupler/mapping/device_mapping.hpp"
 #include "coupler/mapping/link_groups.hpp"
 #include "coupler/mapping/mesh_distances.hpp"
 #include "coupler/mapping/surface_parts.hpp"

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <tuple>
 
+#include "coupler/mapping/refill_cell.hpp"
 #include "lbm/slot_exchange.hpp"
 #include "parallel/communicator.hpp"
 
@@ -109,79 +110,44 @@ std::vector<lbm::Moments> remote_moments(lbm::Fluid<T>& fluid, const std::vector
   return wanted;
 }
 
-struct Average {
-  double density = 0, stress[6] = {};  // stress: mean of sum c c (g - g_eq)
-  int count = 0;
-
-  void add(const lbm::Moments& m, const std::array<double, 3>& force) {
-    ++count;
-    const double rho = m.density_deviation;
-    density += rho;
-    const std::array<double, 3> u = lbm::velocity_of(m, force);
-    const double eq[6] = {rho / 3 + u[0] * u[0], rho / 3 + u[1] * u[1], rho / 3 + u[2] * u[2],
-                          u[0] * u[1],           u[0] * u[2],           u[1] * u[2]};
-    for (int k = 0; k < 6; ++k) stress[k] += m.flux[k] - eq[k];
-  }
-  void finish() {
-    if (count == 0) return;
-    density /= count;
-    for (double& s : stress) s /= count;
-  }
+/// The cells that were uncovered, and moments of neighbours in other blocks, as passes find them.
+struct Uncovered {
+  std::pmr::vector<UncoveredCell> cells;
+  std::pmr::vector<lbm::Moments> told;
 };
 
-double grad_part(int i, const double s[6]) {
-  const Int3 c = lbm::c[i];
-  const double css = c.x * c.x * s[0] + c.y * c.y * s[1] + c.z * c.z * s[2] +
-                     2 * (c.x * c.y * s[3] + c.x * c.z * s[4] + c.y * c.z * s[5]);
-  return 4.5 * lbm::w(i) * (css - (s[0] + s[1] + s[2]) / 3);
-}
-
-/// The neighbours of uncovered cells that were fluid and still are, one cell after the other.
-struct Neighbours {
-  std::vector<std::uint8_t> count, is_remote;  // of a cell; of a neighbour
-  std::vector<lbm::LocalCell> local;           // the others
-};
-
-Neighbours neighbours_of(const std::vector<CoveredCell>& uncovered, const std::vector<BlockMap>& maps,
-                         const lbm::Domain& domain, int rank) {
-  Neighbours all;
-  for (const CoveredCell& u : uncovered) {
+template <class T>
+Uncovered uncovered_cells(lbm::Fluid<T>& fluid, const std::vector<BlockMap>& maps,
+                          const ChangedCells& changed) {
+  const std::vector<lbm::Moments> remote = remote_moments(fluid, maps, changed);
+  const lbm::Domain& domain = fluid.domain();
+  const int rank = parallel::rank_of(fluid.comm());
+  std::pmr::memory_resource* const memory = memory_of(fluid.device());
+  Uncovered all{std::pmr::vector<UncoveredCell>(memory), std::pmr::vector<lbm::Moments>(memory)};
+  std::vector<std::uint8_t> is_remote;  // of those elsewhere
+  std::vector<lbm::LocalCell> local;    // the others
+  for (const CoveredCell& u : changed.uncovered) {
     const BlockMap& map = maps[u.block];
-    const std::size_t before = all.is_remote.size();
+    UncoveredCell cell;
+    cell.first_told = std::uint32_t(is_remote.size());
     for (int k = 1; k < lbm::directions; ++k) {
       const Int3 y = u.cell + lbm::c[k];
       if (!map.was_and_is_fluid(y)) continue;
-      lbm::LocalCell cell{u.block, y};
-      if (!map.has(y)) {
-        const Int3 g = domain.wrapped(map.box.lower + y);
-        const lbm::BlockPlace there = domain.block_at(g);
-        cell = {domain.local_index(there, rank), g - there.box.lower};
-      }
-      all.is_remote.push_back(cell.block < 0);
-      if (cell.block >= 0) all.local.push_back(cell);
+      cell.neighbours |= 1u << k;
+      if (map.has(y)) continue;
+      cell.elsewhere |= 1u << k;
+      const Int3 g = domain.wrapped(map.box.lower + y);
+      const lbm::BlockPlace there = domain.block_at(g);
+      const int block = domain.local_index(there, rank);
+      is_remote.push_back(block < 0);
+      if (block >= 0) local.push_back({block, g - there.box.lower});
     }
-    all.count.push_back(std::uint8_t(all.is_remote.size() - before));
+    all.cells.push_back(cell);
   }
-  return all;
-}
-
-/// The averages over the neighbours of each uncovered cell.
-template <class T>
-std::vector<Average> averages_around(lbm::Fluid<T>& fluid, const std::vector<BlockMap>& maps,
-                                     const ChangedCells& cells) {
-  const std::vector<lbm::Moments> remote = remote_moments(fluid, maps, cells);
-  const Neighbours neighbours =
-      neighbours_of(cells.uncovered, maps, fluid.domain(), parallel::rank_of(fluid.comm()));
   auto next_remote = remote.begin();
-  auto next_local = fluid.moments(neighbours.local).begin();
-  auto is_remote = neighbours.is_remote.begin();
-  std::vector<Average> averages(cells.uncovered.size());
-  for (std::size_t n = 0; n < averages.size(); ++n) {
-    for (int k = 0; k < neighbours.count[n]; ++k)
-      averages[n].add(*is_remote++ ? *next_remote++ : *next_local++, fluid.spec().force);
-    averages[n].finish();
-  }
-  return averages;
+  auto next_local = fluid.moments(local).begin();
+  for (const bool away : is_remote) all.told.push_back(away ? *next_remote++ : *next_local++);
+  return all;
 }
 
 }  // namespace
@@ -227,26 +193,22 @@ void refill(lbm::Fluid<T>& fluid, const std::vector<BlockMap>& maps, const Chang
             const rigid::BodySet& bodies, const rigid::BodySet& gone, Refill scheme) {
   const auto& domain = fluid.domain();
   const auto& force = fluid.spec().force;
-  const std::vector<Average> averages = averages_around(fluid, maps, cells);  // before a cell is written
-  std::pmr::vector<double> arriving(cells.uncovered.size() * lbm::directions, memory_of(fluid.device()));
+  Uncovered uncovered = uncovered_cells(fluid, maps, cells);
   for (std::size_t n = 0; n < cells.uncovered.size(); ++n) {
     const CoveredCell& u = cells.uncovered[n];
-    const Average& mean = averages[n];
-    double j[3] = {};
     for (const rigid::BodySet* set : {&bodies, &gone}) {
       const std::size_t row = u.body ? set->row_of(u.body->id) : set->size();
       if (row >= set->size()) continue;
       const Int3 cell = maps[u.block].box.lower + u.cell;
       const rigid::Vec3 v = set->velocity_at(row, nearest_arm(domain, set->position[row], cell));
-      for (int d = 0; d < 3; ++d) j[d] = v[d] - 0.5 * force[d];
-    }
-    for (int i = 0; i < lbm::directions; ++i) {
-      double g = lbm::equilibrium(i, mean.density, j);
-      if (scheme == Refill::grad) g += grad_part(i, mean.stress);
-      arriving[n * lbm::directions + i] = g;
+      for (int d = 0; d < 3; ++d) uncovered.cells[n].momentum[d] = v[d] - 0.5 * force[d];
     }
   }
-  fluid.set_arriving(places(cells.uncovered), arriving);
+  const RefillCells<T> pass{fluid.listed(places(cells.uncovered)), uncovered.cells.data(),
+                            uncovered.told.data(), force, scheme == Refill::grad};
+  if (fluid.device() == Device::cpu) return pass.run_here();
+  SILT_ON(fluid.device(), refill_cells<T>)(pass);
+  to_device(uncovered.cells, uncovered.told);
 }
 
 template void refill(lbm::Fluid<float>&, const std::vector<BlockMap>&, const ChangedCells&,

@@ -315,6 +315,19 @@ Json traffic_of(const Simulation& simulation, const parallel::Traffic& mine, dou
                        {"bytes_per_step", a_step(mine.bytes).mean}});
 }
 
+/// A step, since this start, of all ranks; and of both ways, over the bodies there are now.
+Json bus_of(const Simulation& simulation, double steps) {
+  const auto a_step = [&](std::uint64_t bytes) {
+    return parallel::sum_over_ranks(simulation.scene().comm, steps > 0 ? double(bytes) / steps : 0);
+  };
+  const BusBytes& bytes = simulation.bus_bytes_in_steps();
+  const double to = a_step(bytes.to_device), from = a_step(bytes.from_device),
+               bodies = double(simulation.body_count());
+  return Json::object({{"bytes_to_device_per_step", to},
+                       {"bytes_from_device_per_step", from},
+                       {"bytes_per_body_and_step", bodies > 0 ? (to + from) / bodies : unknown}});
+}
+
 /// What the ranks do in the stages without their waits: how evenly it is shared.
 Json work_of(const Simulation& simulation) {
   const StageSeconds seconds = simulation.stage_seconds();
@@ -349,6 +362,7 @@ void add_parallel(const Simulation& simulation, const RunStatus& status, Json& r
   report["traffic"]["stages"] = by_stage(simulation.scene(), [&](int s) {
     return traffic_of(simulation, simulation.stage_traffic()[s], steps);
   });
+  if (simulation.setup().device != Device::cpu) report["bus"] = bus_of(simulation, steps);
   report["work"] = work_of(simulation);
   report["balance"] = balance_of(simulation);
   rusage usage{};

@@ -10,12 +10,13 @@ namespace silt::coupler::testing {
 namespace {
 
 /// A periodic box of fluid: every step sends the populations that cross the sides of a rank's block, five
-/// directions a cell of a side, those across an edge once, to each rank beyond a side or an edge.
+/// directions a cell of a side, those across an edge once, to each rank beyond a side or an edge. These alone
+/// leave a device and come to it, and how many cells were found to be too fast.
 TEST(Traffic, AStepOfFluidSendsWhatLeavesABlock) {
   CaseText text;
   text.domain = domain_of({16, 16, 16});
   text.shapes = text.bodies = "";
-  Simulation simulation = text.start(MPI_COMM_WORLD);
+  Simulation simulation = text.start(MPI_COMM_WORLD, {"run.device=host"});
   constexpr int steps = 6;
   for (int i = 0; i < steps; ++i) simulation.step();
   const lbm::Int3 n = simulation.scene().flow->fields().block(0).size;
@@ -30,6 +31,8 @@ TEST(Traffic, AStepOfFluidSendsWhatLeavesABlock) {
   const parallel::Traffic& sent = simulation.traffic_in_steps();
   EXPECT_EQ(sent.messages, steps * peers);
   EXPECT_EQ(sent.bytes, steps * slots * sizeof(float));
+  EXPECT_EQ(simulation.bus_bytes_in_steps().to_device, sent.bytes);
+  EXPECT_EQ(simulation.bus_bytes_in_steps().from_device, sent.bytes + steps * sizeof(std::uint32_t));
   EXPECT_EQ(sent.empty_messages, 0u);
   EXPECT_EQ(sent.blocking_collectives, 0u);
 }

@@ -1,8 +1,10 @@
-// The pass of device_measure.hpp, for the one file of each device that includes this (SILT_ISA, SILT_SCALAR).
+// The passes of device_mapping.hpp and refill_cell.hpp, for the one file of each device that includes this
+// (SILT_ISA, SILT_SCALAR).
 #include <algorithm>
 #include <type_traits>
 
-#include "coupler/mapping/device_measure.hpp"
+#include "coupler/mapping/device_mapping.hpp"
+#include "coupler/mapping/refill_cell.hpp"
 #include "coupler/mapping/surface_distance.hpp"
 #include "device/for_each.hpp"
 #include "lbm/link_stiffness.hpp"
@@ -70,6 +72,14 @@ void measure_links(std::size_t groups, const MeasureLinks<T>& all) {
   wait();
 }
 
+template <class T>
+void refill_cells(const RefillCells<T>& cells) {
+  for_each(cells.listed.count, cells);
+  wait();
+}
+
+template void refill_cells(const RefillCells<float>&);
+template void refill_cells(const RefillCells<double>&);
 template void measure_links(std::size_t, const MeasureLinks<float>&);
 template void measure_links(std::size_t, const MeasureLinks<double>&);
 

@@ -1,14 +1,6 @@
-#include "coupler/mapping/device_measure.hpp"
+#include "coupler/mapping/device_mapping.hpp"
 
 namespace silt::coupler {
-
-template <class T>
-DeviceMeasure<T>::DeviceMeasure(Device device)
-    : device_(device),
-      groups_(memory_of(device)),
-      surfaces_(memory_of(device)),
-      parts_(memory_of(device)),
-      planes_(memory_of(device)) {}
 
 template <class T>
 SurfaceAtTime DeviceMeasure<T>::listed(const SurfaceView<T>& surface, const lbm::SurfaceFrame& frame) {
@@ -47,8 +39,12 @@ template <class T>
 void DeviceMeasure<T>::run() {
   SILT_ON(device_, measure_links<T>)
   (groups_.size(), {groups_.data(), surfaces_.data(), parts_.data(), planes_.data()});
-  for (std::size_t k = 0; k < wanted_.size(); ++k)
-    if (surfaces_[k].arm != 0) wanted_[k]->stiffness = surfaces_[k].stiffness;
+  to_device(groups_, surfaces_, parts_, planes_);
+  for (std::size_t k = 0; k < wanted_.size(); ++k) {
+    if (surfaces_[k].arm == 0) continue;
+    wanted_[k]->stiffness = surfaces_[k].stiffness;
+    from_device(surfaces_[k].stiffness);
+  }
 }
 
 template class DeviceMeasure<float>;

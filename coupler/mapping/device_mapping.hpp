@@ -64,7 +64,7 @@ struct MeasureLinks {
 template <class T>
 class DeviceMeasure {
  public:
-  explicit DeviceMeasure(Device);
+  explicit DeviceMeasure(Device device) : device_(device) {}
 
   /// The distances of the surface's links are wanted. `arm` is that of SurfaceToMeasure.
   void add(SurfaceLinks<T>&, const SurfaceView<T>&, T arm);
@@ -78,10 +78,10 @@ class DeviceMeasure {
 
   Device device_;
   std::vector<SurfaceLinks<T>*> wanted_;
-  std::pmr::vector<GroupToMeasure<T>> groups_;
-  std::pmr::vector<SurfaceToMeasure<T>> surfaces_;
-  std::pmr::vector<SurfacePart<T>> parts_;
-  std::pmr::vector<Plane<T>> planes_;
+  std::pmr::vector<GroupToMeasure<T>> groups_{memory_of(device_)};
+  std::pmr::vector<SurfaceToMeasure<T>> surfaces_{memory_of(device_)};
+  std::pmr::vector<SurfacePart<T>> parts_{memory_of(device_)};
+  std::pmr::vector<Plane<T>> planes_{memory_of(device_)};
 };
 
 namespace host {

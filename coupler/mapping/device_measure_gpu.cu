@@ -1,3 +1,0 @@
-#define SILT_ISA gpu
-#define SILT_SCALAR
-#include "coupler/mapping/device_measure_build.hpp"

@@ -1,0 +1,104 @@
+#pragma once
+// What a cell holds when a body has left it, found cell by cell on the processor or by a pass of a device.
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include "cpu/prefetch.hpp"
+#include "lbm/device_passes.hpp"
+#include "lbm/moments.hpp"
+
+namespace silt::coupler {
+
+/// What is known of an uncovered cell: its neighbours that were fluid and still are, by direction, and which
+/// of these lie in another block. The moments of those are told, one after the other.
+struct UncoveredCell {
+  std::uint32_t neighbours = 0, elsewhere = 0, first_told = 0;
+  double momentum[3] = {};  // of the body there, without the half force
+};
+
+/// The means over neighbours: of density, and of their momentum flux off equilibrium, sum c c (g - g_eq).
+class NeighbourMeans {
+ public:
+  double density = 0, stress[6] = {};
+
+  SILT_DEVICE void add(const lbm::Moments& m, const std::array<double, 3>& force) {
+    ++count_;
+    const double rho = m.density_deviation;
+    density += rho;
+    const std::array<double, 3> u = lbm::velocity_of(m, force);
+    const double eq[6] = {rho / 3 + u[0] * u[0], rho / 3 + u[1] * u[1], rho / 3 + u[2] * u[2],
+                          u[0] * u[1],           u[0] * u[2],           u[1] * u[2]};
+    for (int k = 0; k < 6; ++k) stress[k] += m.flux[k] - eq[k];
+  }
+  SILT_DEVICE void finish() {
+    if (count_ == 0) return;
+    density /= count_;
+    for (double& s : stress) s /= count_;
+  }
+  SILT_DEVICE double grad_part(lbm::Int3 c, double weight) const {
+    const double* const s = stress;
+    const double css = c.x * c.x * s[0] + c.y * c.y * s[1] + c.z * c.z * s[2] +
+                       2 * (c.x * c.y * s[3] + c.x * c.z * s[4] + c.y * c.z * s[5]);
+    return 4.5 * weight * (css - (s[0] + s[1] + s[2]) / 3);
+  }
+
+ private:
+  int count_ = 0;
+};
+
+/// Sets what arrives at uncovered cells; none of them is another's neighbour.
+template <class T>
+struct RefillCells {
+  lbm::ListedCells<T> listed;
+  const UncoveredCell* uncovered;
+  const lbm::Moments* told;
+  std::array<double, 3> force;
+  bool by_grad;
+
+  void run_here() const {
+    const std::span all(listed.cells, std::size_t(listed.count));
+    for_ahead(
+        all, 2,
+        [&](const auto& cell) {
+          const auto& block = listed.blocks[cell.block];
+          for (const std::ptrdiff_t step : block.step)
+            for (const std::ptrdiff_t arriving : block.arriving)
+              prefetch_to_read(cell.data + step + arriving);
+        },
+        *this);
+  }
+  SILT_DEVICE void operator()(std::int64_t k) const {
+    const auto& at = listed.cells[k];
+    const auto& block = listed.blocks[at.block];
+    const UncoveredCell& cell = uncovered[k];
+    const T* g[lbm::directions];
+    for (int i = 0; i < lbm::directions; ++i) g[i] = at.data + block.arriving[i];
+    const lbm::Moments* next = told + cell.first_told;
+    NeighbourMeans means;
+    for (int i = 1; i < lbm::directions; ++i)
+      if (cell.neighbours >> i & 1)
+        means.add(cell.elsewhere >> i & 1 ? *next++ : lbm::moments_of<T>(g, block.step[i]), force);
+    means.finish();
+    lbm::for_directions<0>([&](auto i) {
+      constexpr lbm::Int3 c = lbm::c[i()];
+      double arriving = lbm::equilibrium(c, lbm::w(i()), means.density, cell.momentum);
+      if (by_grad) arriving += means.grad_part(c, lbm::w(i()));
+      at.data[block.arriving[i()]] = T(arriving);
+    });
+  }
+};
+
+/// The pass of a device.
+#define SILT_REFILL_PASS \
+  template <class T>     \
+  void refill_cells(const RefillCells<T>&);
+namespace host {
+SILT_REFILL_PASS
+}
+namespace gpu {
+SILT_REFILL_PASS
+}
+#undef SILT_REFILL_PASS
+
+}  // namespace silt::coupler
