@@ -4,7 +4,7 @@ set(CMAKE_SKIP_INSTALL_ALL_DEPENDENCY ON)  # not the tests
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
-set(libraries cpu device parallel lbm rigid collision hdf5 json toml qhull mesh coupler)
+set(libraries cpu device parallel lbm rigid collision hdf5 toml qhull mesh coupler)
 foreach(name IN LISTS libraries)
   add_library(silt::${name} ALIAS silt_${name})
   set_target_properties(silt_${name} PROPERTIES EXPORT_NAME ${name})

@@ -2,6 +2,8 @@
 
 #include <sys/resource.h>
 
+#include <nlohmann/json.hpp>
+
 #include <algorithm>
 #include <fstream>
 #include <iterator>
@@ -25,7 +27,7 @@ namespace silt::coupler {
 
 namespace {
 
-using adapters::Json;
+using Json = nlohmann::ordered_json;
 
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();  // null in the file
 
@@ -38,7 +40,7 @@ struct Spread {
 Spread spread(const Simulation& simulation, double mine) {
   const MPI_Comm comm = simulation.scene().comm;
   double most[2] = {mine, -mine};
-  parallel::max_over_ranks(comm, most);
+  parallel::max_over_ranks(comm, std::span(most));
   return {-most[1], parallel::sum_over_ranks(comm, mine) / simulation.scene().ranks, most[0]};
 }
 
@@ -134,12 +136,10 @@ Json sizes_of(const Simulation& simulation) {
   for (const FillSpec& fill : setup.fills) {
     if (fill.sizes.size() == 1) continue;
     Json& of_kind = sizes[setup.kind_names[fill.kind]];
-    for (const FillSize& size : fill.sizes) {
-      Json pair = Json::array();
-      pair.push_back(setup.units.physical(sphere_of_volume(setup.shapes[size.shape]), dimension::length));
-      pair.push_back(counts[size.shape]);
-      of_kind.push_back(std::move(pair));
-    }
+    for (const FillSize& size : fill.sizes)
+      of_kind.push_back(
+          Json::array({setup.units.physical(sphere_of_volume(setup.shapes[size.shape]), dimension::length),
+                       counts[size.shape]}));
   }
   return sizes;
 }
@@ -223,7 +223,7 @@ void add_motion(const Simulation& simulation, Json& report) {
   const auto momentum = [&](double x, double y, double z) {
     std::array<double, 3> p{x, y, z};
     for (double& component : p) component = units.physical(component, dimension::momentum);
-    return Json::array_of(p);
+    return Json(p);
   };
   const auto& [x, y, z] = bodies.momentum;
   report["energy"] = Json::object({{"bodies", energy(bodies.energy.value())}});
@@ -388,9 +388,25 @@ Json quantity_types_of(const Case& setup) {
   return types;
 }
 
+void list_numbers(const Json& value, const std::string& path, Report& report) {
+  for (const auto& [key, member] : value.items()) {
+    const bool is_vector = value.is_array() && value.size() == 3;
+    const std::string name = path + (is_vector ? std::string(1, "xyz"[std::stoi(key)]) : key);
+    if (member.is_structured())
+      list_numbers(member, name + '.', report);
+    else if (member.is_number() || member.is_null())
+      report.numbers.emplace_back(name, member.dump() == "null" ? "" : member.dump());
+  }
+}
+
+/// Bytes of a text that are not valid UTF-8 become U+FFFD.
+std::string text_of(const Json& report) {
+  return report.dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
+}
+
 }  // namespace
 
-Json report_of(Simulation& simulation, const Quantities& quantities, const RunStatus& status) {
+Report report_of(Simulation& simulation, const Quantities& quantities, const RunStatus& status) {
   const Scene& scene = simulation.scene();
   Json report = Json::object();
   report["exit_reason"] = status.exit_reason;
@@ -399,13 +415,13 @@ Json report_of(Simulation& simulation, const Quantities& quantities, const RunSt
   if (status.first_step > 0) report["resumed_at"] = status.first_step;
   report["time"] = double(simulation.steps_done()) * scene.setup.units.time_step;
   report["units"] = scene.setup.units.si ? "si" : "lattice";
-  report["overrides"] = Json::array_of(scene.setup.overrides);
+  report["overrides"] = scene.setup.overrides;
   add_scene(simulation, report);
   report["state_hash"] = status.state_is_sound && status.at_end ? Json(hex(simulation.hash())) : Json();
   add_times(simulation, status, report);
   add_parallel(simulation, status, report);
   report["skipped"] = skipped_passes(scene);
-  report["mass_drift"] = report["mass_surplus"] = report["momentum_drift"] = Json();
+  for (const char* name : {"mass_drift", "mass_surplus", "momentum_drift"}) report[name] = Json();
   if (status.state_is_sound) {
     add_balance(simulation, report);
     add_motion(simulation, report);
@@ -425,7 +441,16 @@ Json report_of(Simulation& simulation, const Quantities& quantities, const RunSt
   const Device device = simulation.setup().device;
   report["device"] = std::string(device_names[std::size_t(device)]);
   if (const std::string card = description(device); !card.empty()) report["card"] = card;
-  return report;
+  Report made{text_of(report), {}};
+  list_numbers(report, "", made);
+  return made;
+}
+
+std::string last_report(const RunStatus& status, std::int64_t steps, int ranks) {
+  return text_of({{"exit_reason", status.exit_reason},
+                  {"exit_text", status.exit_text},
+                  {"steps", steps},
+                  {"ranks", ranks}});
 }
 
 bool is_final_report(const std::filesystem::path& path, std::int64_t step) {

@@ -3,8 +3,9 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <utility>
+#include <vector>
 
-#include "adapters/json/json.hpp"
 #include "coupler/results/quantities.hpp"
 #include "coupler/simulation.hpp"
 
@@ -20,9 +21,19 @@ struct RunStatus {
   bool at_end = true;                   // false: no hash, which takes as long as some steps
 };
 
+struct Report {
+  std::string text;  // of report.json
+  /// Its numbers, each with its path, "member.key", and as printed; of an array of three "member.x" and so
+  /// on. A null is one, with no text: what is not known now.
+  std::vector<std::pair<std::string, std::string>> numbers;
+};
+
 /// Collective. Times are those since this start; counters and largest values since step 0. Speeds, lengths
 /// and quantities in the units of the case.
-adapters::Json report_of(Simulation&, const Quantities&, const RunStatus&);
+Report report_of(Simulation&, const Quantities&, const RunStatus&);
+
+/// Returns the short report of a run that this rank ends alone.
+std::string last_report(const RunStatus&, std::int64_t steps, int ranks);
 
 /// Whether a file is the report of a run that came to its end at that step.
 bool is_final_report(const std::filesystem::path&, std::int64_t step);

@@ -11,6 +11,7 @@
 
 #include "adapters/hdf5/disk.hpp"
 #include "coupler/case/case_error.hpp"
+#include "coupler/results/report.hpp"
 #include "coupler/results/result_folder.hpp"
 
 namespace silt::coupler {
@@ -77,14 +78,16 @@ constexpr std::array series_columns = {"steps",        "time",           "wall_s
 
 /// The numbers of a member of the report. Of a quantity that is a mean over steps that of the last step, and
 /// then the mean under a name that says so; of what each rank has the mean is enough.
-std::vector<std::pair<std::string, std::string>> values_now(const adapters::Json& report,
-                                                            const std::string& member) {
-  auto numbers = report.numbers(member), means = decltype(numbers){};
+decltype(Report::numbers) values_now(const Report& report, const std::string& member) {
+  decltype(Report::numbers) numbers, means;
+  for (const auto& number : report.numbers)
+    if (number.first == member || number.first.starts_with(member + '.')) numbers.push_back(number);
   if (member == "stage_seconds")
     std::erase_if(numbers, [](const auto& number) { return !number.first.ends_with(".avg"); });
   if (member != "quantities") return numbers;
   const std::string in_last_step = "quantities_in_last_step.", mean = "means.";
-  for (const auto& [path, now] : report.numbers("quantities_in_last_step")) {
+  for (const auto& [path, now] : report.numbers) {
+    if (!path.starts_with(in_last_step)) continue;
     const std::string name = path.substr(in_last_step.size());
     for (auto& [other, number] : numbers)
       if (other == "quantities." + name) means.emplace_back(mean + name, std::exchange(number, now));
@@ -132,7 +135,7 @@ void StepTable::append(const std::string& columns, const TableRows& rows) {
   columns_ = columns, last_step_ = rows.last_step;
 }
 
-void append_report(StepTable& series, std::int64_t step, const adapters::Json& report) {
+void append_report(StepTable& series, std::int64_t step, const Report& report) {
   std::string names, row;
   for (const char* column : series_columns)
     for (const auto& [name, number] : values_now(report, column)) {

@@ -7,11 +7,12 @@
 #include <span>
 #include <string>
 
-#include "adapters/json/json.hpp"
 #include "coupler/body_turnover.hpp"
 #include "coupler/case/units.hpp"
 
 namespace silt::coupler {
+
+struct Report;
 
 /// Rows of a table as text, and the step of the last.
 struct TableRows {
@@ -35,7 +36,7 @@ class StepTable {
 };
 
 /// Appends a report's row to series.csv.
-void append_report(StepTable&, std::int64_t step, const adapters::Json& report);
+void append_report(StepTable&, std::int64_t step, const Report&);
 
 /// A number of a row; an empty field for what has no value.
 std::string csv_number(double);

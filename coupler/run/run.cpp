@@ -214,12 +214,8 @@ void Run::fail_alone(Exit code, const std::string& reason, const std::string& wh
   if (file >= 0 || errno != EEXIST) {
     fmt::print(stderr, "\nsilt: {}\n", text);
     std::fflush(stderr);
-    const std::string report = adapters::Json::object({{"exit_reason", reason},
-                                                       {"exit_text", text},
-                                                       {"steps", simulation_.steps_done()},
-                                                       {"ranks", simulation_.scene().ranks}})
-                                   .text() +
-                               "\n";
+    const std::string report =
+        last_report({reason, text}, simulation_.steps_done(), simulation_.scene().ranks);
     std::error_code ignored;  // it has been said on stderr
     if (file >= 0 && write(file, report.data(), report.size()) == ssize_t(report.size()) && fsync(file) == 0)
       fs::rename(part, folder_ / "report.json", ignored);

@@ -157,11 +157,11 @@ void RunOutputs::write_report(const std::string& reason, const std::string& text
   parallel::naming(path.string(), [&] {
     const bool at_end = run_.has_ended() || reason != "running";
     const RunStatus status{reason, text, run_.first_step, MPI_Wtime() - begin_, sound, at_end};
-    const adapters::Json report = report_of(simulation_, *run_.quantities, status);
+    const Report report = report_of(simulation_, *run_.quantities, status);
     parallel::on_rank_0(simulation_.scene().comm, [&] {
       if (reports_ && sound) append_report(*reports_, simulation_.steps_done(), report);
       if (!at_end && !due(setup().output.checkpoint) && status.wall_seconds < reported_ + 1) return;
-      write_text(path, report.text());
+      write_text(path, report.text);
       reported_ = status.wall_seconds;
     });
   });

@@ -93,13 +93,13 @@ void run(const Options& o) {
            bed.mlups.lowest(), bed.mlups.highest(), bound.middle(),
            stage_shares(before[k], bed.simulation->stage_seconds()).c_str());
     out.figures["bed." + bed.key + ".mlups"] = bed.mlups.middle();
-    out.table.push_back(adapters::Json::object({{"spheres", bed.spheres},
-                                                {"solid", bed.solid},
-                                                {"precision", bed.single ? "single" : "double"},
-                                                {"mlups", bed.mlups.middle()},
-                                                {"mlups_lowest", bed.mlups.lowest()},
-                                                {"mlups_highest", bed.mlups.highest()},
-                                                {"bound_mlups", bound.middle()}}));
+    out.table.push_back(Json::object({{"spheres", bed.spheres},
+                                      {"solid", bed.solid},
+                                      {"precision", bed.single ? "single" : "double"},
+                                      {"mlups", bed.mlups.middle()},
+                                      {"mlups_lowest", bed.mlups.lowest()},
+                                      {"mlups_highest", bed.mlups.highest()},
+                                      {"bound_mlups", bound.middle()}}));
   }
   out.write(o.json);
 }

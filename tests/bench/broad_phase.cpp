@@ -79,12 +79,12 @@ void compare(Moving scene, Figures& out) {
     const double mean = std::accumulate(ms[k].begin(), ms[k].end(), 0.0) / double(ms[k].size());
     const double search = *std::max_element(ms[k].begin(), ms[k].end());
     printf("  %s %.2f (%.2f)", std::string(all[k]->name()).c_str(), mean, search);
-    out.table.push_back(adapters::Json::object({{"scene", scene.name},
-                                                {"bodies", scene.bodies.size()},
-                                                {"pairs", pairs.size()},
-                                                {"broad_phase", all[k]->name()},
-                                                {"ms_per_step", mean},
-                                                {"ms_of_a_search", search}}));
+    out.table.push_back(Json::object({{"scene", scene.name},
+                                      {"bodies", scene.bodies.size()},
+                                      {"pairs", pairs.size()},
+                                      {"broad_phase", all[k]->name()},
+                                      {"ms_per_step", mean},
+                                      {"ms_of_a_search", search}}));
   }
   printf("\n");
 }

@@ -157,17 +157,17 @@ struct Rates {
 };
 
 /// A row of Table III; printed as well.
-adapters::Json rates_row(const std::string& key, const std::string& stage, const Rates& r,
-                         const Machine& machine, double peak) {
+Json rates_row(const std::string& key, const std::string& stage, const Rates& r, const Machine& machine,
+               double peak) {
   printf("    %-22s %6.1f GFlop/s, %2.0f %% of peak %6.1f GB/s, %3.0f %% of the bound\n", stage.c_str(),
          r.gflops, 100 * r.gflops / peak, r.gbytes, 100 * r.gbytes / machine.gbytes());
-  return adapters::Json::object({{"scene", key},
-                                 {"stage", stage},
-                                 {"ns_per_cell", r.seconds / machine.cells() * 1e9},
-                                 {"gflops", r.gflops},
-                                 {"share_of_peak", r.gflops / peak},
-                                 {"gbytes_per_second", r.gbytes},
-                                 {"share_of_bound", r.gbytes / machine.gbytes()}});
+  return Json::object({{"scene", key},
+                       {"stage", stage},
+                       {"ns_per_cell", r.seconds / machine.cells() * 1e9},
+                       {"gflops", r.gflops},
+                       {"share_of_peak", r.gflops / peak},
+                       {"gbytes_per_second", r.gbytes},
+                       {"share_of_bound", r.gbytes / machine.gbytes()}});
 }
 
 class Report {
@@ -195,13 +195,13 @@ class Report {
         100 * solid, links / cells, ns);
     figures_.figures[key + ".over_fluid"] = over.middle();
     figures_.figures[key + ".ns_per_link"] = ns;
-    adapters::Json row = adapters::Json::object({{"scene", key},
-                                                 {"over_fluid", over.middle()},
-                                                 {"over_fluid_lowest", over.lowest()},
-                                                 {"over_fluid_highest", over.highest()},
-                                                 {"solid", solid},
-                                                 {"links_per_cell", links / cells},
-                                                 {"ns_per_link", ns}});
+    Json row = Json::object({{"scene", key},
+                             {"over_fluid", over.middle()},
+                             {"over_fluid_lowest", over.lowest()},
+                             {"over_fluid_highest", over.highest()},
+                             {"solid", solid},
+                             {"links_per_cell", links / cells},
+                             {"ns_per_link", ns}});
     printf("   ");
     for (int k = 0; k < int(Stage::count); ++k) {
       const double share = scene.seconds_of(Stage(k)) / alone;
@@ -231,7 +231,7 @@ class Report {
   Plan plan_;
   double peak_;
   Figures figures_;
-  std::vector<adapters::Json> rates_;
+  std::vector<Json> rates_;
 };
 
 /// Scenes of one box take turns; together they must fit into memory.

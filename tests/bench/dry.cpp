@@ -130,15 +130,15 @@ void against_bullet(const char* name, const Bed& bed, const Plan& plan, int swee
         "%-8s %-7s %6zu bodies %8.2f ms a step %8.0f contacts %6.2f M contacts/s  overlap %.2e m, mean %.2e m"
         "  iterations %d\n",
         name, code, bed.bodies.size(), ms, r.contacts, rate, r.overlap.deepest, r.overlap.mean, iterations);
-    out.table.push_back(adapters::Json::object({{"scene", name},
-                                                {"code", code},
-                                                {"bodies", bed.bodies.size()},
-                                                {"ms_per_step", ms},
-                                                {"contacts", r.contacts},
-                                                {"million_contacts_per_second", rate},
-                                                {"deepest_overlap", r.overlap.deepest},
-                                                {"mean_overlap", r.overlap.mean},
-                                                {"iterations", iterations}}));
+    out.table.push_back(Json::object({{"scene", name},
+                                      {"code", code},
+                                      {"bodies", bed.bodies.size()},
+                                      {"ms_per_step", ms},
+                                      {"contacts", r.contacts},
+                                      {"million_contacts_per_second", rate},
+                                      {"deepest_overlap", r.overlap.deepest},
+                                      {"mean_overlap", r.overlap.mean},
+                                      {"iterations", iterations}}));
   };
   row("silt", ours, sweeps);
   row("bullet", theirs, 10);
@@ -177,10 +177,10 @@ void cost_growth(const std::vector<int>& counts, int settle, int sweeps, Figures
   for (std::size_t k = 0; k < counts.size(); ++k) {
     printf("cost     %6d spheres %6.2f us a body and step, %.2f contacts a body\n", counts[k],
            median(cost[k]), contacts[k] / counts[k]);
-    out.table.push_back(adapters::Json::object({{"scene", "cost"},
-                                                {"bodies", counts[k]},
-                                                {"us_per_body_and_step", median(cost[k])},
-                                                {"contacts", contacts[k]}}));
+    out.table.push_back(Json::object({{"scene", "cost"},
+                                      {"bodies", counts[k]},
+                                      {"us_per_body_and_step", median(cost[k])},
+                                      {"contacts", contacts[k]}}));
   }
   std::vector<double> growth;
   const std::size_t from = std::find(counts.begin(), counts.end(), 10000) - counts.begin();

@@ -9,9 +9,11 @@
 #include <string>
 #include <vector>
 
-#include "adapters/json/json.hpp"
+#include <nlohmann/json.hpp>
 
 namespace silt::bench {
+
+using Json = nlohmann::ordered_json;
 
 inline double seconds(auto&& work) {
   const auto start = std::chrono::steady_clock::now();
@@ -63,19 +65,19 @@ inline void require_no_others(const Options& o) {
 
 /// Keys are stable, lower case, dotted; rows of the table say by themselves what they are.
 struct Figures {
-  adapters::Json figures = adapters::Json::object(), table = adapters::Json::array();
+  Json figures = Json::object(), table = Json::array();
 
   /// Nothing without a file. The commit is what scripts/bench found (SILT_COMMIT). std::runtime_error if the
   /// file cannot be written.
   void write(const std::string& file) const {
     if (file.empty()) return;
     const char* commit = std::getenv("SILT_COMMIT");
-    const adapters::Json all = adapters::Json::object({{"machine", processor()},
-                                                       {"commit", commit ? commit : "unknown"},
-                                                       {"figures", figures},
-                                                       {"table", table}});
+    const Json all = Json::object({{"machine", processor()},
+                                   {"commit", commit ? commit : "unknown"},
+                                   {"figures", figures},
+                                   {"table", table}});
     std::ofstream out(file);
-    out << all.text() << '\n';
+    out << all.dump(2) << '\n';
     if (!out.flush()) throw std::runtime_error("cannot write " + file);
   }
 };

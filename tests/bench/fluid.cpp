@@ -136,17 +136,17 @@ void report(Figures& out, const std::string& kernel, int n, int ranks, const Spr
       precision<T>, n, ranks, ranks > 1 ? "s" : " ", kernel.c_str(), mlups.middle(), mlups.lowest(),
       mlups.highest(), gbytes, gflops, 100 * gflops / (ranks * peak), share.middle(), share.lowest(),
       share.highest());
-  out.table.push_back(adapters::Json::object({{"kernel", kernel},
-                                              {"precision", precision<T>},
-                                              {"cells_an_edge", n},
-                                              {"ranks", ranks},
-                                              {"mlups", mlups.middle()},
-                                              {"mlups_lowest", mlups.lowest()},
-                                              {"mlups_highest", mlups.highest()},
-                                              {"gbytes_per_second", gbytes},
-                                              {"gflops", gflops},
-                                              {"share_of_peak", gflops / (ranks * peak)},
-                                              {"share_of_bound", share.middle()}}));
+  out.table.push_back(Json::object({{"kernel", kernel},
+                                    {"precision", precision<T>},
+                                    {"cells_an_edge", n},
+                                    {"ranks", ranks},
+                                    {"mlups", mlups.middle()},
+                                    {"mlups_lowest", mlups.lowest()},
+                                    {"mlups_highest", mlups.highest()},
+                                    {"gbytes_per_second", gbytes},
+                                    {"gflops", gflops},
+                                    {"share_of_peak", gflops / (ranks * peak)},
+                                    {"share_of_bound", share.middle()}}));
 }
 
 struct Plan {

@@ -64,11 +64,11 @@ void measure(int n, const Options& o, Figures& out) {
   printf("%s %3d^3 finest cells in %d^3 places: share %.2f (%.2f to %.2f)\n", precision, n, 2 * n,
          share.middle(), share.lowest(), share.highest());
   out.figures[std::string("levels.") + precision + ".share_" + std::to_string(n)] = share.middle();
-  out.table.push_back(adapters::Json::object({{"precision", precision},
-                                              {"cells_an_edge", n},
-                                              {"share", share.middle()},
-                                              {"share_lowest", share.lowest()},
-                                              {"share_highest", share.highest()}}));
+  out.table.push_back(Json::object({{"precision", precision},
+                                    {"cells_an_edge", n},
+                                    {"share", share.middle()},
+                                    {"share_lowest", share.lowest()},
+                                    {"share_highest", share.highest()}}));
 }
 
 void run(const Options& o) {

@@ -154,8 +154,8 @@ void run(const Options& o) {
     for (int k = 0; k < costs; ++k) {
       std::printf("  %-22s %5.2f ns a link (%.2f to %.2f)\n", cost_names[k], cost[k].middle(),
                   cost[k].lowest(), cost[k].highest());
-      out.table.push_back(adapters::Json::object(
-          {{"scheme", scheme}, {"what", cost_names[k]}, {"ns_per_link", cost[k].middle()}}));
+      out.table.push_back(
+          Json::object({{"scheme", scheme}, {"what", cost_names[k]}, {"ns_per_link", cost[k].middle()}}));
     }
     out.figures[std::string("links.") + scheme + ".at_hand"] = cost[applied_at_hand].middle();
     out.figures[std::string("links.") + scheme + ".fetched"] = cost[applied_fetched].middle();

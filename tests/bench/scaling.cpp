@@ -27,7 +27,6 @@
 namespace silt::bench {
 namespace {
 
-using adapters::Json;
 using coupler::Stage, coupler::stage_names;
 
 int rank_in(MPI_Comm comm) {

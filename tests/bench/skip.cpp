@@ -51,8 +51,7 @@ void run(const Options& o) {
     const double instructions = count(".scene") / count(".driver");
     printf("without %-62s instructions %.4f", row.without.c_str(), instructions);
     out.figures["skip." + row.key + ".ratio"] = instructions;
-    adapters::Json line =
-        adapters::Json::object({{"without", row.without}, {"instructions_scene_over_driver", instructions}});
+    Json line = Json::object({{"without", row.without}, {"instructions_scene_over_driver", instructions}});
     if (timed && row.timed) {
       const Spread time = times(row, o.quick);
       printf("  time %.3f (%.3f to %.3f)", time.middle(), time.lowest(), time.highest());

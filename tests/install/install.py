@@ -59,7 +59,7 @@ class Install(unittest.TestCase):
         self.assertIn("falling_ball", targets)
         self.assertNotIn("gtest", targets)
         self.assertNotIn("silt_fcl", targets)
-        done("ninja", "-C", build, "silt_json")  # one small library of it
+        done("ninja", "-C", build, "silt_toml")  # one small library of it
 
 
 if __name__ == "__main__":
