@@ -2,7 +2,6 @@
 #include <numbers>
 #include <vector>
 
-#include "coupler/analytic_flow.hpp"
 #include "coupler/case/case.hpp"
 #include "coupler/case/counter_random.hpp"
 #include "coupler/fluid_fields.hpp"
@@ -22,10 +21,31 @@ struct Local {
   double xx = 0, yy = 0, zz = 0, xy = 0, xz = 0, yz = 0;  // strain rate
 };
 
+/// The two-dimensional Taylor-Green vortex in the x-y plane, one wave a period:
+///   u = A (-cos kx x sin ky y,  kx/ky sin kx x cos ky y),  p = -A^2/4 (cos 2 kx x + (kx/ky)^2 cos 2 ky y).
+struct TaylorGreen {
+  double amplitude, kx, ky;
+  explicit TaylorGreen(const Case& scene)
+      : amplitude(scene.fluid->initial.velocity.norm()),
+        kx(2 * pi / scene.cells[0]),
+        ky(2 * pi / scene.cells[1]) {}
+};
+
 Local at(const TaylorGreen& vortex, const rigid::Vec3& x) {
-  const auto [xx, yy, xy] = vortex.strain_rate(x[0], x[1], 0);
-  const auto u = vortex.velocity(x[0], x[1], 0);
-  return {vortex.density_deviation(x[0], x[1], 0), {u[0], u[1], u[2]}, xx, yy, 0, xy, 0, 0};
+  const auto [a, kx, ky] = vortex;
+  const double sx = rigid::elementary::sin(kx * x[0]), cx = rigid::elementary::cos(kx * x[0]),
+               sy = rigid::elementary::sin(ky * x[1]), cy = rigid::elementary::cos(ky * x[1]),
+               ratio = kx / ky;
+  const double xx = a * kx * sx * sy;
+  return {-0.75 * a * a *
+              (rigid::elementary::cos(2 * kx * x[0]) + ratio * ratio * rigid::elementary::cos(2 * ky * x[1])),
+          {-a * cx * sy, a * kx / ky * sx * cy, 0},
+          xx,
+          -xx,
+          0,
+          0.5 * a * (-ky + kx * kx / ky) * (cx * cy),
+          0,
+          0};
 }
 
 struct Uniform {

@@ -2,9 +2,11 @@
 import math
 import tomllib
 
+import verification
+
 KINDS = ("theory", "experiment", "pinned")
 SAME_PHYSICS = ("output.", "contacts.backend=", "run.balance")  # keys that a reference does not depend on
-KEYS = {"name", "value", "tolerance", "relative", "between", "kind", "source", "note"}
+KEYS = {"name", "computed", "value", "tolerance", "relative", "between", "kind", "source", "note"}
 WITH_PREFIXES = ("m", "m/s", "s", "N", "N m", "J", "W")  # units of which there are thousandths and millionths
 
 
@@ -39,6 +41,8 @@ def check(quantity, file):
         raise Fault(f"{of} has {unknown[0]!r}; it may have {', '.join(sorted(KEYS))}")
     if quantity["kind"] not in KINDS:
         raise Fault(f"{file}: kind is {quantity['kind']!r}; it must be one of {', '.join(KINDS)}")
+    if "computed" in quantity and not hasattr(verification, quantity["computed"]):
+        raise Fault(f"{of}: computed is {quantity['computed']!r}; it must be a function of scripts/verification.py")
     if "between" not in quantity:
         for key in ("value", "tolerance"):
             if key not in quantity:
@@ -122,9 +126,26 @@ def belongs(report):
         override.startswith(SAME_PHYSICS) for override in report["overrides"])
 
 
-def comparison(case, report):
-    """Returns the lines of told of a run that the full form compares; none of another, or where the reference is at fault."""
+def add_computed(listed, run):
+    """Adds to a run's report the listed quantities that verification.py computes from its files, if it has them."""
+    for quantity in listed:
+        try:
+            if "computed" in quantity:
+                run.report["quantities"][quantity["name"]] = getattr(verification, quantity["computed"])(run)
+        except (FileNotFoundError, IndexError):
+            pass
+
+
+def judged_by(case, run):
+    """Returns the quantities by which the full form compares a run; none of another, or where the reference is at fault."""
     try:
-        return [told(quantity, report) for quantity in references(case)[0]] if belongs(report) else []
+        listed = references(case)[0] if belongs(run.report) else []
     except (Fault, OSError, tomllib.TOMLDecodeError):
         return []
+    add_computed(listed, run)
+    return listed
+
+
+def comparison(case, run):
+    """Returns the lines of told of a run that the full form compares."""
+    return [told(quantity, run.report) for quantity in judged_by(case, run)]

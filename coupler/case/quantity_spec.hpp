@@ -15,10 +15,6 @@ namespace silt::coupler {
 enum class Axis { x, y, z };
 inline constexpr auto axis_names = names_of<Axis>("x", "y", "z");
 
-/// An analytic flow that a quantity compares with.
-enum class Profile { channel, duct, pipe };
-inline constexpr auto profile_names = names_of<Profile>("channel", "duct", "pipe");
-
 /// The components of a symmetric tensor.
 enum class Component { xx, yy, zz, xy, xz, yz };
 inline constexpr auto component_names = names_of<Component>("xx", "yy", "zz", "xy", "xz", "yz");
@@ -33,7 +29,6 @@ struct QuantitySpec {
   Bearer bearer = Bearer::bodies;
   int kind = -1;  // index into Case::kind_names; -1: every body
   int axis = 2;
-  Profile profile = Profile::channel;
   double time = 0;    // from when on (of an instant: when; without one the end), in steps
   double height = 0;  // along the axis: of bodies, of a plane
   int side = 0;       // a Side of the domain
@@ -60,7 +55,6 @@ struct QuantityType {
     body = 1,
     axis = 2,
     time = 4,  // the quantity looks at the run from this time on
-    profile = 8,
     height = 16,
     centre = 32,
     box = 64,
@@ -105,12 +99,6 @@ inline constexpr QuantityType types[] = {
     {"superficial-velocity", dimension::velocity, Q::body | Q::axis, Q::fluid,
      "mean over all cells of the fluid's velocity relative to the bodies', at the end; cells inside bodies "
      "count as zero"},
-    {"profile-error", dimension::none, Q::profile, Q::fluid,
-     "largest deviation from the analytic flow, over its largest speed"},
-    {"taylor-green-velocity", dimension::none, 0, Q::fluid,
-     "relative L2 error of the velocity of a decaying Taylor-Green vortex"},
-    {"taylor-green-decay", dimension::none, 0, Q::fluid,
-     "relative error of the decay rate of a Taylor-Green vortex"},
     {"kinetic-energy", specific_energy, Q::instant, Q::fluid, "mean of u²/2 over the fluid"},
     {"dissipation", specific_energy_rate, Q::instant, Q::fluid,
      "mean of 2 ν S : S over the fluid, the strain rate S from each cell's populations"},
@@ -154,9 +142,6 @@ inline constexpr QuantityType types[] = {
      "less 1"},
     {"energy-growth", dimension::none, Q::body, Q::bodies | Q::undriven | Q::same_bodies,
      "largest energy of the run over that at the start, less 1"},
-    {"last-reversal", dimension::time, Q::body, Q::bodies,
-     "latest time at which the spin about the axis of the middle moment of inertia changed its sign, in free "
-     "rotation"},
     {"discharge-rate", mass_rate, Q::body | Q::axis | Q::height | Q::time, Q::bodies | Q::same_bodies,
      "mass that came below the height between the time and the end, per time"},
     {"bed-angle", dimension::none, Q::body | Q::axis | Q::centre | Q::time,

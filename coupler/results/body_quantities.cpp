@@ -1,6 +1,5 @@
 // Quantities that look at the bodies; sums are exact. Positions at the start come from the case, not from
 // memory.
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <numbers>
 
@@ -193,19 +192,6 @@ double height(const Simulation& simulation, const QuantitySpec& q, std::size_t r
   return simulation.bodies().position[row][q.axis];
 }
 
-/// The spin about the axis of the middle moment of inertia, and (Euler's equation without a torque) its rate
-/// of change, tell from the state alone how long ago it was zero.
-double time_of_reversal(const Simulation& simulation, const QuantitySpec&, std::size_t row) {
-  const BodySet& bodies = simulation.bodies();
-  if (!bodies.is_dynamic(row)) return not_yet;
-  const Mat3& inertia = bodies.inertia_B[row];
-  const Vec3 middle = Eigen::SelfAdjointEigenSolver<Mat3>(inertia).eigenvectors().col(1);
-  const Vec3 w = bodies.orientation[row].conjugate() * bodies.angular_velocity[row];
-  const double since = middle.dot(w) / middle.dot(inertia.inverse() * (inertia * w).cross(w));
-  const double now = static_cast<double>(simulation.steps_done());
-  return since >= 0 && since <= std::min(1.0, now) ? now - since : not_yet;
-}
-
 void observe_rebound(const Simulation& simulation, const QuantitySpec& q,
                      QuantityHistory& against_and_along) {
   const BodySet& bodies = simulation.bodies();
@@ -337,7 +323,6 @@ constexpr Computation of_bodies[] = {
     since_start<kept_energy, energy_change>("energy-change"),
     largest<speed>("max-speed"),
     largest<height>("max-height-after"),
-    largest<time_of_reversal>("last-reversal"),
     {"rebound-ratio", observe_rebound, rebound_ratio},
     {"energy-growth", nullptr, energy_growth, {1, add_energy, keep_first_and_largest}},
     {"discharge-rate", nullptr, discharge_rate, {1, add_mass_below, keep_first_mass}},

@@ -1,10 +1,8 @@
 // Quantities that look at the fluid.
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
-#include "coupler/analytic_flow.hpp"
 #include "coupler/case/case.hpp"
 #include "coupler/placement/body_records.hpp"
 #include "coupler/results/quantity_computation.hpp"
@@ -37,33 +35,6 @@ void for_each_fluid_cell(const Flow& flow, Visit&& visit) {
     coupler::for_each_fluid_cell(fields,
                                  [&](lbm::Int3 cell, const lbm::Moments& m) { visit(fields, cell, m); });
   });
-}
-
-/// Sums over the fluid of |u - exact|^2, |exact|^2, and u . exact(0), |exact(0)|^2.
-struct VortexSums {
-  FixedSum error2 = 0, exact2 = 0, projection = 0, projection0 = 0;
-};
-
-VortexSums vortex_sums(const Simulation& simulation, const TaylorGreen& exact) {
-  const double t = static_cast<double>(simulation.steps_done());
-  VortexSums mine;
-  for_each_fluid_cell(
-      *simulation.scene().flow, [&](const FluidFields& fields, lbm::Int3 cell, const lbm::Moments& m) {
-        const auto u = fields.velocity(m);
-        const rigid::Vec3 x = fields.centre(cell);
-        const auto now = exact.velocity(x[0], x[1], t), begin = exact.velocity(x[0], x[1], 0);
-        double error2 = 0, exact2 = 0, projection = 0, projection0 = 0;
-        for (int d = 0; d < 3; ++d) {
-          error2 += (u[d] - now[d]) * (u[d] - now[d]);
-          exact2 += now[d] * now[d];
-          projection += u[d] * begin[d];
-          projection0 += begin[d] * begin[d];
-        }
-        const auto add = [&](FixedSum& sum, double x) { sum += fields.volume() * to_fixed(x); };
-        add(mine.error2, error2), add(mine.exact2, exact2);
-        add(mine.projection, projection), add(mine.projection0, projection0);
-      });
-  return parallel::sum_over_ranks(simulation.scene().comm, mine);
 }
 
 /// F / (6 pi mu a U) a body: F the fluid's force on it and the body force on the fluid it displaces (together
@@ -140,38 +111,9 @@ void see_body_force(const Simulation& simulation, const QuantitySpec& q, std::sp
   force[0] = simulation.scene().flow->fields().spec().force[q.axis];
 }
 
-double profile_error(const Simulation& simulation, const QuantitySpec& q) {
-  const auto exact = exact_profile(simulation.setup(), q.profile);
-  double error = 0;
-  for_each_fluid_cell(
-      *simulation.scene().flow, [&](const FluidFields& fields, lbm::Int3 cell, const lbm::Moments& m) {
-        const auto u = fields.velocity(m);
-        const double e = (rigid::Vec3(u[0], u[1], u[2]) - exact.velocity(fields.centre(cell))).norm();
-        if (!(e <= error)) error = e;  // a NaN stays
-      });
-  return parallel::max_over_ranks(simulation.scene().comm, error) / exact.largest;
-}
-
-double vortex_velocity_error(const Simulation& simulation) {
-  const VortexSums sums = vortex_sums(simulation, TaylorGreen(simulation.setup()));
-  return std::sqrt(from_fixed(sums.error2) / from_fixed(sums.exact2));
-}
-
-double vortex_decay_error(const Simulation& simulation) {
-  if (simulation.steps_done() == 0) return no_value;
-  const TaylorGreen exact(simulation.setup());
-  const VortexSums sums = vortex_sums(simulation, exact);
-  const double rate = -rigid::elementary::log(from_fixed(sums.projection) / from_fixed(sums.projection0)) /
-                      static_cast<double>(simulation.steps_done());
-  return rate / exact.decay_rate() - 1;
-}
-
 constexpr Computation of_flow[] = {
     at_end<drag_coefficient>("drag-coefficient"),
     at_end<velocity_past_bodies>("superficial-velocity"),
-    at_end<profile_error>("profile-error"),
-    at_end<vortex_velocity_error>("taylor-green-velocity"),
-    at_end<vortex_decay_error>("taylor-green-decay"),
     at_instant<kinetic_energy>("kinetic-energy"),
     at_instant<dissipation>("dissipation"),
     in_step("flow-rate", {1, 0, add_flow_rate, nullptr, flow_rate}),

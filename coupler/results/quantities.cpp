@@ -4,7 +4,6 @@
 
 #include <algorithm>
 
-#include "coupler/analytic_flow.hpp"
 #include "coupler/case/case.hpp"
 #include "parallel/collectives.hpp"
 
@@ -52,7 +51,6 @@ Quantities::Quantities(const Case& setup)
       rows_(setup.output.series.size()) {
   for (const QuantitySpec& q : specs_) {
     computations_.push_back(&computation_of(q.type));
-    if (quantity_type(q.type).takes(QuantityType::profile)) exact_profile(setup, q.profile);
     std::size_t first = 0;
     while (&specs_[first] != &q && !have_same_terms(specs_[first], q)) ++first;
     as_.push_back(&specs_[first] == &q ? none : first);

@@ -18,7 +18,6 @@ class Quantities {
   /// So many steps wait at most before their sums over the ranks are started; as many are then under way.
   static constexpr std::int64_t most_steps = 64;
 
-  /// Throws CaseError for a quantity this case cannot have (a profile without its walls).
   explicit Quantities(const Case&);
 
   /// Collective, but waits for no rank; to be called at the start and after every step. Does nothing unless a

@@ -176,8 +176,7 @@ double seconds_of_output(const Case& setup, double bodies, double cell, double s
   const int words = setup.fluid && setup.fluid->precision == Precision::double_ ? 2 : 1;
   double report_cell = words * of_a_report_cell, report_body = seconds_of_a_reported_body;
   for (const QuantitySpec& q : setup.quantities) {
-    if (q.type == "profile-error" || q.type == "dissipation" || q.type.starts_with("taylor-green"))
-      report_cell += of_a_flow_cell;
+    if (q.type == "dissipation") report_cell += of_a_flow_cell;
     report_body += q.type == "packing-fraction" ? seconds_of_a_sampled_body : seconds_of_a_reported_body;
   }
   const double report = seconds_of_a_report + bodies * report_body + cells * report_cell * cell;
