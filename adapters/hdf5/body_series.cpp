@@ -172,22 +172,12 @@ void write_kinds(File& file, const BodySeriesInfo& info) {
         "part p has the triangles triangle_offset[p] to triangle_offset[p + 1] - 1");
 }
 
-/// The number of bytes that the surfaces take in the file.
-std::uint64_t surface_bytes(std::span<const BodyKind> kinds) {
-  std::uint64_t bytes = 0;
-  for (const BodyKind& kind : kinds)
-    for (const TriangleMesh& part : kind.parts)
-      bytes += 12 * (part.vertices.size() + part.normals.size()) + 24 * part.triangles.size() + 28;
-  return bytes;
-}
-
 // ---- the files ----
 
 /// Creates a file with room for so many rows and times, of which the first time's are there, but not written.
 void create_file(const hdf5::Path& path, const BodySeriesInfo& info, const Provenance* provenance,
                  hsize_t rows, hsize_t row_room, hsize_t time_room) {
-  hdf5::reserve(path, surface_bytes(info.kinds) + hdf5::metadata_room +
-                          (provenance ? provenance->case_text.size() : 0));
+  hdf5::reserve(path, hdf5::metadata_room);
   File file = File::create(path, hdf5::Format::classic);
   const Handle root = file.group("/");
   file.attribute(root, "format", std::string("silt bodies"));
@@ -214,7 +204,8 @@ void require_columns(const File& file, BodyColumns with) {
                                      {"scale", with.scale}})
     if (there(name) != wanted)
       file.refuse(std::string("its columns are not those of this run (") + name +
-                  "); go on with output.bodies.contacts as the run began with, or move the file away: a new "
+                  "); go on with output.bodies.contacts as the run began with, or move the files of the "
+                  "series away: a new "
                   "one is then begun");
 }
 

@@ -1,13 +1,11 @@
-#include "adapters/hdf5/body_tables.hpp"
-
 #include <algorithm>
 #include <cstddef>
 #include <numeric>
 #include <optional>
 
+#include "adapters/hdf5/checkpoint_parts.hpp"
 #include "adapters/hdf5/slice_exchange.hpp"
 #include "adapters/hdf5/table.hpp"
-#include "adapters/hdf5/verify_checkpoint.hpp"
 #include "parallel/collectives.hpp"
 #include "parallel/together.hpp"
 

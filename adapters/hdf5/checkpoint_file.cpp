@@ -3,9 +3,8 @@
 #include <map>
 #include <numeric>
 
-#include "adapters/hdf5/body_tables.hpp"
+#include "adapters/hdf5/checkpoint_parts.hpp"
 #include "adapters/hdf5/slab_exchange.hpp"
-#include "adapters/hdf5/verify_checkpoint.hpp"
 #include "parallel/collectives.hpp"
 #include "parallel/together.hpp"
 

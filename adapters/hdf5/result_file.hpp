@@ -1,6 +1,6 @@
 #pragma once
 // What all files of results have in common: where they came from, which cells a rank gives or takes, how
-// numbers are stored, what files of a step are called, and how files are described to a reader at a terminal.
+// numbers are stored, and what files of a step are called.
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -57,10 +57,5 @@ std::optional<std::int64_t> step_of(const std::filesystem::path&, std::string_vi
 /// there.
 std::vector<StepFile> step_files(const std::filesystem::path& folder, std::string_view name,
                                  std::string_view suffix);
-
-/// Returns lines of text: where the file came from, the attributes of its groups, its datasets with their
-/// shapes and units. The case's text is left out. One rank calls it. Throws std::runtime_error naming the
-/// file and the reason.
-std::string describe_file(const std::filesystem::path&);
 
 }  // namespace silt::adapters

@@ -1,4 +1,4 @@
-#include "adapters/hdf5/verify_checkpoint.hpp"
+#include "adapters/hdf5/checkpoint_parts.hpp"
 
 #include <xxhash.h>
 

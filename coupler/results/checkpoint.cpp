@@ -12,7 +12,6 @@
 #include "coupler/case/case.hpp"
 #include "coupler/exchange/coupling_state.hpp"
 #include "coupler/results/populations.hpp"
-#include "coupler/results/start_from.hpp"
 #include "parallel/together.hpp"
 
 namespace silt::coupler {

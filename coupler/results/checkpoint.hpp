@@ -1,5 +1,7 @@
 #pragma once
-// Leaving a run and coming back to it, to the bit, on any number of ranks.
+// Leaving a run and coming back to it, to the bit, on any number of ranks; and the start of a run from the
+// end of another one: its bodies and its fluid, with other parameters (`[initial]` of a case; cases/README.md
+// says what may differ).
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -42,5 +44,14 @@ std::optional<SteadyWatch> read_steady_watch(const adapters::CheckpointReader&, 
 /// impulses that no run can go on from: the dataset, the row, what was found and what may be. A file may have
 /// every checksum right and still not be one that a run wrote. next_id: the first that no body has had.
 void require_possible(const Case&, const adapters::CheckpointReader::Bodies&, rigid::BodyId next_id);
+
+// ---- another run's start (start_from.cpp) ----
+
+/// Writes what a start from a checkpoint asks of the run that wrote it, besides its state.
+void write_origin_of_start(adapters::CheckpointWriter&, const Case&, std::int64_t step);
+
+/// Collective. Makes the simulation that begins, at step 0, with what the checkpoint holds.
+/// std::runtime_error on every rank for one that the case cannot begin with.
+std::unique_ptr<Simulation> simulation_from(const adapters::CheckpointReader&, Case, MPI_Comm);
 
 }  // namespace silt::coupler

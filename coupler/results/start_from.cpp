@@ -1,5 +1,3 @@
-#include "coupler/results/start_from.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -6,8 +6,8 @@
 #include <stdexcept>
 
 #include "coupler/case/case.hpp"
-#include "coupler/case/case_file.hpp"
 #include "coupler/case/case_check.hpp"
+#include "coupler/case/case_file.hpp"
 #include "coupler/results/result_folder.hpp"
 #include "coupler/run/run.hpp"
 
@@ -79,8 +79,11 @@ std::string describe_case(const fs::path& path) {
   const std::string results = list_of_results(is_case ? result_folder(options) : path);
   if (is_case) return derived_table(read_case(path)) + (results.empty() ? "no results\n" : results);
   if (results.empty())
-    throw std::runtime_error(fmt::format(
-        "{}: is neither a case (a folder with a case.toml) nor a folder of results", path.string()));
+    throw std::runtime_error(
+        fmt::format("{}: is neither a case (a folder with a case.toml) nor a folder of results; what is in a "
+                    "file of results "
+                    "`python3 -m silt_results FILE` says, in scripts/",
+                    path.string()));
   return results;
 }
 

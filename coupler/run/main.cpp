@@ -10,7 +10,6 @@
 #include <cstdlib>
 #include <filesystem>
 
-#include "adapters/hdf5/result_file.hpp"
 #include "coupler/case/case_error.hpp"
 #include "coupler/case/case_file.hpp"
 #include "coupler/results/build_info.hpp"
@@ -57,10 +56,7 @@ Exit check(const CommandLine& line, bool loud) {
 Exit info(const CommandLine& line, bool loud) {
   if (!loud) return Exit::done;
   try {
-    namespace fs = std::filesystem;
-    const bool is_case =
-        fs::is_directory(line.file) || (fs::is_regular_file(line.file) && line.file.ends_with(".toml"));
-    fmt::print("{}", is_case ? describe_case(line.file) : adapters::describe_file(line.file));
+    fmt::print("{}", describe_case(line.file));
     return Exit::done;
   } catch (const std::exception& error) {
     fmt::print(stderr, "{}\n", parallel::text_of(error));
@@ -163,8 +159,7 @@ Exit main_on(MPI_Comm comm, int argc, char** argv) {
       "resume", "goes on from the newest checkpoint, with the --set and --steps of the earlier run");
   CLI::App* checks =
       app.add_subcommand("check", "says what is wrong with a case and what follows from it; runs nothing");
-  CLI::App* infos = app.add_subcommand(
-      "info", "says what a case is and what results it has, or what is in a file of results");
+  CLI::App* infos = app.add_subcommand("info", "says what a case is and what results it has");
   CLI::App* lists =
       app.add_subcommand("keys", "lists the keys that a case may have, as cases/README.md does");
   lists->add_option("BEGINNING", line.file, "only those that begin so: fluid, output.slices");
@@ -179,11 +174,7 @@ Exit main_on(MPI_Comm comm, int argc, char** argv) {
   checks->add_option("-n,--ranks", line.run.ranks, "estimate a run on so many ranks (as many as there are)")
       ->check(above_zero)
       ->type_name("N");
-  infos
-      ->add_option(
-          "WHAT", line.file,
-          "a case or a folder of results, or bodies.h5, fields_*.hdf, slice_*.hdf, scene.h5, checkpoint_*.h5")
-      ->required();
+  infos->add_option("WHAT", line.file, "a case or a folder of results")->required();
   if (const std::string complaint = wrong_subcommand(app, argc > 1 ? argv[1] : ""); !complaint.empty()) {
     if (loud) fmt::print(stderr, "{}", complaint);
     return Exit::bad_case;

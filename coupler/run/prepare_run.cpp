@@ -13,7 +13,6 @@
 #include "coupler/placement/start_check.hpp"
 #include "coupler/results/body_output.hpp"
 #include "coupler/results/checkpoint.hpp"
-#include "coupler/results/start_from.hpp"
 #include "coupler/run/run_estimate.hpp"
 #include "lbm/cut_links.hpp"
 #include "parallel/collectives.hpp"

@@ -8,7 +8,6 @@
 #include <stdexcept>
 
 #include "adapters/hdf5/checkpoint_file.hpp"
-#include "adapters/hdf5/result_file.hpp"
 #include "coupler/case/case.hpp"
 #include "coupler/case/case_file.hpp"
 #include "coupler/results/checkpoint.hpp"
@@ -40,7 +39,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
   static const auto path =
       std::filesystem::temp_directory_path() / ("silt-fuzz-" + std::to_string(getpid()) + ".h5");
   std::ofstream(path, std::ios::binary).write(reinterpret_cast<const char*>(bytes), std::streamsize(size));
-  attempt([&] { silt::adapters::describe_file(path); });
   attempt([&] { resume_from(path); });
   std::filesystem::remove(path);
   return 0;

@@ -7,7 +7,6 @@
 
 #include "coupler/results/build_info.hpp"
 #include "coupler/results/checkpoint.hpp"
-#include "coupler/results/start_from.hpp"
 #include "tests/adapters/hdf5/scratch.hpp"
 #include "tests/coupler/coupled_scenes.hpp"
 #include "tests/world.hpp"

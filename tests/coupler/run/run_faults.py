@@ -102,7 +102,6 @@ class Faults(SiltTest):
         pipe = self.case / "pipe.toml"
         os.mkfifo(pipe)
         self.assertIn("no such file", self.silt("run", pipe, code=2).stderr)
-        self.assertIn("regular file", self.silt("info", pipe, code=2).stderr)
         os.mkfifo(self.case / "ball.stl")
         self.write(CASE.replace('type = "sphere"\nradius = 2.5', 'type = "polyhedron"\nfile = "ball.stl"'))
         self.assertIn("no such file", self.silt("check", self.case, code=2).stderr)
@@ -207,9 +206,7 @@ class Faults(SiltTest):
             self.assertIn(f"the state it stopped in: {state}", errors)
             step = self.report()["steps"]
             self.assertEqual(state.name, f"stopped_{step:012d}.h5")
-            self.silt("info", state)
-            fields = self.out / f"fields_{step:012d}.hdf"
-            self.assertIn("velocity", self.silt("info", fields).stdout)
+            self.assertTrue((self.out / f"fields_{step:012d}.hdf").exists())
             self.assertNotIn(str(state), self.silt("resume", self.case, "--set", "run.steps=400", ranks=ranks, code=None).stdout)
             self.silt("resume", self.case, "--checkpoint", state, "--set", f"run.steps={step + 1}", code=None)
 

@@ -19,8 +19,8 @@ import unittest
 
 from silt_test import CASE, CHANNEL, ENVIRONMENT, SILT, UNSTABLE, SiltTest
 
-SCRIPT = pathlib.Path(__file__).resolve().parents[3] / "scripts" / "run"
-
+ROOT = pathlib.Path(__file__).resolve().parents[3]
+SCRIPT = ROOT / "scripts" / "run"
 
 # A heavy box has come down on a stack, which does not bear it yet, when the run is stopped.
 STACK = """
@@ -263,9 +263,10 @@ class Program(SiltTest):
         self.silt("run", self.case, "--steps", 5)
         for name, word in (("bodies.h5", "angular_velocity"), ("fields_000000000000.hdf", "density"),
                            ("checkpoint_000000000005.h5", "populations")):
-            text = self.silt("info", self.out / name).stdout
-            self.assertIn(word, text)
-            self.assertIn("two balls", text)
+            said = subprocess.run(["/usr/bin/python3", "-m", "silt_results", self.out / name], cwd=ROOT / "scripts", capture_output=True,
+                                  text=True, check=True).stdout
+            self.assertIn(word, said)
+            self.assertIn("two balls", said)
         of_case = self.silt("info", self.case).stdout
         for part in ("two balls", "24 x 16 x 16 cells", f"results in {self.out}", "bodies.h5", "checkpoint_000000000005.h5", "2 files, ", "the last fields_000000000005.hdf", "step 5/5"):
             self.assertIn(part, of_case)
@@ -275,6 +276,7 @@ class Program(SiltTest):
         shutil.rmtree(self.out)
         self.assertIn("no results\n", self.silt("info", self.case).stdout)
         self.assertIn("neither a case", self.silt("info", self.scratch.name, code=2).stderr)
+        self.assertIn("python3 -m silt_results FILE", self.silt("info", self.case / "reference.toml.h5", code=2).stderr)
         self.assertIn("fluid.relaxation_time", self.info_of_a_bad_case())
 
     def info_of_a_bad_case(self):
