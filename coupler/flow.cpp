@@ -65,7 +65,8 @@ class FlowOf final : public Flow {
         forces_(coupling_, exchange, scene.contacts.substeps, scene.fluid->relaxation_time) {
     if (scene.device != Device::cpu) {  // whose passes do all links at once
       schedule_ = LinkSchedule::sequential;
-      for (BlockLinks<T>& block : links_) block.on_device.emplace(scene.device);
+      for (BlockLinks<T>& block : links_)
+        block.on_device.emplace(scene.device), mapped_on_device_.emplace_back(scene.device);
     }
     if (!scene.fluid->superficial_velocity.isZero(0)) control_.emplace(*scene.fluid, scene.volume(), comm);
     for (int level = 1; level < levels_.count(); ++level) {
@@ -213,7 +214,11 @@ class FlowOf final : public Flow {
   /// Bodies have covered cells (sign 1) or left them (-1).
   void take_cells(int sign, const std::vector<CoveredCell>& cells, const rigid::BodySet& bodies,
                   const BodyChanges& changes) {
-    if (!account_.corrects_mass() && !is_exact() && changes.none()) return;
+    if (!is_exact() && changes.none()) {
+      if (!account_.corrects_mass()) return;
+      for (const double density : fluid_.densities(places(cells))) account_.gain_cell(-sign, density);
+      return;
+    }
     const std::span<const lbm::Moments> moments = fluid_.moments(places(cells));
     for (std::size_t n = 0; n < cells.size(); ++n) take_cell(sign, cells[n], moments[n], bodies, changes);
   }
@@ -221,7 +226,7 @@ class FlowOf final : public Flow {
                  const BodyChanges& changes) {
     const bool comes_or_goes = sign > 0 ? changes.is_new(c.body->id) : changes.has_gone(c.body->id);
     if (!account_.corrects_mass() && !is_exact() && !comes_or_goes) return;
-    account_.gain_cell(-sign, m);
+    account_.gain_cell(-sign, m.density_deviation);
     const auto u = fluid_.velocity(m);
     const Vec3 momentum = sign * Vec3(u[0], u[1], u[2]);
     if (comes_or_goes) return account_.bring(-momentum);
@@ -249,7 +254,8 @@ class FlowOf final : public Flow {
       if (map.changed) {
         fluid_.set_idle(int(b), !map.has_fluid());
         build_links<T>(map, world_, bodies,
-                       {coupling_, fluid, fluid_.pass_order(int(b)), &meshes_, fluid_.device()},
+                       {coupling_, fluid, fluid_.pass_order(int(b)), &meshes_,
+                        mapped_on_device_.empty() ? nullptr : &mapped_on_device_[b]},
                        block.surfaces);
         block.order_groups(fluid_.pass_order(int(b)));
         if (lbm::knows_opposite_wall(coupling_.wall_scheme))
@@ -279,6 +285,7 @@ class FlowOf final : public Flow {
   std::vector<std::unique_ptr<CoarserFields>> coarser_;
   FlowAccount account_;
   std::vector<BlockLinks<T>> links_;
+  std::vector<DeviceMapping<T>> mapped_on_device_;  // of the blocks, or none
   MeshDistances meshes_{map_.meshes()};
   std::optional<lbm::PairsAcross<T>> pairs_;  // under schemes that read beyond
   std::vector<SideColumns> columns_;          // of the blocks, for pairs_

@@ -45,8 +45,8 @@ class FlowAccount {
   bool corrects_mass() const { return corrects_mass_; }
   void set_mapping(const MappingCounts& counts) { mapping_ = counts; }
   /// The fluid has gained (1) or lost (-1) a cell of this rank.
-  void gain_cell(int cells, const lbm::Moments& m) {
-    if (corrects_mass_) correction_.gain_cells(cells, m.density_deviation);
+  void gain_cell(int cells, double density_deviation) {
+    if (corrects_mass_) correction_.gain_cells(cells, density_deviation);
   }
   void bring(const rigid::Vec3& momentum) { brought_.add(momentum); }
   /// Begins a pass with what the last step left under way (ForceOutOfRange as above); returns the density

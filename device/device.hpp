@@ -7,6 +7,8 @@
 #include <memory_resource>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 // The build of a pass for a device other than `cpu`.
 #if defined(SILT_CUDA)
@@ -37,6 +39,28 @@ std::pmr::memory_resource* message_memory(Device);
 /// Returns bytes of zero which the processor and the graphics processor both read and write: pages move to
 /// where they are used. Throws std::bad_alloc.
 std::shared_ptr<void> zeroed_on_gpu(std::size_t bytes);
+
+/// An array, mostly in such memory, whose new elements hold anything: the processor need not touch what a
+/// device is to write.
+template <class T>
+struct UnwrittenElements : std::pmr::polymorphic_allocator<T> {
+  using Base = std::pmr::polymorphic_allocator<T>;
+  using Base::Base;
+  template <class U>
+  struct rebind {
+    using other = UnwrittenElements<U>;
+  };
+  UnwrittenElements select_on_container_copy_construction() const { return {}; }
+  template <class U, class... From>
+  void construct(U* at, From&&... from) {
+    if constexpr (sizeof...(From) == 0)
+      ::new (static_cast<void*>(at)) U;
+    else
+      Base::construct(at, std::forward<From>(from)...);
+  }
+};
+template <class T>
+using DeviceArray = std::vector<T, UnwrittenElements<T>>;
 
 /// What the processor of this rank has written for its device to read, and read of what that wrote. Of the
 /// populations themselves only those in messages count.

@@ -1,6 +1,7 @@
 #pragma once
 // A pass: a list of entries and what is done with each, in no order. Only for files that are built for a
 // device (SILT_ISA: host or gpu), which include this first; functions that run there are SILT_DEVICE.
+#include <bit>
 #include <cstdint>
 #include <stdexcept>
 #include <string>
@@ -20,6 +21,20 @@ struct Team {
 #endif
     return term;
   }
+  /// Adds the terms of all members to a sum that each of them has; returns what it was before the term of
+  /// this one was added.
+  SILT_DEVICE std::uint32_t before(std::uint32_t term, std::uint32_t& sum) const {
+    std::uint32_t through = term, all = term;  // of the members up to this one; of all
+#if defined(__CUDA_ARCH__)
+    for (int step = 1; step < size; step *= 2) {
+      const std::uint32_t lower = __shfl_up_sync(~0u, through, step);
+      if (lane >= step) through += lower;
+    }
+    all = __shfl_sync(~0u, through, size - 1);
+#endif
+    sum += all;
+    return sum - all + through - term;
+  }
   /// Adds the terms of all members, each of which calls it, to a sum that other teams may add to as well.
   SILT_DEVICE void add(std::int64_t term, std::int64_t& sum) const {
     term = joined(term, [](std::int64_t a, std::int64_t b) { return a + b; });
@@ -31,6 +46,22 @@ struct Team {
 #endif
   }
 };
+
+SILT_DEVICE inline int bits_in(std::uint64_t word) {
+#if defined(__CUDA_ARCH__)
+  return __popcll(word);
+#else
+  return std::popcount(word);
+#endif
+}
+/// The number of the lowest bit of those that are set.
+SILT_DEVICE inline int lowest_bit(std::uint64_t word) {
+#if defined(__CUDA_ARCH__)
+  return __ffsll(static_cast<long long>(word)) - 1;
+#else
+  return std::countr_zero(word);
+#endif
+}
 
 #if defined(__CUDACC__)
 

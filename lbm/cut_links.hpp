@@ -21,6 +21,7 @@
 
 #include "cpu/isa.hpp"
 #include "cpu/prefetch.hpp"
+#include "device/device.hpp"
 #include "lbm/block.hpp"
 #include "lbm/moments.hpp"
 #include "lbm/wall_formula.hpp"
@@ -85,10 +86,10 @@ struct CutLinks {
   WallFluid<T> fluid;  // that the links stand in
   SurfaceFrame frame;
   std::vector<LinkGroup> groups;
-  std::pmr::vector<std::uint32_t> place;  // of whole groups, padded
-  std::pmr::vector<T> q;                  // at a time that `age` counts from
-  std::pmr::vector<T> rate;               // of q, a step; empty: of none
-  T age = 0;                              // steps since then; may be negative
+  DeviceArray<std::uint32_t> place;  // of whole groups, padded
+  DeviceArray<T> q;                  // at a time that `age` counts from
+  DeviceArray<T> rate;               // of q, a step; empty: of none
+  T age = 0;                         // steps since then; may be negative
   std::pmr::vector<T> opposite_q,
       opposite_u;  // OppositeWall of the links of `single_cell_gap`; empty: of none
   /// Of the links of groups `across`, padded as they are: which of the block's PairsAcross has their pair.
@@ -96,9 +97,19 @@ struct CutLinks {
 
   /// None yet, in a memory that a device may reach.
   static CutLinks in(std::pmr::memory_resource* memory) {
-    const auto none = [&] { return std::pmr::vector<T>(memory); };
-    const auto no_places = [&] { return std::pmr::vector<std::uint32_t>(memory); };
-    return {{}, {}, {}, no_places(), none(), none(), 0, none(), none(), no_places()};
+    using Values = DeviceArray<T>;
+    using Places = DeviceArray<std::uint32_t>;
+    using Told = std::pmr::vector<T>;
+    return {{},
+            {},
+            {},
+            Places(memory),
+            Values(memory),
+            Values(memory),
+            0,
+            Told(memory),
+            Told(memory),
+            std::pmr::vector<std::uint32_t>(memory)};
   }
 
   /// A hint that a group will be wanted soon.

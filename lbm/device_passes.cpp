@@ -42,8 +42,9 @@ void cross_border([[maybe_unused]] Device device, const BorderRows<T>& rows, con
 }
 
 template <class T>
-void gather_moments([[maybe_unused]] Device device, const ListedCells<T>& cells, Moments* moments) {
-  SILT_ON(device, gather_moments<T>)(cells, moments);
+void gather_moments([[maybe_unused]] Device device, const ListedCells<T>& cells, Moments* moments,
+                    double* densities) {
+  SILT_ON(device, gather_moments<T>)(cells, moments, densities);
 }
 
 template <class T>
@@ -65,7 +66,7 @@ void mass_of_rows([[maybe_unused]] Device device, const Block<T>& block, Parity 
   template void move_slots(Device, const SlotPairs&, std::span<const T>, SlotArrays<const T>, SlotArrays<T>, \
                            bool);                                                                            \
   template void return_from_outlet(Device, const ReturnFromOutlet<T>&, std::size_t);                         \
-  template void gather_moments(Device, const ListedCells<T>&, Moments*);                                     \
+  template void gather_moments(Device, const ListedCells<T>&, Moments*, double*);                            \
   template void carry_packets(Device, const BorderRows<T>&, std::span<const BorderRows<T>::Carried>);        \
   template void cross_border(Device, const BorderRows<T>&, const BorderLists<T>&,                            \
                              std::span<const BorderRows<T>::Passing>);                                       \

@@ -56,8 +56,9 @@ template <class T>
 void cross_border(Device, const BorderRows<T>&, const BorderLists<T>&,
                   std::span<const typename BorderRows<T>::Passing>);
 
+/// The moments of single cells, or their density deviations alone; the other pointer is null.
 template <class T>
-void gather_moments(Device, const ListedCells<T>&, Moments*);
+void gather_moments(Device, const ListedCells<T>&, Moments*, double* densities);
 /// The totals and the masses of rows of cells of a block.
 template <class T>
 void total_rows(Device, const Block<T>&, Parity, std::span<const LocalRows>,
@@ -76,7 +77,7 @@ void mass_of_rows(Device, const Block<T>&, Parity, std::span<const LocalRows>, s
   template <class T>                                                                                 \
   void return_from_outlet(const ReturnFromOutlet<T>&, std::size_t cells);                            \
   template <class T>                                                                                 \
-  void gather_moments(const ListedCells<T>&, Moments*);                                              \
+  void gather_moments(const ListedCells<T>&, Moments*, double* densities);                           \
   template <class T>                                                                                 \
   void total_rows(const Block<T>&, Parity, std::span<const LocalRows>, const std::array<double, 3>&, \
                   CellTotals*);                                                                      \

@@ -152,11 +152,16 @@ template <class T>
 struct GatherMoments {
   ListedCells<T> of;
   Moments* moments;
+  double* densities;
   SILT_DEVICE void operator()(std::int64_t k) const {
     const auto& cell = of.cells[k];
     const T* g[directions];
     for (int i = 0; i < directions; ++i) g[i] = cell.data + of.blocks[cell.block].arriving[i];
-    moments[k] = moments_of<T>(g, 0);
+    const Moments m = moments_of<T>(g, 0);
+    if (moments)
+      moments[k] = m;
+    else
+      densities[k] = m.density_deviation;
   }
 };
 
@@ -242,8 +247,8 @@ void cross_border(const BorderRows<T>& all, const BorderLists<T>& lists,
 }
 
 template <class T>
-void gather_moments(const ListedCells<T>& cells, Moments* moments) {
-  for_each(cells.count, GatherMoments<T>{cells, moments});
+void gather_moments(const ListedCells<T>& cells, Moments* moments, double* densities) {
+  for_each(cells.count, GatherMoments<T>{cells, moments, densities});
   silt::SILT_ISA::wait();
 }
 
@@ -325,7 +330,7 @@ void mass_of_rows(const Block<T>& block, Parity parity, std::span<const LocalRow
   template void stream_collide(int, Block<T>&, Parity, const CollisionRates<T>&, RowRange, int);            \
   template void move_slots(const SlotPairs&, std::span<const T>, SlotArrays<const T>, SlotArrays<T>, bool); \
   template void return_from_outlet(const ReturnFromOutlet<T>&, std::size_t);                                \
-  template void gather_moments(const ListedCells<T>&, Moments*);                                            \
+  template void gather_moments(const ListedCells<T>&, Moments*, double*);                                   \
   template void carry_packets(const BorderRows<T>&, std::span<const BorderRows<T>::Carried>);               \
   template void cross_border(const BorderRows<T>&, const BorderLists<T>&,                                   \
                              std::span<const BorderRows<T>::Passing>);                                      \

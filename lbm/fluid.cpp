@@ -215,7 +215,7 @@ template <class T>
 std::span<const Moments> Fluid<T>::moments(std::span<const LocalCell> cells) {
   cell_moments_.resize(cells.size());
   if (device_ != Device::cpu) {
-    gather_moments(device_, listed(cells), cell_moments_.data());
+    gather_moments(device_, listed(cells), cell_moments_.data(), nullptr);
     from_device(cell_moments_);
   } else {
     for_ahead(
@@ -223,6 +223,19 @@ std::span<const Moments> Fluid<T>::moments(std::span<const LocalCell> cells) {
         [&](std::size_t k) { cell_moments_[k] = moments(cells[k].block, cells[k].cell); });
   }
   return cell_moments_;
+}
+
+template <class T>
+std::span<const double> Fluid<T>::densities(std::span<const LocalCell> cells) {
+  cell_densities_.resize(cells.size());
+  if (device_ != Device::cpu) {
+    gather_moments(device_, listed(cells), nullptr, cell_densities_.data());
+    from_device(cell_densities_);
+  } else {
+    const std::span<const Moments> all = moments(cells);
+    for (std::size_t k = 0; k < cells.size(); ++k) cell_densities_[k] = all[k].density_deviation;
+  }
+  return cell_densities_;
 }
 
 template <class T>

@@ -92,6 +92,8 @@ class Fluid {
   Moments moments(int b, Int3 local_cell) const;
   /// Returns those of single cells, in their order; they are there until the next call.
   std::span<const Moments> moments(std::span<const LocalCell>);
+  /// Their density deviations alone: of all that moments are, a tenth need come from a device.
+  std::span<const double> densities(std::span<const LocalCell>);
   /// Returns where a pass over single cells finds them; it holds until the next call, of moments() too.
   ListedCells<T> listed(std::span<const LocalCell>);
   /// Those of a box of local cells.
@@ -130,6 +132,7 @@ class Fluid {
   std::pmr::vector<typename ListedCells<T>::Cell> listed_cells_{memory_of(device_)};
   std::pmr::vector<typename ListedCells<T>::Block> listed_blocks_{memory_of(device_)};
   std::pmr::vector<Moments> cell_moments_{memory_of(device_)};
+  std::pmr::vector<double> cell_densities_{memory_of(device_)};
   Halo<T> halo_;
 };
 

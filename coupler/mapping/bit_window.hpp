@@ -28,7 +28,7 @@ struct BitFrame {
   int margin() const { return plane + pitch / 64 + 2; }
   std::size_t words_with_margins() const { return words() + 2 * margin() + 8; }
   /// Bit of the first cell of row (y, z), block coordinates.
-  std::size_t row(int y, int z) const {
+  SILT_DEVICE std::size_t row(int y, int z) const {
     return std::size_t(z - low.z) * plane * 64 + std::size_t(y - low.y) * pitch;
   }
   bool contains(lbm::Int3 c) const {
@@ -57,9 +57,10 @@ class BitWindow {
     return words()[bit >> 6] >> (bit & 63) & frame_.row_bits();
   }
   /// 64 cells of a row from a cell on, which may lie a few before the row; beyond the row: anything.
-  std::uint64_t from(lbm::Int3 c) const {
-    const std::ptrdiff_t bit = std::ptrdiff_t(frame_.row(c.y, c.z)) + (c.x - frame_.low.x);
-    const std::uint64_t* const w = words() + (bit >> 6);
+  std::uint64_t from(lbm::Int3 c) const { return from(frame_, words(), c); }
+  SILT_DEVICE static std::uint64_t from(const BitFrame& frame, const std::uint64_t* words, lbm::Int3 c) {
+    const std::ptrdiff_t bit = std::ptrdiff_t(frame.row(c.y, c.z)) + (c.x - frame.low.x);
+    const std::uint64_t* const w = words + (bit >> 6);
     return w[0] >> (bit & 63) | w[1] << 1 << (63 - (bit & 63));
   }
   bool test(lbm::Int3 c) const {
@@ -96,10 +97,19 @@ void fill_rows(BitWindow& window, lbm::Int3 block, int layers, Row&& row) {
 }
 
 /// Bits [from, to) of 64 that stand for cells from x on.
-inline std::uint64_t cells_between(int x, int from, int to) {
+SILT_DEVICE inline std::uint64_t cells_between(int x, int from, int to) {
   const int a = std::clamp(from - x, 0, 64), b = std::clamp(to - x, 0, 64);
   if (a >= b) return 0;
   return (~std::uint64_t{0} >> (64 - (b - a))) << a;
+}
+
+/// Of 64 cells of a row of a block of n cells, from x on, those inside it and no less than `reach` cells from
+/// its faces; or those inside that are not, its `rim`.
+SILT_DEVICE inline std::uint64_t cells_of_block(lbm::Int3 x, lbm::Int3 n, int reach, bool rim) {
+  if (x.y < 0 || x.z < 0 || x.y >= n.y || x.z >= n.z) return 0;
+  const bool side = x.y < reach || x.z < reach || x.y >= n.y - reach || x.z >= n.z - reach;
+  const std::uint64_t inner = side ? 0 : cells_between(x.x, reach, n.x - reach);
+  return rim ? cells_between(x.x, 0, n.x) & ~inner : inner;
 }
 
 }  // namespace silt::coupler

@@ -17,7 +17,8 @@ namespace silt::coupler {
 template <class T>
 struct SurfaceLinks {
   lbm::CutLinks<T> links{};
-  lbm::StiffnessSums stiffness{};  // implicit coupling only; renewed with the links
+  DeviceArray<std::uint64_t> cells_on_device{};  // BodyMask::bits, where a device lists the links; or none
+  lbm::StiffnessSums stiffness{};                // implicit coupling only; renewed with the links
   // of the step under way:
   std::size_t row = 0;  // of the BodySet
   lbm::SurfaceMotion motion{};
@@ -44,6 +45,8 @@ class SingleCellGaps {
   /// Fills the rest of opposite_u; call when the motions of a step are set, with the surfaces as they were
   /// paired.
   void set_velocities(std::vector<SurfaceLinks<T>>&) const;
+  /// The links that were looked at.
+  std::size_t links() const { return links_.size(); }
 
  private:
   struct Link {
@@ -131,6 +134,7 @@ struct BlockLinks {
     gaps.for_opposites([&](std::uint32_t k, std::uint32_t n, std::uint32_t other, lbm::Int3 cell, int i) {
       on_device->add_opposite(surfaces[k].links.opposite_u[n], other, cell, i);
     });
+    for (std::size_t n = 0; n < gaps.links(); ++n) from_device(T());  // their distances
   }
   /// Fills inner, first_inner, rim and count; call when links were built.
   void order_groups(const lbm::PassOrder& sweep) {

@@ -40,12 +40,13 @@ template <class T>
 class LinkWriter {
  public:
   LinkWriter(const BlockMap& map, const lbm::PassOrder& sweep, WallScheme scheme, MeshDistances& meshes,
-             DeviceMeasure<T>* device)
+             DeviceMapping<T>* device)
       : map_(map),
         sweep_(sweep),
         scheme_(scheme),
         reach_(lbm::link_reach(scheme)),
         places_across_(map.box.size),
+        on_device_(device),
         surface_(scheme, meshes, device),
         groups_(scheme) {}
 
@@ -53,19 +54,22 @@ class LinkWriter {
   /// else 0.
   void body(const BodyMask& mask, const rigid::Shape& shape, const MappedMotion& mapped, double radius,
             SurfaceLinks<T>& surface) {
-    mask_ = &mask;
+    mask_ = &mask, by_cells_.clear();
     lbm::CutLinks<T>& links = surface.links;
     groups_.begin(links);
     if (mask.any) write(shape, links.frame);
-    groups_.end();
     const int exponent = lbm::stiffness_exponent(radius);
     if (mask.any && surface_.leaves_to_device()) {
-      links.rate.clear();
-      return surface_.leave_to_device(surface, shape, mapped,
+      groups_.end_for_device(by_cells_);
+      const BodyMask* const before = mask.before < 0 ? nullptr : &map_.masks_before[mask.before];
+      return surface_.leave_to_device(surface, mask, before, by_cells_, shape, mapped,
                                       radius > 0 ? T(std::ldexp(1.0, -exponent)) : T(0));
     }
+    groups_.end();
+    surface.cells_on_device.clear();
     surface_.set_rates(links, shape, mapped);
     if (radius > 0) surface.stiffness = lbm::stiffness_of(links, exponent);
+    if (on_device_) to_device(links.place, links.q, links.rate, links.across);
   }
 
  private:
@@ -107,23 +111,16 @@ class LinkWriter {
   void find_open(bool at_rim) {
     const BitFrame& frame = mask_->frame();
     const Int3 n = map_.box.size;
-    const int r = reach_;
     inner_.reset(frame);
     if (!at_rim) {
       for (std::size_t k = 0; k < frame.words(); ++k) inner_.words()[k] = ~solid_.words()[k];
       return;
     }
     rim_.reset(frame);
-    fill_rows(inner_, n, 1, [&](int x, int y, int z) {
-      if (y < r || z < r || y >= n.y - r || z >= n.z - r) return std::uint64_t{0};
-      return ~map_.solid.from(x, y, z) & cells_between(x, r, n.x - r);
-    });
-    fill_rows(rim_, n, 1, [&](int x, int y, int z) {
-      if (y < 0 || z < 0 || y >= n.y || z >= n.z) return std::uint64_t{0};
-      const bool side = y < r || z < r || y >= n.y - r || z >= n.z - r;
-      const std::uint64_t all = cells_between(x, 0, n.x), inner = cells_between(x, r, n.x - r);
-      return ~map_.solid.from(x, y, z) & (side ? all : all & ~inner);
-    });
+    for (const bool rim : {false, true})
+      fill_rows(rim ? rim_ : inner_, n, 1, [&](int x, int y, int z) {
+        return ~map_.solid.from(x, y, z) & cells_of_block({x, y, z}, n, reach_, rim);
+      });
   }
 
   /// A group for each strip of the dense pass.
@@ -150,6 +147,9 @@ class LinkWriter {
     for (std::uint32_t k = clear; k < list.n; ++k) groups_.defer(GapKind::single_cell, list, k);
     list.n = clear;
     if (lbm::reads_beyond(scheme_)) defer_gaps_and_pairs(list);
+    if (list.n > 0)
+      by_cells_.push_back({std::uint32_t(groups_.count()), std::uint16_t(y0), std::uint16_t(y1),
+                           std::uint8_t(planes.count), ready < 0});
     groups_.add(list, scheme_);
   }
 
@@ -201,11 +201,13 @@ class LinkWriter {
   int reach_;  // of a link, in cells
   lbm::PlacesAcross places_across_;
   const BodyMask* mask_ = nullptr;  // of the body at work
+  bool on_device_;
   MeasuredSurface<T> surface_;
   CrossingLinks<T> crossings_;
   LinkGroups<T> groups_;
   BitWindow solid_, inner_, rim_;
   std::vector<std::uint32_t> single_cell_, beyond_;
+  std::vector<ListedGroup> by_cells_;  // of the body at work
 };
 
 /// The cell that holds the reference point of an image, and where in it: canonical, whatever the block.
@@ -231,17 +233,19 @@ lbm::SurfaceFrame surface_frame(const BlockMap& map, const BodyMask& mask, int l
 template <class T>
 void build_links(const BlockMap& map, const rigid::World& world, const rigid::BodySet& bodies,
                  const LinkRules<T>& rules, std::vector<SurfaceLinks<T>>& surfaces) {
+  std::pmr::memory_resource* const memory = memory_of(rules.device ? rules.device->device() : Device::cpu);
   std::vector<SurfaceLinks<T>> before;
   before.reserve(map.masks.size());
   for (std::size_t k = 0; k < map.masks.size(); ++k)
-    before.push_back({lbm::CutLinks<T>::in(memory_of(rules.device))});
+    before.push_back(
+        {.links = lbm::CutLinks<T>::in(memory), .cells_on_device = DeviceArray<std::uint64_t>(memory)});
   before.swap(surfaces);
   const int link_reach = lbm::link_reach(rules.coupling.wall_scheme);
   PlacedMeshes placed;
   MeshDistances own(placed);
-  DeviceMeasure<T> measure(rules.device);
+  if (rules.device) rules.device->begin(map, rules.coupling.wall_scheme);
   LinkWriter<T> writer(map, rules.sweep, rules.coupling.wall_scheme, rules.meshes ? *rules.meshes : own,
-                       rules.device == Device::cpu ? nullptr : &measure);
+                       rules.device);
   for_masks(map.masks, [&](std::size_t k) {
     const BodyMask& mask = map.masks[k];
     if (mask.before >= 0) surfaces[k] = std::move(before[mask.before]);
@@ -252,9 +256,8 @@ void build_links(const BlockMap& map, const rigid::World& world, const rigid::Bo
     const bool is_stiff = rules.coupling.time == TimeCoupling::implicit_ && bodies.is_dynamic(mask.row);
     writer.body(mask, world.shapes[shape], mapped_motion(bodies, mask.row),
                 is_stiff ? world.bounding_radii[shape] : 0, surfaces[k]);
-    if (rules.device != Device::cpu) to_device(links.place, links.q, links.rate, links.across);
   });
-  if (rules.device != Device::cpu) measure.run();
+  if (rules.device) rules.device->run();
 }
 
 template void build_links(const BlockMap&, const rigid::World&, const rigid::BodySet&,

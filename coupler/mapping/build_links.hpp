@@ -3,6 +3,7 @@
 // is.
 #include "coupler/case/fluid_spec.hpp"
 #include "coupler/mapping/block_links.hpp"
+#include "coupler/mapping/device_mapping.hpp"
 #include "coupler/mapping/mesh_distances.hpp"
 #include "coupler/mapping/solid_map.hpp"
 #include "lbm/cut_links.hpp"
@@ -18,8 +19,8 @@ struct LinkRules {
   const CouplingSpec& coupling;
   const lbm::WallFluid<T>& fluid;
   const lbm::PassOrder& sweep;
-  MeshDistances* meshes = nullptr;  // whose memory serves from one mapping to the next; none: its own
-  Device device = Device::cpu;      // that the links are for
+  MeshDistances* meshes = nullptr;     // whose memory serves from one mapping to the next; none: its own
+  DeviceMapping<T>* device = nullptr;  // that the links are for; none: the cpu
 };
 
 /// Builds the links of the block's masks, surface by surface, with the stiffness of free bodies under

@@ -23,15 +23,18 @@ class CellBits {
         words_((size.x + 2 * ghosts + 63) / 64),
         bits_(std::size_t(words_) * (size.y + 2 * ghosts) * (size.z + 2 * ghosts) + 4) {}
   int words() const { return words_; }
-  std::size_t row(int y, int z) const {
-    return 1 + std::size_t(words_) * ((z + ghosts) * (size_.y + 2 * ghosts) + (y + ghosts));
+  std::size_t row(int y, int z) const { return row(size_, y, z, words_); }
+  /// The same of a block of some cells, with so many words a row.
+  SILT_DEVICE static std::size_t row(lbm::Int3 size, int y, int z, int words) {
+    return 1 + std::size_t(words) * ((z + ghosts) * (size.y + 2 * ghosts) + (y + ghosts));
   }
   std::uint64_t* at(int y, int z) { return bits_.data() + row(y, z); }
   const std::uint64_t* at(int y, int z) const { return bits_.data() + row(y, z); }
   /// 64 cells of a row from cell x on; beyond the row: anything.
-  std::uint64_t from(int x, int y, int z) const {
+  std::uint64_t from(int x, int y, int z) const { return from(at(y, z), x); }
+  SILT_DEVICE static std::uint64_t from(const std::uint64_t* row, int x) {
     const int bit = x + ghosts;
-    const std::uint64_t* const w = at(y, z) + (bit >> 6);
+    const std::uint64_t* const w = row + (bit >> 6);
     return w[0] >> (bit & 63) | w[1] << 1 << (63 - (bit & 63));
   }
   /// Sets the cells whose bits are set, bit 0 being cell x.

@@ -1,9 +1,29 @@
 #include "coupler/mapping/device_mapping.hpp"
 
+#include "coupler/mapping/solid_map.hpp"
+
 namespace silt::coupler {
 
+/// Of words that a device has, as they were `before`, those that have changed; all, if it has none.
 template <class T>
-SurfaceAtTime DeviceMeasure<T>::listed(const SurfaceView<T>& surface, const lbm::SurfaceFrame& frame) {
+void DeviceMapping<T>::add_words(std::uint64_t* to, const std::uint64_t* now, const std::uint64_t* before,
+                                 std::size_t count) {
+  for (std::size_t k = 0; k < count; ++k)
+    if (!before || now[k] != before[k]) words_.push_back({to + k, now[k]});
+}
+
+template <class T>
+void DeviceMapping<T>::begin(const BlockMap& map, lbm::WallScheme scheme) {
+  map_ = &map, scheme_ = scheme;
+  wanted_.clear(), groups_.clear(), surfaces_.clear(), parts_.clear(), planes_.clear(), words_.clear();
+  const std::vector<std::uint64_t>& now = map.solid.all();
+  const bool is_new = solid_.size() != now.size();
+  if (is_new) solid_.resize(now.size());
+  add_words(solid_.data(), now.data(), is_new ? nullptr : map.before.all().data(), now.size());
+}
+
+template <class T>
+SurfaceAtTime DeviceMapping<T>::listed(const SurfaceView<T>& surface, const lbm::SurfaceFrame& frame) {
   const SurfaceAtTime at{std::uint32_t(parts_.size()), std::uint32_t(planes_.size()), surface.count, frame};
   parts_.insert(parts_.end(), surface.parts, surface.parts + surface.count);
   for (const SurfacePart<T>* part = surface.parts; part < surface.parts + surface.count; ++part)
@@ -15,31 +35,54 @@ SurfaceAtTime DeviceMeasure<T>::listed(const SurfaceView<T>& surface, const lbm:
 }
 
 template <class T>
-void DeviceMeasure<T>::add(SurfaceLinks<T>& surface, const SurfaceView<T>& view, T arm) {
+void DeviceMapping<T>::add(SurfaceLinks<T>& surface, const BodyMask& mask, const BodyMask* before,
+                           std::span<const ListedGroup> by_cells, const SurfaceView<T>& view, T arm) {
+  const BitFrame& frame = mask.frame();
+  const std::size_t words = frame.words();
+  const bool is_known = before && before->frame() == frame && surface.cells_on_device.size() == words + 1;
+  if (!is_known) surface.cells_on_device.clear();
+  surface.cells_on_device.resize(words + 1);  // the one after the last may be read
+  add_words(surface.cells_on_device.data(), mask.bits.words(), is_known ? before->bits.words() : nullptr,
+            words);
   lbm::CutLinks<T>& links = surface.links;
-  for (const lbm::LinkGroup& g : links.groups)
-    groups_.push_back({std::uint32_t(surfaces_.size()), g.count, g.scheme, g.crossing, g.corner,
-                       links.place.data() + g.begin, links.q.data() + g.begin, nullptr});
-  const SurfaceAtTime now = listed(view, links.frame);
-  surfaces_.push_back({links.fluid, now, now, 0, arm, {}});
+  for (std::uint32_t k = 0; k < links.groups.size(); ++k) {
+    const lbm::LinkGroup& g = links.groups[k];
+    ListedGroup listed{};
+    if (!by_cells.empty() && by_cells.front().number == k)
+      listed = by_cells.front(), by_cells = by_cells.subspan(1);
+    groups_.push_back(
+        {std::uint32_t(surfaces_.size()), g.begin, g.count, g.corner, g.scheme, g.crossing, listed});
+  }
+  const SurfaceAtTime now = this->listed(view, links.frame);
+  surfaces_.push_back({links.fluid,
+                       now,
+                       now,
+                       0,
+                       arm,
+                       frame,
+                       surface.cells_on_device.data(),
+                       links.place.data(),
+                       links.q.data(),
+                       nullptr,
+                       {}});
   wanted_.push_back(&surface);
 }
 
 template <class T>
-void DeviceMeasure<T>::add_rates(const SurfaceView<T>& view, const lbm::SurfaceFrame& frame, double steps) {
+void DeviceMapping<T>::add_rates(const SurfaceView<T>& view, const lbm::SurfaceFrame& frame, double steps) {
   lbm::CutLinks<T>& links = wanted_.back()->links;
-  links.rate.assign(links.q.size(), T(0));
-  surfaces_.back().last = listed(view, frame), surfaces_.back().steps = steps;
-  const std::size_t first = groups_.size() - links.groups.size();
-  for (std::size_t g = 0; g < links.groups.size(); ++g)
-    groups_[first + g].rate = links.rate.data() + links.groups[g].begin;
+  links.rate.resize(links.q.size());
+  SurfaceToMap<T>& surface = surfaces_.back();
+  surface.last = listed(view, frame), surface.steps = steps, surface.rate = links.rate.data();
 }
 
 template <class T>
-void DeviceMeasure<T>::run() {
-  SILT_ON(device_, measure_links<T>)
-  (groups_.size(), {groups_.data(), surfaces_.data(), parts_.data(), planes_.data()});
-  to_device(groups_, surfaces_, parts_, planes_);
+void DeviceMapping<T>::run() {
+  const LinksToMap<T> pass{groups_.data(), groups_.size(),      surfaces_.data(), parts_.data(),
+                           planes_.data(), words_.data(),       words_.size(),    solid_.data(),
+                           map_->box.size, map_->solid.words(), scheme_};
+  SILT_ON(device_, map_links<T>)(pass);
+  to_device(groups_, surfaces_, parts_, planes_, words_);
   for (std::size_t k = 0; k < wanted_.size(); ++k) {
     if (surfaces_[k].arm == 0) continue;
     wanted_[k]->stiffness = surfaces_[k].stiffness;
@@ -47,7 +90,7 @@ void DeviceMeasure<T>::run() {
   }
 }
 
-template class DeviceMeasure<float>;
-template class DeviceMeasure<double>;
+template class DeviceMapping<float>;
+template class DeviceMapping<double>;
 
 }  // namespace silt::coupler

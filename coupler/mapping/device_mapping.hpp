@@ -1,15 +1,22 @@
 #pragma once
-// Wall distances of links, their rates and the stiffness of bodies of convex parts as passes of a device
-// (device/for_each.hpp): of all bodies of a block that are mapped at once, a team a group of links.
+// The links of bodies of a block that are mapped again, as passes of a device (device/for_each.hpp): their
+// lists by the cells that bodies cover, then wall distances, their rates and the stiffness of bodies of
+// convex parts, a team a group of links. Of the cells the device is told those that have changed.
 #include <cstdint>
 #include <memory_resource>
+#include <span>
 #include <vector>
 
+#include "coupler/mapping/bit_window.hpp"
 #include "coupler/mapping/block_links.hpp"
+#include "coupler/mapping/cell_bits.hpp"
 #include "coupler/mapping/surface_primitives.hpp"
 #include "device/device.hpp"
 
 namespace silt::coupler {
+
+struct BlockMap;
+struct BodyMask;
 
 /// A distance changes by at most this in half of the steps that a body is mapped for: a line that grazes the
 /// surface may meet it at one time only.
@@ -25,6 +32,15 @@ SILT_DEVICE inline T rate_of(T middle, T last, double steps) {
   return std::clamp(last - middle, -most, most) * per_step;
 }
 
+/// A group whose links are all of a kind that the cells around them tell: those of the open cells of rows
+/// [y0, y1) of some planes of a mask's frame.
+struct ListedGroup {
+  std::uint32_t number;  // of the surface's groups
+  std::uint16_t y0, y1;
+  std::uint8_t planes;
+  bool rim;
+};
+
 /// A surface at a time: where its parts and planes begin, and its frame.
 struct SurfaceAtTime {
   std::uint32_t first_part, first_plane;
@@ -33,41 +49,61 @@ struct SurfaceAtTime {
 };
 
 template <class T>
-struct SurfaceToMeasure {
+struct SurfaceToMap {
   lbm::WallFluid<T> fluid;
   SurfaceAtTime now, last;  // in the middle of the steps that it is mapped for, and in the last of them
   double steps;             // between; 0: distances have no rates
   T arm;                    // of the stiffness (stiffness_exponent); 0: nobody asks for it
+  BitFrame frame;
+  const std::uint64_t* cells;  // of the surface, in its frame
+  std::uint32_t* place;
+  T *q, *rate;
   lbm::StiffnessSums stiffness;
 };
 
-template <class T>
-struct GroupToMeasure {
-  std::uint32_t surface, count;
-  lbm::WallScheme scheme;
-  bool crossing;  // whose distances are known
+struct GroupToMap {
+  std::uint32_t surface, begin, count;
   lbm::Int3 corner;
-  const std::uint32_t* place;
-  T *q, *rate;
+  lbm::WallScheme scheme;
+  bool crossing;       // whose distances are known
+  ListedGroup listed;  // of no planes: its links are
 };
 
-/// The pass reads and writes these arrays.
+/// A word of bits that has changed.
+struct ChangedWord {
+  std::uint64_t *at, bits;
+};
+
+/// The passes read and write these arrays.
 template <class T>
-struct MeasureLinks {
-  GroupToMeasure<T>* groups;
-  SurfaceToMeasure<T>* surfaces;
+struct LinksToMap {
+  const GroupToMap* groups;
+  std::size_t group_count;
+  SurfaceToMap<T>* surfaces;
   const SurfacePart<T>* parts;
   const Plane<T>* planes;
+  const ChangedWord* words;
+  std::size_t word_count;
+  const std::uint64_t* solid;  // CellBits of the block
+  lbm::Int3 size;
+  int solid_words;  // of a row
+  lbm::WallScheme scheme;
   lbm::Components directions = lbm::components;
 };
 
+/// Of one block.
 template <class T>
-class DeviceMeasure {
+class DeviceMapping {
  public:
-  explicit DeviceMeasure(Device device) : device_(device) {}
+  explicit DeviceMapping(Device device) : device_(device) {}
+  Device device() const { return device_; }
 
-  /// The distances of the surface's links are wanted. `arm` is that of SurfaceToMeasure.
-  void add(SurfaceLinks<T>&, const SurfaceView<T>&, T arm);
+  /// Begins with the cells of the block.
+  void begin(const BlockMap&, lbm::WallScheme);
+  /// The links of the surface are wanted: the lists of some groups, and all distances. `before` is the mask
+  /// of which it had links, if it had any; `arm` that of SurfaceToMap.
+  void add(SurfaceLinks<T>&, const BodyMask&, const BodyMask* before, std::span<const ListedGroup>,
+           const SurfaceView<T>&, T arm);
   /// The rates of the surface added last are wanted as well, from how it will be after so many steps.
   void add_rates(const SurfaceView<T>&, const lbm::SurfaceFrame&, double steps);
   /// Sets all that is wanted. The surfaces have stayed where they were.
@@ -75,22 +111,29 @@ class DeviceMeasure {
 
  private:
   SurfaceAtTime listed(const SurfaceView<T>&, const lbm::SurfaceFrame&);
+  void add_words(std::uint64_t* to, const std::uint64_t* now, const std::uint64_t* before, std::size_t count);
 
   Device device_;
+  const BlockMap* map_ = nullptr;
+  lbm::WallScheme scheme_{};
+  DeviceArray<std::uint64_t> solid_{memory_of(device_)};
   std::vector<SurfaceLinks<T>*> wanted_;
-  std::pmr::vector<GroupToMeasure<T>> groups_{memory_of(device_)};
-  std::pmr::vector<SurfaceToMeasure<T>> surfaces_{memory_of(device_)};
+  std::pmr::vector<GroupToMap> groups_{memory_of(device_)};
+  std::pmr::vector<SurfaceToMap<T>> surfaces_{memory_of(device_)};
   std::pmr::vector<SurfacePart<T>> parts_{memory_of(device_)};
   std::pmr::vector<Plane<T>> planes_{memory_of(device_)};
+  std::pmr::vector<ChangedWord> words_{memory_of(device_)};
 };
 
+#define SILT_MAPPING_PASS \
+  template <class T>      \
+  void map_links(const LinksToMap<T>&);
 namespace host {
-template <class T>
-void measure_links(std::size_t groups, const MeasureLinks<T>&);
+SILT_MAPPING_PASS
 }
 namespace gpu {
-template <class T>
-void measure_links(std::size_t groups, const MeasureLinks<T>&);
+SILT_MAPPING_PASS
 }
+#undef SILT_MAPPING_PASS
 
 }  // namespace silt::coupler

@@ -11,6 +11,58 @@
 
 namespace silt::coupler::SILT_ISA {
 
+struct SetWords {
+  const ChangedWord* words;
+  SILT_DEVICE void operator()(std::int64_t k) const { *words[k].at = words[k].bits; }
+};
+
+/// Lists the links of a group, direction by direction and row by row.
+template <class T>
+struct ListGroup {
+  LinksToMap<T> all;
+
+  SILT_DEVICE std::uint64_t solid(lbm::Int3 x) const {
+    return CellBits::from(all.solid + CellBits::row(all.size, x.y, x.z, all.solid_words), x.x);
+  }
+  SILT_DEVICE std::uint64_t inside(lbm::Int3 x) const { return cells_of_block(x, all.size, 0, false); }
+  /// The open cells of 64 of a row, from x on, which have such a link along c.
+  SILT_DEVICE std::uint64_t with_link(const SurfaceToMap<T>& surface, bool rim, lbm::Int3 x,
+                                      lbm::Int3 c) const {
+    std::uint64_t cells = cells_of_block(x, all.size, lbm::link_reach(all.scheme), rim);
+    if (!cells) return 0;
+    const BitFrame& frame = surface.frame;
+    cells &= cells_between(x.x, frame.low.x, frame.low.x + frame.size.x) & ~solid(x);
+    cells &= BitWindow::from(frame, surface.cells, x + c);
+    if (!cells) return 0;
+    if (lbm::reads_behind(all.scheme)) cells &= ~solid(x - c);
+    if (lbm::reads_beyond(all.scheme)) cells &= inside(x - c) & ~solid(x - c - c);
+    return cells;
+  }
+  SILT_DEVICE void operator()(std::int64_t k, const Team& member) const {
+    const GroupToMap& group = all.groups[k];
+    const ListedGroup& listed = group.listed;
+    const SurfaceToMap<T>& surface = all.surfaces[group.surface];
+    std::uint32_t* const place = surface.place + group.begin;
+    const int rows = listed.y1 - listed.y0, words = (surface.frame.size.x + 63) / 64;
+    const int in_direction = listed.planes * rows * words;
+    std::uint32_t n = 0;
+    for (int first = 0; first < in_direction * (lbm::directions - 1); first += member.size) {
+      const int e = first + member.lane, direction = 1 + e / in_direction, in = e % in_direction;
+      const lbm::Int3 at{in % words * 64, listed.y0 + in / words % rows, in / words / rows};
+      std::uint64_t cells = 0;
+      if (direction < lbm::directions) {
+        const std::int32_t packed = all.directions.packed[direction];
+        const lbm::Int3 c{lbm::SILT_ISA::component(packed, 0), lbm::SILT_ISA::component(packed, 1),
+                          lbm::SILT_ISA::component(packed, 2)};
+        cells = with_link(surface, listed.rim, group.corner + at, c);
+      }
+      std::uint32_t to = member.before(std::uint32_t(bits_in(cells)), n);
+      for (; cells; cells &= cells - 1)
+        place[to++] = lbm::link_place(at + lbm::Int3{lowest_bit(cells), 0, 0}, direction);
+    }
+  }
+};
+
 template <class T>
 SILT_DEVICE T distance_of(const std::uint32_t* place, const lbm::SILT_ISA::PlaceOrigin<T>& origin,
                           const SurfaceView<T>& surface, T past) {
@@ -23,43 +75,43 @@ SILT_DEVICE T distance_of(const std::uint32_t* place, const lbm::SILT_ISA::Place
 
 template <class T>
 struct MeasureGroup {
-  MeasureLinks<T> all;
+  LinksToMap<T> all;
 
   SILT_DEVICE SurfaceView<T> view(const SurfaceAtTime& at) const {
     return {all.parts + at.first_part, at.parts, all.planes + at.first_plane};
   }
-  SILT_DEVICE lbm::SILT_ISA::PlaceOrigin<T> origin(const GroupToMeasure<T>& group,
-                                                   const SurfaceAtTime& at) const {
+  SILT_DEVICE lbm::SILT_ISA::PlaceOrigin<T> origin(const GroupToMap& group, const SurfaceAtTime& at) const {
     return {group.corner, at.frame, all.directions.packed};
   }
   SILT_DEVICE void operator()(std::int64_t k, const Team& member) const {
-    const GroupToMeasure<T>& group = all.groups[k];
-    SurfaceToMeasure<T>& surface = all.surfaces[group.surface];
-    if (!group.crossing) measure(group, surface, member);
+    const GroupToMap& group = all.groups[k];
+    SurfaceToMap<T>& surface = all.surfaces[group.surface];
+    measure(group, surface, member);
     if (surface.arm != 0)
       lbm::with_scheme(group.scheme,
                        [&](auto scheme) { add_stiffness_of<scheme()>(group, surface, member); });
   }
-  SILT_DEVICE void measure(const GroupToMeasure<T>& group, const SurfaceToMeasure<T>& surface,
+  SILT_DEVICE void measure(const GroupToMap& group, const SurfaceToMap<T>& surface,
                            const Team& member) const {
-    for (int l = member.lane; l < int(group.count); l += member.size) {
-      const T q = distance_of(group.place + l, origin(group, surface.now), view(surface.now), T(0));
-      group.q[l] = q;
-      if (surface.steps == 0) continue;
-      const T last =
-          distance_of(group.place + l, origin(group, surface.last), view(surface.last), T(most_change));
-      group.rate[l] = rate_of(q, last, surface.steps);
+    for (int l = int(group.begin) + member.lane; l < int(group.begin + group.count); l += member.size) {
+      const auto at = [&](const SurfaceAtTime& time, T past) {
+        return distance_of(surface.place + l, origin(group, time), view(time), past);
+      };
+      T& q = surface.q[l];
+      if (!group.crossing) q = lbm::follows_distance(group.scheme) ? at(surface.now, T(0)) : T(0.5);
+      if (surface.steps > 0)
+        surface.rate[l] = group.crossing ? T(0) : rate_of(q, at(surface.last, T(most_change)), surface.steps);
     }
   }
   template <lbm::WallScheme scheme>
-  SILT_DEVICE void add_stiffness_of(const GroupToMeasure<T>& group, SurfaceToMeasure<T>& surface,
+  SILT_DEVICE void add_stiffness_of(const GroupToMap& group, SurfaceToMap<T>& surface,
                                     const Team& member) const {
     using Term = std::conditional_t<sizeof(T) == 4, std::int32_t, std::int64_t>;
     constexpr int entries = 21;
     std::int64_t h[entries] = {};
-    for (int l = member.lane; l < int(group.count); l += member.size) {
-      const lbm::SILT_ISA::Places<T> at(group.place + l, origin(group, surface.now));
-      lbm::SILT_ISA::add_stiffness<scheme>(at, group.q[l], true, surface.fluid, surface.arm,
+    for (int l = int(group.begin) + member.lane; l < int(group.begin + group.count); l += member.size) {
+      const lbm::SILT_ISA::Places<T> at(surface.place + l, origin(group, surface.now));
+      lbm::SILT_ISA::add_stiffness<scheme>(at, surface.q[l], true, surface.fluid, surface.arm,
                                            [&](int e, T term) { h[e] += Term(term); });
     }
     for (int e = 0; e < entries; ++e) member.add(h[e], surface.stiffness.h[e]);
@@ -67,8 +119,10 @@ struct MeasureGroup {
 };
 
 template <class T>
-void measure_links(std::size_t groups, const MeasureLinks<T>& all) {
-  for_teams(std::int64_t(groups), MeasureGroup<T>{all});
+void map_links(const LinksToMap<T>& all) {
+  for_each(std::int64_t(all.word_count), SetWords{all.words});
+  for_teams(std::int64_t(all.group_count), ListGroup<T>{all});
+  for_teams(std::int64_t(all.group_count), MeasureGroup<T>{all});
   wait();
 }
 
@@ -80,7 +134,7 @@ void refill_cells(const RefillCells<T>& cells) {
 
 template void refill_cells(const RefillCells<float>&);
 template void refill_cells(const RefillCells<double>&);
-template void measure_links(std::size_t, const MeasureLinks<float>&);
-template void measure_links(std::size_t, const MeasureLinks<double>&);
+template void map_links(const LinksToMap<float>&);
+template void map_links(const LinksToMap<double>&);
 
 }  // namespace silt::coupler::SILT_ISA

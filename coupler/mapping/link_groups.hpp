@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "coupler/mapping/device_mapping.hpp"
 #include "lbm/cut_links.hpp"
 
 namespace silt::coupler {
@@ -72,6 +73,7 @@ class LinkGroups {
     links_->groups.push_back({used_, list.n, scheme, list.corner, list.ready});
     used_ += lbm::padded(list.n);
   }
+  std::size_t count() const { return links_->groups.size(); }
   void end_deferred() {
     for (auto& kinds : deferred_)
       for (Deferred& deferred : kinds) end_deferred(deferred);
@@ -85,6 +87,26 @@ class LinkGroups {
   void end() {
     links_->place.assign(place_.begin(), place_.begin() + used_);
     links_->q.assign(q_.begin(), q_.begin() + used_);
+  }
+  /// The places of some groups are left to a device, and the distances of all that are not crossing. It does
+  /// not fill its groups up, nor look at what does.
+  void end_for_device(std::span<const ListedGroup> by_cells) {
+    const auto room = [&](auto& values) { values.clear(), values.resize(used_); };
+    const auto tell = [&](const lbm::LinkGroup& g, const auto& from, auto& to) {
+      const std::span all(from.data() + g.begin, lbm::padded(g.count));
+      std::copy(all.begin(), all.end(), to.begin() + g.begin);
+      to_device(all);
+    };
+    room(links_->place), room(links_->q);
+    for (const lbm::LinkGroup& g : links_->groups) {
+      const bool is_listed = !by_cells.empty() && &g == &links_->groups[by_cells.front().number];
+      if (is_listed)
+        by_cells = by_cells.subspan(1);
+      else
+        tell(g, place_, links_->place);
+      if (g.crossing) tell(g, q_, links_->q);
+    }
+    to_device(links_->across);
   }
 
  private:

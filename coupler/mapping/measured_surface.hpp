@@ -14,7 +14,7 @@ template <class T>
 class MeasuredSurface {
  public:
   /// Distances to bodies of convex parts are left to `device`, if there is one.
-  MeasuredSurface(WallScheme scheme, MeshDistances& mesh, DeviceMeasure<T>* device)
+  MeasuredSurface(WallScheme scheme, MeshDistances& mesh, DeviceMapping<T>* device)
       : follows_(lbm::follows_distance(scheme)), mesh_(mesh), device_(device) {}
 
   void reset(const rigid::Shape& shape, const BlockMap& map, const BodyMask& mask,
@@ -44,11 +44,13 @@ class MeasuredSurface {
     else if (!device_)
       distance_kernel<T, T>()(links, *frame_, parts_.view(), T(0), list.q);
   }
-  bool leaves_to_device() const { return device_ && follows_ && way_ == Way::parts; }
-  /// Has the distances of the surface's links measured, and what follows from them.
-  void leave_to_device(SurfaceLinks<T>& surface, const rigid::Shape& shape, const MappedMotion& mapped,
-                       T arm) {
-    device_->add(surface, parts_.view(), arm);
+  bool leaves_to_device() const { return device_ && (!follows_ || way_ == Way::parts); }
+  /// Has the links of the surface listed and measured, and what follows from them.
+  void leave_to_device(SurfaceLinks<T>& surface, const BodyMask& mask, const BodyMask* before,
+                       std::span<const ListedGroup> by_cells, const rigid::Shape& shape,
+                       const MappedMotion& mapped, T arm) {
+    surface.links.rate.clear();
+    device_->add(surface, mask, before, by_cells, parts_.view(), arm);
     const double steps = steps_with_rates(surface.links, mapped);
     if (steps == 0) return;
     parts_.reset(shape, mapped.pose_after(steps).orientation);
@@ -94,7 +96,7 @@ class MeasuredSurface {
 
   bool follows_;  // else links meet it midway
   MeshDistances& mesh_;
-  DeviceMeasure<T>* device_;
+  DeviceMapping<T>* device_;
   Way way_ = Way::parts;
   SurfaceParts<T> parts_;
   SurfaceParts<double> hollow_;  // in double: it may be far longer than anything else is wide

@@ -1,6 +1,8 @@
 // What a step sends, as parallel/traffic.hpp counts it, against counts on paper.
 #include <gtest/gtest.h>
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "coupler/simulation.hpp"
@@ -35,6 +37,28 @@ TEST(Traffic, AStepOfFluidSendsWhatLeavesABlock) {
   EXPECT_EQ(simulation.bus_bytes_in_steps().from_device, sent.bytes + steps * sizeof(std::uint32_t));
   EXPECT_EQ(sent.empty_messages, 0u);
   EXPECT_EQ(sent.blocking_collectives, 0u);
+}
+
+/// Spheres of several sizes that go 0.01 cells a step: of all that a step does with their cells and links,
+/// what crosses the bus has the size of what changed. On one rank, where no messages do.
+TEST(Traffic, OnlyWhatHasChangedCrossesTheBus) {
+  for (const int diameter : {6, 10}) {
+    CaseText text;
+    const int n = 2 * diameter;
+    text.domain = domain_of({3 * n, 3 * n, 3 * n});
+    text.shapes = sphere_of("ball", diameter);
+    text.bodies = "";
+    for (int k = 0; k < 27; ++k)
+      text.bodies +=
+          body_of("ball", 1000,
+                  fmt::format("position = [{}, {}, {}]\nvelocity = [0.006, 0.006, 0.005]",
+                              n * (0.5 + k % 3) + 0.03 * k, n * (0.5 + k / 3 % 3), n * (0.5 + k / 9)));
+    Simulation simulation = text.start(MPI_COMM_SELF, {"run.device=host"});
+    constexpr int steps = 27;
+    for (int i = 0; i < steps; ++i) simulation.step();
+    const BusBytes& bytes = simulation.bus_bytes_in_steps();
+    EXPECT_LT(double(bytes.to_device + bytes.from_device) / steps / 27, 1000) << diameter;
+  }
 }
 
 }  // namespace

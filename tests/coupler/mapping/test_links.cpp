@@ -16,7 +16,7 @@ void move(rigid::BodySet& bodies, std::size_t row, const Vec3& to) {
 
 /// The crowd after some steps, in blocks of several sizes, and then again with some of the bodies moved.
 template <class T>
-void check_crowd(const char* blocks, WallScheme scheme, double rounding) {
+void check_crowd(const char* blocks, WallScheme scheme, double rounding, Device device = Device::cpu) {
   Simulation s = crowd().start(MPI_COMM_SELF, {blocks});
   for (rigid::BodyId id = 1; id <= s.scene().at_start.body_count; ++id)
     s.set_velocity(id, 0.05 * Vec3(std::cos(1.7 * id), std::sin(1.7 * id), std::sin(3.4 * id)),
@@ -27,12 +27,15 @@ void check_crowd(const char* blocks, WallScheme scheme, double rounding) {
   for (const auto& place : domain.blocks_of(0)) boxes.push_back(place.box);
   MapBodies map(domain, s.scene().world, boxes, lbm::link_reach(scheme));
   std::vector<std::vector<SurfaceLinks<T>>> surfaces(boxes.size());
+  std::vector<DeviceMapping<T>> on_device;
+  for (std::size_t b = 0; device != Device::cpu && b < boxes.size(); ++b) on_device.emplace_back(device);
   LinkKinds kinds;
   int kept = 0, spoilt = 0;  // spoilt: bodies at rest whose links others changed
   for (unsigned round = 0; round < 3; ++round) {
     map(s.bodies());
     for (std::size_t b = 0; b < boxes.size(); ++b)
-      expect_all_links<T>(s, map.blocks()[b], scheme, rounding, surfaces[b], kinds);
+      expect_all_links<T>(s, map.blocks()[b], scheme, rounding, surfaces[b], kinds,
+                          on_device.empty() ? nullptr : &on_device[b]);
     for (const BlockMap& block : map.blocks())
       for (const BodyMask& mask : block.masks)
         (mask.kept ? kept : spoilt) += block.changed && round > 0 && mask.id % 4 != round;
@@ -53,6 +56,15 @@ TEST(Links, AreThoseOfTheDefinition) {
   check_crowd<float>("domain.blocks=[12,10,14]", WallScheme::cli, 2e-4);
   check_crowd<float>("domain.blocks=[12,5,28]", WallScheme::bounce_back, 0);
   check_crowd<double>("domain.blocks=[7,9,5]", WallScheme::parabolic, 1e-9);
+}
+
+TEST(Links, ThatADeviceListsAreThoseOfTheDefinition) {
+  for (const Device device : {Device::host, Device::gpu}) {
+    if (!unusable(device).empty()) continue;
+    check_crowd<float>("domain.blocks=[24,20,28]", WallScheme::cli, 2e-4, device);
+    check_crowd<float>("domain.blocks=[12,5,28]", WallScheme::bounce_back, 0, device);
+    check_crowd<double>("domain.blocks=[12,10,14]", WallScheme::multireflection, 1e-9, device);
+  }
 }
 
 TEST(Links, ThatReadBeyondAreThoseOfTheDefinition) {
