@@ -40,7 +40,7 @@ struct Spread {
 Spread spread(const Simulation& simulation, double mine) {
   const MPI_Comm comm = simulation.scene().comm;
   double most[2] = {mine, -mine};
-  parallel::max_over_ranks(comm, std::span(most));
+  parallel::max_over_ranks(comm, std::span<double>(most));
   return {-most[1], parallel::sum_over_ranks(comm, mine) / simulation.scene().ranks, most[0]};
 }
 

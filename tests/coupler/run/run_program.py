@@ -83,6 +83,9 @@ class Program(SiltTest):
         said = self.silt("resume", self.case, "--out", other, ranks=2).stdout
         self.assertIn("to 60, where --set run.steps=60 of the earlier run still holds", said)
         resumed = self.report(other)
+        for spread in (*resumed["stage_seconds"].values(), resumed["memory_peak_bytes"], resumed["work"]["seconds"]):
+            self.assertTrue(spread["min"] <= spread["avg"] <= spread["max"], spread)
+        self.assertLess(resumed["memory_peak_bytes"]["min"], resumed["memory_peak_bytes"]["max"])
         self.assertEqual(resumed["resumed_at"], stopped)
         self.assertEqual(resumed["state_hash"], whole["state_hash"])
         self.assertEqual(resumed["quantities"], whole["quantities"])
