@@ -55,9 +55,6 @@ def turns(rows):
 
 def meshes_of_kinds(series):
     """Returns the meshes of each kind's parts; raises NoMesh where the file has none of a kind that has bodies."""
-    if series.meshes is None:
-        raise NoMesh("bodies.h5 holds no meshes of the bodies: a version of silt before format 2 wrote it; "
-                     "run the case again")
     for kind in np.unique(series.columns["kind"]):
         if not 0 <= kind < len(series.meshes) or not series.meshes[kind]:
             name = f"'{series.kinds[kind]}'" if 0 <= kind < len(series.kinds) else f"number {kind}"

@@ -75,10 +75,7 @@ class Run:
     @functools.cached_property
     def scene(self):
         """scene.h5, the case as it was run: a Scene."""
-        path = self.folder / "scene.h5"
-        if not path.exists():
-            raise FileNotFoundError(f"{path}: not there; a run writes it when it begins, but older versions did not: run the case again")
-        return Scene(path)
+        return Scene(self.file("scene.h5", "its start"))
 
     @functools.cached_property
     def mean(self):

@@ -22,10 +22,7 @@ SOMETIMES = ("mass", "scale", "buoyancy", "contact_force", "contact_torque")
 
 
 def read_meshes(kinds, count):
-    """Returns the meshes of each kind's convex parts, as dictionaries of arrays (body_shapes.Mesh says which), or None
-    where the file is of format 1, which has none."""
-    if "triangle" not in kinds:
-        return None
+    """Returns the meshes of each kind's convex parts, as dictionaries of arrays (body_shapes.Mesh says which)."""
     tables = {"vertices": ("vertex", "vertex_offset"), "normals": ("normal", "normal_offset"),
               "triangles": ("triangle", "triangle_offset"), "triangle_normals": ("triangle_normal", "triangle_offset")}
     read = {name: (kinds[values][:], kinds[offsets][:]) for name, (values, offsets) in tables.items()}

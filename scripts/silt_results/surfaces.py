@@ -28,7 +28,7 @@ def surfaces(series, index):
     first = 0
     for kind in np.unique(rows["kind"]):
         of_kind = np.flatnonzero(rows["kind"] == kind)
-        if series.meshes is None or not series.meshes[kind]:
+        if not series.meshes[kind]:
             raise ValueError(f"bodies.h5 has no surface of the kind {series.kinds[kind]}")
         turned = rotations(rows["orientation"][of_kind])
         if "scale" in rows:

@@ -123,6 +123,4 @@ series.columns["kind"][1] = 1
 refused(lambda: meshes_of_kinds(series), "'cones'", "run the case again")
 series.columns["kind"][1] = 7
 refused(lambda: meshes_of_kinds(series), "number 7")
-series.meshes = None
-refused(lambda: meshes_of_kinds(series), "before format 2")
 print("silhouettes and cuts are those of the meshes")
