@@ -33,10 +33,11 @@ SILT_DEVICE void with_scheme(WallScheme scheme, F&& f) {
 }
 
 /// What a scheme knows of the collision: magic, 1 / (tau - 1/2), how much of `multireflection` and of what
-/// else is curved is stable, and the acceleration of the fluid.
+/// else is curved is stable, how much of the rest of `multireflection` is `parabolic`, and the acceleration
+/// of the fluid.
 template <class T>
 struct WallFluid {
-  T magic = T(1.0 / 6), inverse_rate = T(2), share = T(1), curved = T(1);
+  T magic = T(1.0 / 6), inverse_rate = T(2), share = T(1), curved = T(1), parabolic = T(0);
   T force[3] = {};
   WallFluid() = default;
   explicit WallFluid(const CollisionSpec& s)
@@ -44,6 +45,7 @@ struct WallFluid {
         inverse_rate(T(1 / (s.relaxation_time - 0.5))),
         share(T(stable_share(s))),
         curved(T(curved_share(s))),
+        parabolic(T(parabolic_share(s))),
         force{T(s.force[0]), T(s.force[1]), T(s.force[2])} {}
   SILT_DEVICE bool has_force() const { return force[0] != 0 || force[1] != 0 || force[2] != 0; }
 };
@@ -70,17 +72,25 @@ constexpr LinkCoefficients<V> central(V q, V excess, V weight6, const WallFluid<
   return {(q + T(0.5) - g) * s, T(1) - T(2) * q * s, (q - T(0.5) + g) * s, weight6 * s};
 }
 
-/// The coefficients that hold the parabola along the link, in the share that is stable; the rest is `cli`
-/// (equations 19 and 20).
+/// T - magic of `parabolic` with this share of what it has beyond magic (equation 14); with none that of
+/// `cli`.
 template <class V, class T>
-constexpr LinkCoefficients<V> multireflection(V q, V least, V weight6, const WallFluid<T>& fluid) {
+constexpr V parabolic_excess(V q, T share, const WallFluid<T>& fluid) {
+  const V least = T(least_excess) * (T(0.5) + q), wanted = share * (T(parabola) * q * q - fluid.magic);
+  return wanted > least ? wanted : least;
+}
+
+/// The coefficients that hold the parabola along the link, in the share that is stable; the rest is `cli` or
+/// `parabolic` (equations 19 to 20b).
+template <class V, class T>
+constexpr LinkCoefficients<V> multireflection(V q, V weight6, const WallFluid<T>& fluid) {
   const T share = fluid.share, rest = T(1) - share, odd = T(2) * fluid.magic * fluid.inverse_rate;
   const V m = share / ((T(1) + q) * (T(1) + q)), first = m * (T(1) - T(2) * q - T(2) * q * q),
           second = m * q * q, further = m * odd;
   const V k = T(2) * m * weight6, away = -second - further, toward = second - further;
   if (!(rest > T(0)))  // for all links or for none
     return {V{} + share, first + further, further - first, k, away, toward};
-  const LinkCoefficients<V> linear = central(q, least, weight6, fluid);
+  const LinkCoefficients<V> linear = central(q, parabolic_excess(q, fluid.parabolic, fluid), weight6, fluid);
   return {share + rest * linear.a,
           rest * linear.b + first + further,
           rest * linear.c - first + further,
@@ -116,14 +126,13 @@ constexpr V gap_curvature(V q, V u, V u_w, const OppositeWall<V>& opposite, cons
 /// branch.
 template <WallScheme scheme, class V, class T>
 constexpr LinkCoefficients<V> coefficients(V q, V weight6, const WallFluid<T>& fluid) {
-  const V none{}, one = none + T(1), least = T(least_excess) * (T(0.5) + q);
+  const V none{}, one = none + T(1);
   if constexpr (scheme == WallScheme::cli) {
-    return central(q, least, weight6, fluid);
+    return central(q, V(T(least_excess) * (T(0.5) + q)), weight6, fluid);
   } else if constexpr (scheme == WallScheme::parabolic) {
-    const V wanted = fluid.curved * (T(parabola) * q * q - fluid.magic);
-    return central(q, V(wanted > least ? wanted : least), weight6, fluid);
+    return central(q, parabolic_excess(q, fluid.curved, fluid), weight6, fluid);
   } else if constexpr (scheme == WallScheme::multireflection) {
-    return multireflection(q, least, weight6, fluid);
+    return multireflection(q, weight6, fluid);
   } else if constexpr (scheme == WallScheme::single_cell_gap) {
     return {one, none, none, weight6 * T(0.5) / gap_distance<T>(q)};
   } else {

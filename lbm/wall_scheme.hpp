@@ -28,11 +28,19 @@ constexpr double curved_share(const CollisionSpec& collision) {
   constexpr double enough = 0.01;  // tau - 1/2
   return std::min(1.0, collision.excess() * collision.excess() / (enough * enough));
 }
-/// The part of `multireflection` that does not amplify (README.md, equation 20); `cli` is the rest of it.
+/// The part of `multireflection` that does not amplify (README.md, equation 20); `cli` is the rest of it, or
+/// `parabolic`.
 constexpr double stable_share(const CollisionSpec& collision) {
   constexpr double slope = 1.8;
   return curved_share(collision) *
          std::min(1.0, slope * collision.excess() * collision.excess() / collision.magic_in_effect());
+}
+/// How much of that rest is `parabolic` (README.md, equation 20b): `regularised` lowers Lambda, and with it
+/// what `cli` makes of the curvature of the flow.
+constexpr double parabolic_share(const CollisionSpec& collision) {
+  constexpr double none = 0.02, all = 0.025;  // tau - 1/2
+  if (collision.model != Collision::regularised) return 0;
+  return (1 - collision.ghosts_as_trt()) * std::clamp((collision.excess() - none) / (all - none), 0.0, 1.0);
 }
 
 /// The Lambda at which the drag of spheres comes out best at a relaxation time (README.md, "Which wall

@@ -19,6 +19,7 @@ OPPOSITE = np.array([0] + [i + 1 if i % 2 else i - 1 for i in range(1, 19)])
 EXCESS = 0.0005             # least excess, lbm/README.md, equation 14
 SHARE_SLOPE = 1.8           # equation 20
 CURVED = 0.01               # equation 20a
+PARABOLIC = (0.02, 0.025)   # equation 20b
 ALONG_AXES = np.abs(C).sum(axis=1) == 1
 REGULARISED = "regularised"
 WAVES = (0, np.pi / 2, np.pi)
@@ -99,6 +100,12 @@ def stable_share(tau, model):
     return min(1, ((tau - 0.5) / CURVED)**2) * min(1, SHARE_SLOPE * (tau - 0.5)**2 / magic_of(model, tau))
 
 
+def parabolic_share(tau, model):
+    """Returns how much of the rest of multireflection is parabolic (equation 20b)."""
+    none, whole = PARABOLIC
+    return (1 - ghosts_as_trt(tau)) * min(1, max(0, (tau - 0.5 - none) / (whole - none))) if model == REGULARISED else 0
+
+
 def coefficients(scheme, q, tau, model, share=None):
     """Returns a, b, c, d, g of a wall scheme; `share` of multireflection if not that which does not amplify."""
     magic = magic_of(model, tau)
@@ -107,14 +114,16 @@ def coefficients(scheme, q, tau, model, share=None):
     least = EXCESS * (0.5 + q)
     if scheme == "cli":
         return central(q, least, tau)
+    curved = min(1, ((tau - 0.5) / CURVED)**2) if scheme == "parabolic" else parabolic_share(tau, model)
+    rest = central(q, max(curved * (5 / 8 * q * q - magic), least), tau)
     if scheme == "parabolic":
-        return central(q, max(min(1, ((tau - 0.5) / CURVED)**2) * (5 / 8 * q * q - magic), least), tau)
+        return rest
     assert scheme == "multireflection", scheme
     share = stable_share(tau, model) if share is None else share
     m, odd = 1 / (1 + q)**2, 2 * magic / (tau - 0.5)
     first, second = 1 - 2 * q - 2 * q * q, q * q
     whole = np.array([1 / m, first + odd, odd - first, -second - odd, second - odd]) * m
-    return share * whole + (1 - share) * central(q, least, tau)
+    return share * whole + (1 - share) * rest
 
 
 def step(scheme, tau, model, distances, wave, layers, **options):
