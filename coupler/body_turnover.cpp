@@ -6,8 +6,8 @@
 #include <tuple>
 
 #include "coupler/case/case.hpp"
-#include "coupler/fault_watch.hpp"
 #include "coupler/exchange/coupling_state.hpp"
+#include "coupler/fault_watch.hpp"
 #include "coupler/forces/covered_momentum.hpp"
 #include "coupler/placement/body_records.hpp"
 #include "coupler/placement/place_bodies.hpp"
@@ -144,7 +144,7 @@ void BodyTurnover::let_come(Scene& scene, std::int64_t steps_done, BodyChanges& 
     });
   }
   bodies.reindex();
-  scene.exchange->update_copies(bodies);
+  scene.exchange->synchronise(bodies);
 }
 
 }  // namespace silt::coupler

@@ -144,12 +144,13 @@ void Scene::drive(std::int64_t step) {
     const std::size_t row = bodies.row_of(rigid::first_wall_id + side);
     if (row < bodies.size()) bodies.set_velocity(row, of.velocity_at(middle), Vec3::Zero());
   }
-  for (std::size_t row = 0; row < bodies.first_wall() && !setup.kind_motions.empty(); ++row) {
+  for (std::size_t row = 0; row < bodies.owned && !setup.kind_motions.empty(); ++row) {
     const auto found = setup.kind_motions.find(bodies.kind[row]);
     if (found == setup.kind_motions.end() || bodies.motion[row] != rigid::Motion::prescribed) continue;
     const auto velocity = found->second.over_step(static_cast<double>(step));
     bodies.set_velocity(row, velocity.linear, velocity.angular);
   }
+  if (!setup.kind_motions.empty()) exchange->synchronise(bodies);  // other ranks may be in their way now
   if (springs) springs->look(bodies);
   if (flow) flow->drive(step);
 }

@@ -295,7 +295,8 @@ void Simulation::set_velocity(BodyId id, const Vec3& velocity, const Vec3& angul
   rigid::BodySet& bodies = scene_.bodies;
   const std::size_t row = bodies.row_of(id);
   faults_.start_anew();
-  if (row < bodies.size()) bodies.set_velocity(row, velocity, angular_velocity);  // owner and copies alike
+  if (row < bodies.owned) bodies.set_velocity(row, velocity, angular_velocity);
+  scene_.exchange->relocate(bodies);  // other ranks may be in its way now
 }
 
 void Simulation::set_pose(BodyId id, const rigid::Pose& pose) {

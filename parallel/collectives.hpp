@@ -84,9 +84,10 @@ T sum_of_ranks_before(MPI_Comm comm, T mine) {
 }
 
 void max_over_ranks(MPI_Comm, std::span<double>);
-/// Returns the largest of all ranks: of a number, or of each member of a record of nothing but double.
+/// Returns the largest of all ranks: of a number, or of each member of a record of nothing but double. (An
+/// array is a span of numbers, not a pointer.)
 template <class T>
-requires(std::is_trivially_copyable_v<T> && alignof(T) == alignof(double)) T
+requires(std::is_trivially_copyable_v<T> && !std::is_pointer_v<T> && alignof(T) == alignof(double)) T
     max_over_ranks(MPI_Comm comm, T mine) {
   max_over_ranks(comm, std::span(reinterpret_cast<double*>(&mine), sizeof mine / sizeof(double)));
   return mine;

@@ -73,8 +73,8 @@ Quat free_rotation(const Quat& q, const Mat3& inertia_B, const Vec3& angular_mom
   return rotated_freely(q, inertia_B.inverse(), q.conjugate() * angular_momentum_W, h);
 }
 
-void drift(BodySet& b, double h) {
-  for (std::size_t row = 0; row < b.owned; ++row) {
+void drift(BodySet& b, std::size_t rows, double h) {
+  for (std::size_t row = 0; row < rows; ++row) {
     if (b.is_awake(row)) {
       drift_free(b, row, h);
     } else if (b.motion[row] == Motion::prescribed) {

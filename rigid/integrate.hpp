@@ -1,5 +1,5 @@
 #pragma once
-// The half steps of Algorithm 1 (lines 2-5 and 21-22): drift without force. Reads and writes owned rows only.
+// The half steps of Algorithm 1 (lines 2-5 and 21-22): drift without force.
 //
 // Rotation: implicit midpoint on the angular momentum in the body frame (rigid/README.md, M5 and M6; Simo,
 // Wong 1991),
@@ -10,9 +10,9 @@
 
 namespace silt::rigid {
 
-/// Moves every body by h: free ones with constant v and L, prescribed ones with constant v and omega.
-/// Leaves angular_velocity = I_W^-1 L at the new orientation. Walls and fixed bodies stay.
-void drift(BodySet&, double h);
+/// Moves the bodies of the first `rows` rows by h: free ones with constant v and L, prescribed ones with
+/// constant v and omega. Leaves angular_velocity = I_W^-1 L at the new orientation. Fixed bodies stay.
+void drift(BodySet&, std::size_t rows, double h);
 
 /// Returns the orientation after a free rotation over h; L_W is constant. Exposed for tests.
 Quat free_rotation(const Quat& orientation, const Mat3& inertia_B, const Vec3& angular_momentum_W, double h);

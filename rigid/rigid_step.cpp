@@ -56,15 +56,14 @@ RigidStepReport RigidStep::advance(BodySet& bodies, int substeps) {
   return report;
 }
 
-/// Algorithm 1; the numbers of equations are those of README.md. Line 1 waits for line 6, whose messages take
-/// its forces along: only the kick needs them.
+/// Algorithm 1; the numbers of equations are those of README.md. Lines 1 and 6 need no message: copies drift
+/// here as their owners do, with the same bits, and forces act on owned rows.
 RigidStepReport RigidStep::substep(BodySet& bodies, double dt, bool last) {
   RigidStepReport report;
   using enum RigidStage;
   RigidClock::Turn stage(clock_, integrate);
-  drift(bodies, 0.5 * dt);  // lines 2-5, positions (M1)
-  stage.goes_on(synchronisation);
-  exchange_.update_copies(bodies);  // lines 1 and 6
+  drift(bodies, bodies.owned + bodies.copies, 0.5 * dt);  // lines 2-6, positions (M1)
+  exchange_.wrap_positions(bodies);
   stage.goes_on(collision_detection);
   report.pairs = detect_contacts_(world_, bodies, exchange_, backend_, dt, contacts_);  // lines 7-12
   report.lubrication = detect_contacts_.lubrication();
@@ -91,7 +90,7 @@ void RigidStep::finish(BodySet& bodies, double dt, bool last) {
   if (last && forced_) clear_forces(bodies);
   if (observer_) observer_->before_drift(bodies);
   take_position_correction(bodies, dt);
-  drift(bodies, 0.5 * dt);
+  drift(bodies, bodies.owned, 0.5 * dt);
 }
 
 /// Lists the rows that have a contact.

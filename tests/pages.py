@@ -7,7 +7,7 @@ import sys
 
 LONGEST_README, LONGEST_CELL = 120, 200
 root = pathlib.Path(sys.argv[1]).resolve()
-folders = ("parallel", "lbm", "rigid", "adapters", "coupler", "cases", "scripts", "tests")
+folders = ("docs", "parallel", "lbm", "rigid", "adapters", "coupler", "cases", "scripts", "tests")
 pages = sorted([*root.glob("*.md"), *(page for folder in folders for page in (root / folder).rglob("*.md"))])
 faults = []
 
@@ -42,7 +42,7 @@ if len(readme.splitlines()) > LONGEST_README:
 program = (root / "tests/library_example.cpp").read_text()
 if "\n".join(("    " + line).rstrip() for line in program.splitlines()) not in readme:
     faults.append("README.md: the program is not tests/library_example.cpp, with its includes")
-variables = {name for folder in ("cpu", *folders[:5]) for source in (root / folder).rglob("*.cpp")
+variables = {name for folder in ("cpu", *folders[1:6]) for source in (root / folder).rglob("*.cpp")
              for name in re.findall(r'getenv\("(SILT_\w+)"', source.read_text())}
 told = set(re.findall(r"^\| `(SILT_\w+)` \|", (root / "cases/README.md").read_text(), re.M))
 for name in sorted(variables ^ told):

@@ -96,6 +96,7 @@ double largest_radius_of(const rigid::World& world) {
 }
 
 constexpr double furthest_in_a_step = 2;  // cells, at least
+constexpr double ahead = 0.5;             // steps that copies drift by themselves
 
 /// Half a cell more or less than a whole number, so that of two blocks each finds the other.
 double reach_of(const lbm::Domain& domain, const rigid::World& world, double rim) {
@@ -105,7 +106,8 @@ double reach_of(const lbm::Domain& domain, const rigid::World& world, double rim
   domain.tree().for_leaves_meeting({{}, domain.cells()}, [&](const lbm::CutTree::Leaf& leaf) {
     for (int d = 0; d < 3; ++d) thinnest = std::min(thinnest, leaf.box.size[d]);
   });
-  return std::max(std::ceil(rim + largest + to_partner + furthest_in_a_step) + 0.5, thinnest - 0.5);
+  return std::max(std::ceil(rim + largest + to_partner + (1 + ahead) * furthest_in_a_step) + 0.5,
+                  thinnest - 0.5);
 }
 
 std::vector<int> ranks_around(const lbm::Domain& domain, int rank, double reach) {
@@ -144,17 +146,24 @@ void include(std::vector<int>& sorted, int rank) {
 }
 
 /// The bounding sphere first: most bodies are well inside, whatever their shape.
-void Neighbourhood::find_holders(int shape, const rigid::Pose& pose, std::vector<int>& ranks) const {
-  const rigid::Vec3 radius = rigid::Vec3::Constant(world_->bounding_radii[shape]);
-  holders_.ranks_of({pose.position - radius, pose.position + radius}, ranks);
+void Neighbourhood::find_holders(int shape, const rigid::Pose& pose, const rigid::Twist& motion,
+                                 std::vector<int>& ranks) const {
+  const double radius = world_->bounding_radii[shape];
+  const rigid::Vec3 back = motion.v.cwiseMin(0), forth = motion.v.cwiseMax(0);
+  const auto ranks_beyond = [&](const rigid::BoundingBox& box, double slack) {
+    const rigid::Vec3 rim = rigid::Vec3::Constant(slack);
+    holders_.ranks_of({box.lower + back - rim, box.upper + forth + rim}, ranks);
+  };
+  ranks_beyond({pose.position, pose.position}, radius);
   if (ranks.size() > 1 && !rigid::is_sphere(world_->shapes[shape]))
-    holders_.ranks_of(rigid::bounding_box(world_->shapes[shape], pose), ranks);
+    ranks_beyond(rigid::bounding_box(world_->shapes[shape], pose), radius * motion.w.norm());
   include(ranks, rank_at(pose.position));
 }
 
 void Neighbourhood::find_holders(const rigid::BodySet& bodies, std::size_t row,
                                  std::vector<int>& ranks) const {
-  find_holders(bodies.shape[row], bodies.pose(row), ranks);
+  const rigid::Twist motion{ahead * bodies.velocity[row], ahead * bodies.angular_velocity[row]};
+  find_holders(bodies.shape[row], bodies.pose(row), motion, ranks);
   if (world_->lubrication) include_owners_beyond_films(bodies, row, ranks);
 }
 

@@ -67,11 +67,6 @@ ParallelBodyExchange::ParallelBodyExchange(MPI_Comm comm, const lbm::Domain& dom
       neighbourhood_(domain, world, rim, rank_),
       messages_(comm) {}
 
-void ParallelBodyExchange::update_copies(rigid::BodySet& bodies) {
-  wrap_positions(bodies);
-  if (ranks_ > 1) synchronise(bodies, Owners::stay);
-}
-
 void ParallelBodyExchange::synchronise(rigid::BodySet& bodies) {
   wrap_positions(bodies);
   if (ranks_ == 1) return;
@@ -81,11 +76,9 @@ void ParallelBodyExchange::synchronise(rigid::BodySet& bodies) {
   if (asserts) check_exchange(*this, bodies, *before);
 }
 
-/// Forces first, while every copy is near its owner.
 void ParallelBodyExchange::relocate(rigid::BodySet& bodies) {
   wrap_positions(bodies);
   if (ranks_ == 1) return;
-  sum_forces(bodies);
   synchronise(bodies, Owners::anywhere);
 }
 
@@ -108,7 +101,7 @@ void ParallelBodyExchange::deal_out(rigid::BodySet& bodies) {
   held_by_.clear();
   owner_of_.clear();
   velocity_messages_.clear();
-  synchronise(bodies, Owners::stay);
+  synchronise(bodies, Owners::next_to_each_other);
 }
 
 void ParallelBodyExchange::take_out(rigid::BodySet& bodies, std::span<const std::size_t> rows) {
@@ -147,7 +140,7 @@ int ParallelBodyExchange::owner(BodyId id) const {
 
 std::vector<int> ParallelBodyExchange::holders(int shape, const rigid::Pose& pose) const {
   std::vector<int> ranks{0};
-  if (ranks_ > 1) neighbourhood_.find_holders(shape, pose, ranks);
+  if (ranks_ > 1) neighbourhood_.find_holders(shape, pose, {}, ranks);
   return ranks;
 }
 

@@ -1,12 +1,13 @@
 #pragma once
-// Owner and remote bodies over MPI (the paper, section III): the four exchanges of Algorithm 1.
+// Owner and remote bodies over MPI (the paper, section III): the exchanges of Algorithm 1.
 //
 // The owner of a body is the rank that holds the block with its wrapped centre of mass. Every rank one of
-// whose blocks, grown by `rim`, meets the body's bounding box (in any periodic image) holds a copy; so does
-// every rank that may own a body beyond a film of lubrication. Messages go to those ranks only.
+// whose blocks, grown by `rim`, meets the body's bounding box (in any periodic image), as it is or half a
+// step later, holds a copy; so does every rank that may own a body beyond a film of lubrication. Messages go
+// to those ranks only.
 //
 // Each rank remembers, as of the last synchronisation, which ranks hold a copy of its bodies and which rank
-// owns each of its copies. Both ends of such a tie know it, hence forces, contacts and the sweeps' velocities
+// owns each of its copies. Both ends of such a tie know it, hence contacts and the sweeps' velocities
 // go between ties without asking anyone: a contact found here concerns only owners of bodies held here. The
 // synchronisation can reach ranks without a tie, which a body now overlaps: there is one message between any
 // two ranks around each other, as far as a body can come to reach in a step. A body set down anywhere needs a
@@ -37,7 +38,6 @@ class ParallelBodyExchange : public rigid::BodyExchange {
   ParallelBodyExchange(MPI_Comm, const lbm::Domain&, const rigid::World&, double rim);
 
   /// std::runtime_error on a rank one of whose bodies went further than to the ranks around it (reach()).
-  void update_copies(rigid::BodySet&) override;
   void synchronise(rigid::BodySet&) override;
   bool owns_contact_at(const rigid::Vec3& x_W) const override;
   void exchange_contacts(rigid::BodySet&, std::vector<rigid::Contact>&) override;
@@ -54,15 +54,14 @@ class ParallelBodyExchange : public rigid::BodyExchange {
   int rank_at(const rigid::Vec3& x_W) const;
   /// The rank that owns a body held here, as of the last synchronisation.
   int owner_of(const rigid::BodySet&, std::size_t row) const;
-  /// Ranks that hold a body of this shape at this pose, the owner among them, sorted.
+  /// Ranks that hold a body of this shape at rest at this pose, the owner among them, sorted.
   std::vector<int> holders(int shape, const rigid::Pose&) const;
   /// The same of an owned body as it is, with the ranks that may own a body beyond one of its films.
   std::vector<int> holders(const rigid::BodySet&, std::size_t row) const;
   /// Synchronises bodies that may have been set down anywhere. Collective: every rank hears of every other.
   void relocate(rigid::BodySet&);
   /// Goes over to the cuts that the domain has now: bodies go to their new owners, with the forces on them
-  /// and their stored impulses, and copies are made anew. Collective, between steps: what acts on copies is
-  /// lost.
+  /// and their stored impulses, and copies are made anew. Collective, between steps.
   void cut_anew(rigid::BodySet&);
   /// Takes bodies out of the simulation: held rows, in ascending order, without visitors and walls. Local:
   /// every rank that holds one must do so, between the same steps. Impulses that others remember of them
@@ -79,7 +78,7 @@ class ParallelBodyExchange : public rigid::BodyExchange {
 
  private:
   /// Where the owners of bodies may be after a synchronisation.
-  enum class Owners { stay, next_to_each_other, anywhere };
+  enum class Owners { next_to_each_other, anywhere };
   /// What this rank shares with another, each list sorted by id: the other rank has the same lists, swapped.
   struct Tie {
     int rank;
@@ -111,13 +110,10 @@ class ParallelBodyExchange : public rigid::BodyExchange {
 
   // ---- synchronise_bodies.cpp ----
   void synchronise(rigid::BodySet&, Owners);
-  void sum_forces(rigid::BodySet&);
   void announce(rigid::BodySet&, Owners, std::vector<std::size_t>& departures);
   bool announce_body(const rigid::BodySet&, std::size_t row, Owners, std::vector<int>& ranks);
   void require_around(rigid::BodyId, int to) const;
   void expect_all_around();
-  void send_forces_of_copies(rigid::BodySet&);
-  void add_forces(rigid::BodySet&, const Arrivals&) const;
   void read(rigid::BodySet&, Arrivals&);
   bool settle(rigid::BodySet&, Arrivals&, const std::vector<std::size_t>& departures);
   bool drop_visitors(rigid::BodySet&);

@@ -1,13 +1,12 @@
-// Lines 6 and 23 of Algorithm 1: after them every copy equals its owner's state, and every body is where its
-// centre is.
+// Line 23 of Algorithm 1: after it every copy equals its owner's state, and every body is where its centre
+// is.
 //
 // A message holds, one after the other, in the order of the sender's rows:
 //   update    a rank that had a copy and keeps it: the state
 //   copy      a rank that had none: everything
 //   handover  the new owner: everything, forces, stored impulses, and which ranks hold a copy
-//   force     what acts on a copy: to its owner
 // A copy that nobody updates is dropped. The rank that hands a body over keeps a copy until the next time,
-// whether it overlaps or not, so that a force on its way to the old owner is not lost.
+// whether it overlaps or not.
 #include <algorithm>
 #include <string>
 
@@ -22,7 +21,7 @@ using rigid::BodySet;
 
 namespace {
 
-enum class BodyItem : std::uint64_t { update, copy, handover, force };
+enum class BodyItem : std::uint64_t { update, copy, handover };
 
 /// What changes from step to step.
 struct State {
@@ -60,10 +59,6 @@ std::size_t insert_sorted(BodySet& bodies, std::size_t first, std::size_t& count
 }  // namespace
 
 struct ParallelBodyExchange::Arrivals {
-  struct Push {
-    BodyId id;
-    rigid::FixedVec3 force, torque;
-  };
   /// A body between ranks.
   struct Traveller {
     OwnedBody body;  // of a copy only the record
@@ -72,7 +67,6 @@ struct ParallelBodyExchange::Arrivals {
   };
   std::vector<std::uint8_t> updated;  // one a copy
   std::vector<Traveller> copies, own;
-  std::vector<Push> pushes;
 };
 
 void ParallelBodyExchange::synchronise(BodySet& bodies, Owners owners) {
@@ -88,27 +82,7 @@ void ParallelBodyExchange::synchronise(BodySet& bodies, Owners owners) {
   read(bodies, arrivals);
   rows_changed = settle(bodies, arrivals, departures) || rows_changed;
   if (rows_changed) bodies.reindex();
-  add_forces(bodies, arrivals);
   tie(bodies);
-}
-
-/// Those on copies go to the owners, and nothing else.
-void ParallelBodyExchange::sum_forces(BodySet& bodies) {
-  expect_all_around();
-  send_forces_of_copies(bodies);
-  messages_.with_partners(neighbourhood_.around());
-  Arrivals arrivals;
-  read(bodies, arrivals);
-  add_forces(bodies, arrivals);
-}
-
-void ParallelBodyExchange::add_forces(BodySet& bodies, const Arrivals& arrivals) const {
-  for (const Arrivals::Push& p : arrivals.pushes) {
-    const std::size_t row = bodies.row_of(p.id);
-    if (row >= bodies.size()) continue;  // taken out of the simulation since
-    bodies.force[row].add(p.force);
-    bodies.torque[row].add(p.torque);
-  }
 }
 
 /// Each of them waits for a message, if only an empty one.
@@ -134,7 +108,6 @@ void ParallelBodyExchange::announce(BodySet& bodies, Owners owners, std::vector<
   for (std::size_t row = 0; row < bodies.owned; ++row)
     if (announce_body(bodies, row, owners, ranks)) departures.push_back(row);
   std::erase_if(held_by_, [&](const auto& held) { return held.second.round != round_; });
-  send_forces_of_copies(bodies);
 }
 
 void ParallelBodyExchange::require_around(BodyId id, int to) const {
@@ -153,7 +126,7 @@ bool ParallelBodyExchange::announce_body(const BodySet& bodies, std::size_t row,
   neighbourhood_.find_holders(bodies, row, ranks);
   if (ranks.size() == 1 && ranks[0] == rank_) return false;  // as most
   const auto known = held_by_.find(id);
-  const int owner = owners == Owners::stay ? rank_ : rank_at(bodies.position[row]);
+  const int owner = rank_at(bodies.position[row]);
   include(ranks, rank_);
   const BodyRecord record = bodies.record(row);
   for (const int to : ranks) {
@@ -186,20 +159,6 @@ bool ParallelBodyExchange::announce_body(const BodySet& bodies, std::size_t row,
   return false;
 }
 
-void ParallelBodyExchange::send_forces_of_copies(BodySet& bodies) {
-  for (std::size_t row = bodies.owned; row < bodies.first_wall(); ++row) {
-    if (bodies.force[row].q == rigid::FixedVec3{}.q && bodies.torque[row].q == rigid::FixedVec3{}.q) continue;
-    const int to = owner(bodies.id[row]);
-    require_around(bodies.id[row], to);
-    parallel::Bytes& message = messages_.to(to);
-    parallel::put(message, BodyItem::force);
-    parallel::put(message, bodies.id[row]);
-    parallel::put(message, bodies.force[row].q);
-    parallel::put(message, bodies.torque[row].q);
-    bodies.force[row] = bodies.torque[row] = {};
-  }
-}
-
 void ParallelBodyExchange::read(BodySet& bodies, Arrivals& arrivals) {
   for (const parallel::Messages::Message& m : messages_.received())
     for (parallel::ByteReader reader(m.bytes); !reader.done();) {
@@ -213,11 +172,6 @@ void ParallelBodyExchange::read(BodySet& bodies, Arrivals& arrivals) {
         assign(bodies, row, state);
         owner_of_[state.id] = int(state.owner);
         arrivals.updated[row - bodies.owned] = 1;
-      } else if (item == BodyItem::force) {
-        Arrivals::Push& p = arrivals.pushes.emplace_back();
-        p.id = reader.take<BodyId>();
-        p.force.q = reader.take<decltype(p.force.q)>();
-        p.torque.q = reader.take<decltype(p.torque.q)>();
       } else if (item == BodyItem::copy) {
         Arrivals::Traveller& t = arrivals.copies.emplace_back();
         t.body.record = reader.take<BodyRecord>();

@@ -33,7 +33,7 @@ double mean_squeeze(const rigid::LubricatedGap& gap, double least, double cutoff
 }
 
 double log_excess(double width, double cutoff) {
-  return std::max(0.0, rigid::elementary::log(cutoff / width));
+  return width < cutoff ? rigid::elementary::log(cutoff / width) : 0;
 }
 
 ResolvedFlow mean(double share, const ResolvedFlow& a, const ResolvedFlow& b) {

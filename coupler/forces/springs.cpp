@@ -55,7 +55,7 @@ std::optional<Springs::State> Springs::state(const BodySet& bodies, BodyId id) c
   const auto found = std::lower_bound(shared_.begin(), shared_.end(), id);
   rigid::Kinematics k;
   if (found != shared_.end() && *found == id) {
-    std::memcpy(&k, &told_[words * (found - shared_.begin())], sizeof k);
+    std::memcpy(static_cast<void*>(&k), &told_[words * (found - shared_.begin())], sizeof k);
   } else {
     const std::size_t row = bodies.row_of(id);
     if (row >= bodies.owned) return {};

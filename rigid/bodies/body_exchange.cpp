@@ -20,7 +20,8 @@ void Extent::wrap(Vec3& x, std::array<std::int32_t, 3>& image) const {
 }
 
 void BodyExchange::wrap_positions(BodySet& bodies) const {
-  for (std::size_t row = 0; row < bodies.owned; ++row) extent_.wrap(bodies.position[row], bodies.image[row]);
+  for (std::size_t row = 0; row < bodies.owned + bodies.copies; ++row)
+    extent_.wrap(bodies.position[row], bodies.image[row]);
 }
 
 void BodyExchange::exchange_contacts(BodySet&, std::vector<Contact>&) {}

@@ -1,7 +1,8 @@
 #pragma once
-// What Algorithm 1 of the paper needs from the other ranks, at its lines 1, 6, 13 and 23. On one rank, and in
-// this class itself, it is nothing but wrapping positions into a periodic domain. The parallel form is
-// coupler/exchange/parallel_body_exchange.hpp.
+// What Algorithm 1 of the paper needs from the other ranks, at its lines 13 and 23. Lines 1 and 6 send
+// nothing: forces act on owned rows only, and a copy, which has its owner's state, drifts as its owner does.
+// On one rank, and in this class itself, all is nothing but wrapping positions into a periodic domain. The
+// parallel form is coupler/exchange/parallel_body_exchange.hpp.
 #include <span>
 #include <vector>
 
@@ -26,12 +27,11 @@ class BodyExchange {
   virtual ~BodyExchange() = default;
 
   const Extent& extent() const { return extent_; }
-  /// Lines 1 and 6: wraps positions, makes, updates and drops copies; visitors go. Forces and torques on
-  /// copies go to the owner, with the same messages, and are cleared on the copies. No body changes its
-  /// owner.
-  virtual void update_copies(BodySet& bodies) { wrap_positions(bodies); }
-  /// Line 23: the same, and bodies are handed over to the rank that has their centre. With the ownership go
-  /// the stored impulses, and the force and torque.
+  /// Of bodies and copies, into the domain.
+  void wrap_positions(BodySet&) const;
+  /// Line 23: wraps positions, makes, updates and drops copies, on all ranks that the bodies concern as they
+  /// are and after a half step; visitors go. Bodies are handed over to the rank that has their centre, and
+  /// with them their stored impulses, force and torque.
   virtual void synchronise(BodySet& bodies) { wrap_positions(bodies); }
   /// Does this rank create the contact whose point is x_W? (Exactly one rank does.)
   virtual bool owns_contact_at(const Vec3& x_W) const { return (void)x_W, true; }
@@ -51,8 +51,6 @@ class BodyExchange {
   const RankCluster& cluster() const { return cluster_; }
 
  protected:
-  void wrap_positions(BodySet&) const;
-
   Extent extent_;
   RankCluster cluster_;
 

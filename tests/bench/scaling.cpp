@@ -123,8 +123,8 @@ Expected expected_of(const coupler::Simulation& simulation) {
   e.forces = 2.0 * double(copied_from(simulation).size());  // sums to owners, changes of velocity from them
   const int around = ranks_within(scene.domain, scene.rank, scene.exchange->reach());
   for (int sub = 0; sub < scene.setup.contacts.substeps; ++sub) {
-    const double middle = (sub + 0.5) / scene.setup.contacts.substeps;
-    e.bodies += 2.0 * around + double(copied_to(simulation, middle).size());
+    const double begin = double(sub) / scene.setup.contacts.substeps;
+    e.bodies += around + double(copied_to(simulation, begin).size());
   }
   return e;
 }

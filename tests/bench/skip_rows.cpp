@@ -172,11 +172,11 @@ std::function<void()> free_motion(const SceneText& text, Forces&& act) {
   return [passes, detect, act] {
     coupler::Scene& s = passes->scene;
     std::vector<rigid::Contact> none;
-    rigid::drift(s.bodies, 0.5);
-    s.exchange->update_copies(s.bodies);
+    rigid::drift(s.bodies, s.bodies.owned + s.bodies.copies, 0.5);
+    s.exchange->wrap_positions(s.bodies);
     (*detect)(s.world, s.bodies, *s.exchange, *s.contacts.backend, 1.0, none);
     act(s);
-    rigid::drift(s.bodies, 0.5);
+    rigid::drift(s.bodies, s.bodies.owned, 0.5);
     s.exchange->synchronise(s.bodies);
     passes->guard();
   };

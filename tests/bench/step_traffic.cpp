@@ -137,7 +137,7 @@ std::set<int> copied_from(const coupler::Simulation& simulation) {
 
 std::set<int> copied_to(const coupler::Simulation& simulation, double ahead) {
   rigid::BodySet then = simulation.bodies();
-  rigid::drift(then, ahead);
+  rigid::drift(then, then.owned, ahead);
   const coupler::ParallelBodyExchange& exchange = *simulation.scene().exchange;
   std::set<int> ranks;
   for (std::size_t row = 0; row < then.owned; ++row) {

@@ -43,6 +43,19 @@ TEST(Collectives, ARecordBecomesTheSumOfEachMember) {
   EXPECT_EQ(sum_of_ranks_before(MPI_COMM_WORLD, std::int64_t{2}), 2 * rank());
 }
 
+TEST(Collectives, TheLargestOfANumberARecordAndAnArray) {
+  const double mine = rank();
+  struct {
+    double up, down;
+  } record{mine, -mine};
+  double array[] = {mine, -mine};
+  EXPECT_EQ(max_over_ranks(MPI_COMM_WORLD, mine), ranks() - 1);
+  record = max_over_ranks(MPI_COMM_WORLD, record);
+  EXPECT_TRUE(record.up == ranks() - 1 && record.down == 0);
+  max_over_ranks(MPI_COMM_WORLD, array);
+  EXPECT_TRUE(array[0] == ranks() - 1 && array[1] == 0);
+}
+
 TEST(Collectives, WhatOneHasAllHear) {
   std::string text = rank() == ranks() - 1 ? "from the last" : "";
   broadcast(MPI_COMM_WORLD, text, ranks() - 1);

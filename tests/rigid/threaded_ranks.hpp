@@ -60,28 +60,6 @@ class ThreadedExchange : public BodyExchange {
       : BodyExchange(extent), world_(world), memory_(memory), rank_(rank) {}
   std::size_t visitors_seen = 0;
 
-  void update_copies(BodySet& bodies) override {
-    sum_forces(bodies);
-    synchronise(bodies);
-  }
-
-  void sum_forces(BodySet& bodies) {
-    publish(bodies);
-    for (std::size_t row = 0; row < bodies.owned; ++row)
-      for (int r = 0; r < memory_.ranks; ++r) {
-        if (r == rank_) continue;
-        BodySet& other = *memory_.sets[r];
-        const std::size_t copy = other.row_of(bodies.id[row]);
-        if (copy == other.size()) continue;
-        bodies.force[row].add(other.force[copy]);
-        bodies.torque[row].add(other.torque[copy]);
-      }
-    wait();
-    for (std::size_t row = bodies.owned; row < bodies.size(); ++row)
-      bodies.force[row] = bodies.torque[row] = {};
-    wait();
-  }
-
   void synchronise(BodySet& bodies) override {
     wrap_positions(bodies);
     publish(bodies);
@@ -95,7 +73,8 @@ class ThreadedExchange : public BodyExchange {
     for (auto& [id, body] : all)
       if (owner_of(body.record.position[0]) == rank_) add(bodies, body);
     for (auto& [id, body] : all) {
-      const double reach = world_.bounding_radii[body.record.shape] + world_.contact_margin;
+      const double drift = 0.5 * std::abs(body.record.velocity[0]);
+      const double reach = world_.bounding_radii[body.record.shape] + world_.contact_margin + drift;
       if (owner_of(body.record.position[0]) == rank_ || distance_to_slab(body.record.position[0]) > reach)
         continue;
       bodies.insert(bodies.owned + bodies.copies++, body.record);

@@ -66,7 +66,7 @@ struct Passage {
       furthest_from_foreseen =
           std::max(furthest_from_foreseen, furthest(now, mapped.pose_after(steps - mapped.middle())));
       mean_off += (bodies.position[0] - mapped.pose.position) / n;
-      rigid::drift(bodies, 1);
+      rigid::drift(bodies, bodies.owned, 1);
     }
   }
 };
