@@ -5,7 +5,7 @@ import pathlib
 import re
 import sys
 
-LONGEST_README, LONGEST_CELL = 120, 200
+LONGEST_README, LONGEST_CELL = 100, 200
 root = pathlib.Path(sys.argv[1]).resolve()
 folders = ("docs", "parallel", "lbm", "rigid", "adapters", "coupler", "cases", "scripts", "tests")
 pages = sorted([*root.glob("*.md"), *(page for folder in folders for page in (root / folder).rglob("*.md"))])
@@ -48,8 +48,8 @@ told = set(re.findall(r"^\| `(SILT_\w+)` \|", (root / "cases/README.md").read_te
 for name in sorted(variables ^ told):
     faults.append(f"cases/README.md: the table of environment variables and the program do not agree on {name}")
 cases = {case.parent.name for case in root.glob("cases/*/case.toml")}
-for case in sorted(cases - set(re.findall(r"`([a-z0-9-]+)`", readme))):
-    faults.append(f"README.md: the case {case} is not in the table")
+for case in sorted(cases - set(re.findall(r"`([a-z0-9-]+)`", (root / "cases/README.md").read_text()))):
+    faults.append(f"cases/README.md: the case {case} is not in the table")
 
 setup = re.split(r"[\s()]+", (root / "scripts/setup").read_text())
 for package in sorted(set(re.findall(r"`((?:lib|python3-|zlib)[a-z0-9+-]+)`", (root / "INSTALL.md").read_text())) - set(setup)):
