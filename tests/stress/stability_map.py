@@ -59,10 +59,10 @@ class Cure(unittest.TestCase):
                 self.assertEqual(code, 0, said)
 
     def test_what_is_too_fast_for_regularised_lasts_at_the_speed_that_check_asks_for(self):
-        code, said = silt("run", SCENES["towed"]("regularised", 0.03, 0.2))
+        code, said = silt("run", SCENES["towed"]("regularised", 0.01, 0.2))
         self.assertEqual(code, 3, said)
         self.assertIn("lower what drives it (", said)
-        code, said = silt("run", SCENES["towed"]("regularised", 0.03, 0.1))
+        code, said = silt("run", SCENES["towed"]("regularised", 0.01, 0.1))
         self.assertEqual(code, 0, said)
 
     def test_auto_takes_regularised_where_trt_does_not_last(self):

@@ -18,7 +18,7 @@ sys.path.insert(0, str(ROOT / "scripts"))
 import silt_results  # noqa: E402
 
 # of a run that was stopped, of one that went on, with coarser cells, with bodies of many sizes, on a graphics processor
-SOMETIMES = {"exit_text", "resumed_at", "levels", "sizes", "bodies/scale", "card"}
+SOMETIMES = {"exit_text", "resumed_at", "levels", "sizes", "bodies/scale", "card", "bus", "bus.bytes_per_body_and_step"}
 
 
 def section(name):
