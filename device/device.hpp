@@ -62,8 +62,8 @@ struct UnwrittenElements : std::pmr::polymorphic_allocator<T> {
 template <class T>
 using DeviceArray = std::vector<T, UnwrittenElements<T>>;
 
-/// What the processor of this rank has written for its device to read, and read of what that wrote. Of the
-/// populations themselves only those in messages count.
+/// Bytes that the processor of this rank wrote for its device to read, and read of what the device wrote.
+/// Populations count only if they are in messages.
 struct BusBytes {
   std::uint64_t to_device = 0, from_device = 0;
   BusBytes& operator+=(const BusBytes& b) {

@@ -58,7 +58,8 @@ class Neighbourhood {
   int rank_at(const rigid::Vec3& x_W) const { return holders_.rank_at(x_W); }
   /// Ranks that hold a body that is at a pose and moves on by so much, its owner among them, sorted.
   void find_holders(int shape, const rigid::Pose&, const rigid::Twist& motion, std::vector<int>& ranks) const;
-  /// The same of an owned body and half a step, with the ranks that may own a body beyond one of its films.
+  /// Finds the ranks that hold an owned body until half a step later, and those that may own a body beyond
+  /// one of its films.
   void find_holders(const rigid::BodySet&, std::size_t row, std::vector<int>& ranks) const;
   double reach() const { return reach_; }  // cells around the blocks of a rank
   /// Returns the other ranks that have a block within reach of one here, sorted: they agree.

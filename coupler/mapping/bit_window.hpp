@@ -103,8 +103,8 @@ SILT_DEVICE inline std::uint64_t cells_between(int x, int from, int to) {
   return (~std::uint64_t{0} >> (64 - (b - a))) << a;
 }
 
-/// Of 64 cells of a row of a block of n cells, from x on, those inside it and no less than `reach` cells from
-/// its faces; or those inside that are not, its `rim`.
+/// Returns the bits of 64 cells of a row of a block of n cells, from x on: set for those inside the block and
+/// no less than `reach` cells from its faces; or, for its `rim`, set for the others inside.
 SILT_DEVICE inline std::uint64_t cells_of_block(lbm::Int3 x, lbm::Int3 n, int reach, bool rim) {
   if (x.y < 0 || x.z < 0 || x.y >= n.y || x.z >= n.z) return 0;
   const bool side = x.y < reach || x.z < reach || x.y >= n.y - reach || x.z >= n.z - reach;

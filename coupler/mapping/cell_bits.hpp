@@ -24,7 +24,7 @@ class CellBits {
         bits_(std::size_t(words_) * (size.y + 2 * ghosts) * (size.z + 2 * ghosts) + 4) {}
   int words() const { return words_; }
   std::size_t row(int y, int z) const { return row(size_, y, z, words_); }
-  /// The same of a block of some cells, with so many words a row.
+  /// Returns where a row of a block of `size` cells with so many words a row begins.
   SILT_DEVICE static std::size_t row(lbm::Int3 size, int y, int z, int words) {
     return 1 + std::size_t(words) * ((z + ghosts) * (size.y + 2 * ghosts) + (y + ghosts));
   }

@@ -4,7 +4,7 @@
 
 namespace silt::coupler {
 
-/// Of words that a device has, as they were `before`, those that have changed; all, if it has none.
+/// Adds the words that have changed since a device got them, `before`; all words, if it has none.
 template <class T>
 void DeviceMapping<T>::add_words(std::uint64_t* to, const std::uint64_t* now, const std::uint64_t* before,
                                  std::size_t count) {

@@ -91,7 +91,7 @@ struct LinksToMap {
   lbm::Components directions = lbm::components;
 };
 
-/// Of one block.
+/// The mapping of one block on its device.
 template <class T>
 class DeviceMapping {
  public:

@@ -1,5 +1,6 @@
 #pragma once
-// What a cell holds when a body has left it, found cell by cell on the processor or by a pass of a device.
+// This file finds what a cell holds when a body has left it: cell by cell on the processor, or in a device's
+// pass.
 #include <array>
 #include <cstdint>
 #include <span>
@@ -10,8 +11,8 @@
 
 namespace silt::coupler {
 
-/// What is known of an uncovered cell: its neighbours that were fluid and still are, by direction, and which
-/// of these lie in another block. The moments of those are told, one after the other.
+/// An uncovered cell with its neighbours that were fluid and still are, by direction, and those of them that
+/// lie in another block, whose moments are given one after the other.
 struct UncoveredCell {
   std::uint32_t neighbours = 0, elsewhere = 0, first_told = 0;
   double momentum[3] = {};  // of the body there, without the half force

@@ -1,8 +1,8 @@
 #pragma once
-// What Algorithm 1 of the paper needs from the other ranks, at its lines 13 and 23. Lines 1 and 6 send
-// nothing: forces act on owned rows only, and a copy, which has its owner's state, drifts as its owner does.
-// On one rank, and in this class itself, all is nothing but wrapping positions into a periodic domain. The
-// parallel form is coupler/exchange/parallel_body_exchange.hpp.
+// Algorithm 1 of the paper exchanges bodies and contacts between ranks at its lines 13 and 23. Lines 1 and 6
+// send nothing here: forces act on owned rows only, and a copy, which has its owner's state, drifts as its
+// owner does. On one rank, and in this class itself, the exchange only wraps positions into a periodic
+// domain. The parallel form is coupler/exchange/parallel_body_exchange.hpp.
 #include <span>
 #include <vector>
 
@@ -27,7 +27,7 @@ class BodyExchange {
   virtual ~BodyExchange() = default;
 
   const Extent& extent() const { return extent_; }
-  /// Of bodies and copies, into the domain.
+  /// Wraps the positions of owned bodies and copies into the domain.
   void wrap_positions(BodySet&) const;
   /// Line 23: wraps positions, makes, updates and drops copies, on all ranks that the bodies concern as they
   /// are and after a half step; visitors go. Bodies are handed over to the rank that has their centre, and
