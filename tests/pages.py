@@ -1,13 +1,14 @@
 #!/usr/bin/python3
-"""pages.py ROOT: the pages keep their form. The README is short and quotes a program that compiles; tables have no cell of
-more than 200 characters and as many cells in every row; links and the commands in backquotes lead to files that are there."""
+"""pages.py ROOT: the pages keep their form. The README is short and quotes a program that compiles; lines of prose have at most
+120 characters; tables have no cell of more than 200 characters and as many cells in every row; links, with the headings that they
+name, and the commands in backquotes lead to places that are there; an equation has one number."""
 import pathlib
 import re
 import sys
 
-LONGEST_README, LONGEST_CELL = 100, 200
+LONGEST_README, LONGEST_CELL, LONGEST_LINE = 100, 200, 120
 root = pathlib.Path(sys.argv[1]).resolve()
-folders = ("docs", "parallel", "lbm", "rigid", "adapters", "coupler", "cases", "scripts", "tests")
+folders = ("docs", "device", "parallel", "lbm", "rigid", "adapters", "coupler", "cases", "scripts", "tests")
 pages = sorted([*root.glob("*.md"), *(page for folder in folders for page in (root / folder).rglob("*.md"))])
 faults = []
 
@@ -16,10 +17,18 @@ def cells(line):
     return [cell.strip() for cell in re.split(r"(?<!\\)\|", re.sub(r"`[^`]*`", lambda m: m[0].replace("|", "!"), line))[1:-1]]
 
 
+def places(page):
+    """Returns the names that links give to the headings of a page."""
+    return {re.sub(r"[^\w\- ]", "", line.lstrip("# ").lower()).replace(" ", "-") for line in page.read_text().splitlines() if line.startswith("#")}
+
+
 for page in pages:
-    name, columns = page.relative_to(root), None
+    name, columns, fenced = page.relative_to(root), None, False
     text = page.read_text()
     for number, line in enumerate(text.splitlines(), 1):
+        fenced ^= line.startswith("```")
+        if len(line) > LONGEST_LINE and not fenced and not line.startswith(("|", "    ")):
+            faults.append(f"{name}:{number}: a line has {len(line)} characters; at most {LONGEST_LINE}")
         row = cells(line) if line.startswith("|") else None
         if row is None:
             columns = None
@@ -29,20 +38,25 @@ for page in pages:
             faults.append(f"{name}:{number}: {len(row)} cells in a table of {columns} columns")
         if max(map(len, row), default=0) > LONGEST_CELL:
             faults.append(f"{name}:{number}: a cell has {max(map(len, row))} characters; at most {LONGEST_CELL}: split the row")
-    for target in re.findall(r"\]\(([^)#\s]+)", text):
-        if "://" not in target and not (page.parent / target).exists():
-            faults.append(f"{name}: the link {target} leads nowhere")
+    for target, place in re.findall(r"\]\(([^)#\s]*)#?([^)\s]*)\)", text):
+        goal = page.parent / target if target else page
+        if "://" not in target and not (goal.exists() and (not place or place in places(goal))):
+            faults.append(f"{name}: the link {target}{place and '#' + place} leads nowhere")
     for command in re.findall(r"`(scripts/[a-z_/.-]+)", text):
         if not (root / command).exists():
             faults.append(f"{name}: there is no {command}")
 
+numbers = [number for page in root.glob("docs/method-*.md") for number in
+           re.findall(r"^    .*(?<=  )\((\d+[ab]?)\)$|^    \(([A-Z]\d+a?)\)  ", page.read_text(), re.M)]
+for number in sorted({number for number in numbers if numbers.count(number) > 1}):
+    faults.append(f"docs: two equations have the number {''.join(number)}")
 readme = (root / "README.md").read_text()
 if len(readme.splitlines()) > LONGEST_README:
     faults.append(f"README.md has {len(readme.splitlines())} lines; at most {LONGEST_README}")
 program = (root / "tests/library_example.cpp").read_text()
 if "\n".join(("    " + line).rstrip() for line in program.splitlines()) not in readme:
     faults.append("README.md: the program is not tests/library_example.cpp, with its includes")
-variables = {name for folder in ("cpu", *folders[1:6]) for source in (root / folder).rglob("*.cpp")
+variables = {name for folder in ("cpu", *folders[1:7]) for source in (root / folder).rglob("*.cpp")
              for name in re.findall(r'getenv\("(SILT_\w+)"', source.read_text())}
 told = set(re.findall(r"^\| `(SILT_\w+)` \|", (root / "cases/README.md").read_text(), re.M))
 for name in sorted(variables ^ told):
