@@ -11,7 +11,7 @@ FlowControl::FlowControl(const FluidSpec& fluid, double cells, MPI_Comm comm)
       state_{fluid.body_force, fluid.body_force} {}
 
 void FlowControl::look(std::int64_t step, const FlowSums& here) {
-  constexpr double intervals = 4;  // in which a difference is to go: stable whatever resists (README.md)
+  constexpr double intervals = 4;  // in which a difference is to go: stable whatever resists (method.md)
   settle();
   if (step > 0) {
     if (step == interval) state_.velocity_before = state_.velocity;  // the first is the only one so far

@@ -84,7 +84,7 @@ class FluidFields {
   virtual std::uint64_t hash() const = 0;
   /// Returns this rank's share of the force of the fluid on a side of the domain in the last step, in
   /// lbm::link_quantum, by momentum exchange: the sum of c (f out + f back) over its links across the upper
-  /// or lower side of an axis (README.md, equation 1), in units of the finest lattice. It is 0 where that is
+  /// or lower side of an axis (method.md, equation 1), in units of the finest lattice. It is 0 where that is
   /// not a wall.
   virtual std::array<rigid::FixedSum, 3> side_force(int axis, bool upper) const = 0;
   /// Returns this rank's share of the volume that goes along an axis through a layer of cells across it, in a

@@ -1,6 +1,6 @@
 #pragma once
 // The populations of one block of cells and its ghost layer: 19 arrays of deviations, x running fastest,
-// streamed in place (README.md, equations 1 and 8).
+// streamed in place (method.md, equations 1 and 8).
 //
 // A slot (x, i) is element i of cell x. Between two steps every population is arriving somewhere; where it is
 // stored depends on the parity of the steps done so far:

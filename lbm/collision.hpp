@@ -1,5 +1,5 @@
 #pragma once
-// The rates of a collision as the dense kernel multiplies with them (README.md, equations 3 to 7 and 24 to
+// The rates of a collision as the dense kernel multiplies with them (method.md, equations 3 to 7 and 24 to
 // 28).
 #include "lbm/collision_model.hpp"
 

@@ -10,7 +10,7 @@ namespace silt::lbm {
 /// `trt` relaxes the even half of each pair of populations with 1/tau and the odd half so that
 /// (tau - 1/2)(tau_odd - 1/2) = magic (Ginzburg, Verhaeghe, d'Humieres 2008); `bgk` relaxes both with 1/tau.
 /// `regularised` relaxes the stress with 1/tau, third moments as trt does but no slower than it may, and
-/// replaces all else but mass and momentum (README.md, equations 24 to 27): for flows that the others do not
+/// replaces all else but mass and momentum (method.md, equations 24 to 27): for flows that the others do not
 /// survive.
 enum class Collision : std::uint8_t { trt, bgk, regularised };
 
@@ -41,11 +41,11 @@ struct CollisionSpec {
   double magic = 1.0 / 6;  // ignored by models without one
   Collision model = Collision::trt;
   std::array<double, 3> force{};  // acceleration of the fluid, uniform
-  double smagorinsky = 0;         // constant of the least viscosity of a cell (README.md, equation 28)
+  double smagorinsky = 0;         // constant of the least viscosity of a cell (method.md, equation 28)
 
   constexpr double excess() const { return relaxation_time - 0.5; }
   /// How much `regularised` relaxes third and fourth moments as trt does: not at all where that amplifies
-  /// (README.md, equation 26).
+  /// (method.md, equation 26).
   constexpr double ghosts_as_trt() const { return std::clamp((excess() - 0.05) / 0.05, 0.0, 1.0); }
   /// tau_odd as `magic` says, as far as that is stable.
   constexpr double stable_odd_relaxation_time() const {

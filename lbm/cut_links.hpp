@@ -176,18 +176,18 @@ struct SurfaceMotion {
   double v[3] = {}, omega[3] = {};
 };
 
-/// The largest |f* + f_opp| for which no term leaves its range (README.md, "Forces and sums").
+/// The largest |f* + f_opp| for which no term leaves its range (method.md, equation 22).
 inline double largest_exchange(const SurfaceFrame& frame, const SurfaceMotion& m) {
   double u = 0;
   for (int k = 0; k < 3; ++k) u += std::fabs(m.v[k]) + frame.reach * std::fabs(m.omega[k]);
   return 32 / ((1 + frame.reach) * (1 + u));
 }
 
-/// Sums are in fixed point, so that they do not depend on the order or the partition of links (README.md,
-/// "Forces and sums"). This is the quantum of force and torque in lattice units; that of mass: moments.hpp.
+/// Sums are in fixed point, so that they do not depend on the order or the partition of links (method.md,
+/// equation 22). This is the quantum of force and torque in lattice units; that of mass: moments.hpp.
 inline constexpr double link_quantum = 0x1p-44;
 
-/// The sums of the momentum exchange on one surface in one step (README.md, equation 22).
+/// The sums of the momentum exchange on one surface in one step (method.md, equation 22).
 struct LinkSums {
   std::int64_t force[3] = {}, torque[3] = {};
   std::int64_t mass = 0;  // density gained by the fluid, in mass quanta
@@ -195,7 +195,7 @@ struct LinkSums {
 };
 
 /// The stiffness of a surface, H = sum k J J^T with J = [c, r x c], is how force and torque fall with its
-/// velocity (README.md, equation 23). Upper triangle, rows vx vy vz wx wy wz, in quanta of stiffness_quantum
+/// velocity (method.md, equation 23). Upper triangle, rows vx vy vz wx wy wz, in quanta of stiffness_quantum
 /// for the first three rows and columns, and 2^exponent times that for each of the others: 2^exponent is no
 /// less than |r x c|. In single precision the terms of 64 links fit 32 bits.
 struct StiffnessSums {

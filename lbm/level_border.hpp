@@ -1,7 +1,7 @@
 #pragma once
 // The border between the cells of one level, fine, and those of the next, coarse: what crosses it goes in
-// packets (README.md, "Levels"). A coarse population that has left its cell is eight packets, one of each of
-// the fine cells in its cell's place; they go on by a fine cell in each of the two fine steps of a coarse
+// packets (method.md, equation 30). A coarse population that has left its cell is eight packets, one of each
+// of the fine cells in its cell's place; they go on by a fine cell in each of the two fine steps of a coarse
 // one. Those whose way enters a fine cell are what arrives there; a fine population that leaves the fine
 // cells goes on as a packet; and a coarse cell receives the mean of the packets that end in it. So no packet
 // is lost or counted twice, and mass and momentum are conserved.

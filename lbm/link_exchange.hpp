@@ -50,7 +50,7 @@ SILT_DEVICE typename Lanes<T>::Real velocity_along(const Read& read, const WallF
   return at.along(momentum[0], momentum[1], momentum[2]);
 }
 
-/// A vector of links sends `out` to the surface; `back` is what comes back (README.md, equations 9 and 15).
+/// A vector of links sends `out` to the surface; `back` is what comes back (method.md, equations 9 and 15).
 template <class T>
 struct Exchange {
   typename Lanes<T>::Real out, back;

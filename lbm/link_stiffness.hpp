@@ -1,6 +1,6 @@
 #pragma once
-// The part of links in the stiffness of their surface (README.md, equation 23): a vector of links at a time, or
-// one (SILT_SCALAR).
+// The part of links in the stiffness of their surface (method.md, equation 23): a vector of links at a time,
+// or one (SILT_SCALAR).
 #include "lbm/link_places.hpp"
 
 namespace silt::lbm::SILT_ISA {

@@ -24,7 +24,7 @@ SILT_DEVICE inline std::array<double, 3> velocity_of(const Moments& m, const std
   return {m.momentum[0] + 0.5 * force[0], m.momentum[1] + 0.5 * force[1], m.momentum[2] + 0.5 * force[2]};
 }
 
-/// The equilibrium along c_i, of weight w_i, of a density deviation and momentum (README.md, equation 2), in
+/// The equilibrium along c_i, of weight w_i, of a density deviation and momentum (method.md, equation 2), in
 /// double.
 SILT_DEVICE inline double equilibrium(Int3 c, double weight, double rho, const double (&j)[3]) {
   const double cj = c.x * j[0] + c.y * j[1] + c.z * j[2];

@@ -1,6 +1,6 @@
 #pragma once
-// The way of a packet of a population from fine cell to fine cell, through periods and off walls (README.md,
-// "Levels").
+// The way of a packet of a population from fine cell to fine cell, through periods and off walls
+// (method-fluid.md, "Levels").
 #include <array>
 
 #include "lbm/domain.hpp"

@@ -1,5 +1,5 @@
 #pragma once
-// The model regularised, a vector of cells at a time (README.md, equations 24 to 28). Only for *_kernel.cpp
+// The model regularised, a vector of cells at a time (method.md, equations 24 to 28). Only for *_kernel.cpp
 // files, which are built once an instruction set (SILT_ISA).
 #include <cmath>
 #include <cstddef>

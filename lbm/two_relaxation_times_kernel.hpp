@@ -1,5 +1,5 @@
 #pragma once
-// The models trt and bgk, a vector of cells at a time (README.md, equations 3 to 7). Only for *_kernel.cpp
+// The models trt and bgk, a vector of cells at a time (method.md, equations 3 to 7). Only for *_kernel.cpp
 // files, which are built once an instruction set (SILT_ISA).
 #include "lbm/cell_velocity.hpp"
 

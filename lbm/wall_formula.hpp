@@ -1,5 +1,5 @@
 #pragma once
-// What a cut link returns (README.md, "Walls"): one formula for every scheme,
+// What a cut link returns (method.md, equation 9): one formula for every scheme,
 //     f_opp(x, t+1) = a f*_i(x) + b f*_i(x - c_i) + c f*_opp(x) + d f*_opp(x - c_i) + g f*_i(x - 2 c_i)
 //                     - k c_i.u_w + e c_i.F,
 // its coefficients functions of the wall distance q and the rates of the collision. x is the fluid cell, the

@@ -12,10 +12,10 @@ namespace silt::lbm {
 
 /// `bounce_back` is equation 5 of Goetz et al. with rho_w = 1: the surface is taken to be half-way.
 /// `cli` is the central linear interpolation of Ginzburg, Verhaeghe, d'Humieres 2008.
-/// `parabolic` is central too, with the curvature of the flow at the wall (README.md, equation 14).
-/// `multireflection` reads one cell further and holds the parabola in flow at any angle (README.md, equations
+/// `parabolic` is central too, with the curvature of the flow at the wall (method.md, equation 14).
+/// `multireflection` reads one cell further and holds the parabola in flow at any angle (method.md, equations
 /// 19 and 20).
-/// `single_cell_gap` reads the cell alone: for links of the others whose cell behind is not fluid (README.md,
+/// `single_cell_gap` reads the cell alone: for links of the others whose cell behind is not fluid (method.md,
 /// equations 15 and 16); no case can choose it.
 enum class WallScheme : std::uint8_t { bounce_back, cli, parabolic, multireflection, single_cell_gap };
 /// The schemes that a case can choose, in the order of the enumerators.
@@ -23,19 +23,19 @@ inline constexpr std::array<std::string_view, 4> wall_scheme_names = {"bounce-ba
                                                                       "multireflection"};
 
 /// How much of what a scheme has beyond linear interpolation is left where the fluid is hardly viscous
-/// (README.md, equation 20a).
+/// (method.md, equation 20a).
 constexpr double curved_share(const CollisionSpec& collision) {
   constexpr double enough = 0.01;  // tau - 1/2
   return std::min(1.0, collision.excess() * collision.excess() / (enough * enough));
 }
-/// The part of `multireflection` that does not amplify (README.md, equation 20); `cli` is the rest of it, or
+/// The part of `multireflection` that does not amplify (method.md, equation 20); `cli` is the rest of it, or
 /// `parabolic`.
 constexpr double stable_share(const CollisionSpec& collision) {
   constexpr double slope = 1.8;
   return curved_share(collision) *
          std::min(1.0, slope * collision.excess() * collision.excess() / collision.magic_in_effect());
 }
-/// How much of that rest is `parabolic` (README.md, equation 20b): `regularised` lowers Lambda, and with it
+/// How much of that rest is `parabolic` (method.md, equation 20b): `regularised` lowers Lambda, and with it
 /// what `cli` makes of the curvature of the flow.
 constexpr double parabolic_share(const CollisionSpec& collision) {
   constexpr double none = 0.02, all = 0.025;  // tau - 1/2
@@ -43,8 +43,8 @@ constexpr double parabolic_share(const CollisionSpec& collision) {
   return (1 - collision.ghosts_as_trt()) * std::clamp((collision.excess() - none) / (all - none), 0.0, 1.0);
 }
 
-/// The Lambda at which the drag of spheres comes out best at a relaxation time (README.md, "Which wall
-/// scheme").
+/// The Lambda at which the drag of spheres comes out best at a relaxation time (measurements.md, "Wall
+/// schemes").
 constexpr double best_magic(WallScheme scheme, double tau) {
   if (scheme == WallScheme::parabolic) return 1.0 / 16;
   if (scheme != WallScheme::multireflection) return 1.0 / 6;
@@ -60,7 +60,7 @@ constexpr bool reads_behind(WallScheme scheme) {
 constexpr bool follows_distance(WallScheme scheme) {
   return scheme != WallScheme::bounce_back;
 }
-/// Whether links of a single-cell gap are told of the surface on its other side (README.md, equation 16).
+/// Whether links of a single-cell gap are told of the surface on its other side (method.md, equation 16).
 constexpr bool knows_opposite_wall(WallScheme scheme) {
   return scheme == WallScheme::parabolic || scheme == WallScheme::multireflection;
 }

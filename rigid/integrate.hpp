@@ -1,7 +1,7 @@
 #pragma once
 // The half steps of Algorithm 1 (lines 2-5 and 21-22): drift without force.
 //
-// Rotation: implicit midpoint on the angular momentum in the body frame (rigid/README.md, M5 and M6; Simo,
+// Rotation: implicit midpoint on the angular momentum in the body frame (method.md, M5 and M6; Simo,
 // Wong 1991),
 //   L_B' - L_B = h Lbar x (I_B^-1 Lbar),  Lbar = (L_B + L_B') / 2,   q' = q cay(h I_B^-1 Lbar),
 // which keeps L in the world frame, its length and the kinetic energy to round-off, for any h.

@@ -56,7 +56,7 @@ RigidStepReport RigidStep::advance(BodySet& bodies, int substeps) {
   return report;
 }
 
-/// Algorithm 1; the numbers of equations are those of README.md. Lines 1 and 6 need no message: copies drift
+/// Algorithm 1; the numbers of equations are those of method.md. Lines 1 and 6 need no message: copies drift
 /// here as their owners do, with the same bits, and forces act on owned rows.
 RigidStepReport RigidStep::substep(BodySet& bodies, double dt, bool last) {
   RigidStepReport report;

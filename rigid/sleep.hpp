@@ -1,6 +1,6 @@
 #pragma once
 // Bodies at rest are held: contacts of two of them are neither looked for nor solved, and cost nothing but a
-// look at the balance of forces (rigid/README.md, S1 to S3).
+// look at the balance of forces (method.md, S1 to S3).
 #include <cstdint>
 #include <vector>
 

@@ -1,9 +1,9 @@
 #pragma once
 // Coupling in time: how the force that the links of a step have on a body becomes its change of velocity
-// (README.md, equations 4 to 8). `explicit` (the paper): the force moves the body. `implicit`: the owner solves
-// for the change of velocity of this step (6) and the links are corrected by it, in a second pass; a body
-// whose links are soft beside its mass does without that (7). Contacts act after it. Fixed and prescribed
-// bodies do not change.
+// (method.md, equations 36 to 40). `explicit` (the paper): the force moves the body. `implicit`: the owner
+// solves for the change of velocity of this step (38) and the links are corrected by it, in a second pass; a
+// body whose links are soft beside its mass does without that (39). Contacts act after it. Fixed and
+// prescribed bodies do not change.
 #include <Eigen/Core>
 
 #include "coupler/case/fluid_spec.hpp"
@@ -19,15 +19,15 @@ void add_link_force(rigid::BodySet&, std::size_t row, const RowSums&);
 
 using Mat6 = Eigen::Matrix<double, 6, 6>;
 
-/// Returns whether the largest eigenvalue of M^-1 H is at most `limit` for certain (README.md, equation 7): M
-/// is the mass matrix of a body, H (symmetric, forces before torques, world frame, lattice units) the
+/// Returns whether the largest eigenvalue of M^-1 H is at most `limit` for certain (method.md, equation 39):
+/// M is the mass matrix of a body, H (symmetric, forces before torques, world frame, lattice units) the
 /// stiffness of its links. The eigenvalue is bounded from above, by the row sums of H scaled with the mass
 /// and with the least that a principal moment can be. So a body near the limit may be refused, but none
 /// beyond it is let through. `inertia_B` may be in any frame of the body.
 bool largest_eigenvalue_is_within(double limit, const Mat6& stiffness, double mass,
                                   const rigid::Mat3& inertia_B);
 
-/// How the links of a body move it in a step: explicitly, implicitly with a second pass, or in one pass (7).
+/// How the links of a body move it in a step: explicitly, implicitly with a second pass, or in one pass (39).
 enum class TimeScheme { explicit_, implicit_, one_pass };
 
 /// Each body in each step is coupled by one of two schemes, as its links are soft or stiff beside its mass.

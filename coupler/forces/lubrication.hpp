@@ -1,6 +1,6 @@
 #pragma once
-// Lubrication: what the lattice cannot resolve of the flow between close surfaces (README.md, equations 11 to
-// 14). The numbers are calibrated by scripts/calibrate_lubrication, on a sphere that approaches a plate, and
+// Lubrication: what the lattice cannot resolve of the flow between close surfaces (method.md, equations 43 to
+// 46). The numbers are calibrated by scripts/calibrate_lubrication, on a sphere that approaches a plate, and
 // once more on one that approaches a side of the domain, which lies between cells and reflects by itself.
 #include <memory>
 
@@ -18,7 +18,7 @@ struct ResolvedFlow {
 struct ResolvedFlows {
   ResolvedFlow bodies, side;
 };
-/// `share` of multireflection, the rest is `cli` (lbm/README.md, equation 20); without effect on other
+/// `share` of multireflection, the rest is `cli` (method.md, equation 20); without effect on other
 /// schemes.
 ResolvedFlows resolved_flows(WallScheme, double share = 1);
 

@@ -1,6 +1,6 @@
 #pragma once
 // Crossing links: between two fluid cells x and x + c_i on the two sides of an edge, whose straight line
-// passes through the body. They are cut at both ends (lbm/README.md, "At edges").
+// passes through the body. They are cut at both ends (method-walls.md, "Edges").
 //
 // Each end overwrites what the other one sends to the surface, and nothing else that a crossing link reads:
 // of one and the same line through a cell, only one side may be cut, and x and x + c_i must not be next to

@@ -1,5 +1,5 @@
 #pragma once
-// The surface moved outwards beside its convex edges (lbm/README.md, "At edges"), for the kernel of wall
+// The surface moved outwards beside its convex edges (method-walls.md, "Edges"), for the kernel of wall
 // distances, which is built once an instruction set: where a line meets a face s < 1 cells from the nearest
 // edge, the wall distance is less by what `lip` says, divided by |n.c|, n the face's normal.
 #include "coupler/mapping/surface_primitives.hpp"

@@ -1,7 +1,7 @@
 #pragma once
-// The poses at which the fluid sees bodies and walls: ahead, at the middle of the way on which a surface stays
-// within a tolerance, so that on the mean the fluid sees it where it is (README.md, "How the links of bodies
-// are applied"). Bodies are mapped in common steps, every 1, 3, 9, ... of them.
+// The poses at which the fluid sees bodies and walls: ahead, at the middle of the way on which a surface
+// stays within a tolerance, so that on the mean the fluid sees it where it is (method-coupling.md, "Object
+// mapping"). Bodies are mapped in common steps, every 1, 3, 9, ... of them.
 #include <cstdint>
 
 #include "coupler/case/fluid_spec.hpp"

@@ -26,7 +26,7 @@
 namespace silt::coupler {
 namespace {
 
-// Measured on one core (coupler/README.md, "What a run will take").
+// Measured on one core (method-parallel.md, "The estimate of a run").
 constexpr double overhead_of_a_step = 3e-6, overhead_of_ranks = 60e-6;        // s; the latter on several
 constexpr double seconds_of_a_body = 0.4e-6, seconds_of_an_impulse = 0.3e-6;  // a sub-step
 constexpr double memory_of_a_rank = 45e6, memory_of_a_body = 1200, memory_of_a_link = 40,

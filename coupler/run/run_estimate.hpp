@@ -25,8 +25,8 @@ struct RunEstimate {
 
 /// Estimates a run on so many ranks of machines like this one: work as cuts of the domain count it
 /// (balance/body_work.hpp), a cell by what this machine's memory moves now, and contacts by what beds of
-/// such bodies have. Meant to be within a factor of 2; what was found is in coupler/README.md, "What a run
-/// will take". Takes some milliseconds besides the bodies.
+/// such bodies have. Meant to be within a factor of 2; what was found is in measurements.md, "Estimates
+/// of runs". Takes some milliseconds besides the bodies.
 RunEstimate estimate_run(const Case&, const PlacedBodies&, int ranks);
 
 /// Returns the bytes of the files of a run with so many bodies, and with this share of the cells that there

@@ -49,7 +49,7 @@ struct Contact {
   std::uint64_t feature;  // lubrication_feature; part of a, part of b, feature of the parts
   Vec3 normal;            // unit, from a to b
   double gap;
-  Vec3 r_a, r_b;  // where its impulse acts (rigid/README.md, The arms), from each centre of mass; of a tube
+  Vec3 r_a, r_b;  // where its impulse acts (method.md, C3a), from each centre of mass; of a tube
                   // from its axis abreast of a
   double restitution, friction;
   LubricationResistance lubrication = {};  // of the film in a narrow gap

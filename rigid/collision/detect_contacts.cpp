@@ -43,8 +43,8 @@ constexpr double least_roundness = 0.02;
 /// Cosine of the angle up to which the normals of one gap differ.
 constexpr double same_gap = 0.95;
 
-/// Puts the arms, which reach to either body's own surface, where the impulse acts (rigid/README.md, The
-/// arms).
+/// Puts the arms, which reach to either body's own surface, where the impulse acts (method.md,
+/// equation C3a).
 void set_arms(const BodySet& bodies, const CandidatePair& p, const Vec3& across, Contact& c) {
   const bool a_moves = bodies.is_dynamic(p.row_a), b_moves = bodies.is_dynamic(p.row_b);
   if (!c.lubrication && !(a_moves && b_moves)) return;

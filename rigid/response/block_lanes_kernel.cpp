@@ -19,7 +19,7 @@ struct Rounds {
   const BlockLubrication* lubrication = nullptr;  // of the group's contacts, or null
   BlockRolling* rolling = nullptr;                // likewise
 
-  /// What a contact's impulses become, from those that would stop it: (C4) and (C5) of rigid/README.md, (L2)
+  /// What a contact's impulses become, from those that would stop it: (C4) and (C5) of method.md, (L2)
   /// in a lubrication film.
   static Numbers normal(const BlockContact& c, const BlockLubrication* lubrication, Numbers stop,
                         Numbers u_n) {

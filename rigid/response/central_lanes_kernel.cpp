@@ -1,4 +1,4 @@
-// Contacts on the line of centres, dry or with a lubrication film in the gap (rigid/README.md, C4, C5, L1 and
+// Contacts on the line of centres, dry or with a lubrication film in the gap (method.md, C4, C5, L1 and
 // L2). Built once an instruction set.
 //
 // An impulse p that would stop a motion of compliance k becomes damped * p by the film alone. The contact
@@ -156,7 +156,7 @@ Push push_by(const LubricatedGroup& g, const Impulse<kind>& d) {
           slip * g.arm_b - roll * g.reach_b};
 }
 
-/// One pass over a group: its pairs solved, and carried on along their last change (rigid/README.md, a
+/// One pass over a group: its pairs solved, and carried on along their last change (method-bodies.md, a
 /// sweep). Returns the squares of the relative changes.
 template <Kind kind, class Group>
 Numbers sweep_group(Group& g, const LanesToSolve& lanes, const BodyState* state, BodySum* sums,

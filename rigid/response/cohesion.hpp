@@ -1,5 +1,5 @@
 #pragma once
-// Forces with which surfaces pull each other together (rigid/README.md, Cohesion). A pull acts along the
+// Forces with which surfaces pull each other together (method.md, K1 and K2). A pull acts along the
 // normal of a contact, whose own impulse presses against it: what is left of that while others pull the
 // bodies apart holds them, and where nothing is left they part.
 #include <cmath>

@@ -1,5 +1,5 @@
 #pragma once
-// The least normal velocity that a contact is to have after a step (rigid/README.md, C1), and in the position
+// The least normal velocity that a contact is to have after a step (method.md, C1), and in the position
 // correction (C7).
 #include <algorithm>
 

@@ -2,7 +2,7 @@
 // Fast Frictional Dynamics as the paper used it (SC10 section III; Kaufman, Edmunds, Pai 2005): each body by
 // itself, once. The baseline to compare sffd with; its known faults are kept and tested: momentum is not
 // conserved with more than one contact, friction is bounded by velocities, half the external force is lost in
-// contact (rigid/README.md, F1 to F4).
+// contact (method.md, F1 to F4).
 #include <Eigen/Dense>
 #include <span>
 

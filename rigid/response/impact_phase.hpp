@@ -1,5 +1,5 @@
 #pragma once
-// Impacts before the contacts of a step (rigid/README.md, C8): how one runs through bodies that touch, which
+// Impacts before the contacts of a step (method.md, C8): how one runs through bodies that touch, which
 // the simultaneous law of sFFD does not give (Newton's cradle).
 //
 // In rounds: of the pairs with e > 0 that approach now, those collide, all at once, whose e is the largest at

@@ -1,7 +1,7 @@
 #pragma once
 // What a step remembers of its contact impulses for the next one. Both bodies of a pair keep the same values,
-// so that the owner of either can start from them. Of a body that is held at rest (rigid/README.md, What
-// sleeps), impulses of partners that do not move either are held, step after step, in BodySet::rest; those of
+// so that the owner of either can start from them. Of a body that is held at rest (method-bodies.md,
+// Sleep), impulses of partners that do not move either are held, step after step, in BodySet::rest; those of
 // partners that move are its load.
 #include <span>
 

@@ -3,7 +3,7 @@
 
 edge_links.py [--only TEXT] [--cells N] [--places N] [--lip B] [--open] [--scheme multireflection|cli]
 
-The lattice is that of lbm/README.md without inertia, the walls (19) or (13) with g = 0. Two things can be tried:
+The lattice is that of docs/method.md without inertia, the walls (19) or (13) with g = 0. Two things can be tried:
 
     crossing links    between fluid cells on the two sides of an edge, whose straight line passes through the body, are cut at both ends
     a lip             the surface is moved outwards by B (1 - |2 s - 1|) cells where it is s < 1 cells from the nearest edge; the

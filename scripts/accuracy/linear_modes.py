@@ -3,7 +3,7 @@
 
 What linear analysis says of the collision models and their walls. A model is a number, the magic of trt, or "regularised". Whether a disturbance of fluid at rest between two plane walls grows: the
 spectral radius of a step, less 1, for wall schemes, relaxation times and wall distances, over waves along the walls. How the
-decay of a shear wave far from walls depends on its direction (lbm/README.md, equation 21). And up to which cell Reynolds
+decay of a shear wave far from walls depends on its direction (docs/method.md, equation 21). And up to which cell Reynolds
 number u / nu a uniform flow is stable.
 """
 import argparse
@@ -16,7 +16,7 @@ C = np.array([(0, 0, 0)] + [tuple(s * x for x in axis) for axis in AXES for s in
                 for t in (1, -1) for s in (1, -1)])
 W = np.array([1 / 3] + [1 / 18] * 6 + [1 / 36] * 12)
 OPPOSITE = np.array([0] + [i + 1 if i % 2 else i - 1 for i in range(1, 19)])
-EXCESS = 0.0005             # least excess, lbm/README.md, equation 14
+EXCESS = 0.0005             # least excess, docs/method.md, equation 14
 SHARE_SLOPE = 1.8           # equation 20
 CURVED = 0.01               # equation 20a
 PARABOLIC = (0.02, 0.025)   # equation 20b
@@ -60,7 +60,7 @@ def two_relaxation_times(tau, magic, flow):
 
 
 def regularised(tau, flow):
-    """Returns the matrix of the model regularised (lbm/README.md, equations 24 to 27), by a derivative along the imaginary axis."""
+    """Returns the matrix of the model regularised (docs/method.md, equations 24 to 27), by a derivative along the imaginary axis."""
     tiny, steady = 1e-30, W * (3 * C @ flow)
     for _ in range(60):
         steady = collided(steady, 1)  # on the way to the equilibrium of third order

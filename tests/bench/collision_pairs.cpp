@@ -1,6 +1,6 @@
 // Nanoseconds a pair of shapes costs, and how often the answer was another method's: every backend,
 // overlapping (1 % of the size) and apart (0.1 cells). Prints; gates nothing.
-// --table N prints instead the table of adapters/README.md: N random pairs in each of the bands of the
+// --table N prints instead the table of docs/measurements.md: N random pairs in each of the bands of the
 // conformance suite, with the worst gap against the reference.
 #include <benchmark/benchmark.h>
 

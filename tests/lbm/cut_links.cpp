@@ -172,7 +172,7 @@ TEST(CutLinks, FluidAtRestStaysAtRest) {
 
 // a + b + c + d + g = 1; exact where the velocity is linear: 2 q (1 - c - d) = 1 - b + d - 2 g, k = 6 w (1 -
 // c
-// - d); what reverses in every step is not returned magnified; no jump where branches meet (lbm/README.md,
+// - d); what reverses in every step is not returned magnified; no jump where branches meet (method.md,
 // equations 10 and 12).
 TEST(CutLinks, CoefficientsAreConsistent) {
   const auto check = [](auto scheme, const WallFluid<double>& fluid) {

@@ -1,4 +1,4 @@
-// What each wall scheme holds at a flat wall, against the closure of lbm/README.md, equation 12: flow driven
+// What each wall scheme holds at a flat wall, against the closure of method.md, equation 12: flow driven
 // by a force between two planes anywhere in the grid.
 #include <gtest/gtest.h>
 

@@ -4,7 +4,7 @@
 Closed boxes with no-slip sides are filled with fixed spheres and boxes at random, down to gaps of a hundredth of a cell, so that links are
 cut at every distance and in every neighbourhood. The fluid starts with noise. Nothing drives it, so it must decay. Sound comes and goes in
 what reports see of the kinetic energy, and momentum whose sign changes from cell to cell and step to step is damped by no collision
-(lbm/README.md, equation 17): the largest energy of the last fifth must be below that of the second, and below that of the noise. The noise
+(docs/method.md, equation 17): the largest energy of the last fifth must be below that of the second, and below that of the noise. The noise
 is small (1e-6 cells a step) where only the linear part is asked for, and large (0.05). Every wall scheme, three collision models, relaxation
 times from 0.502 to 3; not what is known not to last.
 """
@@ -31,7 +31,7 @@ ROUNDING = 1e-18  # of the energy at the start
 
 
 def is_known_not_to_last(scheme, model, relaxation_time, noise):
-    """Says what lbm/README.md and scripts/stability/README.md do: of walls, and of the collision itself at a large cell Reynolds number."""
+    """Says what docs/method.md and scripts/stability/README.md do: of walls, and of the collision itself at a large cell Reynolds number."""
     return (scheme != "bounce-back" and model == "regularised" and relaxation_time < 0.505
             or scheme == "multireflection" and model == "bgk" and relaxation_time >= 2.5
             or model != "regularised" and noise / ((relaxation_time - 0.5) / 3) > 10)

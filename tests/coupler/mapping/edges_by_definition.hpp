@@ -82,7 +82,7 @@ inline bool has_edges(const rigid::Shape& shape) {
   return std::isfinite(nearest_edge(shape, Vec3::Zero()).distance);
 }
 
-/// The wall distance of a line that meets the surface at q, with the lip (lbm/README.md, "At edges"). The
+/// The wall distance of a line that meets the surface at q, with the lip (method-walls.md, "Edges"). The
 /// normal is that of the distance from the surface, just before.
 inline double under_lip(const rigid::Shape& shape, const Vec3& origin, const Vec3& c, double q) {
   const Vec3 x = origin + q * c;

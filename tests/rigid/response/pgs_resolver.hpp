@@ -1,5 +1,5 @@
 #pragma once
-// The reference that sffd is held to: the contact law of rigid/README.md, (C1) to (C3) and (C7), solved by
+// The reference that sffd is held to: the contact law of method.md, (C1) to (C3) and (C7), solved by
 // projected Gauss-Seidel, contact by contact with the true masses, until nothing changes. One rank, no pairs,
 // no split masses, no prepared matrices; written apart from sffd so that a fault of one shows against the
 // other. For tests only: its order of contacts is that of their keys, so no decomposition over ranks could
