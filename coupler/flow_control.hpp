@@ -1,6 +1,6 @@
 #pragma once
 // The control of the body force by which the fluid of a periodic domain flows as fast as it is to
-// (method.md, equation 51). No step waits for a sum: what a look starts is used at the next one.
+// (method.md, equation 48). No step waits for a sum: what a look starts is used at the next one.
 #include <mpi.h>
 
 #include <cstdint>

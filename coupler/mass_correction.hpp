@@ -1,6 +1,6 @@
 #pragma once
 // The mass correction. Interpolated walls, and cells that change sides, do not conserve the mass of the
-// fluid. What is known to have been gained is taken out of all cells alike (method.md, equations 49 and 50).
+// fluid. What is known to have been gained is taken out of all cells alike (method.md, equations 46 and 47).
 #include <cstdint>
 
 #include "rigid/math/fixed_point.hpp"

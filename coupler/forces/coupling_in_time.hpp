@@ -1,8 +1,8 @@
 #pragma once
 // Coupling in time: how the force that the links of a step have on a body becomes its change of velocity
-// (method.md, equations 36 to 40). `explicit` (the paper): the force moves the body. `implicit`: the owner
-// solves for the change of velocity of this step (38) and the links are corrected by it, in a second pass; a
-// body whose links are soft beside its mass does without that (39). Contacts act after it. Fixed and
+// (method.md, equations 34 to 37). `explicit` (the paper): the force moves the body. `implicit`: the owner
+// solves for the change of velocity of this step (35) and the links are corrected by it, in a second pass; a
+// body whose links are soft beside its mass does without that (36). Contacts act after it. Fixed and
 // prescribed bodies do not change.
 #include <Eigen/Core>
 
@@ -19,7 +19,7 @@ void add_link_force(rigid::BodySet&, std::size_t row, const RowSums&);
 
 using Mat6 = Eigen::Matrix<double, 6, 6>;
 
-/// Returns whether the largest eigenvalue of M^-1 H is at most `limit` for certain (method.md, equation 39):
+/// Returns whether the largest eigenvalue of M^-1 H is at most `limit` for certain (method.md, equation 36):
 /// M is the mass matrix of a body, H (symmetric, forces before torques, world frame, lattice units) the
 /// stiffness of its links. The eigenvalue is bounded from above, by the row sums of H scaled with the mass
 /// and with the least that a principal moment can be. So a body near the limit may be refused, but none
@@ -27,7 +27,7 @@ using Mat6 = Eigen::Matrix<double, 6, 6>;
 bool largest_eigenvalue_is_within(double limit, const Mat6& stiffness, double mass,
                                   const rigid::Mat3& inertia_B);
 
-/// How the links of a body move it in a step: explicitly, implicitly with a second pass, or in one pass (39).
+/// How the links of a body move it in a step: explicitly, implicitly with a second pass, or in one pass (36).
 enum class TimeScheme { explicit_, implicit_, one_pass };
 
 /// Each body in each step is coupled by one of two schemes, as its links are soft or stiff beside its mass.

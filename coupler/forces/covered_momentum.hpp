@@ -1,5 +1,5 @@
 #pragma once
-// The momentum of cells that change sides, in the form `exact` of the force (method.md, equation 41). Given
+// The momentum of cells that change sides, in the form `exact` of the force (method.md, equation 38). Given
 // at once it would come in jolts of a whole cell's momentum, 58 % of the drag of an array that moves at 0.05
 // with the fluid at 0.003 relative to it; with the impulse debt of a body the noise is 0.68 %.
 #include <array>

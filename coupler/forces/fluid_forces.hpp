@@ -1,7 +1,7 @@
 #pragma once
 // Force evaluation (Algorithm 2, lines 9-11): the passes over the cut links, in which surfaces return
-// populations to the fluid and the fluid acts on the bodies by momentum exchange (method.md, equations 33
-// to 35), summed in fixed point. How the sums move a body is in coupling_in_time.hpp; covered_momentum.hpp
+// populations to the fluid and the fluid acts on the bodies by momentum exchange (method.md, equations 22
+// and 33), summed in fixed point. How the sums move a body is in coupling_in_time.hpp; covered_momentum.hpp
 // has what the form `exact` adds.
 //
 // There is no history besides the state of bodies (with their stored impulses and debts) and populations.

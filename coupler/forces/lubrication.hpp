@@ -1,6 +1,6 @@
 #pragma once
-// Lubrication: what the lattice cannot resolve of the flow between close surfaces (method.md, equations 43 to
-// 46). The numbers are calibrated by scripts/calibrate_lubrication, on a sphere that approaches a plate, and
+// Lubrication: what the lattice cannot resolve of the flow between close surfaces (method.md, equations 40 to
+// 43). The numbers are calibrated by scripts/calibrate_lubrication, on a sphere that approaches a plate, and
 // once more on one that approaches a side of the domain, which lies between cells and reflects by itself.
 #include <memory>
 

@@ -67,7 +67,7 @@ std::optional<Springs::State> Springs::state(const BodySet& bodies, BodyId id) c
   return State{{Vec3(k.position) + 0.5 * twist.v, rigid::cayley(0.5 * twist.w) * q}, twist};
 }
 
-/// method.md, equations 52 and 53.
+/// method.md, equations 49 and 50.
 void Springs::pull(BodySet& bodies, const SpringSpec& spring) {
   if (bodies.row_of(spring.body) >= bodies.owned &&
       (spring.to == 0 || bodies.row_of(spring.to) >= bodies.owned))

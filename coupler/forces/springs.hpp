@@ -1,6 +1,6 @@
 #pragma once
-// Springs and dampers between bodies, or between a body and a point of the domain (method.md, equations 52,
-// 53).
+// Springs and dampers between bodies, or between a body and a point of the domain (method.md, equations 49,
+// 50).
 #include <mpi.h>
 
 #include <cstdint>

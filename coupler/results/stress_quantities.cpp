@@ -27,7 +27,7 @@ void viscous_stress(const Simulation& simulation, const QuantitySpec& q, ExactSu
   });
 }
 
-/// Force of the links of each body, as (33) and (34) of method.md have it, times the way from its centre to
+/// Force of the links of each body, as (22) and (33) of method.md have it, times the way from its centre to
 /// where they are cut, taken to be half-way between cells.
 void particle_stress(const Simulation& simulation, const QuantitySpec& q, ExactSum& stress) {
   const FluidFields& fields = simulation.scene().flow->fields();
