@@ -1,7 +1,8 @@
 #!/usr/bin/python3
 """pages.py ROOT: the pages keep their form. The README is short and quotes a program that compiles; lines of prose have at most
 120 characters; tables have no cell of more than 200 characters and as many cells in every row; links, with the headings that they
-name, and the commands in backquotes lead to places that are there; an equation has one number."""
+name, and the commands in backquotes lead to places that are there; an equation has one number, and comments quote numbers that are
+there."""
 import pathlib
 import re
 import sys
@@ -46,10 +47,15 @@ for page in pages:
         if not (root / command).exists():
             faults.append(f"{name}: there is no {command}")
 
-numbers = [number for page in root.glob("docs/method-*.md") for number in
-           re.findall(r"^    .*(?<=  )\((\d+[ab]?)\)$|^    \(([A-Z]\d+a?)\)  ", page.read_text(), re.M)]
+equation = r"^    .*(?<=  )\((\d+[ab]?)\)$|^    \(([A-Z]\d+a?)\)  |^\|.*\| \((\d+)\) \|$"
+numbers = ["".join(number) for page in root.glob("docs/method-*.md") for number in re.findall(equation, page.read_text(), re.M)]
 for number in sorted({number for number in numbers if numbers.count(number) > 1}):
-    faults.append(f"docs: two equations have the number {''.join(number)}")
+    faults.append(f"docs: two equations have the number {number}")
+sources = [source for folder in (*folders[1:7], "tests", "scripts") for name in ("*.?pp", "*.py") for source in (root / folder).rglob(name)]
+for source in sources:
+    for number in re.findall(r"method\.md,[\s/]*equations? (\d+[ab]?)", source.read_text()):
+        if number not in numbers:
+            faults.append(f"{source.relative_to(root)}: no page of the method has an equation {number}")
 readme = (root / "README.md").read_text()
 if len(readme.splitlines()) > LONGEST_README:
     faults.append(f"README.md has {len(readme.splitlines())} lines; at most {LONGEST_README}")
