@@ -28,7 +28,7 @@ def length_text(length, unit):
 def captioned(image, text, pixels_a_length, unit):
     """Returns the picture with a strip under it: the text to the left, a bar of some length to the right."""
     from matplotlib import font_manager  # slow to import, and not for --help
-    letter = max(9, round(min(image.size[0] / 26, math.sqrt(image.size[0] * image.size[1]) / 18)))
+    letter = max(12, round(min(image.size[0] / 26, math.sqrt(image.size[0] * image.size[1]) / 18)))
     strip = 2 * letter
     whole = Image.new("RGB", (image.size[0], image.size[1] + strip), "white")
     whole.paste(image, (0, 0))

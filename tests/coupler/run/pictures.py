@@ -126,6 +126,12 @@ class Walls(SiltTest):
         tube = (np.abs(picture - [picture[-10, picture.shape[1] // 2]]).max(axis=2) < 60)[-10]  # below the ball
         self.assertAlmostEqual(tube.sum() / ball.sum(), 0.8e-4 / 3e-5, delta=0.15)
 
+    def test_along_the_axis(self):
+        """No half of the tube is in the way of an eye that looks along the axis: the ball is seen."""
+        subprocess.run([RENDER, self.case, "--size", "320", "--elevation", "90"], check=True, capture_output=True)
+        picture = np.asarray(opened(self.out / "render.png")).astype(int)
+        self.assertTrue((picture[:, :, 2] > picture[:, :, 0] + 60).any())
+
     def test_what_is_solid_is_no_fluid_at_rest(self):
         """In the middle plane a third of the width is wall: 8 of 24 cells; the ball has the colour of its kind."""
         subprocess.run([SCRIPTS / "plot", self.case], check=True, capture_output=True)
