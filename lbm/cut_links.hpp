@@ -92,10 +92,10 @@ struct CutLinks {
   T age = 0;                         // steps since then; may be negative
   std::pmr::vector<T> opposite_q,
       opposite_u;  // OppositeWall of the links of `single_cell_gap`; empty: of none
-  /// Of the links of groups `across`, padded as they are: which of the block's PairsAcross has their pair.
+  /// The index of its pair in the block's PairsAcross, for each link of groups `across`, padded as they are.
   std::pmr::vector<std::uint32_t> across;
 
-  /// None yet, in a memory that a device may reach.
+  /// Returns a surface without links in a memory that a device may reach.
   static CutLinks in(std::pmr::memory_resource* memory) {
     using Values = DeviceArray<T>;
     using Places = DeviceArray<std::uint32_t>;
@@ -124,7 +124,7 @@ struct CutLinks {
   }
 };
 
-/// What passes between x - c_i and x - 2 c_i: f*_opp(x - c_i) and f*_i(x - 2 c_i).
+/// The two populations that pass between x - c_i and x - 2 c_i: f*_opp(x - c_i) and f*_i(x - 2 c_i).
 template <class T>
 struct BeyondPair {
   T away, toward;
@@ -218,8 +218,8 @@ struct NextGroup {
   const LinkGroup* group = nullptr;
 };
 
-/// Where the populations lie of links that come next: what a call has listed of the next group, the call for
-/// that group finds (link_fetch.hpp).
+/// The slots of the populations of links that come next: a call lists them for the next group, and the call
+/// for that group finds them (link_fetch.hpp).
 struct ListedLinks {
   static constexpr int most = 128, most_rows = directions + 1;  // links of a window; slots of a link
   const LinkGroup* group = nullptr;                             // to which the links belong

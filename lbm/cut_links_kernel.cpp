@@ -12,8 +12,8 @@ namespace {
 template <class T>
 using LinkRows = typename LinkFetch<T>::Rows;
 
-/// Where a vector of links reads: rows of slots from that of the group's corner on, and what passes beyond,
-/// in the block or, by its numbers, of the block's pairs across.
+/// The populations that a vector of links reads: rows of slots from the slot of the group's corner on, and
+/// the pair beyond, in the block or, by its index, among the block's pairs across.
 template <class T>
 struct Read {
   const T* data;

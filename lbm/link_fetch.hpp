@@ -1,7 +1,7 @@
 #pragma once
-// Where the populations of links lie, listed a window of vectors ahead of use: the next window of a group,
-// and as that ends, the first one of the next group. What is not at hand is fetched meanwhile: else most of
-// the time of such links is waiting.
+// The slots of the populations of links, listed one window of vectors ahead of use: the next window of a
+// group and, at its end, the first window of the next group. Populations that are not in cache are fetched
+// meanwhile; otherwise waiting would take most of the time of such links.
 #include <algorithm>
 
 #include "cpu/prefetch.hpp"
@@ -9,7 +9,7 @@
 
 namespace silt::lbm::SILT_ISA {
 
-/// Of a link either all that a scheme reads and writes is wanted, or only what the surface returns.
+/// A kernel needs of a link either all that a scheme reads and writes, or only what the surface returns.
 enum class Wanted { all, returned };
 
 template <class T>
@@ -29,7 +29,8 @@ class LinkFetch {
     if (listed_.group != &here.group) list(present_, 0);
   }
 
-  /// Of the vector of links from l on, which comes next: slots from that of the group's corner, row by row.
+  /// The slots of the vector of links from l on, which comes next, counted from the slot of the group's
+  /// corner, row by row.
   class Rows {
    public:
     explicit Rows(const std::int32_t* first) : first_(first) {}
@@ -53,7 +54,7 @@ class LinkFetch {
   static constexpr int window = 8 * L::count;
   static_assert(window <= ListedLinks::most);
 
-  /// What was listed ahead is taken up, and what follows it listed.
+  /// Takes up what was listed ahead and lists what follows.
   void turn(int l) {
     present_slots_ = listed_.slot[listed_.half], present_rows_ = listed_.rows;
     listed_.half = 1 - listed_.half;

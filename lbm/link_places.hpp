@@ -1,5 +1,5 @@
 #pragma once
-// Where the links of a vector are, decoded from their places (cut_links.hpp).
+// The places of a vector of links (cut_links.hpp), decoded.
 #include "cpu/lanes.hpp"
 #include "lbm/cut_links.hpp"
 
@@ -39,7 +39,7 @@ class WallDistances {
   WallDistances(const CutLinks<T>& links, const LinkGroup& group)
       : WallDistances(links.q.data() + group.begin,
                       links.rate.empty() ? nullptr : links.rate.data() + group.begin, links.age) {}
-  /// Of the vector of links from l on.
+  /// Returns the distances of the vector of links from l on.
   SILT_DEVICE V at(int l) const {
     const V q = load<V>(q_ + l);
     return rate_ ? q + age_ * load<V>(rate_ + l) : q;

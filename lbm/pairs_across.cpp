@@ -6,8 +6,8 @@ namespace silt::lbm {
 
 namespace {
 
-/// Where in a block the away and the toward of a pair along a direction are looked for
-/// (PairsAcross::exchange).
+/// Returns the index of the place in a block where the two populations of a pair along a direction are looked
+/// up (PairsAcross::exchange).
 std::uint32_t source(int block, int direction) {
   return 2 * std::uint32_t(block * directions + direction);
 }
@@ -26,7 +26,8 @@ struct PairsAcross<T>::Builder {
   };
   Entry last{-1, -1, 0, 0, {}, {}};
 
-  /// Whether it is the next of a line, here and there alike: both ends of a message have the same lines.
+  /// Returns whether the entry continues a line in both blocks: the two ends of a message have the same
+  /// lines.
   bool goes_on(const Entry& one) const {
     const Int3 along = one.axis == 0 ? Int3{0, 1, 0} : Int3{1, 0, 0};
     return one.block == last.block && one.behind_block == last.behind_block &&

@@ -60,10 +60,11 @@ class PairsAcross {
   /// `blocks` are the local ones, in the order of domain.blocks_of(rank). All pairs are brought until some
   /// are chosen.
   PairsAcross(const Domain&, MPI_Comm, std::span<const Block<T>> blocks, Device = Device::cpu);
-  /// From now on the pairs of cut links are brought: of fluid cells x with x + c_i solid; others mean
-  /// nothing. solid(block, cell, axis) has 64 cells of a local block along x or y as bits, `cell` the first,
-  /// for cells to two beyond its faces. Each rank calls it when one of these of its blocks has changed. What
-  /// two ranks know of the same cells must agree: how long their messages are follows from it.
+  /// Restricts the exchange to the pairs of cut links: of fluid cells x with x + c_i solid; other pairs hold
+  /// no value. solid(block, cell, axis) returns 64 cells of a local block along x or y as bits, from `cell`
+  /// on, for cells up to two beyond its faces. Each rank calls this function when one of these cells of its
+  /// blocks has changed. Two ranks must agree on the same cells, for the lengths of their messages follow
+  /// from them.
   template <class Solid>
   void choose(Solid&& solid);
   /// Call after the halo exchange, with the parity of the blocks then. The pair of an idle block means

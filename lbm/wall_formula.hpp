@@ -1,5 +1,5 @@
 #pragma once
-// What a cut link returns (method.md, equation 9): one formula for every scheme,
+// The population that a cut link returns (method.md, equation 9) follows one formula for every scheme,
 //     f_opp(x, t+1) = a f*_i(x) + b f*_i(x - c_i) + c f*_opp(x) + d f*_opp(x - c_i) + g f*_i(x - 2 c_i)
 //                     - k c_i.u_w + e c_i.F,
 // its coefficients functions of the wall distance q and the rates of the collision. x is the fluid cell, the
@@ -32,9 +32,9 @@ SILT_DEVICE void with_scheme(WallScheme scheme, F&& f) {
   }
 }
 
-/// What a scheme knows of the collision: magic, 1 / (tau - 1/2), how much of `multireflection` and of what
-/// else is curved is stable, how much of the rest of `multireflection` is `parabolic`, and the acceleration
-/// of the fluid.
+/// The properties of the fluid that a scheme needs: magic, 1 / (tau - 1/2), the shares of `multireflection`
+/// and of other curvature terms that are stable, the share of `parabolic` in the rest of `multireflection`,
+/// and the acceleration of the fluid.
 template <class T>
 struct WallFluid {
   T magic = T(1.0 / 6), inverse_rate = T(2), share = T(1), curved = T(1), parabolic = T(0);
@@ -112,8 +112,8 @@ constexpr V gap_distance(V q) {
   return q < T(least_gap_distance) ? V{} + T(least_gap_distance) : q;
 }
 
-/// What the velocity half-way has beyond linear interpolation, for a cell between two walls (equation 16).
-/// `u` and `u_w` are the velocities of the cell and of the link's wall along c_i.
+/// Returns the difference between the velocity half-way and its linear interpolation, for a cell between two
+/// walls (equation 16). `u` and `u_w` are the velocities of the cell and of the link's wall along c_i.
 template <class V, class T>
 constexpr V gap_curvature(V q, V u, V u_w, const OppositeWall<V>& opposite, const WallFluid<T>& fluid) {
   const V none{}, h = gap_distance<T>(q), p = gap_distance<T>(opposite.q);

@@ -51,20 +51,21 @@ constexpr double best_magic(WallScheme scheme, double tau) {
   return 1.0 / 6 - stable_share({tau, 2.0 / 15}) / 30;
 }
 
-/// Whether the formula reads f*_opp(x) and f*_i(x - c_i) at all.
+/// Returns whether the formula reads f*_opp(x) and f*_i(x - c_i).
 constexpr bool reads_behind(WallScheme scheme) {
   return scheme == WallScheme::cli || scheme == WallScheme::parabolic ||
          scheme == WallScheme::multireflection;
 }
-/// Whether links of the scheme have a distance, and may be given another than the one they were built with.
+/// Returns whether links of the scheme have a distance, and may be given another than the one they were built
+/// with.
 constexpr bool follows_distance(WallScheme scheme) {
   return scheme != WallScheme::bounce_back;
 }
-/// Whether links of a single-cell gap are told of the surface on its other side (method.md, equation 16).
+/// Returns whether links of a single-cell gap use the surface on its other side (method.md, equation 16).
 constexpr bool knows_opposite_wall(WallScheme scheme) {
   return scheme == WallScheme::parabolic || scheme == WallScheme::multireflection;
 }
-/// Whether the formula reads f*_opp(x - c_i) and f*_i(x - 2 c_i) too.
+/// Returns whether the formula also reads f*_opp(x - c_i) and f*_i(x - 2 c_i).
 constexpr bool reads_beyond(WallScheme scheme) {
   return scheme == WallScheme::multireflection;
 }

@@ -1,6 +1,6 @@
 #pragma once
-// What contacts do to that which they cannot move: tubes and meshes, and bodies that are fixed or of
-// prescribed motion. Where a body touches is known only while its contacts are.
+// The loads of contacts on what they cannot move: tubes and meshes, and bodies that are fixed or of
+// prescribed motion. The point of a contact is known only while the contact exists.
 #include <array>
 #include <span>
 #include <vector>
@@ -36,15 +36,16 @@ inline std::array<double, 6> symmetric_product(const rigid::Vec3& a, const rigid
           0.5 * (a[1] * b[2] + a[2] * b[1])};
 }
 
-/// What a contact did to a wall in a sub-step besides the impulse that its body remembers.
+/// The impulse of a contact on a wall in a sub-step, besides the impulse that its body remembers.
 struct WallImpulse {
   rigid::BodyId wall;
   rigid::Vec3 impulse, torque;  // the latter about the point of the wall
 };
 
-/// What the contacts of owned bodies did to [[walls]] and to bodies of infinite mass in a sub-step whose
-/// velocities are final, and whose second half of the drift is still to come: the impulses that bodies
-/// remember. Contacts are sorted by key; one that nobody looked at, of a body at rest, gives no torque.
+/// Returns the loads that contacts of owned bodies put on [[walls]] and on bodies of infinite mass in a
+/// sub-step whose velocities are final and whose second half of the drift is still to come: the impulses that
+/// bodies remember. Contacts are sorted by key; one that was not examined, of a body at rest, gives no
+/// torque.
 std::vector<ContactLoad> contact_loads(const rigid::BodySet&, std::span<const rigid::Contact>,
                                        const rigid::Extent&);
 

@@ -69,15 +69,15 @@ Vec6 solution_of(const Mat6& m, const Vec6& b) {
   return x;
 }
 
-/// What held or pressed in the last step goes on in the coming one as far as it opposes the load, at most so
-/// many times.
+/// Returns the part of the last step's load that continues in the coming step: as far as it opposes the load,
+/// and at most `most` times it.
 Vec3 going_on(const Vec3& last, const Vec3& load, double most) {
   const double opposing = -last.dot(load);
   if (!(opposing > 0)) return Vec3::Zero();
   return std::min(opposing / last.squaredNorm(), most) * last;
 }
 
-/// What contacts and films gave a body in the last step.
+/// The load of contacts and films on a body in the last step.
 struct LastStep {
   Vec3 contacts = Vec3::Zero(), films = Vec3::Zero();  // impulses of a sub-step
   Vec3 approach = Vec3::Zero();  // of films: momentum relative to the bodies beyond them, times the impulse

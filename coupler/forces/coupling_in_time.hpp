@@ -38,7 +38,7 @@ class CouplingInTime {
   CouplingInTime(const rigid::World&, const CouplingSpec&, int substeps, double relaxation_time,
                  double stiffness_quantum);
 
-  /// Whether links may have to be corrected, which takes their stiffness.
+  /// Returns whether links may have to be corrected, for which their stiffness is needed.
   bool is_implicit() const { return of_stiff_links_ == TimeScheme::implicit_; }
   /// Adds the force that the links give in the end to the row's accumulators, foresees the change of the next
   /// step, and returns the change of velocity and angular velocity with which the links are to be corrected:

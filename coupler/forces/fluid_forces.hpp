@@ -28,7 +28,7 @@ struct ForceOutOfRange : std::overflow_error {
   rigid::BodyId on;
 };
 
-/// What this rank's links did in a step.
+/// The outcome of one step of this rank's links.
 struct LinkOutcome {
   static constexpr rigid::BodyId nobody = std::numeric_limits<rigid::BodyId>::max();
   std::int64_t mass_gain = 0;           // density that fluid cells gained, in mass quanta

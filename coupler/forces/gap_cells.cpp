@@ -31,17 +31,18 @@ struct Principal {
   }
 };
 
-/// With the axes x, y, z of the lattice taken in this order.
+/// Returns the fall of the surface with the axes x, y, z of the lattice taken in this order.
 SurfaceFall fall_of(const Mat3& k, int x, int y, int z) {
   return {0.5 * k(x, x), 0.5 * k(y, y), 0.5 * k(z, z), k(x, y), k(y, z), k(z, x)};
 }
 
-/// Of the gap's widening away from its middle, what a surface takes at most.
+/// Returns the largest share that one surface takes of the gap's widening away from its middle.
 double largest_share(const Principal& of, const Principal& other) {
   return of.most / (of.most + other.least);
 }
 
-/// Where along the normal, from a to b, and around the middle the gap is narrower than a cell.
+/// Sets the heights along the normal, from a to b, and around the middle at which the gap is narrower than a
+/// cell.
 void set_heights(GapOnLattice& g, const Mat3& a, const Mat3& b) {
   const Principal k_a(a), k_b(b);
   const double room = widest - 2 * g.half_width;

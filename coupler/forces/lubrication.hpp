@@ -9,12 +9,12 @@
 
 namespace silt::coupler {
 
-/// What a wall scheme resolves; cells.
+/// The part of the flow in a gap that a wall scheme resolves, in cells.
 struct ResolvedFlow {
   double base, width, cells;     // of the squeeze flow: G, 1/cells
   double slip_gap, rolling_gap;  // gaps at which it resolves these motions
 };
-/// Of gaps between bodies, and of a body and a side of the domain.
+/// The resolved flows for gaps between bodies, and between a body and a side of the domain.
 struct ResolvedFlows {
   ResolvedFlow bodies, side;
 };
@@ -26,7 +26,7 @@ class Lubrication final : public rigid::LubricationLaw {
  public:
   /// least_gap: below it the film resists no more, in cells; 0: relative_least_gap of the reduced radius.
   Lubrication(double viscosity, const ResolvedFlows&, double least_gap);
-  /// Where the lattice resolves the squeeze flow even with no cell in the gap.
+  /// Returns the gap from which on the lattice resolves the squeeze flow even with no cell in the gap.
   double reach() const override { return reach_; }
   rigid::LubricationResistance operator()(const rigid::LubricatedGap&) const override;
 

@@ -1,5 +1,5 @@
 #pragma once
-// What a step sums for each body and wall over links and cells, blocks and ranks.
+// The sums of a step for each body and wall over links and cells, blocks and ranks.
 #include <cstdint>
 #include <span>
 #include <vector>

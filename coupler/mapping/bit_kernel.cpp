@@ -208,7 +208,8 @@ struct RowsOf {
   }
 };
 
-/// The same for a part of any kind, a row a lane; round about a hollow, the cells outside of it.
+/// Fills the cells inside a part of any kind, one row a lane; for a hollow part these are the cells outside
+/// its hole.
 template <PartKind kind>
 void mark_part(const BitFrame& frame, const PointInFrame& centre, const SurfacePart<double>& part,
                const Plane<double>* planes, std::uint64_t* words) {

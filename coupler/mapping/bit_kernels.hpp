@@ -16,7 +16,7 @@ struct PointInFrame {
   lbm::Int3 low;   // cell of the frame's bit 0, in the coordinates of the point
 };
 
-/// What the links of one surface are made of; streams of one frame.
+/// The bits from which the links of one surface are listed: streams of one frame.
 struct LinkBits {
   const std::uint64_t* body;   // with margins
   const std::uint64_t* solid;  // with margins
@@ -34,7 +34,7 @@ struct FrameRows {
   int z, planes, y0, y1;
 };
 
-/// What each build offers.
+/// The functions that each build for an instruction set has.
 struct BitKernels {
   /// Sets the bits of the cells inside a ball, or inside any part of a surface.
   void (*mark_sphere)(const BitFrame&, const PointInFrame&, double radius, std::uint64_t* words);
@@ -55,7 +55,7 @@ struct BitKernels {
                                   const std::uint64_t* own, std::uint32_t* place);
 };
 SILT_BUILDS(BitKernels bit_kernels();)
-/// What the build that runs here offers.
+/// Returns the functions of the build that runs here.
 inline const BitKernels& bit_kernels() {
   static const BitKernels kernels = SILT_CHOSEN(bit_kernels)();
   return kernels;

@@ -1,5 +1,5 @@
 #pragma once
-// Which bodies came and which left before a step: the fluid has to take note of both.
+// The bodies that came and those that left before a step: the fluid takes note of both.
 #include "rigid/bodies/body_set.hpp"
 
 namespace silt::coupler {

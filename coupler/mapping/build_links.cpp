@@ -26,8 +26,8 @@ struct Planes {
   int z, count;
 };
 
-/// Whether some fluid cell next to the body may lie within `rim` cells of the block's faces, or in another
-/// block.
+/// Returns whether some fluid cell next to the body may lie within `rim` cells of the block's faces, or in
+/// another block.
 bool touches_rim(const BitFrame& f, Int3 block, int rim) {
   for (int d = 0; d < 3; ++d)
     if (f.low[d] < rim - 1 || f.low[d] + f.size[d] > block[d] - (rim - 1)) return true;
@@ -165,8 +165,8 @@ class LinkWriter {
     return found.clear;
   }
 
-  /// Of links whose cell behind is fluid, defers those that must not read beyond it or cannot do so in the
-  /// block's memory.
+  /// Defers links whose cell behind is fluid, but which must not read beyond that cell, or cannot do so in
+  /// the block's memory.
   void defer_gaps_and_pairs(LinkList<T>& list) {
     beyond_.resize(std::max<std::size_t>(beyond_.size(), list.n));
     for (std::uint32_t m =

@@ -1,6 +1,6 @@
 #pragma once
-// From the map of a block to its cut links: for every fluid cell next to a body's cell, how far the surface
-// is.
+// The cut links of a block, built from its map: for every fluid cell next to a body's cell, the distance of
+// the surface.
 #include "coupler/case/fluid_spec.hpp"
 #include "coupler/mapping/block_links.hpp"
 #include "coupler/mapping/device_mapping.hpp"
@@ -13,7 +13,8 @@
 
 namespace silt::coupler {
 
-/// What the links of a block follow: the case, what they know of the fluid, and the pass they wait for.
+/// The rules by which the links of a block are built: the case, the fluid that they stand in, and the pass
+/// they wait for.
 template <class T>
 struct LinkRules {
   const CouplingSpec& coupling;

@@ -15,9 +15,9 @@ constexpr bool has_edges(PartKind kind) {
   return kind == box || kind == cylinder || kind == cone || kind == planes;
 }
 
-/// What is known of the point of a surface where a line meets it: how far along the surface the nearest edge
-/// is, |n.d| with d the line's direction, and the share of a lip that the edge gets: sin^2 of the angle that
-/// it turns by, 1 from a right angle on.
+/// The neighbourhood of the point where a line meets a surface: the distance along the surface to the nearest
+/// edge; |n.d|, with d the line's direction; and the share of a lip that the edge gets, sin^2 of the angle it
+/// turns by (1 from a right angle on).
 template <class T>
 struct NearestEdge {
   using L = Lanes<T>;
@@ -50,7 +50,7 @@ struct NearestEdge {
       depth = nearer ? other : depth, slope = nearer ? L::magnitude(d[k]) : slope;
     }
   }
-  /// Of a cylinder at either end, of a cone (whose apex is up) at its base.
+  /// Takes the rim at either end of a cylinder, or at the base of a cone, whose apex is up.
   SILT_DEVICE void of_rim(const V (&p)[3], const V (&d)[3], const SurfacePart<T>& part, bool tapers) {
     const T taper = tapers ? part.size[0] / (2 * part.size[2]) : T(0), slant = std::sqrt(1 + taper * taper);
     const V r = L::root(p[0] * p[0] + p[1] * p[1]), z = tapers ? -p[2] : L::magnitude(p[2]);

@@ -25,7 +25,7 @@ CellBits wall_bits(const lbm::Domain& domain, const lbm::CellBox& box) {
   return bits;
 }
 
-/// Whether the fluid still sees the body as when the mask was made.
+/// Returns whether the fluid still sees the body as when the mask was made.
 bool is_as_mapped(const rigid::BodySet& bodies, std::size_t row, const BodyMask& mask) {
   const MappedMotion now = mapped_motion(bodies, row);
   return now.pose == mask.pose && now.first == mask.mapped;
@@ -104,8 +104,8 @@ void MapBodies::find_images(const BlockMap& block, const rigid::BodySet& bodies)
   if (!std::is_sorted(found_.begin(), found_.end(), before)) std::sort(found_.begin(), found_.end(), before);
 }
 
-/// What is solid around a hollow has no end: the block is cut where periods of the domain meet, so that a
-/// cell is asked about at one place, whichever block holds it and as what.
+/// Adds the solid around a hollow, which has no end: the block is cut where periods of the domain meet, so
+/// that a cell is asked about at one place, whichever block holds it.
 void MapBodies::add_endless(const BlockMap& block, const rigid::BodySet& bodies, std::size_t row) {
   struct Stretch {
     int first, end, shift;  // cells of the block's ghost layers and between; where their period begins
@@ -231,8 +231,8 @@ void MapBodies::map_block(BlockMap& block, const rigid::BodySet& bodies) {
   find_kept(block);
 }
 
-/// Of the masks that are what they were, those around which others changed cells are not kept: where a link
-/// of theirs may read.
+/// Marks the masks to keep: those that did not change and around which no cell changed that one of their
+/// links may read.
 void MapBodies::find_kept(BlockMap& block) {
   const Int3 size = block.box.size;
   const int words = block.solid.words();
@@ -261,8 +261,8 @@ bool MapBodies::changed_around(const BlockMap& block, BodyMask& mask) const {
   return false;
 }
 
-/// What links of the mask may read: within their reach behind the cells next to it, and its frame reaches two
-/// cells beyond it.
+/// Returns the cells that links of the mask may read: within a link's reach behind the cells next to it. The
+/// frame of the mask reaches two cells beyond it already.
 BitFrame MapBodies::near_frame(const BodyMask& mask) const {
   const int beyond = link_reach_ - 1;
   const Int3 b{beyond, beyond, beyond};

@@ -21,10 +21,10 @@ class MapBodies {
   /// Maps every held body at its mapping pose. A block in which no such pose changed keeps its map: `changed`
   /// is false there and `before` equals `solid`.
   void operator()(const rigid::BodySet&);
-  /// In the place of mapping, of coarser cells, which no surface is near: a block is in a wall as a whole, or
-  /// in none.
+  /// Takes the place of mapping for coarser cells, which no surface is near: a block lies in a wall as a
+  /// whole, or in none.
   void map_walls(const rigid::BodySet&);
-  /// Whether the last mapping changed some block.
+  /// Returns whether the last mapping changed some block.
   bool changed() const;
   const std::vector<BlockMap>& blocks() const { return blocks_; }
   PlacedMeshes& meshes() { return meshes_; }
@@ -43,7 +43,7 @@ class MapBodies {
   void add_endless(const BlockMap&, const rigid::BodySet&, std::size_t row);
   bool nothing_changed(const BlockMap&, const rigid::BodySet&) const;
   void find_kept(BlockMap&);
-  /// Whether a cell changed sides that the links of the mask may read.
+  /// Returns whether a cell changed sides that the links of the mask may read.
   bool changed_around(const BlockMap&, BodyMask&) const;
   BitFrame near_frame(const BodyMask&) const;
   const BitWindow& near_cells(const BlockMap&, BodyMask&) const;

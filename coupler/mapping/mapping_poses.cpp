@@ -36,8 +36,9 @@ double steps_within(double tolerance, double speed) {
   return speed * most <= 2 * tolerance ? most : std::floor((1 + rounding) * 2 * tolerance / speed);
 }
 
-/// Under `exact` they do not: the stiffness, found when links are built, has to be that of the links, or the
-/// sum of all momenta would not be kept.
+/// Returns whether wall distances follow the surface between mappings. Under `exact` they do not: the
+/// stiffness, found when links are built, has to be that of the links, or the sum of all momenta would
+/// change.
 bool distances_follow(const CouplingSpec& coupling) {
   return lbm::follows_distance(coupling.wall_scheme) && coupling.force != ForceForm::exact;
 }
@@ -47,7 +48,7 @@ double angle_between(const Quat& a, const Quat& b) {
   return 2 * std::min((a.coeffs() - b.coeffs()).norm(), (a.coeffs() + b.coeffs()).norm());
 }
 
-/// From the pose in the first of its steps to that in their middle.
+/// Moves the pose from the first of the steps it serves to the middle of them.
 MappedMotion mapped_ahead(MappedMotion m) {
   m.pose = m.pose_after(m.middle() - static_cast<double>(m.first));
   return m;

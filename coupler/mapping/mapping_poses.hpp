@@ -22,7 +22,7 @@ class WallMapping {
  public:
   /// Keeps a reference to the wall. tolerance: CouplingSpec::remap_tolerance; distances do not follow.
   WallMapping(const rigid::MeshWallSpec&, double tolerance);
-  /// Where the fluid sees the wall in a step.
+  /// Returns the pose at which the fluid sees the wall in a step.
   rigid::Pose pose(std::int64_t step) const;
 
  private:

@@ -78,7 +78,7 @@ class MeasuredSurface {
     }
   }
 
-  /// Whether it has edges that links may cross.
+  /// Returns whether the surface has edges that links may cross.
   bool has_crossings() const { return follows_ && way_ == Way::parts && parts_.has_edges(); }
   SurfaceView<T> view() const { return parts_.view(); }
 

@@ -58,7 +58,7 @@ void mark_changes(const TriangleView& view, const BitFrame& frame, Int3 low, std
 bool test(const std::uint64_t* words, std::size_t bit) {
   return words[bit >> 6] >> (bit & 63) & 1;
 }
-/// Of a cell of `near`.
+/// Returns the least distance found so far for a cell of `near`.
 std::uint32_t& least_of(const LinkDistances& links, std::size_t bit, int direction) {
   const std::uint64_t lower = links.near[bit >> 6] & ((std::uint64_t{1} << (bit & 63)) - 1);
   return links.least[(links.before[bit >> 6] + std::size_t(std::popcount(lower))) * lbm::directions +

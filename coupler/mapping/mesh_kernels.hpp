@@ -53,7 +53,7 @@ struct LinkDistances {
   static constexpr std::uint32_t none = ~std::uint32_t{0};
 };
 
-/// What each build offers.
+/// The functions that each build for an instruction set has.
 struct MeshKernels {
   /// Places corners, of three numbers each: position + turn corner; turn: rows.
   void (*place_corners)(const double* from, std::size_t count, const double* turn, const double* position,
@@ -68,7 +68,7 @@ struct MeshKernels {
                   std::uint32_t* distance);
 };
 SILT_BUILDS(MeshKernels mesh_kernels();)
-/// What the build that runs here offers.
+/// Returns the functions of the build that runs here.
 inline const MeshKernels& mesh_kernels() {
   static const MeshKernels kernels = SILT_CHOSEN(mesh_kernels)();
   return kernels;

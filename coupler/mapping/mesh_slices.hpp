@@ -1,9 +1,9 @@
 #pragma once
-// Where triangles meet lines of lattice points: planes of lattice points cut them into segments, whose ends
-// are rounded to whole units and are the same for both triangles at an edge, so that the segments of a closed
-// surface form closed polygons; these meet lines an even number of times. Doubles hold every number to the
-// bit: neither blocks nor ranks nor instruction sets have a say. Only for *_kernel.cpp files, which are built
-// once an instruction set (SILT_ISA).
+// The places where triangles meet lines of lattice points: planes of lattice points cut triangles into
+// segments, whose ends are rounded to whole units and are the same for both triangles at an edge, so that the
+// segments of a closed surface form closed polygons, which meet lines an even number of times. Doubles hold
+// every number exactly, so the result depends on neither blocks nor ranks nor instruction sets. Only
+// *_kernel.cpp files, which are built once an instruction set (SILT_ISA), include this file.
 #include <algorithm>
 #include <bit>
 #include <cstdint>
@@ -21,7 +21,7 @@ inline constexpr int double_lanes = int(sizeof(Doubles) / sizeof(double));
 inline constexpr double one_cell = double(cell_units);  // in units
 inline constexpr double rounder = 0x1.8p52;             // a sum with it is a whole number
 
-/// To a whole number, below 2^51; of a double or of several.
+/// Rounds a double, or several, to a whole number below 2^51.
 template <class Number>
 Number rounded(Number x) {
   return (x + rounder) - rounder;
@@ -93,7 +93,8 @@ class SlicedTriangles {
   static Doubles least(Doubles a, Doubles b) { return a < b ? a : b; }
   static Doubles largest(Doubles a, Doubles b) { return a > b ? a : b; }
 
-  /// From the corner that is alone on its side of the plane to both others; a corner on the plane is below.
+  /// Cuts from the corner that is alone on its side of the plane to both others; a corner on the plane is
+  /// below it.
   [[gnu::always_inline]] Segments cut(Doubles plane, unsigned used) const {
     const Doubles(&z)[3] = x_[axis];
     const Longs above[] = {z[0] > plane, z[1] > plane, z[2] > plane};

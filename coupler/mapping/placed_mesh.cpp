@@ -86,7 +86,7 @@ std::uint64_t parity_up_to(std::uint64_t bits) {
   return bits;
 }
 
-/// From the cells where rows change sides to those that are inside.
+/// Turns the bits of cells where rows change sides into the bits of cells that are inside.
 void fill(BitWindow& window, bool hollow) {
   const BitFrame& f = window.frame();
   const std::uint64_t width = f.row_bits();

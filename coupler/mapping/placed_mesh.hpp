@@ -28,7 +28,7 @@ class PlacedMesh {
  public:
   /// Keeps a reference to the mesh.
   void place(const rigid::TriangleMesh&, const rigid::Pose&);
-  /// In cells.
+  /// Returns the bounding box in cells.
   rigid::BoundingBox box() const;
   /// Triangles whose boxes overlap a box of cells (an image of the domain's), and perhaps some near it, valid
   /// up to the next call.

@@ -1,5 +1,6 @@
 #pragma once
-// What a cell holds when a body has left it (uncovered), and what becomes of the fluid a body has covered.
+// The populations of cells that a body has left (uncovered), and the account of fluid that a body has
+// covered.
 //
 // The arriving populations of an uncovered cell all belong to its own block, in either parity, so refilling
 // is local. The averages it needs are over the cell's neighbours that were fluid and still are; where one

@@ -9,8 +9,8 @@ using lbm::Int3;
 
 namespace {
 
-/// The same for the two links of a pair, and no others, in a block of less than 2^18 cells a side; cells may
-/// lie outside of it.
+/// Returns a key that the two links of a pair share, and no other link of a block of less than 2^18 cells a
+/// side; cells may lie outside the block.
 std::uint64_t key_of(Int3 cell, int direction) {
   const auto part = [](int x) {
     const int shifted = x + (1 << 18);
@@ -58,7 +58,7 @@ void SingleCellGaps<T>::pair(std::vector<SurfaceLinks<T>>& surfaces, const lbm::
   pad(surfaces, &lbm::CutLinks<T>::opposite_q), pad(surfaces, &lbm::CutLinks<T>::opposite_u);
 }
 
-/// What fills up the groups copies their last link.
+/// Fills the groups up with copies of their last links' values.
 template <class T>
 void SingleCellGaps<T>::pad(std::vector<SurfaceLinks<T>>& surfaces,
                             std::pmr::vector<T> lbm::CutLinks<T>::*values) const {

@@ -1,5 +1,5 @@
 #pragma once
-// Which cells of a block are solid, and the bodies that make them so, each with the bits of its own.
+// The solid cells of a block, and the bodies that make them so, each with the bits of its own.
 #include <algorithm>
 #include <cstdint>
 #include <memory_resource>
@@ -58,15 +58,15 @@ struct BlockMap {
   bool changed = false;                       // in the last mapping
   std::vector<std::uint8_t> changed_rows;     // in the last mapping that changed the block; see row_changed
 
-  /// Whether a cell of the row, which may be one of ghost cells, has changed sides.
+  /// Returns whether a cell of the row, which may be a row of ghost cells, has changed sides.
   bool row_changed(int y, int z) const {
     constexpr int ghosts = CellBits::ghosts;
     return changed_rows[std::size_t(z + ghosts) * (box.size.y + 2 * ghosts) + (y + ghosts)];
   }
-  /// Whether a cell is inside the block.
+  /// Returns whether a cell is inside the block.
   bool has(lbm::Int3 c) const { return lbm::CellBox{{}, box.size}.contains(c); }
   bool was_and_is_fluid(lbm::Int3 c) const { return !solid.test(c) && !before.test(c); }
-  /// Of the cells inside the block.
+  /// Returns whether a cell inside the block is fluid.
   bool has_fluid() const {
     for (int z = 0; z < box.size.z; ++z)
       for (int y = 0; y < box.size.y; ++y)

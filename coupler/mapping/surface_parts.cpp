@@ -17,7 +17,7 @@ class Preparation {
  public:
   using Kind = PartKind;
 
-  /// For a body so oriented.
+  /// Prepares the parts of a body at this orientation.
   Preparation(const rigid::Quat& orientation, std::vector<SurfacePart<T>>& parts,
               std::vector<Plane<T>>& planes)
       : to_body_(orientation.toRotationMatrix().transpose()), parts_(parts), planes_(planes) {}
@@ -34,7 +34,7 @@ class Preparation {
     shape.surface(*this);
   }
 
-  /// Of this size, within a box of half edges `extent`, or of the size itself.
+  /// Adds a part of this size within a box of half edges `extent`, which is the size where none is given.
   void add(Kind kind, const Vec3& size) { add(kind, size, size); }
   void add(Kind kind, const Vec3& size, const Vec3& extent) { add(kind, axes(), centre(), size, extent); }
   /// About a point of the shape's frame.
@@ -45,11 +45,11 @@ class Preparation {
   void add_unturned(Kind kind, const Vec3& size) {
     add(kind, Mat3::Identity(), to_body_.transpose() * part_.position, size, size);
   }
-  /// In coordinates this much larger along its axes its size is 1.
+  /// Adds a part whose size is 1 in coordinates that are `scale` times as large along its axes.
   void add_scaled(Kind kind, const Vec3& scale) {
     add(kind, scale.asDiagonal() * axes(), scale.asDiagonal() * centre(), Vec3::Ones(), Vec3::Ones());
   }
-  /// To the part added last.
+  /// Adds a plane to the part that was added last.
   void add_plane(const Vec3& normal, double offset) {
     planes_.push_back({{T(normal[0]), T(normal[1]), T(normal[2])}, T(offset)});
     ++parts_.back().planes;

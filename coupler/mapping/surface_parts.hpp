@@ -13,7 +13,7 @@ class SurfaceParts {
  public:
   /// Keeps nothing of what it was made of before but the memory.
   void reset(const rigid::Shape&, const rigid::Quat& orientation);
-  /// Whether some part has convex edges.
+  /// Returns whether some part has convex edges.
   bool has_edges() const;
   SurfaceView<T> view() const { return {parts_.data(), int(parts_.size()), planes_.data()}; }
 

@@ -26,7 +26,7 @@ struct Plane {
 /// `sphere`: its axes are those of the world. `planes`: what lies behind all of them.
 /// `hollow`: the cylinder without end that is the hole of a tube.
 enum class PartKind : std::uint8_t { sphere, ellipsoid, box, capsule, cylinder, cone, planes, hollow };
-/// Whether what is inside of it is the hole, and all else solid.
+/// Returns whether the inside of the part is a hole and all else is solid.
 constexpr bool is_hollow(PartKind kind) {
   return kind == PartKind::hollow;
 }
@@ -42,7 +42,7 @@ struct SurfacePart {
   std::uint32_t first_plane, planes;
 };
 
-/// All of a body. A line meets it where it meets the first part.
+/// All parts of a body. A line meets the body where it meets the first part.
 template <class T>
 struct SurfaceView {
   const SurfacePart<T>* parts;
@@ -82,11 +82,12 @@ struct IntervalLanes {
 
   SILT_DEVICE static V smaller(const V& a, const V& b) { return a < b ? a : b; }
   SILT_DEVICE static V larger(const V& a, const V& b) { return a > b ? a : b; }
-  /// In both. A side that is not a number (a line in the plane of a face) bounds nothing.
+  /// Returns the part of the line in both intervals. A side that is not a number (a line in the plane of a
+  /// face) bounds nothing.
   SILT_DEVICE IntervalLanes within(const IntervalLanes& o) const {
     return {larger(o.enter, enter), smaller(o.leave, leave)};
   }
-  /// Of a convex shape that several shapes make up.
+  /// Joins the intervals of two shapes that together make a convex one.
   SILT_DEVICE IntervalLanes joined(const IntervalLanes& o) const {
     const auto here = enter <= leave, there = o.enter <= o.leave;
     return {there ? here ? smaller(enter, o.enter) : o.enter : enter,
@@ -168,9 +169,9 @@ class LineLanes {
     return between_roots(d_[0] * d_[0] + d_[1] * d_[1], o_[0] * d_[0] + o_[1] * d_[1],
                          (o_[0] * o_[0] + o_[1] * o_[1]) - radius * radius);
   }
-  /// In the double cone about the third axis with its apex at `half` and this radius at -half, on the side of
-  /// the apex where the radius is: a line that is steeper than the cone is inside before one root and after
-  /// the other. No cancellation, for a may be 0.
+  /// Returns the part of the line in the double cone about the third axis, with its apex at `half` and this
+  /// radius at -half, on the side of the apex where the radius is: a line steeper than the cone is inside
+  /// before one root and after the other. The formula avoids cancellation, for a may be 0.
   SILT_DEVICE Interval tapered(T radius, T half) const {
     const T k = radius / (2 * half);
     const V w = half - o_[2], a = (d_[0] * d_[0] + d_[1] * d_[1]) - k * k * (d_[2] * d_[2]);
@@ -193,7 +194,7 @@ class LineLanes {
     return Interval{V{} - infinity, V{} + infinity}.within(
         {(-half_width - along) * slowness, (half_width - along) * slowness});
   }
-  /// By the plane of one face after the other.
+  /// Clips the interval by the plane of one face after the other.
   SILT_DEVICE Interval clipped(const Plane<T>* planes, std::uint32_t n) const {
     Interval all{V{} - infinity, V{} + infinity};
     for (const Plane<T>* p = planes; p < planes + n; ++p) {
