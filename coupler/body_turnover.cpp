@@ -9,7 +9,6 @@
 #include "coupler/exchange/coupling_state.hpp"
 #include "coupler/fault_watch.hpp"
 #include "coupler/forces/covered_momentum.hpp"
-#include "coupler/placement/body_records.hpp"
 #include "coupler/placement/place_bodies.hpp"
 #include "coupler/scene.hpp"
 #include "parallel/collectives.hpp"

@@ -15,12 +15,12 @@
 #include <span>
 #include <string>
 
-#include "coupler/case/limits.hpp"
+#include "coupler/case/case_check.hpp"
 #include "coupler/flow.hpp"
 #include "parallel/sums_under_way.hpp"
 #include "rigid/bodies/body_set.hpp"
 #include "rigid/bodies/contact.hpp"
-#include "rigid/math/fixed_point.hpp"
+#include "rigid/math/exact_sum.hpp"
 
 namespace silt::coupler {
 

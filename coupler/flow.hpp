@@ -8,7 +8,7 @@
 
 #include "coupler/flow_account.hpp"
 #include "coupler/fluid_fields.hpp"
-#include "coupler/stage.hpp"
+#include "coupler/run_counters.hpp"
 #include "rigid/bodies/body_set.hpp"
 
 namespace silt::coupler {

@@ -9,7 +9,7 @@
 
 #include "lbm/moments.hpp"
 #include "parallel/collectives.hpp"
-#include "rigid/math/fixed_point.hpp"
+#include "rigid/math/exact_sum.hpp"
 
 namespace silt::lbm {
 template <class T>

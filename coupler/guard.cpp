@@ -9,7 +9,6 @@
 
 #include "coupler/case/case.hpp"
 #include "coupler/case/case_check.hpp"
-#include "coupler/case/limits.hpp"
 #include "coupler/flow_totals.hpp"
 #include "coupler/scene.hpp"
 #include "parallel/collectives.hpp"

@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "coupler/case/coarsening_spec.hpp"
+#include "coupler/case/fluid_spec.hpp"
 #include "coupler/flow.hpp"
 #include "lbm/stream_collide.hpp"
 #include "rigid/bodies/body_set.hpp"

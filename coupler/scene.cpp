@@ -5,12 +5,11 @@
 
 #include "adapters/automatic/collision_factory.hpp"
 #include "coupler/case/case.hpp"
-#include "coupler/case/limits.hpp"
+#include "coupler/case/case_check.hpp"
 #include "coupler/exchange/coupling_state.hpp"
 #include "coupler/forces/entrained_fluid.hpp"
 #include "coupler/forces/lubrication.hpp"
 #include "coupler/mapping/solid_map.hpp"
-#include "coupler/placement/body_records.hpp"
 #include "coupler/placement/place_bodies.hpp"
 #include "parallel/collectives.hpp"
 #include "rigid/bodies/walls.hpp"

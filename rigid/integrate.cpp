@@ -1,6 +1,4 @@
-#include "rigid/integrate.hpp"
-
-#include <cmath>
+#include "rigid/rigid_step.hpp"
 
 namespace silt::rigid {
 
@@ -12,7 +10,7 @@ Mat3 cross_matrix(const Vec3& a) {
   return m;
 }
 
-/// Of matrix x = right, by Cramer's rule.
+/// Solves matrix x = right by Cramer's rule.
 Vec3 solution(const Mat3& matrix, const Vec3& right) {
   const Vec3 a = matrix.col(0), b = matrix.col(1), c = matrix.col(2), b_c = b.cross(c);
   return Vec3(right.dot(b_c), a.dot(right.cross(c)), a.dot(b.cross(right))) / a.dot(b_c);

@@ -4,8 +4,6 @@
 #include <cstring>
 #include <type_traits>
 
-#include "rigid/integrate.hpp"
-
 namespace silt::rigid {
 
 namespace {
@@ -15,8 +13,7 @@ void clear_forces(BodySet& bodies) {
   std::fill(bodies.torque.begin(), bodies.torque.end(), FixedVec3{});
 }
 
-/// Whether one is not zero: all bytes are, if the first is and each of the others is what the one before it
-/// is.
+/// Says whether any sum is not zero: all bytes are zero if the first is and each equals the one before it.
 bool any(const std::vector<FixedVec3>& sums) {
   static_assert(std::has_unique_object_representations_v<FixedVec3>);
   const auto* const bytes = reinterpret_cast<const unsigned char*>(sums.data());

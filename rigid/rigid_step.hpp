@@ -7,6 +7,7 @@
 #include "rigid/collision/collision_backend.hpp"
 #include "rigid/collision/detect_contacts.hpp"
 #include "rigid/math/stage_clock.hpp"
+#include "rigid/math/types.hpp"
 #include "rigid/response/contact_resolver.hpp"
 #include "rigid/sleep.hpp"
 
@@ -92,5 +93,15 @@ class RigidStep {
   bool forced_ = false;                   // some body is, in this sub-step
   std::vector<std::uint8_t> in_contact_;  // by row
 };
+
+// integrate.cpp has the half steps of Algorithm 1 (lines 2-5 and 21-22): drift without force, rotation by the
+// implicit midpoint rule (rigid/README.md, M5 and M6).
+
+/// Moves the bodies of the first `rows` rows by h: free ones with constant v and L, prescribed ones with
+/// constant v and omega. Leaves angular_velocity = I_W^-1 L at the new orientation. Fixed bodies stay.
+void drift(BodySet&, std::size_t rows, double h);
+
+/// Returns the orientation after a free rotation over h; L_W is constant. Exposed for tests.
+Quat free_rotation(const Quat& orientation, const Mat3& inertia_B, const Vec3& angular_momentum_W, double h);
 
 }  // namespace silt::rigid

@@ -15,7 +15,7 @@ void hold(BodySet& bodies, std::size_t row) {
   bodies.rest[row] = {};
 }
 
-/// What an angular impulse would give to a body that is held.
+/// Returns the angular velocity that an angular impulse would give to a body that is held.
 Vec3 angular_velocity_by(const BodySet& bodies, std::size_t row, const Vec3& impulse) {
   const Mat3& inertia = bodies.inertia_B[row];
   if (bodies.is_isotropic(row)) return impulse / inertia(0, 0);
@@ -29,7 +29,7 @@ double Sleep::surface_speed(const BodySet& bodies, std::size_t row, const Twist&
   return t.v.norm() + world_.bounding_radii[bodies.shape[row]] * t.w.norm();
 }
 
-/// What moves by itself always does.
+/// A body that moves by itself always comes upon the other.
 bool Sleep::comes_upon(const BodySet& bodies, const Contact& c, double dt) const {
   const std::size_t a = bodies.row_of(c.a), b = bodies.row_of(c.b);
   if (bodies.motion[a] == Motion::prescribed || bodies.motion[b] == Motion::prescribed) return true;

@@ -1,6 +1,6 @@
 #pragma once
 // "auto": the best answer pair by pair.
-#include "rigid/collision/analytic_backend.hpp"
+#include "rigid/collision/collision_backend.hpp"
 
 namespace silt::adapters {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "lbm/domain.hpp"
-#include "rigid/shapes/bounding_box.hpp"
+#include "rigid/math/types.hpp"
 
 namespace silt::coupler {
 

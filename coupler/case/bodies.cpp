@@ -7,7 +7,6 @@
 #include <map>
 
 #include "coupler/case/case_sections.hpp"
-#include "coupler/case/fill_sizes.hpp"
 #include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {
@@ -153,24 +152,12 @@ Vec3 read_origin(TableReader& table, int shape, const Case& setup) {
   return centre || setup.shapes.empty() ? Vec3(Vec3::Zero()) : setup.shape_origins[shape];
 }
 
-/// The axes that a list names.
-rigid::LockedAxes read_axes(TableReader& table, const char* key) {
-  static const std::vector<std::string> axes{"x", "y", "z", "rotation x", "rotation y", "rotation z"};
-  const Node* given = table.find(key);
-  if (!given) return 0;
-  const auto names = given->strings();
-  if (!names) table.refuse(key, "a list out of " + joined(axes));
-  rigid::LockedAxes locked = 0;
-  for (const std::string& name : names.value_or(std::vector<std::string>{}))
-    if (const int axis = index_of(table, key, name, axes, "axis"); axis >= 0)
-      locked = static_cast<rigid::LockedAxes>(locked | 1 << axis);
-  return locked;
-}
-
 /// What a free body is locked along and about: all of a kind alike.
 void read_locked(TableReader& table, BodySpec& body, const Case& setup,
                  std::map<int, rigid::LockedAxes>& locks_of_kinds) {
-  body.locked = read_axes(table, "locked");
+  static const std::vector<std::string> axes{"x", "y", "z", "rotation x", "rotation y", "rotation z"};
+  for (const int axis : read_names(table, "locked", axes, "axis"))
+    body.locked = static_cast<rigid::LockedAxes>(body.locked | 1 << axis);
   const auto unfit = [&](const std::string& what, const char* cure) {
     table.fail("locked", "{}: {}; {}", table.path("locked"), what, cure);
   };

@@ -11,8 +11,6 @@
 #include "coupler/case/case_check.hpp"
 #include "coupler/case/case_sections.hpp"
 #include "coupler/case/fill_room.hpp"
-#include "coupler/case/fill_sizes.hpp"
-#include "coupler/case/limits.hpp"
 #include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {

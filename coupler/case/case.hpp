@@ -14,9 +14,7 @@
 #include <vector>
 
 #include "coupler/case/case_error.hpp"
-#include "coupler/case/coarsening_spec.hpp"
 #include "coupler/case/fluid_spec.hpp"
-#include "coupler/case/name_table.hpp"
 #include "coupler/case/output_spec.hpp"
 #include "coupler/case/position_file.hpp"
 #include "coupler/case/quantity_spec.hpp"

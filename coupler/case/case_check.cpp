@@ -4,10 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "coupler/case/case.hpp"
 #include "coupler/case/case_sections.hpp"
-#include "coupler/case/limits.hpp"
 #include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {
@@ -121,6 +121,109 @@ std::vector<Diagnostic> require_runnable(const Case& setup) {
   if (!has_errors(list)) return list;
   std::erase_if(list, [](const Diagnostic& d) { return d.severity == Diagnostic::Severity::warning; });
   throw CaseError(std::move(list));
+}
+
+namespace {
+
+constexpr double digit_rounding = 1e-9;  // of what two digits give already
+
+/// One of the second digit of x.
+double second_digit(double x) {
+  return std::pow(10, std::floor(std::log10(x)) - 1);
+}
+
+/// The key by which a case gives the length of a step.
+std::string time_step_key(const Case& setup) {
+  for (const char* key : {"units.relaxation_time", "units.max_velocity"})
+    if (setup.places.count(key)) return key;
+  return "units.time_step";
+}
+
+}  // namespace
+
+double rounded_down(double x) {
+  return std::floor(x / second_digit(x) + digit_rounding) * second_digit(x);
+}
+
+double rounded_up(double x) {
+  return std::ceil(x / second_digit(x) - digit_rounding) * second_digit(x);
+}
+
+std::string time_step_cure(const Case& setup, double factor) {
+  if (!setup.units.si) return "";
+  const std::string key = time_step_key(setup);
+  const double old = setup.units.time_step, excess = setup.fluid ? setup.fluid->relaxation_time - 0.5 : 0;
+  if (key == "units.relaxation_time")
+    return fmt::format("use {} = {}", key, shown(0.5 + rounded_down(factor * excess)));
+  const double step = rounded_down(factor * old);
+  constexpr double target = 0.05;  // cells a step: what units.max_velocity becomes
+  const double value = key == "units.max_velocity" ? rounded_up(target * setup.units.cell_size / step) : step;
+  const bool follows = setup.fluid && setup.places.count("fluid.kinematic_viscosity");
+  return fmt::format("use {} = {}{}", key, shown(value),
+                     follows ? fmt::format(" (relaxation time {:.3g})", 0.5 + excess * step / old) : "");
+}
+
+std::string shorter_step(const Case& setup) {
+  if (!setup.units.si) return "";
+  const std::string key = time_step_key(setup);
+  return fmt::format("a {} {}", key == "units.max_velocity" ? "larger" : "smaller", key);
+}
+
+std::string in_metres_a_second(const Case& setup, double speed) {
+  if (!setup.units.si) return "";
+  return fmt::format(" ({} m/s)", shown(setup.units.physical(speed, dimension::velocity)));
+}
+
+void check_speed(Findings& findings, const std::string& key, double speed) {
+  if (speed <= doubtful_velocity) return;
+  const Case& setup = findings.setup;
+  const std::string found =
+      fmt::format("{} is {} cells a step{}", key, shown(speed), in_metres_a_second(setup, speed));
+  const std::string cure = setup.units.si ? time_step_cure(setup, doubtful_velocity / speed) + ", or lower it"
+                                          : fmt::format("lower it to {}", doubtful_velocity);
+  if (!(speed <= impossible_velocity))
+    findings.error(key, "{}; it must be at most {}: {}", found, impossible_velocity, cure);
+  else
+    findings.warning(key, "{}; above {} the fluid is noticeably compressible: {}", found, doubtful_velocity,
+                     cure);
+}
+
+namespace {
+
+constexpr double without_limit = std::numeric_limits<double>::infinity();
+
+double width_of_thinnest_part(const rigid::Shape& shape) {
+  double width = without_limit;
+  for (const rigid::Part& part : rigid::convex_parts(shape))
+    width = std::min(width, std::visit([](const auto& s) { return s.least_width(); }, part.shape));
+  return width;
+}
+
+}  // namespace
+
+MotionLimits::MotionLimits(const Case& setup) : least_(without_limit), least_half_width_(without_limit) {
+  const ContactSpec& contacts = setup.contacts;
+  for (const rigid::Shape& shape : setup.shapes) {
+    const double width = width_of_thinnest_part(shape);
+    of_shape_.push_back(setup.fluid ? furthest_motion : contacts.substeps * 0.5 * (contacts.margin + width));
+    half_width_.push_back(0.5 * width);
+    least_ = std::min(least_, of_shape_.back());
+    least_half_width_ = std::min(least_half_width_, half_width_.back());
+  }
+}
+
+double least_explicit_density(const Case& setup, const rigid::Shape& shape) {
+  if (!setup.fluid || setup.coupling.time != TimeCoupling::explicit_) return 0;
+  const bool steps = setup.coupling.wall_scheme == WallScheme::bounce_back;
+  const double stiffness = steps ? 4.7 : 5.13, bearable = steps ? 0.80 : 0.40;
+  return stiffness / (rigid::least_width(shape) * bearable * std::sqrt(setup.fluid->relaxation_time - 0.5));
+}
+
+bool has_bodies_too_light(const Case& setup) {
+  const std::vector<Entry> entries = entries_of(setup);
+  return std::any_of(entries.begin(), entries.end(), [&](const Entry& entry) {
+    return entry.is_free() && entry.density < least_explicit_density(setup, setup.shapes[entry.shape]);
+  });
 }
 
 }  // namespace silt::coupler

@@ -7,7 +7,8 @@
 #include <vector>
 
 #include "coupler/case/case_error.hpp"
-#include "rigid/shapes/bounding_box.hpp"
+#include "rigid/math/types.hpp"
+#include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {
 
@@ -74,5 +75,72 @@ double fluid_memory(const Case&);
 /// relaxation time, sizes and expected speeds of each kind of body, memory, output. For `silt check` and the
 /// head of run.log.
 std::string derived_table(const Case&);
+
+struct Case;
+struct Findings;
+
+// The cures of velocities and relaxation times that are out of range: the key by which a case gives the
+// length of a step, with a value that is enough.
+
+/// Returns "use units.time_step = 2.5e-05 (relaxation time 0.56)": steps that are `factor` times as long, or
+/// a little shorter. Only in SI: a case in lattice units has no time step to choose, and the text is empty.
+std::string time_step_cure(const Case&, double factor);
+
+/// Returns "a smaller units.time_step", or what of another key makes steps shorter. Only in SI, else "".
+std::string shorter_step(const Case&);
+
+/// Return x to two digits, never above it (below it).
+double rounded_down(double x);
+double rounded_up(double x);
+
+/// Limits in cells a step: the error by compressibility grows with the square of the speed.
+inline constexpr double doubtful_velocity = 0.1, impossible_velocity = 0.3;
+
+/// Reports an error or a warning for a speed (cells a step) that the key gives and that is too high, with a
+/// time step that makes it low enough.
+void check_speed(Findings&, const std::string& key, double speed);
+
+/// Returns " (0.25 m/s)", or nothing in lattice units.
+std::string in_metres_a_second(const Case&, double speed);
+
+/// Returns the diameter of a sphere of a shape's volume.
+double sphere_of_volume(const rigid::Shape&);
+
+/// Returns the speed at which a sphere falls or rises steadily in unbounded fluid, by the drag law of
+/// Schiller and Naumann (1933), C_D = 24/Re (1 + 0.15 Re^0.687). Lattice units; density relative to the
+/// fluid's; negative never.
+double terminal_velocity(double diameter, double density, double gravity, double kinematic_viscosity);
+
+/// Bodies that move further in a step (cells) cover cells that no neighbour has seen. Only with a fluid.
+inline constexpr double furthest_motion = 1;
+
+/// The limits of a case, in cells a step, by the shape of a body. With a fluid furthest_motion. Without, in a
+/// sub-step half of contacts.margin and half of the body's least width (of its thinnest part): then of two
+/// bodies that were out of each other's reach before a sub-step none has passed the middle of the other after
+/// it, nor the surface of a wall by its own middle, so that their contact pushes them back where they came
+/// from.
+class MotionLimits {
+ public:
+  explicit MotionLimits(const Case&);
+  double of(int shape) const { return of_shape_[shape]; }
+  double least() const { return least_; }
+  /// Half of the least width of the thinnest part, in cells: what overlaps deeper than that is pushed out on
+  /// the other side. Infinite for meshes.
+  double half_width(int shape) const { return half_width_[shape]; }
+  double least_half_width() const { return least_half_width_; }
+
+ private:
+  std::vector<double> of_shape_, half_width_;
+  double least_, least_half_width_;
+};
+
+/// Returns the density, over the fluid's, from which on the explicit step is stable for a free body, within a
+/// fifth for spheres: where the largest eigenvalue of M^-1 H, 5.13 / (D rho) for a sphere of D cells, is 0.40
+/// sqrt(tau - 1/2) (scripts/accuracy/coupling_in_time.md; bounce-back bears twice as much). Of other shapes D
+/// is the least width. 0 without a fluid, and where the coupling is implicit.
+double least_explicit_density(const Case&, const rigid::Shape&);
+
+/// Whether any free body of the case is lighter than that.
+bool has_bodies_too_light(const Case&);
 
 }  // namespace silt::coupler

@@ -1,5 +1,6 @@
 #pragma once
 // What is wrong with a case: where it stands, what was found, what is allowed and what to do.
+#include <array>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -48,5 +49,21 @@ std::string joined(std::span<const std::string> names, std::string_view separato
 std::string suggestion(std::string_view wanted, std::span<const std::string> names);
 /// Returns the shortest text that reads back as x to six digits: 1e-06, 0.25.
 std::string shown(double x);
+
+/// The names of an enum's values, stated once: the case reader, its messages, the derived table and the report
+/// all read the same table.
+template <class Enum, std::size_t count>
+struct NameTable {
+  std::array<std::string_view, count> names;  // in the order of the enumerators
+
+  constexpr std::string_view operator[](Enum value) const { return names[static_cast<std::size_t>(value)]; }
+  std::vector<std::string> list() const { return {names.begin(), names.end()}; }
+};
+
+/// Makes a table: names_of<Refill>("equilibrium", "grad").
+template <class Enum, class... Names>
+constexpr NameTable<Enum, sizeof...(Names)> names_of(Names... names) {
+  return {{names...}};
+}
 
 }  // namespace silt::coupler

@@ -212,6 +212,18 @@ int index_of(TableReader& reader, std::string_view key, const std::string& name,
   return -1;
 }
 
+std::vector<int> read_names(TableReader& reader, const char* key, const std::vector<std::string>& known,
+                            std::string_view what) {
+  std::vector<int> indices;
+  const Node* list = reader.find(key);
+  if (!list) return indices;
+  const auto names = list->strings();
+  if (!names) reader.refuse(key, "a list out of " + joined(known));
+  for (const std::string& name : names.value_or(std::vector<std::string>{}))
+    if (const int i = index_of(reader, key, name, known, what); i >= 0) indices.push_back(i);
+  return indices;
+}
+
 std::optional<int> read_name(TableReader& reader, const char* key, const std::vector<std::string>& names,
                              std::string_view what) {
   const auto name = reader.string(key);

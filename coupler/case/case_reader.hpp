@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "coupler/case/case_file.hpp"
-#include "rigid/shapes/bounding_box.hpp"
+#include "rigid/math/types.hpp"
 
 namespace silt::coupler {
 

@@ -66,6 +66,21 @@ std::vector<std::string> hollow_names();
 std::vector<KeySection> body_sections();
 void read_bodies(TableReader& root, Case&);  // [[bodies]], [[fill]], [[outflow]]
 
+// fill_sizes.cpp: the sizes of a [[fill]] whose bodies differ, a distribution of diameters as a list of a few,
+// which every rank knows. A diameter is that of the sphere of a body's volume.
+/// This share of the bodies, by number, has this diameter (cells).
+struct SizeShare {
+  double diameter, share;
+};
+KeySection fill_size_section();
+/// Reads the table `diameter` of a fill: none without it, or where it is wrong (reported). A continuous
+/// distribution is cut into strips between diameters of equal ratios; all bodies of one have the diameter of
+/// their mean volume.
+std::vector<SizeShare> read_fill_sizes(TableReader& fill);
+/// Gives the fills the shapes of their sizes, which are added to those of the case. sizes: one list a fill.
+/// The largest takes the place of the shape that was given, where no other body has that.
+void set_fill_sizes(Case&, const std::vector<std::vector<SizeShare>>& sizes);
+
 // springs.cpp
 std::vector<KeySection> spring_sections();
 void read_springs(TableReader& root, Case&);      // [[springs]]; after the bodies
@@ -84,6 +99,10 @@ void read_quantities(TableReader& root, Case&);  // [[quantities]]; last: they n
 /// it is not there.
 int index_of(TableReader&, std::string_view key, const std::string& name,
              const std::vector<std::string>& names, std::string_view what);
+
+/// Returns the indices of the names that a key lists, of those that are known.
+std::vector<int> read_names(TableReader&, const char* key, const std::vector<std::string>& known,
+                            std::string_view what);
 
 /// Returns the index of the name that a key gives, if it is there, and known.
 std::optional<int> read_name(TableReader&, const char* key, const std::vector<std::string>& names,

@@ -7,7 +7,6 @@
 #include "coupler/case/case.hpp"
 #include "coupler/case/case_check.hpp"
 #include "coupler/case/case_sections.hpp"
-#include "coupler/case/limits.hpp"
 #include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {
@@ -35,16 +34,6 @@ constexpr std::tuple fine_keys{
     Key{"level", &FineBox::level, Whole{0, CoarseningSpec::most_levels - 1},
         "the level: cells 2^level finest cells wide"}};
 
-void read_fine_sides(TableReader& table, std::array<bool, 6>& fine) {
-  const Node* list = table.find("fine_sides");
-  if (!list) return;
-  const std::vector<std::string> known = side_names.list();
-  const auto names = list->strings();
-  if (!names) return table.refuse("fine_sides", "a list out of " + joined(known));
-  for (const std::string& name : *names)
-    if (const int side = index_of(table, "fine_sides", name, known, "side"); side >= 0) fine[side] = true;
-}
-
 double default_distance(const Case& setup) {
   double largest = 0;
   if (setup.shapes.empty()) return least_default_distance;
@@ -65,7 +54,8 @@ void read_coarsening(TableReader& root, Case& setup) {
   CoarseningSpec& spec = setup.coarsening.emplace();
   spec.distance = default_distance(setup);
   read_keys(table, spec, coarsening_keys);
-  read_fine_sides(table, spec.fine_sides);
+  for (const int side : read_names(table, "fine_sides", side_names.list(), "side"))
+    spec.fine_sides[side] = true;
   for (TableReader& fine : table.tables("fine")) read_keys(fine, spec.fine.emplace_back(), fine_keys);
 }
 

@@ -1,5 +1,4 @@
 // [contacts], [[materials]] and [[material_pairs]]: how bodies touch, and what may be wrong with it.
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>

@@ -7,9 +7,7 @@
 #include "coupler/case/case.hpp"
 #include "coupler/case/case_check.hpp"
 #include "coupler/case/fill_room.hpp"
-#include "coupler/case/fill_sizes.hpp"
 #include "coupler/case/fluid_spec.hpp"
-#include "coupler/case/limits.hpp"
 #include "rigid/math/elementary.hpp"
 #include "rigid/shapes/shape.hpp"
 

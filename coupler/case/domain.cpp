@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "coupler/case/case.hpp"
+#include "coupler/case/case_check.hpp"
 #include "coupler/case/case_sections.hpp"
-#include "coupler/case/limits.hpp"
 
 namespace silt::coupler {
 

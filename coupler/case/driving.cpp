@@ -8,8 +8,8 @@
 #include <limits>
 #include <numbers>
 
+#include "coupler/case/case_check.hpp"
 #include "coupler/case/case_sections.hpp"
-#include "coupler/case/limits.hpp"
 #include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {

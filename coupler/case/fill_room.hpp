@@ -9,7 +9,7 @@
 #include "coupler/case/case.hpp"
 #include "coupler/case/counter_random.hpp"
 #include "rigid/bodies/body_exchange.hpp"
-#include "rigid/shapes/bounding_box.hpp"
+#include "rigid/math/types.hpp"
 #include "rigid/shapes/hollow_shape.hpp"
 #include "rigid/shapes/mesh.hpp"
 #include "rigid/shapes/shape_fwd.hpp"
@@ -55,6 +55,9 @@ class CurvedWalls {
 /// Returns the box of a fill less a radius, and less the gap too where a side of the box is a wall; all of
 /// [0, length] along a periodic axis that the box covers. CaseError if not one body fits.
 rigid::BoundingBox room_for_centres(const Case&, std::size_t fill, double radius);
+
+/// The mean of the volumes of a fill's bodies.
+double mean_volume(const Case&, const FillSpec&);
 
 /// Rows along x, rows side by side along y in layers, layers one above the other along z. Along a periodic
 /// axis that the room covers, sites are moved apart until they meet its end; along others they stand in the

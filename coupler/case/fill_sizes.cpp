@@ -1,12 +1,11 @@
-#include "coupler/case/fill_sizes.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include "coupler/case/case.hpp"
+#include "coupler/case/case_sections.hpp"
+#include "coupler/case/fill_room.hpp"
 #include "rigid/math/elementary.hpp"
 #include "rigid/shapes/shape.hpp"
 

@@ -8,7 +8,6 @@
 #include "coupler/case/case_check.hpp"
 #include "coupler/case/case_sections.hpp"
 #include "coupler/case/fluid_spec.hpp"
-#include "coupler/case/limits.hpp"
 
 namespace silt::coupler {
 

@@ -90,14 +90,8 @@ constexpr std::tuple checkpoint_keys{
 
 void read_field_names(TableReader& fields, const std::vector<std::string>& known,
                       std::vector<Field>& quantities) {
-  const Node* list = fields.find("quantities");
-  if (!list) return;
-  const auto names = list->strings();
-  if (!names) return fields.refuse("quantities", "a list out of " + joined(known));
-  quantities.clear();
-  for (const std::string& name : *names)
-    if (const int i = index_of(fields, "quantities", name, known, "quantity"); i >= 0)
-      quantities.push_back(Field(i));
+  if (fields.has("quantities")) quantities.clear();
+  for (const int i : read_names(fields, "quantities", known, "quantity")) quantities.push_back(Field(i));
 }
 
 void read_fields(TableReader& table, FieldsSpec& fields) {

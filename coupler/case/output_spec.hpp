@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "coupler/case/name_table.hpp"
+#include "coupler/case/case_error.hpp"
 #include "rigid/math/types.hpp"
 
 namespace silt::coupler {

@@ -1,7 +1,6 @@
 // [[quantities]], and what may be wrong with them.
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cctype>
 #include <cmath>
 #include <limits>

@@ -6,9 +6,9 @@
 #include <string>
 #include <string_view>
 
-#include "coupler/case/name_table.hpp"
+#include "coupler/case/case_error.hpp"
 #include "coupler/case/units.hpp"
-#include "rigid/shapes/bounding_box.hpp"
+#include "rigid/math/types.hpp"
 
 namespace silt::coupler {
 

@@ -10,7 +10,7 @@
 #include "coupler/case/case.hpp"
 #include "coupler/case/case_sections.hpp"
 #include "rigid/math/elementary.hpp"
-#include "rigid/math/twist.hpp"
+#include "rigid/math/types.hpp"
 #include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {

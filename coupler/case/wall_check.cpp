@@ -8,7 +8,6 @@
 #include "coupler/case/case.hpp"
 #include "coupler/case/case_check.hpp"
 #include "coupler/case/case_sections.hpp"
-#include "coupler/case/limits.hpp"
 #include "rigid/collision/hollow_contacts.hpp"
 #include "rigid/shapes/shape.hpp"
 

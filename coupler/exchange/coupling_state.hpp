@@ -2,7 +2,7 @@
 // What the coupler keeps with every body, in columns that rigid::BodySet carries along: it travels from rank
 // to rank and into checkpoints with the body. Lattice units, world frame.
 #include "rigid/bodies/body_set.hpp"
-#include "rigid/math/twist.hpp"
+#include "rigid/math/types.hpp"
 
 namespace silt::coupler {
 

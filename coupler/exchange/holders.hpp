@@ -7,7 +7,7 @@
 #include "lbm/domain.hpp"
 #include "rigid/bodies/body_set.hpp"
 #include "rigid/bodies/world.hpp"
-#include "rigid/shapes/bounding_box.hpp"
+#include "rigid/math/types.hpp"
 
 namespace silt::coupler {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "coupler/exchange/coupling_state.hpp"
-#include "rigid/math/twist.hpp"
+#include "rigid/math/types.hpp"
 #include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {

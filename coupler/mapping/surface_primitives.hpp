@@ -2,7 +2,7 @@
 // Surfaces as the kernels of object mapping see them: the convex parts of a body, turned as the body is, in
 // the precision of the kernel, each one of few kinds. And, for kernels that are built once an instruction
 // set, where straight lines are inside a part: one interval each, one lane a line.
-// rigid/shapes/line_interval.hpp is the same for one line, in double and with care for lines from afar; here
+// rigid/shapes/solid.hpp is the same for one line, in double and with care for lines from afar; here
 // lines start within a few cells of the part, and every branch is a selection.
 #include <cstdint>
 #include <limits>

@@ -1,11 +1,14 @@
 #pragma once
 // The bodies that a case gives one by one, on the ranks they concern, and how ranks tell what is wrong with
 // them.
+#include <mpi.h>
+
 #include <span>
 #include <vector>
 
 #include "coupler/case/case.hpp"
 #include "coupler/placement/surroundings.hpp"
+#include "lbm/domain.hpp"
 
 namespace silt::coupler {
 
@@ -37,5 +40,12 @@ struct BodyFault {
 /// Collective. Returns the first `most` faults by (body, other), each once though several ranks may have
 /// found it.
 std::vector<BodyFault> first_faults(MPI_Comm, std::vector<BodyFault> mine, std::size_t most);
+
+struct Case;
+
+/// Collective. CaseError on every rank says which given bodies have their centre outside the domain, reach
+/// into a wall or, if there are none of those, overlap another: of each kind the first few, by the order of
+/// the case. The case must have passed check_case.
+void require_sound_start(const Case&, const lbm::Domain&, MPI_Comm);
 
 }  // namespace silt::coupler

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "rigid/bodies/body_exchange.hpp"
-#include "rigid/shapes/bounding_box.hpp"
+#include "rigid/math/types.hpp"
 
 namespace silt::coupler {
 

@@ -7,8 +7,23 @@
 #include "coupler/case/fill_room.hpp"
 #include "coupler/placement/given_bodies.hpp"
 #include "coupler/placement/neighbour_grid.hpp"
+#include "rigid/bodies/body_exchange.hpp"
+#include "rigid/shapes/shape_fwd.hpp"
 
 namespace silt::coupler {
+
+/// Returns how far a shape reaches into another, at least, in cells: positive only if they do overlap, so that
+/// no legal scene is refused; exact for a sphere against anything; negative if no overlap is found (then, for
+/// two spheres, minus their distance).
+double overlap_depth(const rigid::Shape& a, const rigid::Pose& pose_a, const rigid::Shape& b,
+                     const rigid::Pose& pose_b);
+
+/// The largest over the periodic images of b.
+double overlap_depth(const rigid::Shape& a, const rigid::Pose& pose_a, const rigid::Shape& b,
+                     const rigid::Pose& pose_b, const rigid::Extent&);
+
+/// Distance from a point to the nearest periodic image of a shape, negative inside.
+double distance_to(const rigid::Shape&, const rigid::Pose&, const rigid::Vec3& x_W, const rigid::Extent&);
 
 class Obstacles {
  public:

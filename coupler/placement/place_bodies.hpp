@@ -3,8 +3,11 @@
 // while a run goes on.
 #include <vector>
 
+#include "coupler/case/case.hpp"
 #include "coupler/placement/given_bodies.hpp"
 #include "coupler/placement/one_fill.hpp"
+#include "rigid/bodies/body_set.hpp"
+#include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {
 
@@ -59,5 +62,19 @@ std::vector<FillApplication> fills_due(const Case&, std::int64_t steps_done);
 /// rank's, as above. Of the random numbers of an application no other has any.
 std::vector<AppliedFill> place_arrivals(const Case&, const std::vector<FillApplication>&, const lbm::Domain&,
                                         MPI_Comm, const rigid::BodySet& bodies, rigid::BodyId& next_id);
+
+struct Case;
+
+/// A shape about its centre of mass, and what follows from it.
+struct CentredShape {
+  rigid::Shape shape;
+  double volume = 0, bounding_radius = 0;
+  rigid::Mat3 inertia = rigid::Mat3::Zero();  // of unit density
+};
+std::vector<CentredShape> centred_shapes(const Case&);
+
+/// Returns a body as a record: the pose is that of its centre of mass, not wrapped; in a fluid of density 1
+/// it has buoyancy.
+rigid::BodyRecord body_record(rigid::BodyId, const BodySpec&, const CentredShape&, bool in_fluid);
 
 }  // namespace silt::coupler

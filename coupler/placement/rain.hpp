@@ -6,7 +6,7 @@
 #include <cstdint>
 
 #include "coupler/case/counter_random.hpp"
-#include "rigid/shapes/bounding_box.hpp"
+#include "rigid/math/types.hpp"
 
 namespace silt::coupler {
 

@@ -4,7 +4,6 @@
 #include <limits>
 
 #include "coupler/case/case.hpp"
-#include "coupler/placement/body_records.hpp"
 #include "coupler/placement/place_bodies.hpp"
 #include "parallel/communicator.hpp"
 

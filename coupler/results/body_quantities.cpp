@@ -5,7 +5,6 @@
 
 #include "coupler/case/case.hpp"
 #include "coupler/fault_watch.hpp"
-#include "coupler/placement/body_records.hpp"
 #include "coupler/placement/place_bodies.hpp"
 #include "coupler/results/quantity_computation.hpp"
 #include "parallel/collectives.hpp"

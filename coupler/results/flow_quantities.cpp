@@ -4,7 +4,7 @@
 #include <numbers>
 
 #include "coupler/case/case.hpp"
-#include "coupler/placement/body_records.hpp"
+#include "coupler/placement/place_bodies.hpp"
 #include "coupler/results/quantity_computation.hpp"
 #include "coupler/results/velocity_gradient.hpp"
 #include "parallel/collectives.hpp"

@@ -12,8 +12,8 @@
 
 #include "coupler/body_turnover.hpp"
 #include "coupler/case/case.hpp"
+#include "coupler/case/case_check.hpp"
 #include "coupler/case/fluid_spec.hpp"
-#include "coupler/case/limits.hpp"
 #include "coupler/case/quantity_spec.hpp"
 #include "coupler/results/build_info.hpp"
 #include "coupler/state_hash.hpp"

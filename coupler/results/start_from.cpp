@@ -7,7 +7,7 @@
 #include "coupler/case/case.hpp"
 #include "coupler/case/counter_random.hpp"
 #include "coupler/exchange/coupling_state.hpp"
-#include "coupler/placement/body_records.hpp"
+#include "coupler/placement/place_bodies.hpp"
 #include "coupler/results/checkpoint.hpp"
 #include "coupler/results/populations.hpp"
 #include "lbm/fluid.hpp"
@@ -57,8 +57,7 @@ Scales scales_of(const CheckpointReader& reader, const Case& setup) {
   scales.step = setup.units.time_step / positive("start.time_step");
   scales.density = setup.units.density / positive("start.density");
   if (setup.fluid && reader.has("start.relaxation_time"))
-    scales.off_equilibrium =
-        scales.step * setup.fluid->relaxation_time / positive("start.relaxation_time");
+    scales.off_equilibrium = scales.step * setup.fluid->relaxation_time / positive("start.relaxation_time");
   return scales;
 }
 

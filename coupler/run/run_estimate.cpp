@@ -17,7 +17,7 @@
 #include "coupler/case/case_check.hpp"
 #include "coupler/exchange/coupling_state.hpp"
 #include "coupler/flow.hpp"
-#include "coupler/placement/body_records.hpp"
+#include "coupler/placement/place_bodies.hpp"
 #include "coupler/regions/level_views.hpp"
 #include "lbm/fluid.hpp"
 #include "rigid/bodies/walls.hpp"

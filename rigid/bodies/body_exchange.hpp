@@ -3,14 +3,62 @@
 // send nothing here: forces act on owned rows only, and a copy, which has its owner's state, drifts as its
 // owner does. On one rank, and in this class itself, the exchange only wraps positions into a periodic
 // domain. The parallel form is coupler/exchange/parallel_body_exchange.hpp.
+#include <array>
 #include <span>
 #include <vector>
 
 #include "rigid/bodies/body_set.hpp"
 #include "rigid/bodies/contact.hpp"
-#include "rigid/bodies/rank_cluster.hpp"
 
 namespace silt::rigid {
+
+/// The ranks that contacts connect, directly or over others, agree on something without a message to or from
+/// anybody else. Words go between ranks with a common contact, in rounds that all of the cluster take part
+/// in. All have heard the word of one rank after as many rounds as the cluster is across; the first rounds
+/// find that number with the same messages.
+///
+/// The rank of the lowest number in the cluster leads it. Every rank takes the lowest number it has heard of
+/// for its leader and the rank that said it first for its parent. A rank whose partners all have its leader,
+/// and all of whose children are whole, is whole: the part of the tree that hangs on it is complete. A leader
+/// that is not the lowest never becomes whole, since next to some rank on its tree there is one that never
+/// followed it (E. Chang, "Echo algorithms: depth parallel operations on general graphs", IEEE Trans. Softw.
+/// Eng. SE-8 (1982) 391; with extinction of waves). The leader that is whole knows the depth of its tree and
+/// the number of ranks: the cluster is at most twice the depth across, and less than the number. It tells all
+/// of them this, and from which round on all know.
+class RankCluster {
+ public:
+  /// A rank tells its partners this in a round.
+  struct Word {
+    int value;  // of what is to be agreed on
+    int leader, distance, parent;
+    int depth, ranks;        // of the part of the tree from here on; depth -1: not whole yet
+    int across, known_from;  // what the leader found; 0: nothing yet
+  };
+
+  /// Begins with the ranks that own a partner of a body owned here. `all` is the number of ranks there are.
+  void begin(int rank, std::vector<int> partners, int all);
+  const std::vector<int>& partners() const { return partners_; }
+  bool is_alone() const { return partners_.empty(); }
+
+  Word say(int value) const;
+  /// Ends a round with what the partners said, in their order. Returns the least of their values and this
+  /// rank's.
+  int hear(int value, std::span<const Word> words);
+  /// Says whether the words of `rounds` rounds ago have come to all ranks of the cluster, and all of them
+  /// know that. All ranks get one answer in a round; it is true for 0 rounds on a rank alone.
+  bool all_have_heard(int rounds) const;
+
+ private:
+  void follow(std::span<const Word> words);
+  void look_at_children(std::span<const Word> words);
+
+  int rank_ = 0, all_ = 1;
+  std::vector<int> partners_;
+  int round_ = 0;
+  int leader_ = 0, distance_ = 0, parent_ = 0;
+  int depth_ = -1, ranks_ = 1;
+  int across_ = 0, known_from_ = 0;
+};
 
 /// The box the bodies live in: [0, size), periodic or walled, an axis at a time.
 struct Extent {
@@ -38,9 +86,9 @@ class BodyExchange {
   /// Line 13: contacts go to the owners of their bodies; those of owned bodies come back, sorted by key, and
   /// every partner of an owned body has a row (a visitor if it was not held before).
   virtual void exchange_contacts(BodySet&, std::vector<Contact>&);
-  /// In the sweeps, with the ranks that own a partner of a body owned here: overwrites `width` doubles of
-  /// each not-owned partner's row by its owner's. `said`, if any, is one word for all of them, and `heard`
-  /// what they say, in the order of cluster().partners(). Not `changed`: no row owned here has changed since
+  /// Overwrites, in the sweeps, `width` doubles of each not-owned partner's row by its owner's, with the
+  /// ranks that own a partner of a body owned here. `said`, if any, is one word for all of them, and `heard`
+  /// gets theirs, in the order of cluster().partners(). Not `changed`: no row owned here has changed since
   /// the last share, and only the word goes.
   virtual void share(BodySet&, std::span<double> /*rows x width*/, int /*width*/,
                      std::span<const RankCluster::Word> /*said*/ = {},
@@ -57,5 +105,43 @@ class BodyExchange {
  private:
   std::vector<RankCluster::Word> heard_;  // scratch
 };
+
+/// Sweeps over contacts end by a common rest. Pairs that no longer change are not solved again, so a cluster
+/// of bodies in contact (an island) comes to rest by itself, wherever it lies, and further sweeps change no
+/// bit of it. Ranks that contacts connect have to agree only on the number of sweeps: each counts the sweeps
+/// for which it, and as far as it has heard the others, had nothing to solve again. The count of a rank is
+/// one more than the least of the counts it hears, 0 while it has something to do; above the number of
+/// messages that a word needs to come to all of them, all have been at rest in one and the same sweep, and
+/// each knows it in the same sweep (B. Szymanski, Y. Shi, N. Prywes, "Synchronized distributed termination",
+/// IEEE Trans. Softw. Eng. SE-11 (1985) 1136). Ranks without a common contact do not wait for each other.
+class CommonRest {
+ public:
+  explicit CommonRest(BodyExchange& exchange) : exchange_(exchange) {}
+
+  /// Says whether this rank, as far as it has heard, has nothing to solve in the next sweep.
+  bool idle() const { return quiet_ > 0; }
+  /// Ends a sweep after which this rank has something to solve again (`moving`) or not. True in the same
+  /// sweep on all ranks that contacts connect, once none of them has.
+  bool reached(bool moving) {
+    quiet_ = moving ? 0 : quiet_ + 1;
+    return quiet_ > 0 && exchange_.cluster().all_have_heard(quiet_ - 1);
+  }
+  /// Shares the bodies' rows, if any of them may have changed since the last time, and what is known of rest.
+  void share(BodySet& bodies, std::span<double> rows, int width) {
+    quiet_ = exchange_.share_in_round(bodies, rows, width, quiet_, quiet_ < 2);
+  }
+
+ private:
+  BodyExchange& exchange_;
+  int quiet_ = 0;  // sweeps
+};
+
+/// Says whether something is so on this rank or on any that contacts connect it with.
+inline bool on_any(BodySet& bodies, BodyExchange& exchange, bool here) {
+  int nowhere = !here;
+  for (int rounds = 0; !exchange.cluster().all_have_heard(rounds); ++rounds)
+    nowhere = exchange.share_in_round(bodies, {}, 0, nowhere, false);
+  return nowhere == 0;
+}
 
 }  // namespace silt::rigid

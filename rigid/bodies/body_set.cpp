@@ -142,7 +142,7 @@ std::size_t BodySet::row_of(BodyId wanted) const {
 }
 
 bool BodySet::is_isotropic(std::size_t row) const {
-  // What rounding leaves of a symmetric body; a real difference of the moments is never this small.
+  // Rounding makes the moments of a symmetric body differ by this; a real difference is never as small.
   constexpr double tolerance = 1e-14;
   const Mat3& i = inertia_B[row];
   const double off = std::max({std::abs(i(0, 1)), std::abs(i(0, 2)), std::abs(i(1, 2)),

@@ -5,17 +5,57 @@
 //   then                   visitors: partners of owned bodies in a contact, here for the rest of one step
 //   only last              walls (global: on every rank, never sent)
 // A copy equals its owner's state to the bit. On one rank there are only owned bodies and walls.
+#include <bit>
 #include <cstdint>
 #include <span>
 #include <type_traits>
 #include <vector>
 
 #include "rigid/bodies/contact.hpp"
-#include "rigid/bodies/row_table.hpp"
-#include "rigid/math/fixed_point.hpp"
-#include "rigid/math/twist.hpp"
+#include "rigid/math/exact_sum.hpp"
+#include "rigid/math/types.hpp"
 
 namespace silt::rigid {
+
+/// A table gives the row of a body by its id. It lies in one piece of memory, is filled again when rows
+/// change, which on many ranks is most steps, and is asked several times a contact.
+class RowTable {
+ public:
+  /// Row k is that of ids[k]; of equal ids the first.
+  void assign(std::span<const BodyId> ids) {
+    const std::size_t places = std::bit_ceil(2 * ids.size() + 1);
+    places_.assign(places, {});
+    shift_ = 64 - std::countr_zero(places);
+    for (std::size_t row = 0; row < ids.size(); ++row) {
+      Place& place = places_[of(ids[row])];
+      if (place.row == none) place = {ids[row], row};
+    }
+  }
+  /// The row of an id; `otherwise` if there is none.
+  std::size_t find(BodyId id, std::size_t otherwise) const {
+    if (places_.empty()) return otherwise;
+    const Place& place = places_[of(id)];
+    return place.row == none ? otherwise : place.row;
+  }
+
+ private:
+  static constexpr std::size_t none = ~std::size_t{0};
+  struct Place {
+    BodyId id = 0;
+    std::size_t row = none;
+  };
+
+  /// Returns the place where an id is, or would be. At most half of the places are taken.
+  std::size_t of(BodyId id) const {
+    constexpr std::uint64_t golden = 0x9E3779B97F4A7C15;  // spreads ids that follow one another
+    std::size_t at = shift_ < 64 ? id * golden >> shift_ : 0;
+    while (places_[at].row != none && places_[at].id != id) at = (at + 1) & (places_.size() - 1);
+    return at;
+  }
+
+  std::vector<Place> places_;
+  int shift_ = 64;
+};
 
 enum class Motion : std::uint8_t {
   free,        // moved by forces and contacts
@@ -34,14 +74,14 @@ inline constexpr LockedAxes locked_about(int axis) {
 }
 inline constexpr LockedAxes locked_rotations = 7 << 3;
 
-/// What is left of a change of velocity.
+/// Returns the part of a change of velocity that locked axes leave.
 inline Vec3 without_locked(LockedAxes locked, Vec3 change) {
   for (int d = 0; d < 3; ++d)
     if (locked & locked_along(d)) change[d] = 0;
   return change;
 }
 
-/// Of a free body (rigid/sleep.hpp); all others, and all where there is no sleeping, are awake.
+/// Only free bodies sleep (rigid/sleep.hpp); all others, and all where there is no sleeping, are awake.
 enum class Wakefulness : std::uint8_t {
   awake,
   falling_asleep,  // at rest, held; its contacts are looked at for the last time
@@ -59,7 +99,7 @@ struct StoredImpulse {
   bool held = false;  // of a body at rest: kept while nobody looks at the contact
 };
 
-/// What a body has of rest (rigid/sleep.hpp).
+/// The rest of a body (rigid/sleep.hpp).
 struct Rest {
   std::int32_t quiet_steps = 0;
   std::int32_t unused = 0;
@@ -83,7 +123,7 @@ struct HolderColumn {
   constexpr int end() const { return first + count; }
 };
 
-/// What a body has in all columns; zero until it is set.
+/// A body's numbers in all columns; zero until they are set.
 struct HolderState {
   static constexpr int most_numbers = 40, most_integers = 8;
   double numbers[most_numbers] = {};
@@ -106,7 +146,7 @@ struct HolderState {
 };
 static_assert(std::is_trivially_copyable_v<HolderState>);
 
-/// Where a body is, and how it moves; trivially copyable, as all of a record.
+/// The place and the motion of a body; trivially copyable, as all of a record.
 struct Kinematics {
   double position[3] = {}, orientation[4] = {1, 0, 0, 0};  // w, x, y, z
   double velocity[3] = {}, angular_velocity[3] = {}, angular_momentum[3] = {};
@@ -126,7 +166,6 @@ struct BodyRecord : Kinematics {
   HolderState holder_state = {};
 };
 
-/// What the bodies are.
 struct BodyIdentities {
   std::vector<BodyId> id;
   std::vector<std::int32_t> shape;     // index into the scene's shapes
@@ -136,8 +175,7 @@ struct BodyIdentities {
   std::vector<Wakefulness> wakefulness;
 };
 
-/// Where they are and how they move. The position is canonical, wrapped into the domain; position + image *
-/// period is the unwrapped path.
+/// The position is canonical, wrapped into the domain; position + image * period is the unwrapped path.
 struct BodyMotions {
   std::vector<Vec3> position;
   std::vector<std::array<std::int32_t, 3>> image;
@@ -206,7 +244,7 @@ struct BodySet : BodyIdentities, BodyMotions, BodyMasses {
   LockedAxes locked(std::size_t row) const {
     return locked_of_kind.empty() ? LockedAxes{0} : locked_of_kind[kind[row]];
   }
-  /// What is left of a change of a body's velocity where axes are locked.
+  /// Returns the part of a change of a body's velocity that its locked axes leave.
   Vec3 unlocked(std::size_t row, const Vec3& change) const {
     return locked(row) == 0 ? change : without_locked(locked(row), change);
   }

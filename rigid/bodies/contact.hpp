@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <span>
 #include <tuple>
-#include <vector>
 
 #include "rigid/bodies/lubrication.hpp"
 #include "rigid/math/types.hpp"
@@ -19,7 +18,7 @@ struct ContactPoint {
   std::uint64_t feature;  // stable from step to step for the same pair of features (vertex, edge, face)
 };
 
-/// Which periodic image of body b is meant: -1, 0, 1 an axis.
+/// An image names one of the periodic images of body b: -1, 0, 1 an axis.
 struct Image {
   std::int8_t x = 0, y = 0, z = 0;
   auto operator<=>(const Image&) const = default;
@@ -32,7 +31,7 @@ inline constexpr std::uint64_t lubrication_feature = std::uint64_t{1} << 63;
 inline std::uint64_t packed_feature(std::size_t part_a, std::size_t part_b, std::uint64_t feature) {
   return std::uint64_t{part_a} << 48 | std::uint64_t{part_b} << 32 | feature;
 }
-/// The same where one of the two is a mesh, which has no parts: the feature has 52 bits then.
+/// Packs the part of one body and the feature of another that is a mesh and has no parts, of 52 bits.
 inline std::uint64_t packed_mesh_feature(std::size_t part_of_other, std::uint64_t feature) {
   return std::uint64_t{part_of_other} << 52 | feature;
 }

@@ -3,10 +3,26 @@
 // other ranks, has the same walls to the bit.
 #include <vector>
 
-#include "rigid/bodies/over_time.hpp"
 #include "rigid/math/types.hpp"
 
 namespace silt::rigid {
+
+/// The share of something that acts at a time: straight lines between the rows of a table, and an oscillation
+/// that is added to them. A function of time alone, as the motion of a wall.
+struct OverTime {
+  struct Row {
+    double time, share;
+  };
+  std::vector<Row> table = {};  // times grow; constant before and after it; without rows the share is 1
+  double amplitude = 0, frequency = 0, phase = 0;  // 1 / step; radian at time 0
+
+  bool varies() const { return !table.empty() || amplitude != 0; }
+  double at(double time) const;
+  /// Returns the integral from time 0 on: the time itself where nothing varies.
+  double integral(double time) const;
+  /// Returns what the size of the share never exceeds.
+  double most() const;
+};
 
 /// A row of a table of motion: where the wall has gone to since time 0.
 struct MotionRow {
@@ -24,8 +40,8 @@ struct PrescribedMotion {
   std::vector<MotionRow> table = {};  // times grow; before and after it the wall rests
 
   bool moves() const;
-  /// Where a wall is that was at `start` at time 0, but for the displacement that the phase or the table give
-  /// it then.
+  /// Returns the pose of a wall that was at `start` at time 0, but for the displacement that the phase or the
+  /// table give it then.
   Pose pose(const Pose& start, double time) const;
   struct Velocity {
     Vec3 linear = Vec3::Zero(), angular = Vec3::Zero();

@@ -5,7 +5,7 @@
 #include <limits>
 #include <stdexcept>
 
-#include "rigid/math/twist.hpp"
+#include "rigid/math/types.hpp"
 #include "rigid/shapes/shape.hpp"
 
 namespace silt::rigid {

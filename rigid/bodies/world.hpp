@@ -1,5 +1,5 @@
 #pragma once
-// What all ranks know alike about the bodies.
+// The shapes, materials and laws of the bodies, which all ranks know alike.
 #include <algorithm>
 #include <memory>
 #include <optional>
@@ -31,7 +31,7 @@ struct SleepRule {
   int steps;
 };
 
-/// What all ranks know alike: shapes, materials and laws. Tables of pairs are [i * materials + j], symmetric.
+/// Tables of pairs are [i * materials + j], symmetric.
 struct World {
   ShapeList shapes;
   std::vector<double> bounding_radii;  // one a shape

@@ -92,7 +92,8 @@ Peak nearest_vertex(const ConvexCore& core, const ConvexCore& other) {
   return best;
 }
 
-/// Whether the interiors of the two edges that support n, along axis i of a and j of b, lie over each other.
+/// Says whether the interiors of the two edges that support n, along axis i of a and j of b, lie over each
+/// other.
 bool edges_cross(const ConvexCore& a, int i, const ConvexCore& b, int j, const Vec3& n) {
   Vec3 mid_a = a.centre, mid_b = b.centre;
   for (int k = 0; k < 3; ++k) {
@@ -119,15 +120,15 @@ Peak closest_features(const ConvexCore& a, const ConvexCore& b) {
   return best;
 }
 
-/// Whether the vertex of `core` nearest to `other` along n, from `other` to `core` a face's normal, is over
-/// that face: then no distance is smaller than theirs.
+/// Says whether the vertex of `core` nearest to `other` along n, from `other` to `core` a face's normal, is
+/// over that face: then no distance is smaller than theirs.
 bool vertex_over_face(const ConvexCore& core, const ConvexCore& other, const Vec3& n) {
   const Vec3 along = core.axes.transpose() * n;
   const Vec3 nearest(along.x() > 0 ? -1 : 1, along.y() > 0 ? -1 : 1, along.z() > 0 ? -1 : 1);
   return (other.outside(core.vertex(nearest)).array() != 0).count() == 1;
 }
 
-/// Whether the axis, along which the cores are apart, is known to be that of their distance.
+/// Says whether the axis, along which the cores are apart, is known to be that of their distance.
 bool is_distance(const ConvexCore& a, const ConvexCore& b, const Vec3& axis) {
   const auto face_of = [&](const ConvexCore& core) {
     return core.extent() == 3 && (core.axes.transpose() * axis).cwiseAbs().maxCoeff() > 1 - 1e-15;

@@ -28,7 +28,7 @@ void BroadPhase::sort_into(const BodySet& bodies, std::vector<CandidatePair>& pa
     });
 }
 
-/// For pairs that meet or might soon do, also of bodies that sleep: they may wake.
+/// Looks for pairs that meet or might soon do, also of bodies that sleep: they may wake.
 void BroadPhase::look(const Surroundings& around, std::span<const WallSurface> walls) {
   const std::span slack = kept_.plan(around);
   wider_.assign(around.reach.begin(), around.reach.end());

@@ -1,14 +1,13 @@
 #pragma once
-// Which bodies come close enough to be looked at: pairs of bodies whose bounding spheres nearly touch, and
-// bodies near a wall. Canonical positions; through a periodic side a body meets the images of others (but
-// never its own), through each side separately. What is a pair is decided here, to the bit, so that the ways
-// to find them (rigid/collision/uniform_grid, the trees of the engines in adapters/) can be swapped freely;
-// and how often they are asked does not show (rigid/collision/kept_pairs).
+// A broad phase finds the bodies that come close enough to be looked at: pairs of bodies whose bounding
+// spheres nearly touch, and bodies near a wall. Positions are canonical; through a periodic side a body meets
+// the images of others (but never its own), through each side separately. This file decides bitwise which
+// bodies are a pair, so that the ways to find them (rigid/collision/uniform_grid, the trees of the engines in
+// adapters/) can be swapped freely; how often they are asked does not show (rigid/collision/kept_pairs).
 #include <string_view>
 #include <vector>
 
 #include "rigid/collision/kept_pairs.hpp"
-#include "rigid/collision/surroundings.hpp"
 
 namespace silt::rigid {
 

@@ -2,8 +2,6 @@
 // The narrow phase rigid/ asks for contact points, one pair of convex shapes at a time, and for the triangles
 // of meshes that are near. Engines implement it in adapters/; rigid/ never sees them.
 #include <cstdint>
-#include <memory>
-#include <string>
 #include <string_view>
 #include <vector>
 
@@ -15,8 +13,8 @@ namespace silt::rigid {
 
 using TrianglePair = std::pair<std::uint32_t, std::uint32_t>;
 
-/// What the narrow phase was asked, and of that what an engine did. A query that is neither answered nor
-/// refined is ours, checked by the engine or not.
+/// The queries to the narrow phase, and how many of them an engine answered. A query that is neither answered
+/// nor refined is ours, checked by the engine or not.
 struct BackendCounters {
   std::uint64_t queries = 0;    // pairs of shapes, and meshes asked for triangles
   std::uint64_t answered = 0;   // an engine's answer was taken: its normal, that there is none, its triangles
@@ -28,8 +26,8 @@ class CollisionBackend {
  public:
   virtual ~CollisionBackend() = default;
   virtual std::string_view name() const = 0;
-  /// Whether collide() answers the pair: every bounded convex shape against every convex shape, polyhedra of
-  /// up to some 10000 vertices (has_codes).
+  /// Says whether collide() answers the pair: every bounded convex shape against every convex shape,
+  /// polyhedra of up to some 10000 vertices (has_codes).
   bool supports(const ConvexShape& a, const ConvexShape& b) const;
   /// Appends every contact point with gap <= tolerance (lattice units) between a and b. Poses are relative to
   /// the first *body* (small numbers). A pure function of its arguments: no state is kept from query to
@@ -47,15 +45,26 @@ class CollisionBackend {
   const BackendCounters& counters() const { return counters_; }
 
  protected:
-  /// Whether an engine's tree answers the two below.
+  /// Says whether an engine's tree answers the two below.
   virtual bool finds_triangles() const { return false; }
-  /// What answers triangles_near and triangle_pairs_near: the mesh's own tree of boxes, if no engine's.
+  /// These two answer triangles_near and triangle_pairs_near: by the mesh's own tree of boxes, if no
+  /// engine's.
   virtual void find_triangles(const SharedMesh& mesh, const BoundingBox& near,
                               std::vector<std::uint32_t>& out);
   virtual void find_triangle_pairs(const SharedMesh& a, const Pose& pose_a, const SharedMesh& b,
                                    const Pose& pose_b, double margin, std::vector<TrianglePair>& out);
 
   BackendCounters counters_;
+};
+
+/// "analytic": closed forms and Newton's method, no engine.
+class AnalyticBackend : public CollisionBackend {
+ public:
+  std::string_view name() const override { return "analytic"; }
+  /// Spheres, capsules and boxes by closed forms (deepest_separation), anything on a half-space by its
+  /// vertices, rims and supports, all other pairs by deepest_direction.
+  void collide(const ConvexShape& a, const Pose& pose_a, const ConvexShape& b, const Pose& pose_b,
+               double tolerance, std::vector<ContactPoint>& out) override;
 };
 
 }  // namespace silt::rigid

@@ -34,7 +34,7 @@ Vec3 half_widths(const S& s) {
   }
 }
 
-/// By central differences, if the shape does not tell.
+/// Returns the derivative of the support, by central differences if the shape does not give it.
 template <class S>
 Mat3 derivative(const S& s, const Vec3& n) {
   if constexpr (requires { s.support_derivative(n); }) {

@@ -40,7 +40,7 @@ struct ConvexCore : Placement {
   /// Radius of a ball inside the core that touches its boundary at x, where unit n is an outward normal; 0 at
   /// edges and corners. At most the largest there is: 0 is always right, and costs the proof of a depth.
   double touching_ball(const Vec3& x, const Vec3& n) const;
-  /// Whether it looks the same however it is turned about its third axis.
+  /// Says whether the core looks the same however it is turned about its third axis.
   bool is_revolved() const;
   /// A ball inside the core, near x, as large as it goes; of radius 0 where none is known.
   InnerBall inner_ball(const Vec3& x) const;
@@ -61,7 +61,8 @@ struct ConvexCore : Placement {
     return half.x() * std::abs(axes.col(0).dot(n)) + half.y() * std::abs(axes.col(1).dot(n)) +
            half.z() * std::abs(axes.col(2).dot(n));
   }
-  /// From the nearest point of the core to x, in the core's axes: exactly 0 along an axis x is within.
+  /// Returns the way from the nearest point of the core to x, in the core's axes: exactly 0 along an axis x
+  /// is within.
   Vec3 outside(const Vec3& x) const {
     const Vec3 at = direction_B(x - centre);
     return at - at.cwiseMax(-half).cwiseMin(half);
@@ -81,11 +82,11 @@ struct ConvexCore : Placement {
 /// Not for a half-space.
 ConvexCore convex_core(const ConvexShape&, const Pose&);
 
-/// Whether the codes of all its features fit into half a contact's (a polyhedron of some 10000 vertices;
-/// every other shape's do).
+/// Says whether the codes of all features of a shape fit into half a contact's (those of a polyhedron of some
+/// 10000 vertices; those of every other shape do).
 bool has_codes(const ConvexShape&);
 
-/// What tolerances of rounding are relative to: sizes and distance of the pair.
+/// Returns the length that tolerances of rounding are relative to: sizes and distance of the pair.
 double length_scale(const ConvexCore& a, const ConvexCore& b);
 
 /// How far apart two cores are along a direction, or, less than 0, how deep in each other.
@@ -100,7 +101,7 @@ struct Peak {
 inline double core_separation(const ConvexCore& a, const ConvexCore& b, const Vec3& n) {
   return n.dot(b.support(-n) - a.support(n));
 }
-/// The same of two boxes, but for rounding.
+/// Returns the separation of two boxes, equal to that of cores but for rounding.
 inline double box_separation(const ConvexCore& a, const ConvexCore& b, const Vec3& n) {
   return n.dot(b.centre - a.centre) - a.reach(n) - b.reach(n);
 }

@@ -1,7 +1,6 @@
 #include "rigid/collision/manifold.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -54,9 +53,9 @@ void face_on_face(const ContactOutline& a, const ContactOutline& b, const Vec3& 
   }
 }
 
-/// From the point x of a swept segment's axis, `t` from its middle, along unit m to the surface; nothing
-/// where that is past the barrel and on no hemisphere (it has a point of its own). A cylinder's line is on
-/// the surface already.
+/// Returns the distance from the point x of a swept segment's axis, `t` from its middle, along unit m to the
+/// surface; nothing where that point is past the barrel and on no hemisphere (which has a point of its own).
+/// A cylinder's line is on the surface already.
 std::optional<double> to_surface(const ConvexCore& line, double t, const Vec3& m) {
   if (line.radius == 0) return 0;
   const double half = line.half.z(), tilt = line.axes.col(2).dot(m);
@@ -83,7 +82,8 @@ void line_on_face(const ConvexCore& core, const ContactOutline& line, const Cont
   }
 }
 
-/// Of the round surface about the third axis that a line lies on, or sweeps; 0: there is none.
+/// Returns the radius of the round surface about the third axis that a line lies on, or sweeps; 0: there is
+/// none.
 double barrel_radius(const ConvexCore& core, const ContactOutline& line) {
   return line.barrel_radius > 0 ? line.barrel_radius : core.radius;
 }

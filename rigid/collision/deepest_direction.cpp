@@ -1,12 +1,15 @@
 #include "rigid/collision/deepest_direction.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 namespace silt::rigid {
 
 namespace {
 
 /// Part of the pair's size by which two points that are one may miss each other.
 constexpr double meeting_slack = 1e-10;
-/// The same of the proof that a direction is one of nearest approach.
+/// The proof that a direction is one of nearest approach bears this miss, over the pair's size.
 constexpr double proven = 1e-12;
 /// Radian: how far edges and faces are tried where those within search_resolution did not lead to a peak.
 constexpr double widest_angle = 0.6;
@@ -33,8 +36,8 @@ Approach meet(const ConvexCore& a, const ConvexCore& b, const Peak& peak) {
   return {peak, meeting_point(a, b, peak)};
 }
 
-/// Where the cores have no common point on the normal: the peak is narrow, or so flat that the next feature
-/// is far.
+/// Improves an approach whose cores have no common point on the normal: the peak is narrow, or so flat that
+/// the next feature is far.
 void improve(const ConvexCore& a, const ConvexCore& b, Approach& found) {
   const auto take = [&](const Peak& other) {
     if (other.core_gap > found.peak.core_gap) found = meet(a, b, other);
@@ -47,22 +50,22 @@ void improve(const ConvexCore& a, const ConvexCore& b, Approach& found) {
     take(climb(a, b, *apart, widest_angle));
 }
 
-/// Whether proven to be the largest separation; see proven_direction().
+/// Says whether the separation is proven to be the largest; see proven_direction().
 bool is_best(const ConvexCore& a, const ConvexCore& b, const Approach& found) {
   const double slack = proven * length_scale(a, b), gap = found.peak.core_gap + slack;
   if (!(found.where.miss <= slack)) return false;
   return gap >= 0 || is_least_depth(a, b, found.peak.normal, -gap, found.where);
 }
 
-/// From their least depth, which has no need of a proof.
+/// Makes an approach of the cores' least depth, which needs no proof.
 Approach overlap(const ConvexCore& a, const ConvexCore& b, const Peak& least) {
   Approach found = meet(a, b, least);
   if (found.where.miss > proven * length_scale(a, b)) improve(a, b, found);
   return found;
 }
 
-/// Of two ellipsoids d apart: normal to the plane on which both have the same value of their quadratic forms
-/// if these were one, (A + B)^-1 d.
+/// Returns (A + B)^-1 d for two ellipsoids d apart: normal to the plane on which both have the same value of
+/// their quadratic forms if these were one.
 Vec3 between_ellipsoids(const ConvexCore& a, const ConvexCore& b) {
   const auto form = [](const ConvexCore& c) -> Mat3 {
     return c.axes * c.half.cwiseAbs2().asDiagonal() * c.axes.transpose();
@@ -70,7 +73,7 @@ Vec3 between_ellipsoids(const ConvexCore& a, const ConvexCore& b) {
   return ((form(a) + form(b)).inverse() * between_centres(a, b)).normalized();
 }
 
-/// Of polyhedra with more corners GJK finds the direction sooner than climb(), which tries many of their
+/// GJK finds the direction of polyhedra with more corners sooner than climb(), which tries many of their
 /// faces.
 bool has_few_corners(const ConvexCore& core) {
   constexpr std::size_t most = 48;
@@ -123,6 +126,62 @@ std::optional<Approach> proven_direction(const ConvexCore& a, const ConvexCore& 
   if (best->normal != found.peak.normal) found = meet(a, b, *best);
   if (found.where.miss > slack) improve(a, b, found);
   return found;
+}
+
+namespace {
+
+constexpr double touching_slack = 1e-10;  // part of the pair's size: corners of an edge that touch
+
+/// How far the line of the core that x is on, or the rim of its disc, goes on from there, where unit n is an
+/// outward normal: as a form of the part of a direction across n (depth_proof.hpp). Of both, which may be of
+/// one core, half each: it has what lies in the middle between them.
+Mat3 reach_of_edges(const ConvexCore& core, const Vec3& x, const Vec3& n, double slack) {
+  Mat3 reach = Mat3::Zero();
+  thread_local ContactOutline outline;
+  core.touching_outline(n, slack, outline);
+  const double share = core.is_revolved() ? 0.5 : 1.0;
+  if (outline.size() == 2) {
+    const Vec3 to_ends[2] = {outline.corners[0].x - x, outline.corners[1].x - x};
+    const Vec3 along = (to_ends[1] - to_ends[0]).normalized();
+    reach += share * std::min(to_ends[0].norm(), to_ends[1].norm()) * along * along.transpose();
+  }
+  if (core.is_revolved()) {
+    const Vec3 round = core.axes.col(2).cross(x - core.centre);  // along the rim, as long as its radius
+    if (const double radius = round.norm(); radius > 0)
+      reach += share * round * round.transpose() / (2 * radius);
+  }
+  return reach;
+}
+
+/// The least value of a form of unit vectors across unit n.
+double least_across(const Mat3& form, const Vec3& n) {
+  const Vec3 t = n.unitOrthogonal(), u = n.cross(t);
+  const double tt = t.dot(form * t), tu = t.dot(form * u), uu = u.dot(form * u);
+  return 0.5 * (tt + uu - std::sqrt((tt - uu) * (tt - uu) + 4 * tu * tu));
+}
+
+/// Says whether balls inside the cores reach further than `depth` in all directions more than 90 degrees from
+/// n.
+bool reach_behind(const ConvexCore& a, const ConvexCore& b, const Vec3& n, double depth,
+                  const CommonPoint& where) {
+  const InnerBall in_a = a.inner_ball(where.on_a), in_b = b.inner_ball(where.on_b);
+  const Vec3 centres = in_b.centre - in_a.centre;
+  const double ahead = centres.dot(n), most = ahead > 0 ? (centres - ahead * n).norm() : centres.norm();
+  return in_a.radius + in_b.radius - most >= depth;
+}
+
+}  // namespace
+
+bool is_least_depth(const ConvexCore& a, const ConvexCore& b, const Vec3& n, double depth,
+                    const CommonPoint& where) {
+  const double ball_a = a.touching_ball(where.on_a, n), ball_b = b.touching_ball(where.on_b, -n);
+  if (ball_a + ball_b >= depth) return true;
+  if (!reach_behind(a, b, n, depth, where)) return false;
+  const double slack = touching_slack * length_scale(a, b);
+  const Mat3 edges_a = reach_of_edges(a, where.on_a, n, slack),
+             edges_b = reach_of_edges(b, where.on_b, -n, slack);
+  return least_across(edges_a + edges_b, n) >= depth || least_across(edges_a, n) + ball_b >= depth ||
+         ball_a + least_across(edges_b, n) >= depth;
 }
 
 }  // namespace silt::rigid

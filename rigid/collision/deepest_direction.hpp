@@ -4,8 +4,8 @@
 #include <limits>
 #include <optional>
 
-#include "rigid/collision/common_point.hpp"
 #include "rigid/collision/convex_core.hpp"
+#include "rigid/collision/outline.hpp"
 
 namespace silt::rigid {
 
@@ -27,10 +27,10 @@ std::optional<Approach> nearest_approach(const ConvexCore& a, const ConvexCore& 
 /// least_depth(), if they have few edges.
 std::optional<Approach> deepest_direction(const ConvexCore& a, const ConvexCore& b, double reach);
 
-/// The same from n. climb() from there; where both cores have a point on the normal that it found, the
-/// direction is one of nearest approach. It is the only one if the cores are apart: then the separation is a
-/// concave function of the direction. It is the best one of cores that overlap if is_least_depth() says so;
-/// else least_depth() or search_directions() tells.
+/// Returns the approach that climb() finds from n. If both cores have a point on the normal that it found,
+/// the direction is one of nearest approach. It is the only one if the cores are apart: then the separation
+/// is a concave function of the direction. It is the best one of cores that overlap if is_least_depth() says
+/// so; else least_depth() or search_directions() tells.
 std::optional<Approach> proven_direction(const ConvexCore& a, const ConvexCore& b, const Vec3& n,
                                          double reach);
 
@@ -72,8 +72,9 @@ Peak climb(const ConvexCore& a, const ConvexCore& b, const Vec3& n, double angle
 
 // ---- gjk.cpp (Gilbert, Johnson, Keerthi, IEEE J. Robotics Automation 4 (1988) 193) ----
 
-/// From a to b moved by `shift`, good to some 1e-4 radian; `start` is any direction, the nearer to the answer
-/// the sooner done. Nothing where the cores overlap or are apart by less than 1e-9 of their size.
+/// Returns the direction from a to b moved by `shift`, good to some 1e-4 radian; `start` is any direction,
+/// the nearer to the answer the sooner done. Nothing where the cores overlap or are apart by less than 1e-9
+/// of their size.
 std::optional<Vec3> gjk_direction(const ConvexCore& a, const ConvexCore& b, const Vec3& shift,
                                   const Vec3& start);
 
@@ -92,18 +93,16 @@ struct ShrunkCore {
   double by;  // part of its size
   Vec3 support(const Vec3& n) const { return (1 - by) * core.support(n) + by * middle; }
 };
-/// As above; `size` is what rounding is relative to.
+/// Returns that direction for cores swept and shrunk; rounding is relative to `size`.
 std::optional<Vec3> gjk_direction(const SweptCore& a, const ShrunkCore& b, const Vec3& start, double size);
 
-/// From n uphill in the separation of the cores, overlapping or not: b is moved off along n and the nearest
-/// direction taken for n, until it stays. That is the proximal-point method: every round finds the largest
-/// s(m) + t m.n.
+/// Walks uphill from n in the separation of the cores, overlapping or not: b is moved off along n and the
+/// nearest direction taken for n, until it stays. That is the proximal-point method: every round finds the
+/// largest s(m) + t m.n.
 Vec3 walk_uphill(const ConvexCore& a, const ConvexCore& b, const Vec3& n);
 
-// ---- polytope_depth.cpp ----
-
-/// Whether both are boxes or polyhedra with volume, and have so few edges that to look at all pairs of them
-/// takes less time than a search over directions.
+/// Says whether both are boxes or polyhedra with volume, and have so few edges that to look at all pairs of
+/// them takes less time than a search over directions.
 bool has_few_edges(const ConvexCore& a, const ConvexCore& b);
 
 /// The largest separation of two such cores that overlap, exact to rounding: the difference b - a is a
@@ -113,12 +112,10 @@ bool has_few_edges(const ConvexCore& a, const ConvexCore& b);
 /// convex polyhedra", GDC 2013). Of equal ones faces of a, then of b, come first.
 Peak least_depth(const ConvexCore& a, const ConvexCore& b);
 
-// ---- depth_proof.cpp ----
-
-/// Whether no direction has a larger separation than n, along which it is -depth (> 0), the cores meeting at
-/// `where`. Sufficient, not necessary: that the difference b - a contains the ball of radius `depth` about
-/// the origin, which it does where it reaches as far in every direction m. With p the foot of the normal and
-/// t the part of m across n:
+/// Says whether no direction has a larger separation than n, along which it is -depth (> 0), the cores
+/// meeting at `where`. It is sufficient, not necessary, that the difference b - a contains the ball of radius
+/// `depth` about the origin, which it does where it reaches as far in every direction m. With p the foot of
+/// the normal and t the part of m across n:
 /// - m within 90 degrees of n: a ball of radius r within a core that touches its boundary at p reaches
 ///   r (1 - m.n) further along m than p; a disc of radius r with p on its rim, whose tangent is f, at least
 ///   r (t.f)^2 / 2; a line through p along u that goes on for l to both sides l |t.u| >= l (t.u)^2. Those of
@@ -127,8 +124,6 @@ Peak least_depth(const ConvexCore& a, const ConvexCore& b);
 /// - m beyond: balls inside of the cores, near where they meet, reach as far.
 bool is_least_depth(const ConvexCore& a, const ConvexCore& b, const Vec3& n, double depth,
                     const CommonPoint& where);
-
-// ---- search_directions.cpp ----
 
 /// Radian.
 inline constexpr double search_resolution = 0.02;

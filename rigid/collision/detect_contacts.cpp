@@ -4,11 +4,11 @@
 #include <cmath>
 #include <limits>
 
-#include "rigid/collision/facet_curvature.hpp"
 #include "rigid/collision/hollow_contacts.hpp"
 #include "rigid/collision/manifold.hpp"
 #include "rigid/collision/mesh_contacts.hpp"
-#include "rigid/math/twist.hpp"
+#include "rigid/collision/mesh_features.hpp"
+#include "rigid/math/types.hpp"
 #include "rigid/shapes/shape.hpp"
 
 namespace silt::rigid {
@@ -178,7 +178,7 @@ bool DetectContacts::pieces_apart(const Piece& a, const Piece& b, double margin)
          ((box_b.lower - box_a.upper).array() > margin).any();
 }
 
-/// By their speeds relative to each other; the broad phase knew only each body's own.
+/// Compares by the bodies' speeds relative to each other; the broad phase knew only each body's own.
 bool DetectContacts::bodies_apart(const Pair& p) const {
   const auto& shape = p.call.bodies.shape;
   const double range = reach_[p.row_a].radius + reach_[p.row_b].radius + p.margin;
@@ -205,7 +205,7 @@ bool DetectContacts::has_lubrication(const ContactPoint& point, bool with_mesh) 
   });
 }
 
-/// Where both surfaces are smooth and curve away from each other.
+/// Gives the contact a film if both surfaces are smooth and curve away from each other.
 void DetectContacts::put_lubrication(const Pair& p, const Piece& a, const Piece& b, const ContactPoint& point,
                                      Contact& c) const {
   const BodySet& bodies = p.call.bodies;
@@ -348,8 +348,8 @@ std::optional<Passing> DetectContacts::find_passing(const Pair& p, const Piece& 
                  point.on_a, reach);
 }
 
-/// From a to b: small numbers, and the same ones on every rank. A hollow that is alike all along its axis
-/// is taken where a is abreast of it.
+/// Returns the displacement from a to b: small numbers, and the same ones on every rank. A hollow that is
+/// alike all along its axis is taken where a is abreast of it.
 Vec3 DetectContacts::displacement_to(const Call& call, const CandidatePair& p) const {
   const BodySet& bodies = call.bodies;
   const Vec3 displacement =

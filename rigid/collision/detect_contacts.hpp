@@ -9,7 +9,7 @@
 #include "rigid/collision/collision_backend.hpp"
 #include "rigid/collision/passing.hpp"
 #include "rigid/collision/uniform_grid.hpp"
-#include "rigid/shapes/bounding_box.hpp"
+#include "rigid/math/types.hpp"
 #include "rigid/shapes/shape_fwd.hpp"
 
 namespace silt::rigid {

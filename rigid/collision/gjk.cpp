@@ -1,8 +1,9 @@
-#include "rigid/collision/deepest_direction.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <vector>
+
+#include "rigid/collision/deepest_direction.hpp"
 
 namespace silt::rigid {
 
@@ -122,6 +123,141 @@ Vec3 walk_uphill(const ConvexCore& a, const ConvexCore& b, const Vec3& from) {
     if (moved < 1e-6 || away == 0) break;
   }
   return n;
+}
+
+namespace {
+
+constexpr std::size_t most_edge_pairs = 10000;
+constexpr double tie = 1e-14;  // part of the pair's size: by less no edges beat a face
+
+const PolyhedronMesh& mesh_of(const ConvexCore& core) {
+  return *std::get<Polyhedron>(*core.shape).mesh;
+}
+
+std::size_t edges_of(const ConvexCore& core) {
+  return core.is_box ? 12 : mesh_of(core).edges.size();
+}
+
+/// A polytope in the axes of the world, seen from a point near it.
+struct Polytope {
+  struct Face {
+    Vec3 normal;  // unit, outward
+    double offset;
+  };
+  struct Edge {
+    Vec3 from, along;
+    std::array<int, 2> faces;
+  };
+  std::vector<Vec3> vertices;
+  std::vector<Face> faces;
+  std::vector<Edge> edges;
+
+  void reset(const ConvexCore& core, const Vec3& origin) {
+    vertices.clear(), faces.clear(), edges.clear();
+    if (core.is_box)
+      take_box(core, core.centre - origin);
+    else
+      take_mesh(core, core.centre - origin, mesh_of(core));
+  }
+  /// The least n.x of its points.
+  double lowest(const Vec3& n) const {
+    double least = std::numeric_limits<double>::infinity();
+    for (const Vec3& x : vertices) least = std::min(least, n.dot(x));
+    return least;
+  }
+
+ private:
+  /// Corner k has the signs of the bits of k; face 2 d + s looks along axis d if s, else against it.
+  void take_box(const ConvexCore& core, const Vec3& centre) {
+    const Mat3 half = core.axes * core.half.asDiagonal();
+    const auto sign = [](int k, int d) { return k >> d & 1 ? 1.0 : -1.0; };
+    for (int k = 0; k < 8; ++k) vertices.push_back(centre + half * Vec3(sign(k, 0), sign(k, 1), sign(k, 2)));
+    for (int face = 0; face < 6; ++face) {
+      const int d = face / 2;
+      const Vec3 normal = (face % 2 ? 1.0 : -1.0) * core.axes.col(d);
+      faces.push_back({normal, normal.dot(centre) + core.half[d]});
+    }
+    for (int d = 0; d < 3; ++d)
+      for (int k = 0; k < 8; ++k) {
+        if (k >> d & 1) continue;
+        const int e = (d + 1) % 3, f = (d + 2) % 3;
+        edges.push_back({vertices[k], 2 * half.col(d), {2 * e + (k >> e & 1), 2 * f + (k >> f & 1)}});
+      }
+  }
+  void take_mesh(const ConvexCore& core, const Vec3& centre, const PolyhedronMesh& mesh) {
+    for (const Vec3& x : mesh.vertices) vertices.push_back(centre + core.axes * x);
+    for (const auto& face : mesh.faces) {
+      const Vec3 normal = core.axes * face.normal;
+      faces.push_back({normal, normal.dot(centre) + face.offset});
+    }
+    for (const auto& edge : mesh.edges) {
+      const Vec3& from = vertices[edge.corners[0]];
+      edges.push_back({from, vertices[edge.corners[1]] - from, edge.faces});
+    }
+  }
+};
+
+/// Unit n, made normal to a vector.
+Vec3 across(const Vec3& n, const Vec3& v) {
+  return (n - v * (n.dot(v) / v.squaredNorm())).normalized();
+}
+
+class FacesOfDifference {
+ public:
+  FacesOfDifference(const Polytope& a, const Polytope& b, double scale) : a_(a), b_(b), tie_(tie * scale) {}
+
+  Vec3 highest() {
+    for (const auto& face : a_.faces) take(face.normal, b_.lowest(face.normal) - face.offset);
+    for (const auto& face : b_.faces) take(-face.normal, a_.lowest(face.normal) - face.offset);
+    edges_must_exceed_ = separation_ + tie_;
+    along_edge_.resize(b_.faces.size());
+    for (const auto& edge : a_.edges) look_at_pairs_of(edge);
+    return normal_;
+  }
+
+ private:
+  void take(const Vec3& normal, double separation) {
+    if (separation > separation_) normal_ = normal, separation_ = separation;
+  }
+  void look_at_pairs_of(const Polytope::Edge& u) {
+    for (std::size_t f = 0; f < b_.faces.size(); ++f) along_edge_[f] = b_.faces[f].normal.dot(u.along);
+    const Vec3 &from = a_.faces[u.faces[0]].normal, &to = a_.faces[u.faces[1]].normal;
+    for (const auto& v : b_.edges) {
+      if (!(along_edge_[v.faces[0]] * along_edge_[v.faces[1]] < 0)) continue;
+      if (!(from.dot(v.along) * to.dot(v.along) < 0)) continue;
+      // both great circles cross the other's arc, perhaps on opposite sides
+      Vec3 n = u.along.cross(v.along);
+      if (n.dot(from + to) < 0) n = -n;
+      if (!(n.dot(b_.faces[v.faces[0]].normal + b_.faces[v.faces[1]].normal) < 0)) continue;
+      n = across(n.normalized(), u.along);  // of edges nearly parallel little is left normal
+      if (n.dot(v.from - u.from) <= edges_must_exceed_) continue;
+      const double separation = b_.lowest(n) + a_.lowest(-n);
+      if (separation > edges_must_exceed_) take(n, separation);
+    }
+  }
+
+  const Polytope &a_, &b_;
+  double tie_, edges_must_exceed_ = 0;
+  Vec3 normal_ = Vec3::Zero();
+  double separation_ = -std::numeric_limits<double>::infinity();
+  std::vector<double> along_edge_;  // of the faces of b, along the edge of a at work
+};
+
+}  // namespace
+
+bool has_few_edges(const ConvexCore& a, const ConvexCore& b) {
+  const auto has_mesh = [](const ConvexCore& core) {
+    return core.is_solid_polytope() && (core.is_box || core.is<Polyhedron>());
+  };
+  return has_mesh(a) && has_mesh(b) && edges_of(a) * edges_of(b) <= most_edge_pairs;
+}
+
+Peak least_depth(const ConvexCore& a, const ConvexCore& b) {
+  thread_local Polytope of_a, of_b;
+  of_a.reset(a, a.centre);
+  of_b.reset(b, a.centre);
+  const Vec3 n = FacesOfDifference(of_a, of_b, length_scale(a, b)).highest();
+  return {n, core_separation(a, b, n)};
 }
 
 }  // namespace silt::rigid

@@ -67,7 +67,7 @@ struct FurthestOnEllipse {
   int count = 1;
 };
 
-/// Where `slope`, above 0 before and below after it, crosses 0 in the angles between.
+/// Returns the angle between the two at which `slope`, above 0 before and below after it, crosses 0.
 template <class Slope>
 double crossing(double low, double high, Slope&& slope) {
   constexpr int halvings = 55;  // of at most a quarter of a turn: to rounding
@@ -188,8 +188,8 @@ class ExtremePoints {
     }
   }
 
-  /// From directions all round: the point furthest along the way from the last one to the wall is nearer
-  /// still.
+  /// Searches from directions all round: the point furthest along the way from the last one to the wall is
+  /// nearer still.
   template <class Support>
   void search(std::uint32_t first_feature, Support&& support) const {
     constexpr int directions = 8, steps = 100;

@@ -1,8 +1,8 @@
 #pragma once
-// Where a convex body touches the wall of a hollow from inside. A hollow is not convex, so this is no
-// business of a collision backend: the gap is least at extreme points of the body. In a tube they are known
-// in closed form, or to rounding, as points whose distance from the axis, a convex function, is largest; in
-// another hollow those of balls are, and others are searched.
+// A convex body touches the wall of a hollow from inside. A hollow is not convex, so this is no business of a
+// collision backend: the gap is least at extreme points of the body. In a tube they are known in closed form,
+// or to rounding, as points whose distance from the axis, a convex function, is largest; in another hollow
+// those of balls are known, and others are searched.
 #include <vector>
 
 #include "rigid/bodies/contact.hpp"

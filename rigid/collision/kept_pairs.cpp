@@ -36,7 +36,7 @@ bool KeptPairs::same_rows(const Surroundings& around) const {
   return std::equal(rows_.ids.begin(), rows_.ids.end(), ids, ids + around.size());
 }
 
-/// In which rows the bodies are now, and which rows have bodies that were not there before.
+/// Finds the rows in which the bodies are now, and those with bodies that were not there before.
 void KeptPairs::find_rows(const Surroundings& around) {
   const BodySet& bodies = around.bodies;
   rows_.seen.assign(around.size(), none);
@@ -63,7 +63,7 @@ Vec3 KeptPairs::displacement_of(const Surroundings& around, std::size_t n) const
   return displacement;
 }
 
-/// What bodies have moved on the mean. Whatever it is, what they have moved apart from it counts.
+/// Returns the mean displacement of the bodies. Only their displacements apart from it count, whatever it is.
 Vec3 KeptPairs::common_displacement(const Surroundings& around) const {
   Vec3 sum = Vec3::Zero();
   std::size_t count = 0;
@@ -75,8 +75,8 @@ Vec3 KeptPairs::common_displacement(const Surroundings& around) const {
   return count ? Vec3(sum / double(count)) : sum;
 }
 
-/// What is in reach is less than a period away, hence one of the images -1, 0 and 1, whatever periodic sides
-/// both have passed. Else one may come to meet that was none of these when the pairs were found.
+/// A body in reach is less than a period away, hence one of the images -1, 0 and 1, whatever periodic sides
+/// both have passed. Else an image may come to meet that was none of these when the pairs were found.
 bool KeptPairs::images_are_few() const {
   for (int d = 0; d < 3; ++d)
     if (extent_.periodic[d] && extent_.size[d] <= 2 * plan_.largest) return false;
@@ -113,7 +113,7 @@ bool KeptPairs::hold(const Surroundings& around, std::span<const WallSurface> wa
   return true;
 }
 
-/// What a body moves in a call, apart from the others and in all, as it did since it was seen.
+/// Returns a body's motion in a call, apart from the others and in all, as it was since it was seen.
 KeptPairs::Slack KeptPairs::motion_of(const Surroundings& around, std::size_t n, const Vec3& common) const {
   const Seen& seen = seen_[n];
   if (seen.calls == calls_) return {};
@@ -124,8 +124,8 @@ KeptPairs::Slack KeptPairs::motion_of(const Surroundings& around, std::size_t n,
           float(share * (moved.norm() + grown))};
 }
 
-/// So many calls as make them cheapest: each looks at all of the list, which has the more pairs the more it
-/// is to last, and the first one finds it.
+/// Returns the number of calls that makes them cheapest: each looks at all of the list, which has the more
+/// pairs the longer it is to last, and the first one finds it.
 double KeptPairs::best_calls(const Surroundings& around, const Vec3& common) const {
   std::array<double, std::size(tried_calls)> pairs{};
   std::size_t bodies = 0;
@@ -199,7 +199,7 @@ std::vector<CandidatePair>& KeptPairs::renew(const Surroundings& around, std::sp
   return pairs_;
 }
 
-/// Of the image of b relative to a, through the periodic sides that both have passed.
+/// Returns the change of the image of b relative to a, by the periodic sides that both have passed.
 std::int32_t KeptPairs::image_change(const BodySet& bodies, const CandidatePair& kept, int axis) const {
   const auto passed = [&](std::size_t n) {
     return bodies.image[rows_.of_seen[n]][axis] - seen_[n].image[axis];

@@ -51,9 +51,9 @@ OnSegment clamp_to(const ConvexCore& capsule, double t) {
   return {std::clamp(t, -half, half), f};
 }
 
-/// From the point of a capsule's segment `t` from its middle along unit m to the surface: on the hemisphere
-/// of the end if m leads away from the other, else on the side; nothing where that is under the other
-/// hemisphere, which has a point of its own.
+/// Returns the distance from the point of a capsule's segment `t` from its middle along unit m to the
+/// surface: on the hemisphere of the end if m leads away from the other, else on the side; nothing where that
+/// is under the other hemisphere, which has a point of its own.
 std::optional<double> to_surface(const ConvexCore& capsule, const OnSegment& at, const Vec3& m) {
   const double tilt = capsule.axes.col(2).dot(m);
   if (at.feature.sign[2] * tilt >= 0 && (at.feature.sign[2] != 0 || std::abs(tilt) < 1e-12))

@@ -1,5 +1,5 @@
 #pragma once
-// From the direction of a contact to its points: what lies flat touches in more than one.
+// The points of a contact follow from its direction: faces and lines that lie flat touch in more than one.
 #include "rigid/bodies/contact.hpp"
 #include "rigid/collision/deepest_direction.hpp"
 
@@ -43,7 +43,7 @@ inline std::uint32_t feature_id(const Feature& of_a, const Feature& of_b) {
 /// Appends a point; of two of the same feature the deeper stays.
 void add_unique(std::vector<ContactPoint>& points, const ContactPoint& p);
 
-/// Of two convex shapes: a face of two boxes turned by 45 degrees has as many.
+/// Two convex shapes touch in no more points: a face of two boxes turned by 45 degrees has as many.
 inline constexpr std::size_t most_contact_points = 8;
 
 /// Leaves at most most_contact_points: the deepest, and those furthest from each other. Keeps the order.

@@ -1,7 +1,6 @@
 #include "rigid/collision/mesh_contacts.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include "rigid/collision/manifold.hpp"
 #include "rigid/shapes/shape.hpp"
@@ -13,7 +12,7 @@ namespace {
 /// Cosine up to which normals are much the same.
 constexpr double same_way = 0.95;
 
-/// In full, so that the order in which a backend names triangles does not show.
+/// Orders points by all that they have, so that the order in which a backend names triangles does not show.
 bool is_before(const ContactPoint& p, const ContactPoint& q) {
   if (p.feature != q.feature || p.gap != q.gap)
     return std::tie(p.feature, p.gap) < std::tie(q.feature, q.gap);
@@ -24,7 +23,7 @@ bool is_before(const ContactPoint& p, const ContactPoint& q) {
   return differs(p.normal, q.normal) ? less(p.normal, q.normal) : less(p.on_a, q.on_a);
 }
 
-/// Of one feature the deepest; of those that point the same way as the deepest few.
+/// Keeps the deepest point of a feature, and a few of those that point the same way as the deepest.
 void reduce(std::vector<ContactPoint>& points) {
   std::sort(points.begin(), points.end(), is_before);
   const auto same = [](const ContactPoint& p, const ContactPoint& q) { return p.feature == q.feature; };
@@ -46,7 +45,7 @@ void reduce(std::vector<ContactPoint>& points) {
   points.swap(kept);
 }
 
-/// From the frame of the query to that of the call.
+/// Brings the points from the frame of the query to that of the call.
 void finish(std::vector<ContactPoint>& points, const Pose& frame, std::vector<ContactPoint>& out) {
   reduce(points);
   const Mat3 turn = frame.orientation.toRotationMatrix();

@@ -1,6 +1,6 @@
 #pragma once
-// Where a mesh touches any other shape. It is not convex: a collision backend says which triangles are near
-// (CollisionBackend::triangles_near, triangle_pairs_near), what they touch is found here, alike for every
+// A mesh touches any other shape. It is not convex: a collision backend says which triangles are near
+// (CollisionBackend::triangles_near, triangle_pairs_near), and the contacts are found here, alike for every
 // backend.
 #include <span>
 #include <vector>

@@ -1,5 +1,6 @@
 #pragma once
-// What of a surface of triangles can touch other bodies: its corners, its edges, its flat sides.
+// The features of a surface of triangles that can touch other bodies: its corners, its edges, its flat sides;
+// and how such a surface curves if it stands for a smooth one, on which lubrication films depend.
 #include <memory>
 #include <optional>
 #include <vector>
@@ -32,15 +33,15 @@ class MeshFeatures {
   /// Unit; zero for a triangle without area.
   Vec3 normal(std::uint32_t triangle) const;
 
-  /// Whether the solid is less than a half-space there, by more than `flat` (radian): only such an edge can
-  /// touch.
+  /// Says whether the solid is less than a half-space at an edge, by more than `flat` (radian): only such an
+  /// edge can touch.
   bool is_sharp(std::uint32_t e) const { return sharp_[e]; }
-  /// Whether a sharp edge ends there, and does not just go on as another.
+  /// Says whether a sharp edge ends at a vertex, and does not just continue as another.
   bool is_corner(std::uint32_t vertex) const { return corner_[vertex]; }
   /// How many edges end there.
   std::size_t valence(std::uint32_t vertex) const { return ring_start_[vertex + 1] - ring_start_[vertex]; }
-  /// Whether unit m (for an edge: normal to it) is a direction in which nothing near the feature is further
-  /// out than the feature itself, up to a sine.
+  /// Say whether unit m (for an edge: normal to it) is a direction in which nothing near the feature is
+  /// further out than the feature itself, up to a sine.
   bool edge_supports(std::uint32_t e, const Vec3& m, double slack) const;
   bool corner_supports(std::uint32_t vertex, const Vec3& m, double slack) const;
 
@@ -50,7 +51,7 @@ class MeshFeatures {
   std::uint32_t code_of_facet(std::uint32_t triangle) const {
     return vertex_count() + edge_count() + facet_[triangle];
   }
-  /// Whether a triangle is at the corner or the edge, or in the facet, of that number.
+  /// Says whether a triangle is at the corner or the edge, or in the facet, of that number.
   bool is_at(std::uint32_t triangle, std::uint32_t code) const;
 
   static constexpr double flat = 1e-4;
@@ -72,5 +73,32 @@ class MeshFeatures {
 
 /// The surface of a box or a polyhedron; nothing for a shape that has none of triangles.
 std::shared_ptr<const MeshFeatures> features_of_polytope(const ConvexShape&);
+
+/// The curvature follows from the angles between neighbouring facets: it is the tensor sum theta l / (2 A) t
+/// t^T of a facet of area A with edges of length l at which the normal turns by theta, t being a unit vector
+/// across the edge (E. Grinspun, Y. Gingold, J. Reisman, D. Zorin, Comput. Graph. Forum 25 (2006) 547). An
+/// edge at which the normal turns by more than a crease's angle is an edge of the smooth surface too: nothing
+/// is known of the surface beyond.
+class FacetCurvature {
+ public:
+  static constexpr double crease = 0.5;  // radian
+
+  explicit FacetCurvature(const MeshFeatures&);
+  /// The curvature tensor at a feature, by the code that contacts have (frame of the mesh, 1 / lattice unit;
+  /// positive where the solid is convex); of an edge or corner within the smooth surface that of a facet
+  /// beside it. None at creases and where they end.
+  std::optional<Mat3> at(std::uint32_t code) const;
+
+ private:
+  struct Tensor {
+    double xx = 0, yy = 0, zz = 0, xy = 0, xz = 0, yz = 0;
+  };
+  static constexpr std::uint32_t none = ~std::uint32_t{0};
+
+  void add_edge(const MeshFeatures&, const MeshFeatures::Edge&, double turn, const std::vector<double>& area);
+
+  std::vector<Tensor> of_facet_;
+  std::vector<std::uint32_t> facet_of_code_;  // corners, then edges
+};
 
 }  // namespace silt::rigid

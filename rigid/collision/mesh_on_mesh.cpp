@@ -123,7 +123,7 @@ class CornersOn {
     return true;
   }
 
-  /// As two convex bodies do that are apart.
+  /// Looks for edges beside a corner that touch as those of two convex bodies do that are apart.
   void look_beside(std::uint32_t v, const Vec3& x, std::uint32_t triangle) {
     for (int k = 0; k < 3; ++k) {
       const std::uint32_t e = on_.mesh.edge_of(triangle, k);
@@ -149,7 +149,7 @@ class CornersOn {
       beside_.push_back({v, code, x, m, distance});
   }
 
-  /// Whether a corner behind a face has to come out there, and not through those that are nearer: all of
+  /// Says whether a corner behind a face has to come out there, and not through those that are nearer: all of
   /// these meet it as in a room's corner.
   bool is_way_out(const OnFace& p, const std::vector<const OnFace*>& nearer) const {
     if (p.height < -1e3 * slack_ && !on_.contains(p.x)) return false;

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "rigid/collision/convex_core.hpp"
+#include "rigid/shapes/solid.hpp"
 
 namespace silt::rigid {
 
@@ -31,11 +32,11 @@ struct FacePrism {
 };
 FacePrism prism_over(const BoxFace&, const Vec3& n);
 
-/// What of the face lies under x: the face, or an edge or corner of it that is within `slack` (lattice
+/// Returns the feature that lies under x: the face, or an edge or corner of it within `slack` (lattice
 /// units).
 Feature feature_under(const BoxFace&, const FacePrism&, const Vec3& x, double slack);
 
-/// Where the line from x to y, at distances d_x and d_y from a plane, crosses it.
+/// Returns the point where the line from x to y, at distances d_x and d_y from a plane, crosses it.
 inline Vec3 crossing(const Vec3& x, const Vec3& y, double d_x, double d_y) {
   return x + std::clamp(d_x / (d_x - d_y), 0.0, 1.0) * (y - x);
 }
@@ -89,5 +90,35 @@ std::optional<ClippedSegment> clip_segment(const AnyPrism& prism, const Vec3& fr
   }
   return s;
 }
+
+/// The normal of a contact passes through both outlines at this point: it proves that the normal is a
+/// direction of closest or least deep approach.
+struct CommonPoint {
+  Vec3 on_a = Vec3::Zero(), on_b = Vec3::Zero();  // lattice units, on the cores
+  double miss = 0;                                // of on_b from on_a + gap n: 0 but for rounding
+  std::uint32_t code_a = 0, code_b = 0;           // of the features they lie on
+};
+
+/// The points of the two outlines, `gap` (lattice units) apart, that lie most exactly over each other along
+/// unit n, found among the corners, the crossings of edges and the centres of discs: one of these is common
+/// to both if anything is.
+CommonPoint common_point(const ContactOutline& a, const ContactOutline& b, const Vec3& n, double gap,
+                         double slack);
+
+/// The face as seen along unit n (not in its plane): signed distance of x to the edge k, positive outside.
+class Prism {
+ public:
+  Prism(const ContactOutline& face, const Vec3& n);
+  std::size_t size() const { return outward_.size(); }
+  double beyond(std::size_t k, const Vec3& x) const { return outward_[k].dot(x) - bound_[k]; }
+
+ private:
+  std::vector<Vec3> outward_;
+  std::vector<double> bound_;
+};
+
+/// Returns the code of the feature under x: the face, or an edge or corner of it within `slack` (lattice
+/// units).
+std::uint32_t code_under(const ContactOutline& face, const Prism&, const Vec3& x, double slack);
 
 }  // namespace silt::rigid

@@ -75,8 +75,9 @@ std::vector<Vec3> hull_in_plane(const std::vector<Vec3>& points, const Vec3& nor
   return corners;
 }
 
-/// What of a solid lies under a facet of its surface, of which points are given: a flat pyramid, whose slope
-/// is less than the angle of any edge that a solid has but the sharpest. Nothing for a facet without area.
+/// Returns the part of a solid under a facet of its surface, of which points are given: a flat pyramid, whose
+/// slope is less than the angle of any edge that a solid has but the sharpest. Nothing for a facet without
+/// area.
 std::optional<Polyhedron> under(const std::vector<Vec3>& points, const Vec3& normal) {
   constexpr double slope = 0.1, flatness = 1e-3;  // a facet's triangles are flat to 1e-4
   std::vector<Vec3> corners = hull_in_plane(points, normal);
@@ -101,8 +102,9 @@ std::optional<Polyhedron> under(const std::vector<Vec3>& points, const Vec3& nor
   }
 }
 
-/// What lies under the facets that a contact of a mesh is at, and under those that go on from them at a small
-/// angle. A facet may have many triangles: those within `reach` of the contact at x (frame of the mesh).
+/// Returns the parts under the facets that a contact of a mesh is at, and under those that continue them at a
+/// small angle. Of the triangles of a facet those count that are within `reach` of the contact at x (frame of
+/// the mesh).
 std::vector<Polyhedron> solids_at(const MeshFeatures& mesh, std::uint32_t code, const Vec3& x, double reach) {
   constexpr double goes_on = 0.9;  // cosine
   std::vector<Vec3> normals;
@@ -131,7 +133,7 @@ void for_convex(const MovingPart& part, const Vec3& near, double reach, Use&& us
     use(solid);
 }
 
-/// As passing(), with one pose of each after the step.
+/// Answers as passing() does, with one pose of each after the step.
 std::optional<Passing> passing_to(const MovingPart& a, const MovingPart& b, Pose MovingPart::*after,
                                   const Vec3& near, double reach) {
   std::optional<Passing> closest;

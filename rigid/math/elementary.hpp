@@ -11,14 +11,10 @@ double sin(double x);
 double cos(double x);
 /// The angle of (x, y) from the x axis, in [-pi, pi], to 5 ulp; atan2(0, 0) is 0.
 double atan2(double y, double x);
-/// To 2 ulp.
-double log(double x);
-/// To 1 ulp between the least and the largest normal number; beyond them 0 and infinity.
-double exp(double x);
-/// To 2^-52.
-double tanh(double x);
-/// To 1 ulp, of a normal number or 0.
-double cbrt(double x);
+double log(double x);   // good to 2 ulp
+double exp(double x);   // good to 1 ulp; 0 below the least and infinity above the largest normal number
+double tanh(double x);  // good to 2^-52
+double cbrt(double x);  // good to 1 ulp, of a normal number or 0
 /// (x^2 + y^2)^(1/2) to 1.2 ulp, for lengths whose squares are normal numbers, or 0.
 double hypot(double x, double y);
 /// x^n by n products.

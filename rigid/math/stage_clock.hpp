@@ -38,7 +38,7 @@ class StageClock {
     const Turn turn(*this, stage);
     return std::forward<Work>(work)();
   }
-  /// Of all stages that have ended, since the clock was made.
+  /// Return the sums over all stages that have ended since the clock was made.
   const Seconds& seconds() const { return seconds_; }
   const Readings& readings() const { return readings_; }
 

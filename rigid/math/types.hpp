@@ -3,7 +3,10 @@
 // fluid step, mass: reference density times a cell's volume). Frames in names where two are in play:
 // _W world, _B body.
 #include <Eigen/Dense>
+
+#include <array>
 #include <cstdint>
+#include <limits>
 
 namespace silt::rigid {
 
@@ -20,7 +23,7 @@ struct Pose {
   bool operator==(const Pose&) const = default;
   Vec3 to_world(const Vec3& x_B) const { return position + orientation * x_B; }
   Vec3 to_body(const Vec3& x_W) const { return orientation.conjugate() * (x_W - position); }
-  /// The same pose seen from another one of the same frame.
+  /// Returns this pose as seen from another one of the same frame.
   Pose seen_from(const Pose& other) const {
     return {other.to_body(position), (other.orientation.conjugate() * orientation).normalized()};
   }
@@ -38,6 +41,53 @@ inline constexpr BodyId first_wall_id = BodyId{1} << 63;
 inline constexpr BodyId first_tube_id = first_wall_id + 6;
 inline bool is_wall(BodyId id) {
   return id >= first_wall_id;
+}
+
+/// An axis-aligned box.
+struct BoundingBox {
+  Vec3 lower, upper;
+
+  static BoundingBox around(const Vec3& centre, const Vec3& half) { return {centre - half, centre + half}; }
+  /// It holds no point; `add` makes it grow.
+  static BoundingBox empty() {
+    constexpr double infinity = std::numeric_limits<double>::infinity();
+    return {Vec3::Constant(infinity), Vec3::Constant(-infinity)};
+  }
+  static BoundingBox everything() { return {empty().upper, empty().lower}; }
+  void add(const BoundingBox& other) {
+    lower = lower.cwiseMin(other.lower);
+    upper = upper.cwiseMax(other.upper);
+  }
+};
+
+/// The velocities of a body.
+struct Twist {
+  Vec3 v = Vec3::Zero(), w = Vec3::Zero();  // of the centre; W
+  Vec3 at(const Vec3& r) const { return v + w.cross(r); }
+};
+
+/// (1, a / 2) normalised: the Cayley map of the rotation vector a (radian), good to the third order of its
+/// length.
+inline Quat cayley(const Vec3& a) {
+  return Quat(1, 0.5 * a[0], 0.5 * a[1], 0.5 * a[2]).normalized();
+}
+
+/// Returns the rotation by the angle between two vectors, neither of them zero, about the normal of both; of
+/// opposite ones about some normal. Compiled in one place: Eigen solves for that normal, which takes a
+/// compiler seconds.
+Quat rotation_between(const Vec3& from, const Vec3& to);
+
+/// Returns the rotation by the vector angle (radians about its own axis).
+Quat rotation_by(const Vec3& angle);
+/// Returns the shortest such vector of a rotation.
+Vec3 angle_of(const Quat&);
+
+/// The normal and two tangents.
+inline std::array<Vec3, 3> contact_directions(const Vec3& n) {
+  int smallest = 0;
+  n.cwiseAbs().minCoeff(&smallest);
+  const Vec3 t = n.cross(Vec3::Unit(smallest)).normalized();
+  return {n, t, n.cross(t)};
 }
 
 }  // namespace silt::rigid

@@ -19,8 +19,8 @@ struct Rounds {
   const BlockLubrication* lubrication = nullptr;  // of the group's contacts, or null
   BlockRolling* rolling = nullptr;                // likewise
 
-  /// What a contact's impulses become, from those that would stop it: (C4) and (C5) of method.md, (L2)
-  /// in a lubrication film.
+  /// Return what a contact's impulses become, given those that would stop it: (C4) and (C5) of
+  /// rigid/README.md, (L2) in a lubrication film.
   static Numbers normal(const BlockContact& c, const BlockLubrication* lubrication, Numbers stop,
                         Numbers u_n) {
     const Numbers hard = c.normal_impulse + (c.target - u_n) * c.inverse_k_n;

@@ -10,8 +10,8 @@
 namespace silt::rigid::SILT_ISA {
 namespace {
 
-/// What contacts of a kind have: an impulse along the normal (frictionless), across it too (dry), and one
-/// against rolling (rolling, lubricated).
+/// Contacts of a kind have an impulse along the normal (frictionless), across it too (dry), and one against
+/// rolling (rolling, lubricated).
 enum Kind { frictionless, dry, rolling, lubricated };
 
 /// Impulses on b; those that a kind does not have are not computed with.

@@ -4,7 +4,6 @@
 // share a group changes no bit. No Eigen: the kernels are built for several instruction sets.
 //
 // Normals run from a to b, u = v_b - v_a at the contact, impulses act on b and are reversed on a.
-#include <cstddef>
 #include <cstdint>
 #include <span>
 
@@ -47,7 +46,7 @@ struct LaneBodies {
   std::int32_t again[lane_count];  // 0: final after the first sweep
 };
 
-/// What all groups have: pairs side by side.
+/// All groups hold pairs side by side.
 struct PairGroup {
   Real8 age;          // sweeps since the impulses were last carried too far
   Real8 carried;      // by what part of their last change they were carried on
@@ -72,8 +71,8 @@ struct alignas(64) CentralGroup : PairGroup, LaneContact {
   Real8 arm_a, arm_b;  // the contact lies at arm * normal from each centre
 };
 
-/// The same with moments against rolling and twisting, as impulses: `rolling_impulse` times `roll_arm` is a
-/// moment on b. Rolling is seen as the velocity that the bodies' turning gives at that arm.
+/// These pairs have moments against rolling and twisting too, as impulses: `rolling_impulse` times `roll_arm`
+/// is a moment on b. Rolling is seen as the velocity that the bodies' turning gives at that arm.
 struct alignas(64) RollingGroup : CentralGroup {
   Real8 roll_arm, rolling_friction, twisting_friction;
   Real8 inverse_k_roll, inverse_k_roll_stuck;  // the latter where slip takes what impulse it needs
@@ -81,9 +80,9 @@ struct alignas(64) RollingGroup : CentralGroup {
   Real8 rolling_impulse[3], last_rolling[3];
 };
 
-/// The same with a lubrication film in the gap (lubrication.hpp). Of a resistance z, as an impulse per
-/// velocity, against the compliance k of its motion: damped is z k / (1 + z k), the part of the velocity it
-/// takes away.
+/// These pairs have a lubrication film in the gap (lubrication.hpp). A resistance z, as an impulse per
+/// velocity, acts against the compliance k of its motion: damped is z k / (1 + z k), the part of the velocity
+/// it takes away.
 struct alignas(64) LubricatedGroup : CentralGroup {
   Real8 normal_stiffness;  // 1 + z k
   Real8 normal_damped, tangential_damped;
@@ -121,7 +120,7 @@ struct alignas(64) BlockLubrication {
   Real8 normal_stiffness, normal_damped, tangential_damped;
 };
 
-/// What resists rolling and twisting at one BlockContact, as in RollingGroup.
+/// The resistance against rolling and twisting at one BlockContact, as in RollingGroup.
 struct alignas(64) BlockRolling {
   Real8 roll_arm, rolling_friction, twisting_friction, inverse_k_roll;
   Real8 impulse[3];

@@ -11,7 +11,7 @@
 #include "rigid/bodies/body_set.hpp"
 #include "rigid/bodies/contact.hpp"
 #include "rigid/bodies/world.hpp"
-#include "rigid/math/twist.hpp"
+#include "rigid/math/types.hpp"
 
 namespace silt::rigid {
 
@@ -79,8 +79,8 @@ struct ResolverStatistics {
   }
 };
 
-/// What a contact did to a wall besides the impulse that a body remembers: what its film did against rolling,
-/// what it did in an impact, which is forgotten, and what the ImpactSink says.
+/// The impulse of a contact on a wall besides the one that a body remembers: that of its film against
+/// rolling, that in an impact, which is forgotten, and that of the ImpactSink.
 struct OtherWallImpulse {
   BodyId wall;
   Image image;           // of the wall, as in Contact

@@ -2,8 +2,13 @@
 // The least normal velocity that a contact is to have after a step (method.md, C1), and in the position
 // correction (C7).
 #include <algorithm>
+#include <cmath>
+#include <span>
 
+#include "rigid/bodies/contact.hpp"
+#include "rigid/bodies/world.hpp"
 #include "rigid/response/contact_resolver.hpp"
+#include "rigid/response/warm_start.hpp"
 
 namespace silt::rigid {
 
@@ -11,9 +16,9 @@ inline double lever_arms(const Contact& c) {
   return is_wall(c.b) ? c.r_a.norm() : c.r_a.norm() + c.r_b.norm();
 }
 
-/// What closes the gap, or what Newton's restitution asks of a contact that would be reached, from the
-/// velocities before the kick (so that a body at rest does not bounce) and what a lubrication film leaves of
-/// them.
+/// The target closes the gap, or is the one that Newton's restitution asks of a contact that would be
+/// reached, by the velocities before the kick (so that a body at rest does not bounce), as far as a
+/// lubrication film leaves them.
 struct Target {
   double velocity;
   double impact_change = 0;  // of the velocity, where the contact is hit
@@ -27,7 +32,7 @@ inline Target target_of(const Contact& c, double dt, double reduced_mass, const 
   return {target, target - speed};
 }
 
-/// By so much of the lever arms a contact that pressed may have opened.
+/// A contact that pressed may have opened by this share of the lever arms.
 inline constexpr double hair = 1e-4;
 
 /// The target of a contact that pressed in the last step: one that has opened by a hair is held, not let
@@ -52,5 +57,26 @@ inline double target_of_push(const Contact& c, double dt, double velocity, const
   const double overlap = settings.correction * (-c.gap - settings.slop) / dt - std::max(0.0, velocity);
   return is_correctable(c, settings) ? std::max(0.0, overlap) : 0;
 }
+
+// Forces pull surfaces together (rigid/README.md, Cohesion). A pull acts along the normal of a contact, whose
+// own impulse presses against it: what is left of that impulse while others pull the bodies apart holds them,
+// and where nothing is left they part.
+
+/// The reduced radius of the surfaces at a contact, from the distances of its bodies' centres along the
+/// normal.
+inline double reduced_radius(const Contact& c) {
+  const double a = std::abs(c.normal.dot(c.r_a));
+  if (is_wall(c.b)) return a;
+  const double b = std::abs(c.normal.dot(c.r_b));
+  return a * b / (a + b);
+}
+
+/// Sets the pull of each contact of a pair, a share each of the pair's. One that pressed in the step before
+/// has an impulse already, and is a contact as long as it has opened by no more than a hair.
+void set_pulls(const Material&, double dt, std::span<const Contact> of_pair, std::span<ContactImpulse>);
+
+/// The most that set_pulls may give them: for what they recall of the step before.
+void set_greatest_pulls(const Material&, double dt, std::span<const Contact> of_pair,
+                        std::span<ContactImpulse>);
 
 }  // namespace silt::rigid

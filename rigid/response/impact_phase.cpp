@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "rigid/bodies/body_exchange.hpp"
 #include "rigid/math/elementary.hpp"
-#include "rigid/response/common_rest.hpp"
 
 namespace silt::rigid {
 
@@ -36,7 +36,7 @@ struct Sides {
     b.v += mass_b * impulse;
     b.w += inertia_b * r_b.cross(impulse);
   }
-  /// What rounding leaves of the difference of two velocities at a contact.
+  /// Returns the rounding of the difference of two velocities at a contact.
   double rounding(const Vec3& r_a, const Vec3& r_b) const {
     return std::numeric_limits<double>::epsilon() *
            (a.v.norm() + a.w.norm() * r_a.norm() + b.v.norm() + b.w.norm() * r_b.norm());
@@ -247,7 +247,7 @@ void ImpactPhase::apply() {
   }
 }
 
-/// Whether a pair is solved in this sweep: in the first, and whenever one of its bodies has changed since.
+/// A pair is solved in the first sweep, and whenever one of its bodies has changed since.
 bool ImpactPhase::is_to_solve(const Pair& p, Stage stage, int sweep) {
   if (!p.collides || (stage == Stage::tangential && contacts_[p.first].friction <= 0)) return false;
   return sweep == 1 || (!p.alone && (shared(bodies_[p.a], word) != 0 || shared(bodies_[p.b], word) != 0));
@@ -269,8 +269,8 @@ bool ImpactPhase::sweep(Stage stage, int sweep) {
   return moving;
 }
 
-/// At least one sweep, at most most_sweeps_: then they are cut short, and bodies that have not come to rest
-/// tell by their word. Returns how many.
+/// Makes at least one sweep, at most most_sweeps_: then they are cut short, and bodies that have not come to
+/// rest tell by their word. Returns how many.
 int ImpactPhase::sweep_to_rest(BodySet& bodies, BodyExchange& exchange, Stage stage) {
   CommonRest rest(exchange);
   for (int i = 1;; ++i) {
@@ -281,7 +281,7 @@ int ImpactPhase::sweep_to_rest(BodySet& bodies, BodyExchange& exchange, Stage st
   }
 }
 
-/// What one body of a cluster of colliding ones says, all of them say: until all have heard it.
+/// Spreads the word of one body of a cluster of colliding ones until all of them have heard it.
 void ImpactPhase::spread_word(BodySet& bodies, BodyExchange& exchange) {
   CommonRest rest(exchange);
   for (bool at_rest = false; !at_rest;) {

@@ -18,7 +18,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "rigid/math/twist.hpp"
+#include "rigid/math/types.hpp"
 #include "rigid/response/contact_resolver.hpp"
 
 namespace silt::rigid {

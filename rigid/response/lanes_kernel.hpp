@@ -75,7 +75,7 @@ inline HalfLine half_line(const double* from) {
 struct Turned {
   Numbers first, second, third, fourth;  // an array of them compilers copy by way of memory
 };
-/// As it lies in memory.
+/// Reads the lanes as they lie in memory.
 template <class Lines>
 Numbers lanes_of(const Lines& lines) {
   static_assert(sizeof lines == sizeof(Numbers));
@@ -169,7 +169,7 @@ inline Twist twists(const std::int32_t* rows, const BodyState* state) {
   return {{low.first, low.second, low.third}, {low.fourth, high.first, high.second}};
 }
 
-/// What eight pairs do to their bodies: an impulse on b, its reverse on a, and the moments on either.
+/// Eight pairs push their bodies: by an impulse on b, its reverse on a, and the moments on either.
 struct Push {
   Vector impulse, moment_a, moment_b;
 };
@@ -214,7 +214,7 @@ inline Numbers momentum(Real8& age, const Numbers& led_wrong, const Mask& on) {
   return choose(on, (k - 1) / (k + 2), 0);
 }
 
-/// What the groups of a sweep have found.
+/// Gathers what the groups of a sweep have found.
 class Outcome {
  public:
   template <class Group>
@@ -224,7 +224,7 @@ class Outcome {
     solved_ = true;
   }
   SweepOutcome all() const { return {largest(residual_), solved_, any_lane(carried_)}; }
-  /// Where the squares of the changes were added.
+  /// Returns the outcome if the squares of the changes were added.
   SweepOutcome of_squares() const { return {std::sqrt(largest(residual_)), solved_, any_lane(carried_)}; }
 
  private:

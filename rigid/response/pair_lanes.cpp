@@ -4,8 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "rigid/response/cohesion.hpp"
-#include "rigid/response/pair_compliance.hpp"
+#include "rigid/response/contact_targets.hpp"
 
 namespace silt::rigid {
 

@@ -4,8 +4,7 @@
 #include <cmath>
 
 #include "cpu/prefetch.hpp"
-#include "rigid/response/cohesion.hpp"
-#include "rigid/response/common_rest.hpp"
+#include "rigid/bodies/body_exchange.hpp"
 #include "rigid/response/contact_targets.hpp"
 
 namespace silt::rigid {
@@ -341,8 +340,8 @@ void SffdResolver::finish(const Step& step, ResolverStatistics& statistics) {
     if (row < bodies.owned && bodies.keeps_impulses(row)) sort_by_partner(bodies.stored_impulses[row]);
 }
 
-/// Whether an overlap here is to be corrected, or may be on a rank that contacts connect this one with.
-/// (Where none is, a correction changes nothing.)
+/// Says whether an overlap here is to be corrected, or may be on a rank that contacts connect this one with.
+/// (A correction changes nothing if none is.)
 bool SffdResolver::is_to_correct(const Step& step) const {
   if (settings_.correction <= 0) return false;
   return !step.exchange.cluster().is_alone() ||

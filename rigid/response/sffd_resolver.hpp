@@ -1,8 +1,7 @@
 #pragma once
 // sFFD: the default contact resolver. Keeps the structure of Kaufman's Fast Frictional Dynamics and of its
 // parallel form (SC10 section III), one exchange of neighbours a sweep, but solves pairs symmetrically, so
-// that momentum is exact and the law is Coulomb's. Own derivation: method.md, equations
-// (C1) to (C7).
+// that momentum is exact and the law is Coulomb's. Own derivation: rigid/README.md, equations (C1) to (C7).
 //
 // In a sweep every pair is solved alone, from the same velocities, with the masses of its bodies divided by
 // their numbers of pairs; then each body takes the sum of its impulse changes with its true mass (Jacobi with
@@ -50,7 +49,7 @@ class SffdResolver : public ContactResolver {
     int sweeps = 0;  // the last that solved anything here
     double residual = 0;
   };
-  /// What resolve was called with.
+  /// The arguments of resolve.
   struct Step {
     BodySet& bodies;
     std::span<const Contact> contacts;
@@ -81,7 +80,7 @@ class SffdResolver : public ContactResolver {
   bool is_link(const Pair&) const;
   int settle_links(const Step&);
   Rest sweep_to_rest(const Step&, std::vector<BodyState>& state, const Sweeps&);
-  /// What the last sweep gives a body.
+  /// Returns the change of a body's velocities by the last sweep.
   [[gnu::always_inline]] Twist change_of(std::size_t row) const {
     const Body& b = bodies_[row];
     return {b.inverse_mass * Eigen::Map<const Vec3>(sums_[row].impulse),

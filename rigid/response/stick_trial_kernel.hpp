@@ -49,13 +49,13 @@ inline PairMotion choose(Mask m, const PairMotion& a, const PairMotion& b) {
   return c;
 }
 
-/// Where element (i, j) of a symmetric 6 x 6 matrix stands among its 21.
+/// Returns the place of element (i, j) of a symmetric 6 x 6 matrix among its 21.
 constexpr int packed(int i, int j) {
   return i >= j ? i * (i + 1) / 2 + j : j * (j + 1) / 2 + i;
 }
 
-/// In place: M = L D L^T, with 1 / D on the diagonal (that of L is 1). Without roots, for which a column
-/// would wait as long again as for its quotient.
+/// Factorises in place: M = L D L^T, with 1 / D on the diagonal (that of L is 1). It takes no roots, for
+/// which a column would wait as long again as for its quotient.
 inline void factorise(Numbers* m) {
 #pragma GCC unroll 6
   for (int j = 0; j < 6; ++j) {
@@ -165,7 +165,7 @@ struct StickTrial {
     return most;
   }
 
-  /// Which contacts press, and the matrix.
+  /// Finds the contacts that press, and the matrix.
   void start() {
     for (int i = 0; i < 21; ++i) factor[i] = g.inverse_mobility[i];
     for (std::uint32_t k = 0; k < g.count; ++k) {
@@ -178,7 +178,7 @@ struct StickTrial {
     factorise(factor);
   }
 
-  /// From the excess there is.
+  /// Makes a pass from the excess that there is.
   void pass() {
     Numbers x[6] = {};
     for (std::uint32_t k = 0; k < g.count; ++k) {

@@ -1,8 +1,8 @@
 #pragma once
-// What a step remembers of its contact impulses for the next one. Both bodies of a pair keep the same values,
-// so that the owner of either can start from them. Of a body that is held at rest (method-bodies.md,
-// Sleep), impulses of partners that do not move either are held, step after step, in BodySet::rest; those of
-// partners that move are its load.
+// A step remembers its contact impulses for the next one. Both bodies of a pair keep the same values, so that
+// the owner of either can start from them. A body that is held at rest (rigid/README.md, What sleeps) keeps
+// the impulses of partners that do not move either, step after step, in BodySet::rest; those of partners that
+// move are its load.
 #include <span>
 
 #include "rigid/response/contact_resolver.hpp"
@@ -13,8 +13,8 @@ namespace silt::rigid {
 struct ContactImpulse {
   double normal = 0;
   Vec3 tangential = Vec3::Zero();  // W
-  double pull =
-      0;  // by cohesion, against which the normal impulse presses besides (rigid/response/cohesion.hpp)
+  double pull = 0;                 // by cohesion, against which the normal impulse presses besides
+                                   // (rigid/response/contact_targets.hpp)
 
   Vec3 along(const Vec3& n) const { return (normal - pull) * n + tangential; }
 };

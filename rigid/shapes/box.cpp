@@ -18,7 +18,7 @@ BoundingBox Box::bounding_box(const Pose& pose) const {
   return BoundingBox::around(pose.position, pose.orientation.toRotationMatrix().cwiseAbs() * half_edges);
 }
 
-/// To the corner furthest from the origin, seen from the box's own frame.
+/// The distance is that of the corner furthest from the origin, seen from the box's own frame.
 double Box::reach(const Pose& pose) const {
   const Vec3 centre = pose.orientation.conjugate() * pose.position;
   return (centre.cwiseAbs() + half_edges).norm();

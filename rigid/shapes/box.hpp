@@ -11,7 +11,7 @@ struct Feature {
   std::array<std::int8_t, 3> sign{0, 0, 0};
 
   std::uint32_t code() const { return (sign[0] + 1) + 3 * (sign[1] + 1) + 9 * (sign[2] + 1); }  // 0..26
-  /// Where this and another meet: two faces in an edge, two edges in a vertex.
+  /// Returns the feature in which this and another meet: two faces in an edge, two edges in a vertex.
   Feature with(const Feature& other) const {
     Feature f = *this;
     for (int k = 0; k < 3; ++k)
@@ -20,7 +20,7 @@ struct Feature {
   }
 };
 
-/// As the core of a sphere or a capsule it is a point or a segment along z: half edges may be 0 there.
+/// Half edges may be 0: the core of a sphere or a capsule is a point or a segment along z.
 struct Box {
   static constexpr std::string_view name = "box";
   Vec3 half_edges;

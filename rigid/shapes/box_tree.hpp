@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "rigid/shapes/bounding_box.hpp"
+#include "rigid/math/types.hpp"
 
 namespace silt::rigid {
 
@@ -20,7 +20,7 @@ class BoxTree {
     std::uint32_t first;  // item of a leaf; else the first of two children
     std::uint32_t count;  // items of a leaf; 0: not a leaf
 
-    /// From a point to the box; 0 inside.
+    /// Returns the square of the distance from a point to the box; 0 inside.
     double squared_distance(const Vec3& x) const {
       double square = 0;
       for (int d = 0; d < 3; ++d) {

@@ -19,8 +19,8 @@ std::optional<LineInterval> Capsule::line_interval(const Vec3& o, const Vec3& d)
   }
   const auto barrel = between_roots(a, o[0] * d[0] + o[1] * d[1], (rho - radius) * (rho + radius));
   if (!barrel) return {};
-  // Where the line crosses the endless barrel beyond the segment, it enters or leaves through that end's
-  // cap or not at all.
+  // A line that crosses the endless barrel beyond the segment enters or leaves through that end's cap or not
+  // at all.
   const auto end = [&](double t, bool entering) -> std::optional<double> {
     const double z = o[2] + t * d[2];
     if (std::abs(z) <= half_length) return t;

@@ -50,7 +50,7 @@ BoundingBox Compound::bounding_box(const Pose& pose) const {
 
 namespace {
 
-// By how much the parts of a compound, added up one by one, count their overlaps too often.
+// The parts of a compound, added up one by one, count their overlaps too often: by how much is found here.
 
 constexpr int fewest_halvings = 3;  // of the tree of rectangles across the rays
 constexpr int most_halvings = 9;
@@ -179,8 +179,8 @@ SolidMoments overlap_moments(const std::vector<Part>& parts) {
   return {m.volume, back * m.first, back * m.second * back.transpose()};
 }
 
-/// What overlap_moments, tens of milliseconds of quadrature, said of the compounds asked about last: a case
-/// asks for the mass of each of its compounds in many places.
+/// Keeps the results of overlap_moments, tens of milliseconds of quadrature, for the compounds asked about
+/// last: a case asks for the mass of each of its compounds in many places.
 class KnownOverlaps {
  public:
   SolidMoments of(const std::vector<Part>& parts) {

@@ -21,9 +21,9 @@ double Cone::signed_distance(const Vec3& x) const {
   return elementary::hypot(out + along * radius, up - along * height);
 }
 
-/// With w the depth below the apex: where rho^2 - (radius w / height)^2 <= 0 and 0 <= w <= height. A line
-/// that is steeper than the side is inside that double cone before one root and after the other; the one
-/// where w > 0 is wanted.
+/// The line is inside where rho^2 - (radius w / height)^2 <= 0 and 0 <= w <= height, w being the depth below
+/// the apex. A line that is steeper than the side is inside that double cone before one root and after the
+/// other; the one where w > 0 is wanted.
 std::optional<LineInterval> Cone::line_interval(const Vec3& o, const Vec3& d) const {
   const auto between_ends = in_slab(o[2] - (apex()[2] - height / 2), d[2], height / 2);
   if (!between_ends) return {};

@@ -1,5 +1,5 @@
 #pragma once
-// What a collision backend sees: convex, in one piece.
+// The convex shapes, in one piece: a collision backend sees only these.
 #include <variant>
 
 #include "rigid/shapes/box.hpp"
@@ -30,7 +30,7 @@ std::optional<LineInterval> line_interval(const ConvexShape&, const Vec3& origin
 /// along the normal, eigenvalues across it the principal curvatures, >= 0. None for a shape that may be flat
 /// or have an edge (box, cylinder, polyhedron). A half-space has zero curvature.
 std::optional<Mat3> curvature(const ConvexShape&, const Vec3& x_B, const Vec3& n_B);
-/// Whether the surface has a curvature everywhere.
+/// Says whether the surface has a curvature everywhere.
 bool is_smooth(const ConvexShape&);
 
 }  // namespace silt::rigid

@@ -26,7 +26,7 @@ BoundingBox Cylinder::bounding_box(const Pose& pose) const {
   return BoundingBox::around(pose.position, axis.cwiseAbs() * half_length + radius * across);
 }
 
-/// To the rim point furthest from the origin, seen from the cylinder's own frame.
+/// The distance is that of the rim point furthest from the origin, seen from the cylinder's own frame.
 double Cylinder::reach(const Pose& pose) const {
   const Vec3 centre = pose.orientation.conjugate() * pose.position;
   return elementary::hypot(elementary::hypot(centre[0], centre[1]) + radius,

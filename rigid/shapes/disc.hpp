@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "rigid/math/elementary.hpp"
-#include "rigid/shapes/contact_outline.hpp"
+#include "rigid/shapes/solid.hpp"
 
 namespace silt::rigid {
 

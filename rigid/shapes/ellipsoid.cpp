@@ -112,8 +112,8 @@ BoundingBox Ellipsoid::bounding_box(const Pose& pose) const {
   return BoundingBox::around(pose.position, (r * half_axes.asDiagonal()).rowwise().norm());
 }
 
-/// As the nearest point, with the root beyond minus the square of the longest half axis: x_i = -e_i^2 y_i /
-/// (u + e^2 - e_i^2).
+/// The furthest point is found as the nearest one is, with the root beyond minus the square of the longest
+/// half axis: x_i = -e_i^2 y_i / (u + e^2 - e_i^2).
 double Ellipsoid::reach(const Pose& pose) const {
   const Vec3 y = (pose.orientation.conjugate() * pose.position).cwiseAbs();
   const int longest = by_length(half_axes)[0];
@@ -148,7 +148,7 @@ void Ellipsoid::add_inner_balls(std::vector<InnerBall>& balls) const {
       }
 }
 
-/// Of f(x) = 1/2 x.D x = const: the part of D across the normal, over |D x|.
+/// The curvature of f(x) = 1/2 x.D x = const is the part of D across the normal, over |D x|.
 std::optional<Mat3> Ellipsoid::curvature(const Vec3& x, const Vec3& n) const {
   const Vec3 d = half_axes.cwiseAbs2().cwiseInverse();
   const double gradient = d.cwiseProduct(x).norm();

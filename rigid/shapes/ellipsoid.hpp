@@ -45,7 +45,7 @@ struct Ellipsoid {
   void extremes(Use&& use) const {
     use.ellipsoid(half_axes, 0);
   }
-  /// In its half axes it is the unit ball.
+  /// The ellipsoid is the unit ball in units of its half axes.
   template <class Parts>
   void surface(Parts& parts) const {
     parts.add_scaled(Parts::Kind::ellipsoid, half_axes.cwiseInverse());

@@ -8,7 +8,7 @@
 
 namespace silt::rigid {
 
-/// What every hollow has to tell of itself, in its own frame, whose z axis is the one that it may turn about:
+/// Every hollow has the following members, in its own frame, whose z axis is the one that it may turn about:
 /// - name: what a case calls its type;
 /// - fields: a tuple of Field, its sizes as a case gives them;
 /// - slides: whether it is alike all along its axis, and so may slide along it;
@@ -79,7 +79,7 @@ struct HollowShape : HollowShapes<Tube> {
   double widest() const {
     return std::visit([](const auto& h) { return h.widest(); }, *this);
   }
-  /// Whether it is alike all along its axis.
+  /// Says whether it is alike all along its axis.
   bool slides() const {
     return std::visit([]<class H>(const H&) { return H::slides; }, *this);
   }

@@ -6,8 +6,8 @@
 
 namespace silt::rigid {
 
-/// What a closed surface of triangles encloses, or, if hollow, all that it does not: a vessel. Not convex; a
-/// hollow one is for walls only: infinite mass.
+/// A mesh is the solid that a closed surface of triangles encloses, or, if hollow, all that it does not: a
+/// vessel. It is not convex; a hollow one is for walls only and has infinite mass.
 struct Mesh {
   static constexpr std::string_view name = "mesh";
   SharedMesh surface;  // never null
@@ -23,7 +23,7 @@ struct Mesh {
     const auto hit = surface->first_hit(o, d, t_max);
     return hit ? hit->t : t_max;
   }
-  /// Of its turned box: not the tightest.
+  /// Returns the box of its turned box, which is not the tightest.
   BoundingBox bounding_box(const Pose& pose) const {
     if (hollow) return BoundingBox::everything();
     const Vec3 half = 0.5 * (surface->box().upper - surface->box().lower);
@@ -36,7 +36,7 @@ struct Mesh {
     if (hollow) throw std::invalid_argument("a hollow mesh has no mass");
     return surface->mass_properties();
   }
-  /// Of its box in the body frame; infinite if hollow.
+  /// Returns the least side of its box in the body frame; infinite if hollow.
   double least_width() const {
     return hollow ? boundless : (surface->box().upper - surface->box().lower).minCoeff();
   }

@@ -119,7 +119,7 @@ double distance_to_segment(const Vec3& a, const Vec3& b, const Vec3& x) {
   return (x - a - t * along).norm();
 }
 
-/// From a point in front of the face at `height`; exact.
+/// Returns the distance from a point in front of the face at `height`; exact.
 double distance_to_face(const PolyhedronMesh& mesh, const Face& face, double height, const Vec3& x) {
   bool above = true;  // the projection lies on the face
   double least = std::numeric_limits<double>::infinity();

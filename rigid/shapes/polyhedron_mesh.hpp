@@ -25,15 +25,13 @@ struct PolyhedronMesh {
   std::vector<std::vector<int>> neighbours;  // of each vertex, along the edges
 };
 
-/// From corners and the faces' loops of corners (counter-clockwise seen from outside). Every face must be
-/// flat and convex and the whole closed and convex, to `flatness` of its size; std::invalid_argument says
-/// what is not. Coplanar neighbouring faces must have been merged (adapters/qhull does).
+/// Makes a mesh of corners and the faces' loops of corners (counter-clockwise seen from outside). Every face
+/// must be flat and convex and the whole closed and convex, to `flatness` of its size; std::invalid_argument
+/// says what is not. Coplanar neighbouring faces must have been merged (adapters/qhull does).
 std::shared_ptr<const PolyhedronMesh> make_polyhedron_mesh(std::vector<Vec3> vertices,
                                                            const std::vector<std::vector<int>>& faces,
                                                            double flatness = 1e-9);
-/// The same polyhedron about another origin.
 std::shared_ptr<const PolyhedronMesh> shifted(const PolyhedronMesh&, const Vec3& by);
-/// The same polyhedron, so many times as large.
 std::shared_ptr<const PolyhedronMesh> scaled(const PolyhedronMesh&, double factor);
 
 /// Distance to the surface, negative inside; exact.

@@ -34,17 +34,18 @@ double bounding_radius(const Shape&);
 /// Closed forms, exact; for a compound those of the union of its parts, relative error <= 1e-4,
 /// deterministic.
 MassProperties mass_properties(const Shape&);
-/// Of a compound the diameter of the sphere of its volume, of a mesh the least side of its box.
+/// Returns the least distance of two parallel planes that touch the shape, or a length near it: for a
+/// compound the diameter of the sphere of its volume, for a mesh the least side of its box.
 double least_width(const Shape&);
-/// The same shape expressed about its centre of mass, `centre`, which is subtracted.
+/// Returns the shape about its centre of mass, `centre`, which is subtracted.
 Shape recentred(const Shape&, const Vec3& centre);
-/// The same shape, every length of it so many times as long; not of a half-space or a hollow.
+/// Returns the shape with every length of it `factor` times as long; it must not be a half-space or a hollow.
 Shape scaled(const Shape&, double factor);
 /// A half-space or a sphere looks the same from anywhere on an axis: where orientation cannot matter.
 bool is_sphere(const Shape&);
 /// The hollow that a shape is, if it is one.
 std::optional<HollowShape> hollow_of(const Shape&);
-/// Whether it is a hollow or a hollow mesh: solid all around, without end.
+/// Says whether the shape is a hollow or a hollow mesh: solid all around, without end.
 bool is_endless(const Shape&);
 
 /// The convex parts of any shape (one for a convex shape itself, none for a hollow or a mesh).

@@ -1,20 +1,123 @@
 #pragma once
-// What a convex shape says of itself. Its own frame and lattice units throughout; directions are unit
-// vectors. README.md of this folder says how to add one.
+// The interface of a convex shape. It uses its own frame and lattice units throughout; directions are unit
+// vectors. README.md of this folder says how to add a shape.
 #include <algorithm>
+#include <cmath>
 #include <concepts>
+#include <cstdint>
 #include <limits>
 #include <optional>
 #include <string_view>
 #include <tuple>
 #include <vector>
 
-#include "rigid/shapes/bounding_box.hpp"
-#include "rigid/shapes/contact_outline.hpp"
-#include "rigid/shapes/line_interval.hpp"
+#include "rigid/math/types.hpp"
 #include "rigid/shapes/mass_properties.hpp"
 
 namespace silt::rigid {
+
+/// The place of a shape in the world frame of a query, in lattice units.
+struct Placement {
+  Vec3 centre;
+  Mat3 axes;  // columns: the unit axes of the body
+
+  Vec3 to_world(const Vec3& x_B) const { return centre + axes * x_B; }
+  Vec3 direction_B(const Vec3& n) const { return axes.transpose() * n; }
+};
+
+/// Directions in which the boundary of a core is not smooth, near a given one; world frame, unit vectors.
+struct Kinks {
+  /// The directions n with n . axis = c. A straight edge (or a line of a cylinder's side) is normal to those
+  /// with c = 0; where a cone's side meets its apex and its rim, c is the sine of its slope.
+  struct Circle {
+    Vec3 axis;
+    double c = 0;
+  };
+  std::vector<Circle> circles;
+  std::vector<Vec3> faces;  // outward normals
+  void clear() {
+    circles.clear();
+    faces.clear();
+  }
+};
+
+/// One corner: a point. Two: a line. Three and more: a flat face, counter-clockwise or clockwise, or a disc
+/// through the corners. Codes are below 2^16 and unique for a shape; they are those of Feature for boxes and
+/// capsules, and of the body's own frame for the others, so they stay while the same feature touches.
+struct ContactOutline {
+  struct Corner {
+    Vec3 x;
+    std::uint32_t code, edge_code;  // edge: the one to the next corner
+  };
+  std::vector<Corner> corners;
+  std::uint32_t code = 0;      // of what lies between the corners
+  Vec3 normal = Vec3::Zero();  // outward, unit, of three corners and more
+  Vec3 centre = Vec3::Zero();  // of a disc
+  double disc_radius = 0;      // 0: not a disc
+  double barrel_radius = 0;    // of the barrel about the third axis that a line lies on; 0: on none
+
+  std::size_t size() const { return corners.size(); }
+  bool is_face() const { return size() > 2; }
+  const Corner& next(std::size_t k) const { return corners[k + 1 < size() ? k + 1 : 0]; }
+  /// How far from x to the face's plane, along unit n.
+  double height(const Vec3& x, const Vec3& n) const { return normal.dot(corners[0].x - x) / normal.dot(n); }
+  void reset() {
+    corners.clear();
+    disc_radius = barrel_radius = 0;
+  }
+  void set_point(const Vec3& x, std::uint32_t point_code) {
+    reset();
+    corners.push_back({x, point_code, point_code});
+    code = point_code;
+  }
+};
+
+/// A point of a shape that may touch a plane.
+struct PlanePoint {
+  Vec3 x;
+  std::uint32_t code;
+  bool only_if_lowest = false;  // it moves over the surface, and counts only where no other is as low
+};
+
+struct LineInterval {
+  double enter, leave;  // parameters along the line, enter <= leave; may be infinite
+
+  static LineInterval everything() {
+    constexpr double infinity = std::numeric_limits<double>::infinity();
+    return {-infinity, infinity};
+  }
+};
+
+/// Returns the interval where a t^2 + 2 b t + c <= 0, for a > 0: its real roots, without cancellation.
+inline std::optional<LineInterval> between_roots(double a, double b, double c) {
+  const double discriminant = b * b - a * c;
+  if (discriminant < 0) return {};
+  const double s = std::sqrt(discriminant);
+  const double q = b >= 0 ? -b - s : -b + s;
+  const double t1 = q / a, t2 = q != 0 ? c / q : 0.0;
+  return LineInterval{std::min(t1, t2), std::max(t1, t2)};
+}
+
+/// Returns the interval where |o + t d| <= half_width along one axis.
+inline std::optional<LineInterval> in_slab(double o, double d, double half_width) {
+  using Interval = std::optional<LineInterval>;
+  if (d == 0) return std::abs(o) <= half_width ? Interval{LineInterval::everything()} : Interval{};
+  const double t1 = (-half_width - o) / d, t2 = (half_width - o) / d;
+  return LineInterval{std::min(t1, t2), std::max(t1, t2)};
+}
+
+inline std::optional<LineInterval> in_both(const std::optional<LineInterval>& a,
+                                           const std::optional<LineInterval>& b) {
+  if (!a || !b) return {};
+  const LineInterval i{std::max(a->enter, b->enter), std::min(a->leave, b->leave)};
+  return i.enter <= i.leave ? std::optional{i} : std::nullopt;
+}
+
+/// Returns the interval in the ball about the origin.
+inline std::optional<LineInterval> in_ball(double radius, const Vec3& o, const Vec3& d) {
+  const double distance = o.norm();  // the difference of squares, factored: exact close to the surface
+  return between_roots(d.squaredNorm(), o.dot(d), (distance - radius) * (distance + radius));
+}
 
 /// How a case gives a size of a shape: an entry of its table `fields`. A length, or for a member that is a
 /// vector three lengths along the axes. member = share * what `key` gives, or other_share * what `other_key`
@@ -41,7 +144,8 @@ struct InnerBall {
 };
 
 /// The radius of the largest ball that touches the plane normal to unit n at a point from below and stays
-/// below the planes added: it proves a depth of overlap the least one (rigid/collision/depth_proof.cpp).
+/// below the planes added: it proves a depth of overlap the least one
+/// (rigid/collision/deepest_direction.cpp).
 struct BallUnderPlanes {
   explicit BallUnderPlanes(const Vec3& normal) : n(normal) {}
 
@@ -64,7 +168,7 @@ inline Mat3 across(const Vec3& n) {
   return Mat3::Identity() - n * n.transpose();
 }
 
-/// What every convex shape has to tell:
+/// Every convex shape has the following members:
 /// - name: what a case calls its type;
 /// - fields: a tuple of Field, its sizes as a case gives them;
 /// - signed_distance(x): from x to the surface, negative inside; exact;
@@ -77,7 +181,7 @@ inline Mat3 across(const Vec3& n) {
 /// - mass_properties();
 /// - least_width(): between two parallel planes that touch it, the least, or a length near it;
 /// - add_inner_balls(balls): balls and points inside it that together stand for it
-/// (coupler/placement/overlap.hpp).
+/// (coupler/placement/obstacles.hpp).
 template <class S>
 concept ConvexSolid = requires(const S& s, const Vec3& x, const Pose& pose, std::vector<InnerBall>& balls) {
   requires std::equality_comparable<S>;
@@ -93,12 +197,12 @@ concept ConvexSolid = requires(const S& s, const Vec3& x, const Pose& pose, std:
   s.add_inner_balls(balls);
 };
 
-// What a shape need not tell of itself, since it follows from what it does tell. A shape that has a member of
-// the same name is asked instead: it is faster, or knows better. rigid/collision/convex_core does the same
-// with what a search for contacts asks.
+// These functions follow from the members that every shape has. A shape that has a member of the same name is
+// asked instead: it is faster, or knows better. rigid/collision/convex_core does the same for the search for
+// contacts.
 namespace solid {
 
-/// Whether x is inside or on the surface.
+/// Says whether x is inside or on the surface.
 template <class S>
 bool contains(const S& s, const Vec3& x) {
   if constexpr (requires { s.contains(x); })
@@ -107,7 +211,7 @@ bool contains(const S& s, const Vec3& x) {
     return s.signed_distance(x) <= 0;
 }
 
-/// From o, outside, along the ray o + t d to the surface: t, at most t_max.
+/// Returns t where the ray o + t d from o, outside, meets the surface, at most t_max.
 template <class S>
 double ray_distance(const S& s, const Vec3& o, const Vec3& d, double t_max) {
   if constexpr (requires { s.ray_distance(o, d, t_max); }) {
@@ -119,7 +223,7 @@ double ray_distance(const S& s, const Vec3& o, const Vec3& d, double t_max) {
   }
 }
 
-/// The same shape about its centre of mass: itself where that is its origin.
+/// Returns the shape about its centre of mass: itself where that is its origin.
 template <class S>
 S recentred(const S& s, const Vec3& centre) {
   if constexpr (requires { s.recentred(centre); })

@@ -50,7 +50,7 @@ class ShearedRay {
     x_ = (z_ + 1) % 3, y_ = (z_ + 2) % 3;
     shear_ = {d[x_] / d[z_], d[y_] / d[z_], 1 / d[z_]};
   }
-  /// Where it meets a triangle, edges and corners included.
+  /// Returns t where the line meets a triangle, edges and corners included.
   std::optional<double> meets(const std::array<Vec3, 3>& corners) const {
     std::array<Vec3, 3> p;
     for (int k = 0; k < 3; ++k) {
@@ -69,7 +69,7 @@ class ShearedRay {
   int x_, y_, z_;
 };
 
-/// Where a ray enters the box of a node; infinity if it misses it.
+/// Returns t where a ray enters the box of a node; infinity if it misses the box.
 double entry(const BoxTree::Node& node, const Vec3& o, const Vec3& d) {
   constexpr double rounding = 1e-12, infinity = std::numeric_limits<double>::infinity();
   double enter = 0, leave = infinity;
@@ -120,8 +120,8 @@ int side_of(const Whole3& a, const Whole3& b, const Whole3& p) {
   return sign(by);
 }
 
-/// Whether the line from p along x crosses a triangle, p moved a little along x, less along y and still less
-/// along z.
+/// Says whether the line from p along x crosses a triangle, p moved a little along x, less along y and still
+/// less along z.
 bool crosses_ahead(const std::array<Whole3, 3>& t, const Whole3& p) {
   const int side = side_of(t[0], t[1], p);
   if (side == 0 || side_of(t[1], t[2], p) != side || side_of(t[2], t[0], p) != side) return false;

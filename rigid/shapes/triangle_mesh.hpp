@@ -34,7 +34,7 @@ class TriangleMesh {
   /// Outward, of length twice the area.
   Vec3 area_normal(std::uint32_t triangle) const;
   const BoundingBox& box() const { return box_; }
-  /// Of the corner furthest from the origin.
+  /// Returns the distance of the corner furthest from the origin.
   double radius() const { return radius_; }
   /// Its items are the triangles.
   const BoxTree& tree() const { return tree_; }
@@ -56,14 +56,14 @@ class TriangleMesh {
   /// I. Wald, J. Comput. Graph. Techn. 2 (2013) 65). d need not be a unit vector.
   std::optional<Hit> first_hit(const Vec3& o, const Vec3& d, double t_max) const;
 
-  /// Whether x is within the surface: a line from it along x crosses an odd number of triangles. Exact, with
-  /// the corners and x rounded to 2^-38 of the mesh's size: in whole numbers, as if x were a little further
-  /// along x, less along y, still less along z, so that no edge or corner is met twice or not at all. A point
-  /// on the surface is on either side.
+  /// Says whether x is within the surface: a line from it along x crosses an odd number of triangles. The
+  /// answer is exact, with the corners and x rounded to 2^-38 of the mesh's size: in whole numbers, as if x
+  /// were a little further along x, less along y, still less along z, so that no edge or corner is met twice
+  /// or not at all. A point on the surface is on either side.
   bool encloses(const Vec3& x) const {
     return encloses(x, [](std::uint32_t) { return true; });
   }
-  /// The same by those triangles alone for which counts(triangle) is true.
+  /// Says whether x is within the surface by those triangles alone for which counts(triangle) is true.
   bool encloses(const Vec3& x, const std::function<bool(std::uint32_t)>& counts) const;
 
   /// Calls visit(triangle) for those whose box overlaps another, and perhaps some near it.
@@ -73,8 +73,8 @@ class TriangleMesh {
     tree_.search([&](const BoxTree::Node& node) { return node.overlaps(near) ? 0.0 : 1.0; }, limit, visit);
   }
 
-  /// Of unit density: exact integrals over the polyhedron, summed in extended precision about the middle of
-  /// its box (F. Tonon, J. Math. Stat. 1 (2004) 8).
+  /// Returns those of unit density: exact integrals over the polyhedron, summed in extended precision about
+  /// the middle of its box (F. Tonon, J. Math. Stat. 1 (2004) 8).
   MassProperties mass_properties() const;
   TriangleMesh shifted(const Vec3& by) const;
   TriangleMesh scaled(double factor) const;

@@ -1,4 +1,5 @@
 #pragma once
+#include <numbers>
 #include <stdexcept>
 
 #include "rigid/shapes/solid.hpp"
@@ -22,15 +23,29 @@ struct Tube {
     const double distance = from.norm();
     return distance > 0 ? Vec3(from / distance) : Vec3(at.orientation * Vec3::UnitX());
   }
-  double ray_distance(const Vec3& o, const Vec3& d, double t_max) const;
+  double ray_distance(const Vec3& o, const Vec3& d, double t_max) const {
+    const double a = d[0] * d[0] + d[1] * d[1], rho = std::sqrt(o[0] * o[0] + o[1] * o[1]);
+    if (!(a > 0)) return rho < radius ? t_max : 0.0;
+    const auto hole = between_roots(a, o[0] * d[0] + o[1] * d[1], (rho - radius) * (rho + radius));
+    return hole ? std::clamp(hole->leave, 0.0, t_max) : 0.0;
+  }
   Mat3 curvature(const Vec3& n_B) const {
     const Vec3 around = n_B.cross(Vec3::UnitZ());
     return -1 / radius * around * around.transpose();
   }
-  BoundingBox hole(const Pose&) const;
+  BoundingBox hole(const Pose& at) const {
+    constexpr double straight = 1e-12;  // rounding of a unit vector
+    const Vec3 axis = at.orientation * Vec3::UnitZ();
+    Vec3 half = Vec3::Constant(radius);
+    for (int d = 0; d < 3; ++d)
+      if (std::abs(axis[d]) > straight) half[d] = std::numeric_limits<double>::infinity();
+    return BoundingBox::around(at.position, half);
+  }
   Vec3 innermost(const Vec3& x) const { return {0, 0, x[2]}; }
   double widest() const { return radius; }
-  double area(const Vec3& axis, const Vec3& size) const;
+  double area(const Vec3& axis, const Vec3& size) const {
+    return 2 * std::numbers::pi * radius * axis.cwiseAbs().dot(size);
+  }
 
   BoundingBox bounding_box(const Pose&) const { return BoundingBox::everything(); }
   double reach(const Pose&) const { return std::numeric_limits<double>::infinity(); }

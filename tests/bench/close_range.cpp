@@ -21,7 +21,7 @@
 #include "coupler/forces/gap_cells.hpp"
 #include "coupler/run/start_mpi.hpp"
 #include "coupler/simulation.hpp"
-#include "rigid/math/twist.hpp"
+#include "rigid/math/types.hpp"
 #include "tests/coupler/case/case_text.hpp"
 #include "tests/coupler/forces/approach_series.hpp"
 

@@ -9,7 +9,7 @@
 
 #include "coupler/simulation.hpp"
 #include "lbm/fluid.hpp"
-#include "rigid/collision/analytic_backend.hpp"
+#include "rigid/collision/collision_backend.hpp"
 #include "rigid/shapes/shape.hpp"
 #include "tests/bench/figures.hpp"
 #include "tests/bench/instruction_count.hpp"

@@ -14,7 +14,7 @@
 #include "coupler/simulation.hpp"
 #include "lbm/fluid.hpp"
 #include "rigid/collision/detect_contacts.hpp"
-#include "rigid/integrate.hpp"
+#include "rigid/rigid_step.hpp"
 #include "tests/bench/periodic_box.hpp"
 #include "tests/coupler/case/case_text.hpp"
 

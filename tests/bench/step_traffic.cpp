@@ -7,7 +7,7 @@
 #include "coupler/case/case.hpp"
 #include "coupler/exchange/coupling_state.hpp"
 #include "coupler/mapping/mapping_poses.hpp"
-#include "rigid/integrate.hpp"
+#include "rigid/rigid_step.hpp"
 #include "rigid/shapes/shape.hpp"
 
 namespace silt::bench {

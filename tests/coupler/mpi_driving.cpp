@@ -13,7 +13,7 @@
 #include "coupler/results/build_info.hpp"
 #include "coupler/results/checkpoint.hpp"
 #include "coupler/results/quantities.hpp"
-#include "rigid/bodies/over_time.hpp"
+#include "rigid/bodies/prescribed_motion.hpp"
 #include "tests/adapters/hdf5/scratch.hpp"
 #include "tests/coupler/coupled_scenes.hpp"
 #include "tests/coupler/single_cells.hpp"

@@ -2,7 +2,7 @@
 // lost where cells are refined and coarsened.
 #include <gtest/gtest.h>
 
-#include "coupler/case/coarsening_spec.hpp"
+#include "coupler/case/fluid_spec.hpp"
 #include "coupler/guard.hpp"
 #include "coupler/simulation.hpp"
 #include "tests/coupler/case/case_text.hpp"

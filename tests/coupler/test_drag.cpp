@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "coupler/case/limits.hpp"
+#include "coupler/case/case_check.hpp"
 #include "coupler/simulation.hpp"
 #include "lbm/wall_scheme.hpp"
 #include "tests/coupler/coupled_scenes.hpp"

@@ -1,5 +1,5 @@
 // The account of the fluid's mass, by arithmetic, in a box larger than any machine here holds.
-#include "coupler/mass_correction.hpp"
+#include "coupler/flow_account.hpp"
 
 #include <gtest/gtest.h>
 

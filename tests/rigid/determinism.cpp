@@ -6,7 +6,7 @@
 #include <numeric>
 #include <random>
 
-#include "rigid/math/twist.hpp"
+#include "rigid/math/types.hpp"
 #include "tests/rigid/scene.hpp"
 #include "tests/rigid/shapes/meshes.hpp"
 #include "tests/rigid/threaded_ranks.hpp"

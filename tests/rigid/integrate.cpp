@@ -1,5 +1,5 @@
 // Free motion: what torque-free rotation conserves, and when it tumbles.
-#include "rigid/integrate.hpp"
+#include "rigid/rigid_step.hpp"
 
 #include <gtest/gtest.h>
 

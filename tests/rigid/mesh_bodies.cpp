@@ -2,7 +2,7 @@
 // closed forms. g = 9.81.
 #include <gtest/gtest.h>
 
-#include "rigid/math/twist.hpp"
+#include "rigid/math/types.hpp"
 #include "tests/rigid/scene.hpp"
 #include "tests/rigid/shapes/meshes.hpp"
 

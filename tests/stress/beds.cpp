@@ -12,7 +12,7 @@
 #include <string>
 
 #include "../rigid/scene.hpp"
-#include "rigid/math/twist.hpp"
+#include "rigid/math/types.hpp"
 #include "rigid/shapes/shape.hpp"
 
 namespace silt::rigid {

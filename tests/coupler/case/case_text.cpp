@@ -5,8 +5,8 @@
 #include "coupler/case/case_check.hpp"
 #include "coupler/case/case_file.hpp"
 #include "coupler/flow.hpp"
+#include "coupler/placement/given_bodies.hpp"
 #include "coupler/placement/place_bodies.hpp"
-#include "coupler/placement/start_check.hpp"
 #include "coupler/results/quantities.hpp"
 #include "coupler/simulation.hpp"
 

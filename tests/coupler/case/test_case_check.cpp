@@ -8,8 +8,8 @@
 
 #include "coupler/case/case.hpp"
 #include "coupler/case/case_check.hpp"
-#include "coupler/placement/overlap.hpp"
-#include "rigid/math/twist.hpp"
+#include "coupler/placement/obstacles.hpp"
+#include "rigid/math/types.hpp"
 #include "tests/coupler/case/case_text.hpp"
 #include "tests/rigid/shapes/solids.hpp"
 

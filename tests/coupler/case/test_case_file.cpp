@@ -3,7 +3,6 @@
 
 #include "coupler/case/case_check.hpp"
 #include "coupler/case/case_file.hpp"
-#include "coupler/case/limits.hpp"
 #include "rigid/shapes/shape.hpp"
 #include "tests/coupler/case/case_text.hpp"
 

@@ -5,7 +5,7 @@
 
 #include "coupler/exchange/coupling_state.hpp"
 #include "coupler/mapping/mapping_poses.hpp"
-#include "rigid/integrate.hpp"
+#include "rigid/rigid_step.hpp"
 #include "rigid/shapes/shape.hpp"
 #include "tests/rigid/shapes/meshes.hpp"
 

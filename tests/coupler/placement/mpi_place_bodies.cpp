@@ -8,8 +8,8 @@
 #include <set>
 
 #include "coupler/case/counter_random.hpp"
+#include "coupler/placement/given_bodies.hpp"
 #include "coupler/placement/one_fill.hpp"
-#include "coupler/placement/start_check.hpp"
 #include "parallel/collectives.hpp"
 #include "rigid/shapes/shape.hpp"
 #include "tests/coupler/placement/placed.hpp"

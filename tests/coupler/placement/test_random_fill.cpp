@@ -8,10 +8,9 @@
 #include <random>
 
 #include "coupler/case/case.hpp"
+#include "coupler/case/case_check.hpp"
 #include "coupler/case/fill_room.hpp"
-#include "coupler/case/fill_sizes.hpp"
-#include "coupler/case/limits.hpp"
-#include "coupler/placement/overlap.hpp"
+#include "coupler/placement/obstacles.hpp"
 #include "rigid/collision/hollow_contacts.hpp"
 #include "rigid/shapes/shape.hpp"
 #include "tests/coupler/case/case_text.hpp"

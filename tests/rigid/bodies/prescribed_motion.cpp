@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "rigid/math/twist.hpp"
+#include "rigid/math/types.hpp"
 
 namespace silt::rigid {
 namespace {

@@ -1,5 +1,5 @@
 // What ranks agree on by words between neighbours, against the graph of them, looked at from above.
-#include "rigid/bodies/rank_cluster.hpp"
+#include "rigid/bodies/body_exchange.hpp"
 
 #include <gtest/gtest.h>
 

@@ -5,7 +5,7 @@
 #include <random>
 #include <vector>
 
-#include "rigid/bodies/row_table.hpp"
+#include "rigid/bodies/body_set.hpp"
 
 namespace silt::rigid {
 namespace {

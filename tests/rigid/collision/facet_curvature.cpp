@@ -1,6 +1,6 @@
 // Curvature from the angles between facets, against that of the smooth surfaces they stand for; and the gaps
 // that lubrication sees on such surfaces, against those on the smooth ones.
-#include "rigid/collision/facet_curvature.hpp"
+#include "rigid/collision/mesh_features.hpp"
 
 #include <gtest/gtest.h>
 

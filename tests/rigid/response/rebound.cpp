@@ -1,6 +1,6 @@
 // A ball that hits another body with friction, against the law of rigid impact with Coulomb's friction (O. R.
 // Walton, in: Particulate Two-Phase Flow, 1993): whatever the step was when the surfaces met.
-#include "rigid/math/twist.hpp"
+#include "rigid/math/types.hpp"
 #include "tests/adapters/mesh_scenes.hpp"
 #include "tests/hull_of.hpp"
 #include "tests/rigid/response/on_every_backend.hpp"

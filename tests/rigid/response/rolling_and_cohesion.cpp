@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "rigid/math/twist.hpp"
+#include "rigid/math/types.hpp"
 #include "tests/rigid/scene.hpp"
 
 namespace silt::rigid::testing {

@@ -6,7 +6,7 @@
 #include <random>
 #include <set>
 
-#include "rigid/math/twist.hpp"
+#include "rigid/math/types.hpp"
 #include "tests/rigid/scene.hpp"
 
 namespace silt::rigid {

@@ -5,7 +5,7 @@
 #include <numbers>
 #include <random>
 
-#include "rigid/math/twist.hpp"
+#include "rigid/math/types.hpp"
 #include "rigid/shapes/shape.hpp"
 #include "tests/shape_rows.hpp"
 

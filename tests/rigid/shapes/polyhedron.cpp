@@ -5,7 +5,7 @@
 
 #include <set>
 
-#include "rigid/integrate.hpp"
+#include "rigid/rigid_step.hpp"
 #include "tests/rigid/shapes/solids.hpp"
 
 namespace silt::rigid {

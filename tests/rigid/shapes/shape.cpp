@@ -5,7 +5,7 @@
 
 #include <numbers>
 
-#include "rigid/math/twist.hpp"
+#include "rigid/math/types.hpp"
 #include "tests/rigid/random.hpp"
 #include "tests/shape_rows.hpp"
 

@@ -8,7 +8,7 @@
 #include <numeric>
 #include <random>
 
-#include "rigid/math/twist.hpp"
+#include "rigid/math/types.hpp"
 #include "rigid/shapes/shape.hpp"
 #include "tests/rigid/random.hpp"
 #include "tests/rigid/shapes/meshes.hpp"

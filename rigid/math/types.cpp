@@ -1,4 +1,4 @@
-#include "rigid/math/twist.hpp"
+#include "rigid/math/types.hpp"
 
 #include "rigid/math/elementary.hpp"
 

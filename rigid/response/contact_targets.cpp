@@ -1,8 +1,6 @@
-#include "rigid/response/cohesion.hpp"
+#include "rigid/response/contact_targets.hpp"
 
 #include <algorithm>
-
-#include "rigid/response/contact_targets.hpp"
 
 namespace silt::rigid {
 
