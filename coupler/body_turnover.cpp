@@ -49,7 +49,7 @@ std::vector<Leaver> leavers(const Scene& scene) {
   return found;
 }
 
-/// With what the fluid still has to give it or to get from it.
+/// Returns a body's momentum with that which the fluid still has to give it or to get from it.
 Vec3 momentum_of(const rigid::BodySet& bodies, std::size_t row) {
   return bodies.mass[row] * bodies.velocity[row] + impulse_debt(bodies, row) + pending_impact(bodies, row);
 }

@@ -8,7 +8,7 @@ namespace silt::coupler {
 
 class Springs;
 
-/// What a scene consists of; a part that is absent is null, and its passes do not exist.
+/// The parts of a scene; a part that is absent is null, and its passes do not exist.
 struct SceneParts {
   Flow* flow = nullptr;
   Springs* springs = nullptr;

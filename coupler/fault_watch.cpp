@@ -38,7 +38,7 @@ bool is_driven(const Case& setup) {
          setup.any_given([](const BodySpec& b) { return b.motion == rigid::Motion::prescribed; });
 }
 
-/// Of the components of rows [begin, end): infinite or not a number as soon as one is.
+/// Returns the sum of the components of rows [begin, end): infinite or not a number as soon as one is.
 double sum_over(const std::vector<rigid::Vec3>& x, std::size_t begin, std::size_t end) {
   return Eigen::Map<const Eigen::VectorXd>(x[begin].data(), 3 * Eigen::Index(end - begin)).sum();
 }
@@ -189,7 +189,7 @@ bool FaultWatch::see_energy(const Scene& scene, FixedSum brought, std::int64_t s
   return true;
 }
 
-/// What to say if the bodies have gained too much.
+/// Returns the text to report if the bodies have gained too much; "" if not.
 std::string FaultWatch::gain(const Case& setup, const Energies& of_all) {
   constexpr double share_of_motion = 0.1;  // of the largest kinetic energy so far: allowed, besides the lift
   const double energy = rigid::from_fixed(of_all.mechanical.value()),

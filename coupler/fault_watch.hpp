@@ -1,12 +1,12 @@
 #pragma once
-// What one rank finds wrong in a step becomes known to all: sums over the ranks that nobody waits for,
+// A fault that one rank finds in a step becomes known to all by sums over the ranks that nobody waits for,
 // started at the end of a step and used at the end of the next one. So every rank stops in the same step.
 //
-// With them goes the energy of the bodies, which may not grow where nothing drives them: contacts only take
-// it. Compared are the kinetic energy of the free bodies and their potential energy in gravity with what they
-// were at the start, less what bodies that came brought, with what those that left took. What is allowed
-// beyond that is what collisions of several bodies in one step and the correction of overlaps do in a sound
-// run, and far below what an unsound one has some tens of steps after its onset. Lattice units.
+// The sums include the energy of the bodies, which may not grow where nothing drives them: contacts only take
+// it. The kinetic energy of the free bodies and their potential energy in gravity are compared with those at
+// the start, less the energy of bodies that came, and with that of those that left. The growth that is
+// allowed is that of collisions of several bodies in one step and of the correction of overlaps in a sound
+// run, and far below that of an unsound one some tens of steps after its onset. Lattice units.
 #include <mpi.h>
 
 #include <array>
@@ -33,7 +33,7 @@ inline constexpr std::int64_t dry_watch_interval = 8;
 /// goes to pieces sooner is stopped by how far its bodies move.
 inline constexpr std::int64_t energy_interval = 50;
 
-/// Where a body is, counting the periods it has crossed.
+/// Returns the position of a body, counting the periods it has crossed.
 rigid::Vec3 unwrapped(const rigid::BodySet&, std::size_t row, const rigid::Vec3& period);
 
 /// Returns the kinetic energy of a free body and its potential energy in gravity, zero at the domain's
@@ -66,7 +66,7 @@ class FaultWatch {
   /// comes from outside. Returns whether it is.
   bool see_energy(const Scene&, rigid::FixedSum brought, std::int64_t step);
   /// A program has done something to the bodies: the next look at their energy is the first of a new start.
-  void start_anew() { energy_.fresh = true; }
+  void start_again() { energy_.fresh = true; }
 
   /// Starts the sums of what was seen so far. Collective, but waits for nobody.
   void start(MPI_Comm);

@@ -34,7 +34,7 @@ lbm::CollisionSpec collision_of(const FluidSpec& f) {
           f.smagorinsky};
 }
 
-/// Where fluid may come and go, its mass is not to be kept.
+/// Says whether fluid may come and go: then its mass is not to be kept.
 bool is_open(const Case& scene) {
   return std::any_of(scene.boundary.begin(), scene.boundary.end(), [](const BoundarySpec& b) {
     return b.kind == BoundaryKind::pressure_outlet || b.kind == BoundaryKind::velocity_inlet;
@@ -236,7 +236,7 @@ class FlowOf final : public Flow {
     forces_.add_covered(c.body->id, momentum, nearest_arm(fluid_.domain(), bodies.position[row], cell));
   }
 
-  /// What drives the fluid stands for a pressure gradient, which pushes a body with the force on the fluid it
+  /// The body force stands for a pressure gradient, which pushes a body with the force on the fluid it
   /// displaces. (A fixed body is held against it.)
   void push_bodies(rigid::BodySet& bodies) const {
     const auto& f = fluid_.spec().force;

@@ -52,10 +52,9 @@ class Flow {
   /// poses, rebuilds links where something changed and refills uncovered cells. Renews the mapping pose of
   /// every body held. The changes are those since the last step; they stay there until the step's last pass.
   virtual void map_bodies(rigid::BodySet&, const BodyChanges&) = 0;
-  /// With it, if the schedule is interleaved, the links that touch no ghost cell. The clock counts what they
-  /// take as force evaluation.
-  /// Begins with what the last step left under way: ForceOutOfRange, on every rank alike, if a body's sums
-  /// were out of range in that step.
+  /// Streams and collides and, if the schedule is interleaved, applies the links that touch no ghost cell;
+  /// the clock counts their time as force evaluation. It begins with what the last step left under way:
+  /// ForceOutOfRange, on every rank alike, if a body's sums were out of range in that step.
   virtual void stream_collide(StepClock&) = 0;
   /// LBM communication: ghost layers and domain walls.
   virtual void communicate() = 0;

@@ -2,7 +2,6 @@
 
 #include <cmath>
 
-#include "coupler/fluid_fields.hpp"
 #include "lbm/cut_links.hpp"
 
 namespace silt::coupler {

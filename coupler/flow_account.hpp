@@ -17,8 +17,8 @@ namespace silt::coupler {
 
 struct FluidMass;
 
-/// What the correction remembers between steps; masses in lbm::mass_quantum, in 128 bits: those of 1e12 cells
-/// a thousandth off are 1e9, where 64 bits end at 8e6. The same on every rank.
+/// The correction remembers this between steps, alike on every rank; masses in lbm::mass_quantum, in 128
+/// bits: those of 1e12 cells a thousandth off are 1e9, where 64 bits end at 8e6.
 struct MassCorrectionState {
   rigid::FixedSum surplus = 0;  // sum of the density deviations of all fluid cells; 0 without a correction
   std::int64_t fluid_cells = 0;
@@ -41,15 +41,15 @@ class MassCorrection {
   /// A body has left a cell of this rank (1) or covered it (-1): the fluid has gained or lost what is in it.
   /// Counted when the step ends.
   void gain_cells(int cells, double density_deviation);
-  /// What all ranks gained in a step, or one of them: mass through links and by cells that changed sides, and
-  /// cells.
+  /// The gain of all ranks in a step, or of one of them: mass through links and by cells that changed sides,
+  /// and cells.
   struct Gain {
     rigid::FixedSum link_mass = 0, cell_mass = 0;
     std::int64_t cells = 0;
   };
-  /// Returns what this rank gained in the step that ends, and begins to count anew.
+  /// Returns what this rank gained in the step that ends, and begins to count again from 0.
   Gain take_gain(std::int64_t link_mass);
-  /// Whether the fluid is to be counted when the step at hand ends.
+  /// Says whether the fluid is to be counted when the step at hand ends.
   bool recount_is_due() const;
   /// Ends a step with what all ranks gained in it.
   void end_step(const Gain& of_all);
@@ -84,12 +84,13 @@ class FlowAccount {
   std::array<std::int64_t, 6> wall_load(std::size_t wall) const {
     return wall < wall_loads_.size() ? wall_loads_[wall] : std::array<std::int64_t, 6>{};
   }
-  /// What bodies that came and went did to the momentum of the fluid and the impulse debts, of this rank, in
-  /// all steps since the flow was made: the fluid they took the place of, and that which took theirs.
+  /// Returns the momentum that bodies that came and went brought to the fluid and the impulse debts, of this
+  /// rank, in all steps since the flow was made: by the fluid they took the place of, and that which took
+  /// theirs.
   const rigid::FixedVec3& momentum_brought() const { return brought_; }
   const MappingCounts& mapping() const { return mapping_; }  // of the last step, this rank
 
-  // ---- told by the passes ----
+  // ---- the passes call these ----
   bool corrects_mass() const { return corrects_mass_; }
   void set_mapping(const MappingCounts& counts) { mapping_ = counts; }
   /// The fluid has gained (1) or lost (-1) a cell of this rank.
@@ -112,7 +113,7 @@ class FlowAccount {
   }
 
  private:
-  /// What the step leaves for the next one to begin with, summed over the ranks.
+  /// The step leaves this, summed over the ranks, for the next one to begin with.
   struct StepSums {
     std::int64_t ranks_out_of_range;  // that have a body whose sums are
     std::int64_t cells_gained;

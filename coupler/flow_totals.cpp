@@ -6,7 +6,6 @@
 #include "coupler/mapping/solid_map.hpp"
 #include "lbm/cut_links.hpp"
 #include "lbm/fluid.hpp"
-#include "parallel/collectives.hpp"
 
 namespace silt::coupler {
 

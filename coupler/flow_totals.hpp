@@ -1,5 +1,5 @@
 #pragma once
-// What the fluid of all ranks holds: mass, momentum, and the extremes that the guard judges.
+// The totals of the fluid of all ranks: mass, momentum, and the extremes that the guard judges.
 #include <mpi.h>
 
 #include <array>

@@ -15,7 +15,7 @@ using lbm::Int3;
 
 namespace {
 
-/// Whether a side of the domain reverses populations.
+/// Says whether a side of the domain reverses populations.
 bool reverses(const lbm::Domain& domain, int axis, bool upper) {
   return !domain.periodic(axis) && domain.side(axis, upper).kind == lbm::SideKind::bounce;
 }
@@ -159,8 +159,8 @@ class FieldsOf final : public FluidFields {
     for (std::size_t k = 0; k < across.size(); ++k)
       for (int d = 0; d < 3; ++d) sums[d] += times * lbm::c[across[k]][d] * exchanged[k];
   }
-  /// Where a link along i leaves the domain across several sides, the first of them in the order of the axes
-  /// that reverses has it, as in the halo: takes it off the sums of a later one.
+  /// A link along i that leaves the domain across several sides belongs to the first of them, in the order of
+  /// the axes, that reverses, as in the halo: takes it off the sums of a later one.
   void take_from_other_sides(int axis, int i, int b, Int3 low, Int3 high,
                              std::array<rigid::FixedSum, 3>& sums) const {
     const lbm::CellBox& box = block(b);

@@ -49,8 +49,8 @@ std::string slower_remedy(const Case& setup) {
 
 const char* const light_bodies_remedy = "use coupling.time = \"implicit\" (light bodies need it), or ";
 
-/// What to change when a flow runs away: explicit coupling of light bodies; the collision or the relaxation
-/// time if that is close to 1/2, where trt and bgk do not last; else the time step or the drive.
+/// Returns what to change when a flow runs away: explicit coupling of light bodies; the collision or the
+/// relaxation time if that is close to 1/2, where trt and bgk do not last; else the time step or the drive.
 std::string flow_remedy(const Case& setup) {
   constexpr double delicate_relaxation_time = 0.55;
   if (has_bodies_too_light(setup)) return light_bodies_remedy + slower_remedy(setup);
@@ -80,7 +80,7 @@ Vec3 centre_of(lbm::Int3 cell) {
   return {cell.x + 0.5, cell.y + 0.5, cell.z + 0.5};
 }
 
-/// From the surface of a row, at its periodic image nearest to the point.
+/// Returns the distance of a point from the surface of a row, at its periodic image nearest to the point.
 double distance_of(const Scene& scene, std::size_t row, Vec3 point) {
   const rigid::Extent& extent = scene.exchange->extent();
   const rigid::Pose pose = scene.bodies.pose(row);
@@ -91,8 +91,7 @@ double distance_of(const Scene& scene, std::size_t row, Vec3 point) {
   return rigid::signed_distance(scene.world.shapes[scene.bodies.shape[row]], pose.to_body(point));
 }
 
-/// What is near a point: rows of bodies or walls, the nearest first, and the distances of their surfaces
-/// (cells).
+/// A body or wall near a point: its row, and the distance of its surface (cells).
 struct Neighbour {
   std::size_t row;
   double distance;
@@ -132,7 +131,8 @@ std::string place_text(const Scene& scene, lbm::Int3 cell, const Neighbours& nea
   return text;
 }
 
-/// What moves the fluid at a cell: a body beside it that is about as fast, else the flow itself.
+/// Returns the remedy for what moves the fluid at a cell: a body beside it that is about as fast, else the
+/// flow itself.
 std::string remedy_at(const Scene& scene, const Neighbours& near, double speed) {
   const rigid::BodySet& bodies = scene.bodies;
   if (!near.first || near.first->row >= bodies.first_wall()) return flow_remedy(scene.setup);
@@ -171,7 +171,7 @@ std::optional<FluidFault> fault_of(const Case& setup, const FlowTotals& totals) 
   return {};
 }
 
-/// Whether this rank has a cell of the finest lattice, or a coarse one where it would be.
+/// Says whether this rank has a cell of the finest lattice, or a coarse one where it would be.
 bool holds(const Flow& flow, lbm::Int3 cell) {
   bool found = false;
   flow.for_levels([&](const FluidFields& fields) {

@@ -38,7 +38,7 @@ inline constexpr double highest_speed = 0.4;
 /// Collective if something is wrong.
 void check_flow(const Scene&, const FlowTotals&, std::int64_t step);
 
-/// What to change when contacts go wrong without a fluid.
+/// Returns what to change when contacts go wrong without a fluid.
 std::string contact_remedy(const Case&);
 
 /// Returns the text for a cell of this rank that is too fast: where it is, what is beside it, the cure.

@@ -8,7 +8,7 @@
 namespace silt::coupler {
 
 namespace {
-/// A move takes as long as so many steps of mean work: populations go, halo and maps are made anew.
+/// A move takes as long as so many steps of mean work: populations go, halo and maps are made again.
 constexpr double steps_of_a_move = 20;
 }  // namespace
 

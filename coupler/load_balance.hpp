@@ -12,8 +12,8 @@ class Scene;
 struct CutComparison {
   WeightedCut present, better;
 
-  /// Whether the better one is worth a move, if it stays for so many steps: what the rank with most work
-  /// saves has to be more than moving costs.
+  /// Says whether the better one is worth a move, if it stays for so many steps: the rank with most work has
+  /// to save more than moving costs.
   bool worth_moving(std::int64_t steps) const;
 };
 
@@ -26,7 +26,7 @@ struct Evenness {
   double before = 1, after = 1;
 };
 
-/// What a simulation did to share the work.
+/// A record of how a simulation has shared the work.
 struct BalanceRecord {
   std::uint64_t looks = 0, moves = 0;  // between steps
   Evenness at_start, last;             // of the equal cut and the one taken at the start; of the last look

@@ -1,6 +1,6 @@
 #pragma once
-// What a run counts. A new counter is a member and its line in visit_counters: checkpoints, report.json and
-// the sums over ranks follow from that.
+// The counters of a run and the stages of a step, by which its clock and its report count. A new counter is a
+// member and its line in visit_counters: checkpoints, report.json and the sums over ranks follow from that.
 #include <array>
 #include <cstdint>
 #include <string_view>
@@ -52,7 +52,7 @@ struct Extremes {
   double body_speed = 0, penetration = 0, residual = 0;
 };
 
-/// What happened since step 0. Counts of contacts are sums over steps; lattice units.
+/// All counts since step 0. Counts of contacts are sums over steps; lattice units.
 struct RunCounters : Counts, Extremes {};
 
 struct CounterName {

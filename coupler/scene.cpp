@@ -60,7 +60,8 @@ std::array<rigid::WallSpec, 6> walls_of(const Case& setup) {
   return walls;
 }
 
-/// With that point of its axis that is nearest to the middle of the domain: torques are summed about it.
+/// Returns the wall with that point of its axis that is nearest to the middle of the domain: torques are
+/// summed about it.
 rigid::HollowWallSpec at_the_domain(rigid::HollowWallSpec wall, const rigid::Extent& extent) {
   if (wall.shape.slides()) wall.point += wall.axis.dot(0.5 * extent.size - wall.point) * wall.axis;
   return wall;
@@ -101,7 +102,7 @@ Scene::Scene(Case given, MPI_Comm communicator, const SavedBodies* saved, const 
   exchange = std::make_unique<ParallelBodyExchange>(comm, domain, world, rim_of(setup));
   exchange->synchronise(bodies);
   look_at_levels();
-  if (may_be_cut_anew()) cut_for_bodies();
+  if (may_be_cut_again()) cut_for_bodies();
   if (anything_moves) {
     contacts.backend = adapters::make_backend(setup.contacts.backend);
     rigid::ResolverSettings settings = setup.contacts.resolver_settings;
@@ -154,11 +155,12 @@ void Scene::drive(std::int64_t step) {
   if (flow) flow->drive(step);
 }
 
-bool Scene::may_be_cut_anew() const {
+bool Scene::may_be_cut_again() const {
   return ranks > 1 && !setup.block_cells;
 }
 
-/// From the cut by size alone to one for the work that the bodies will make, where that is clearly better.
+/// Changes from the cut by size alone to one for the work that the bodies will make, where that is clearly
+/// better.
 void Scene::cut_for_bodies() {
   constexpr double clearly = 0.05;  // of the mean work of a rank
   const CutComparison cuts = compare_cuts(*this);
@@ -171,12 +173,12 @@ void Scene::cut_for_bodies() {
 
 void Scene::take_cut(const lbm::CutTree& tree) {
   domain = lbm::Domain(tree, domain.sides(), ranks);
-  exchange->cut_anew(bodies);
+  exchange->cut_again(bodies);
   level_views_.reset();
   look_at_levels();
 }
 
-void Scene::cut_anew(const lbm::CutTree& tree) {
+void Scene::cut_again(const lbm::CutTree& tree) {
   take_cut(tree);
   if (flow) renew_flow();
 }

@@ -72,18 +72,18 @@ class Scene {
   /// many.
   void drive(std::int64_t steps_done);
 
-  /// Whether the domain may be cut as the work is shared best.
-  bool may_be_cut_anew() const;
+  /// Says whether the domain may be cut as the work is shared best.
+  bool may_be_cut_again() const;
   /// Collective, between steps, once the flow has started: goes over to another cut, of a leaf a rank or
   /// more. Bodies and populations move to the ranks it gives; the flow and the parts that refer to it are new
   /// ones.
-  void cut_anew(const lbm::CutTree&);
+  void cut_again(const lbm::CutTree&);
 
   /// Between steps of the coarsest cells, once the flow has started: goes over to the levels of cells that
   /// follow from where bodies and walls are now. Ranks that see no change do nothing. Returns whether this
   /// one did.
   bool regrid();
-  /// Which levels the cells have that this rank knows of; needs [coarsening].
+  /// Returns the levels of the cells that this rank knows of; needs [coarsening].
   const lbm::Domain& level_view() const { return *level_view_; }
   std::optional<rigid::BodyId> body_at_border() const;
 

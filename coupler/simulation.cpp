@@ -8,10 +8,8 @@
 
 #include "coupler/case/case.hpp"
 #include "coupler/case/case_check.hpp"
-#include "coupler/exchange/coupling_state.hpp"
 #include "coupler/forces/covered_momentum.hpp"
 #include "coupler/forces/fluid_forces.hpp"
-#include "coupler/guard.hpp"
 #include "coupler/mapping/map_bodies.hpp"
 #include "coupler/state_hash.hpp"
 #include "cpu/isa.hpp"
@@ -25,7 +23,8 @@ using rigid::Vec3;
 
 namespace {
 
-/// Whether quantities ask for what contacts do to bodies, or also to walls that they turn about a point.
+/// Says whether quantities ask for the loads of contacts on bodies, or also on walls that they turn about a
+/// point.
 bool asks_for_contacts(const Case& setup, bool of_bodies_alone) {
   return std::any_of(setup.quantities.begin(), setup.quantities.end(), [&](const QuantitySpec& q) {
     return q.type == "contact-force" || q.type == "contact-torque" ||
@@ -110,7 +109,7 @@ void Simulation::before_drift(rigid::BodySet& bodies) {
   faults_.see_overlaps(setup(), bodies, step.contacts(), step_ + 1);
 }
 
-/// For those who ask, in the columns of the bodies.
+/// Says whether contact loads are noted in the columns of the bodies, since something asks for them.
 bool Simulation::notes_contacts() const {
   return setup().output.body_contacts || asks_for_contacts(setup(), true);
 }
@@ -125,7 +124,7 @@ void Simulation::contact_impulse(rigid::BodySet& bodies, std::size_t row, const 
   vector_in<6>(bodies, row, column::contact_load).tail<3>() += angular_impulse;
 }
 
-/// What the last step found out of range is told by the next, or by the first look after it.
+/// The next step, or the first look after it, reports what the last step found out of range.
 template <class Work>
 auto Simulation::guarded(Work&& work) {
   try {
@@ -137,7 +136,7 @@ auto Simulation::guarded(Work&& work) {
   }
 }
 
-/// What was found a step ago is told; what was found in this one is under way.
+/// Reports what was found a step ago; what was found in this one is under way.
 void Simulation::watch() {
   const bool fluid = scene_.flow != nullptr;
   if (!fluid && !scene_.anything_moves) return;
@@ -164,26 +163,26 @@ void Simulation::settle() {
   tell_faults();
 }
 
-void Simulation::cut_anew(const lbm::CutTree& tree) {
+void Simulation::cut_again(const lbm::CutTree& tree) {
   if (setup().coarsening && step_ % regrid_interval != 0)
     throw std::invalid_argument(fmt::format(
-        "a domain with [coarsening] can be cut anew only after a multiple of {} steps, not after {}",
+        "a domain with [coarsening] can be cut again only after a multiple of {} steps, not after {}",
         regrid_interval, step_));
   if (setup().coarsening) regrid();
-  guarded([&] { scene_.cut_anew(tree); });
+  guarded([&] { scene_.cut_again(tree); });
   coupled_step_.renew(scene_.parts());
 }
 
 /// Before a step, so that all that a step leaves to be asked is of one cut.
 void Simulation::balance_work() {
   const std::int64_t every = setup().balance_every;
-  if (every == 0 || step_ == 0 || step_ % every != 0 || !scene_.may_be_cut_anew()) return;
+  if (every == 0 || step_ == 0 || step_ % every != 0 || !scene_.may_be_cut_again()) return;
   const auto begin = std::chrono::steady_clock::now();
   const CutComparison cuts = compare_cuts(scene_);
   ++effort_.balance.looks;
   effort_.balance.last.before = effort_.balance.last.after = cuts.present.largest_over_mean();
   if (cuts.worth_moving(every)) {
-    cut_anew(cuts.better.tree);
+    cut_again(cuts.better.tree);
     ++effort_.balance.moves;
     effort_.balance.last.after = cuts.better.largest_over_mean();
   }
@@ -284,7 +283,7 @@ void Simulation::add_force(BodyId id, const Vec3& force, const Vec3& torque) {
   require_movable(id);
   rigid::BodySet& bodies = scene_.bodies;
   const std::size_t row = bodies.row_of(id);
-  faults_.start_anew();
+  faults_.start_again();
   if (row >= bodies.owned) return;
   bodies.add_force(row, force);
   bodies.add_torque(row, torque);
@@ -294,7 +293,7 @@ void Simulation::set_velocity(BodyId id, const Vec3& velocity, const Vec3& angul
   require_movable(id);
   rigid::BodySet& bodies = scene_.bodies;
   const std::size_t row = bodies.row_of(id);
-  faults_.start_anew();
+  faults_.start_again();
   if (row < bodies.owned) bodies.set_velocity(row, velocity, angular_velocity);
   scene_.exchange->relocate(bodies);  // other ranks may be in its way now
 }
@@ -308,7 +307,7 @@ void Simulation::set_pose(BodyId id, const rigid::Pose& pose) {
     bodies.set_pose(row, pose);
   }
   rigid::forget_impulses(bodies, id);
-  faults_.start_anew();
+  faults_.start_again();
   scene_.exchange->relocate(bodies);  // it may be another rank's now
 }
 

@@ -33,7 +33,7 @@ struct Balance {
 
 /// This is what a checkpoint brings back, but for the populations of the fluid.
 struct SavedState {
-  bool is_start = false;  // of a run of its own: what there is but bodies and next_id begins anew
+  bool is_start = false;  // of a run of its own: all but bodies and next_id begins again
   SavedBodies bodies;
   std::int64_t step = 0;
   RunCounters counters;
@@ -87,12 +87,12 @@ class Simulation : private rigid::StepObserver {
   void set_pose(rigid::BodyId, const rigid::Pose&);
 
   /// Moves everything to the ranks that another cut of the domain gives: no result depends on it.
-  void cut_anew(const lbm::CutTree&);
+  void cut_again(const lbm::CutTree&);
 
   // ---- what may be asked ----
   std::uint64_t hash() const;
   RunCounters counters() const;  // of all ranks
-  /// What bodies that came and went did to the momentum of all there is; collective.
+  /// Returns the momentum that bodies that came and went have brought to all there is; collective.
   rigid::FixedVec3 momentum_brought() const;
   rigid::BodyId next_id() const { return turnover_.next_id(); }  // the first that no body has had
   /// Returns this rank's bodies that have left since the last call. Local.

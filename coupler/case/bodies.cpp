@@ -17,7 +17,7 @@ using rigid::Vec3;
 
 constexpr std::tuple shape_name_keys{
     HandKey{"shape", "string", "", required, "the name of one of [[shapes]]"}};
-/// What entries of [[bodies]] and [[fill]] have in common.
+/// These keys are those of entries of [[bodies]] and of [[fill]].
 constexpr std::tuple entry_keys{
     HandKey{"material", "string", "", "\"default\"", "name of one of [[materials]]"},
     HandKey{"name", "string", "", "the shape's",
@@ -105,7 +105,7 @@ void read_entry(TableReader& table, EntrySpec& spec, Case& setup) {
   spec.kind = read_kind(table, spec.shape, setup);
 }
 
-/// What a file of positions says as well must not be given by a key, nor be what a fixed body cannot have.
+/// Refuses keys of which a file of positions has columns, and columns that a fixed body cannot have.
 void check_contents(TableReader& table, const BodySpec& body, const std::string& name,
                     const PositionContents& in) {
   const auto refuse_twice = [&](bool in_file, std::initializer_list<const char*> keys) {
@@ -152,7 +152,7 @@ Vec3 read_origin(TableReader& table, int shape, const Case& setup) {
   return centre || setup.shapes.empty() ? Vec3(Vec3::Zero()) : setup.shape_origins[shape];
 }
 
-/// What a free body is locked along and about: all of a kind alike.
+/// Reads the axes that a free body is locked along and about, all of a kind alike.
 void read_locked(TableReader& table, BodySpec& body, const Case& setup,
                  std::map<int, rigid::LockedAxes>& locks_of_kinds) {
   static const std::vector<std::string> axes{"x", "y", "z", "rotation x", "rotation y", "rotation z"};

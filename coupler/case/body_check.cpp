@@ -7,8 +7,6 @@
 #include <numbers>
 
 #include "adapters/automatic/collision_factory.hpp"
-#include "coupler/case/case.hpp"
-#include "coupler/case/case_check.hpp"
 #include "coupler/case/case_sections.hpp"
 #include "coupler/case/fill_room.hpp"
 #include "rigid/shapes/shape.hpp"
@@ -27,7 +25,7 @@ bool is_of_a_solid(double density) {
   return density >= lightest_solid && density <= heaviest_solid;
 }
 
-/// What the density was perhaps meant to be; both in kg/m3.
+/// Returns what the density was perhaps meant to be; both are in kg/m3.
 std::string meant(const std::string& key, double density, double fluid) {
   if (is_of_a_solid(density * cubic_centimetres) && !is_of_a_solid(density))
     return fmt::format(": if {} is in g/cm3, write {} (kg/m3)", key, shown(density * cubic_centimetres));
@@ -38,7 +36,7 @@ std::string meant(const std::string& key, double density, double fluid) {
   return "";
 }
 
-/// With the fluid's; the lightest that explicit coupling bears depends on the shape.
+/// Compares a density with the fluid's; the lightest that explicit coupling bears depends on the shape.
 void check_ratio(const Case& setup, Findings& findings, const std::string& key, const Entry& body) {
   const double density = body.density;
   if (density < low_ratio || density > high_ratio)
@@ -133,7 +131,7 @@ void check_specks(const Case& setup, Findings& findings, const Entry& body) {
       shown_length(setup, longest(setup)));
 }
 
-/// What moves must find room between the walls, and must not meet itself across a border.
+/// A body that moves must find room between the walls, and must not meet itself across a border.
 void check_room(const Case& setup, Findings& findings, const Entry& body) {
   const rigid::Shape& shape = setup.shapes[body.shape];
   const double width = rigid::least_width(shape), length = 2 * rigid::bounding_radius(shape);

@@ -33,7 +33,7 @@ namespace silt::coupler {
 
 inline constexpr auto motion_names = names_of<rigid::Motion>("free", "fixed", "prescribed");
 
-/// What the bodies of an entry of [[bodies]] or [[fill]] have in common.
+/// The bodies of an entry of [[bodies]] or [[fill]] have this in common.
 struct EntrySpec {
   int shape = 0, material = 0;
   int kind = 0;                                // index into Case::kind_names
@@ -84,7 +84,7 @@ struct FillSpec : EntrySpec {   // the shape is that of the largest
   std::int64_t every = 0;  // steps between two applications; 0: at the start only
   double until = std::numeric_limits<double>::infinity();  // no application after this step
 
-  /// Whether it is applied again before the step that follows so many.
+  /// Says whether the fill is applied again before the step that follows so many.
   bool comes_at(std::int64_t steps_done) const {
     return every > 0 && steps_done > 0 && steps_done % every == 0 && static_cast<double>(steps_done) <= until;
   }
@@ -120,7 +120,7 @@ enum class BoundaryKind { periodic, no_slip, moving, free_slip, velocity_inlet, 
 inline constexpr auto boundary_names =
     names_of<BoundaryKind>("periodic", "no-slip", "moving", "free-slip", "velocity-inlet", "pressure-outlet");
 
-/// What becomes of a body beyond a side that is open to bodies: it is taken out, or the run stops.
+/// A body beyond a side that is open to bodies is taken out, or the run stops.
 enum class Leaving { remove, stop };
 inline constexpr auto leaving_names = names_of<Leaving>("remove", "stop");
 
@@ -152,7 +152,7 @@ struct CurvedWall {
 
   const rigid::HollowWallSpec* hollow() const { return std::get_if<rigid::HollowWallSpec>(&surface); }
   const MeshWall* mesh() const { return std::get_if<MeshWall>(&surface); }
-  /// Whether its surface moves, as prescribed; that of a hollow slides along itself.
+  /// Says whether its surface moves, as prescribed; that of a hollow slides along itself.
   bool moves() const {
     return std::visit([](const auto& wall) { return wall.moves(); }, surface);
   }
@@ -226,7 +226,7 @@ struct Case {
   std::vector<QuantitySpec> quantities;
   std::vector<Diagnostic> warnings;     // of its readers
   std::map<std::string, Place> places;  // of every key, by its path: "fluid.density", "bodies[2].position"
-  /// Where a key stands; if it is not in the file, where the table that would hold it does.
+  /// Returns the place of a key; if it is not in the file, that of the table that would hold it.
   Place place(std::string path) const;
   bool has_bodies() const {
     return !bodies.empty() || !filed.empty() || !fills.empty() || !continued.empty();

@@ -1,14 +1,11 @@
 #include "coupler/case/case_check.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "coupler/case/case.hpp"
 #include "coupler/case/case_sections.hpp"
-#include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {
 

@@ -140,7 +140,7 @@ class MotionLimits {
 /// is the least width. 0 without a fluid, and where the coupling is implicit.
 double least_explicit_density(const Case&, const rigid::Shape&);
 
-/// Whether any free body of the case is lighter than that.
+/// Says whether any free body of the case is lighter than that.
 bool has_bodies_too_light(const Case&);
 
 }  // namespace silt::coupler

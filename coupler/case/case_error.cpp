@@ -29,8 +29,8 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
   return d[a.size()][b.size()];
 }
 
-/// Whether one contains the other, or both are short and of one stem, far as they are as a whole: "body",
-/// "bodies".
+/// Says whether one name contains the other, or both are short and of one stem, such as "body" and "bodies",
+/// far as they are from each other as a whole.
 bool are_kin(std::string_view a, std::string_view b) {
   constexpr std::size_t stem = 3;  // letters: shorter pieces say nothing
   const bool contain = a.find(b) != a.npos || b.find(a) != b.npos;

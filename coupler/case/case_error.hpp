@@ -1,5 +1,5 @@
 #pragma once
-// What is wrong with a case: where it stands, what was found, what is allowed and what to do.
+// A diagnostic says what is wrong with a case: the place, what was found, what is allowed and what to do.
 #include <array>
 #include <span>
 #include <stdexcept>
@@ -50,8 +50,8 @@ std::string suggestion(std::string_view wanted, std::span<const std::string> nam
 /// Returns the shortest text that reads back as x to six digits: 1e-06, 0.25.
 std::string shown(double x);
 
-/// The names of an enum's values, stated once: the case reader, its messages, the derived table and the report
-/// all read the same table.
+/// The names of an enum's values, stated once: the case reader, its messages, the derived table and the
+/// report all read the same table.
 template <class Enum, std::size_t count>
 struct NameTable {
   std::array<std::string_view, count> names;  // in the order of the enumerators

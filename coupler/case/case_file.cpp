@@ -10,7 +10,6 @@
 #include <memory>
 #include <stdexcept>
 #include <tuple>
-#include <vector>
 
 #include "coupler/case/case_error.hpp"
 #include "coupler/case/case_reader.hpp"
@@ -134,7 +133,7 @@ void broadcast(MPI_Comm comm, CaseSource& source) {
 
 namespace {
 
-/// Where there are solid cells, fields tell them from fluid, asked for or not.
+/// Fields tell solid cells from fluid where there are any, asked for or not.
 void add_masks(Case& setup) {
   if (!setup.has_surfaces()) return;
   const auto add = [](FieldsSpec& fields) {

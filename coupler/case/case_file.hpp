@@ -65,7 +65,7 @@ std::string complaint_of_unset(const std::string& argument);
 /// Returns the option that gives an override: "--set fluid.density=960", "--unset run.balance".
 std::string override_text(const std::string& argument);
 
-/// What a checkpoint remembers of the case it was written for: the members of Case of the same names.
+/// A checkpoint remembers this of the case it was written for: the members of Case of the same names.
 struct CaseOrigin {
   std::string text;
   std::vector<std::string> overrides, files;

@@ -163,7 +163,7 @@ std::string key_of(const std::string& argument) {
   return key == "run.time" ? "run.steps" : key;
 }
 
-/// Whether a table may change when a run goes on.
+/// Says whether a table may change when a run continues.
 bool may_change(const std::string& table) {
   return table == "run" || table == "output" || table == "quantities";
 }

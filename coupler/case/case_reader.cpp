@@ -1,7 +1,5 @@
 #include "coupler/case/case_reader.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 

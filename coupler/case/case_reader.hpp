@@ -144,7 +144,7 @@ inline constexpr const char* required = "–";  // in the place of a default: th
 /// Returns the unit in SI as the page writes it: "m²/s", "1" of a number.
 std::string unit_on_page(Dimension);
 
-// What a value may be: how it is read, what the page says of it, and how a default is written.
+// A kind of value knows how it is read, what the page says of it, and how a default is written.
 struct Number {
   Dimension dimension = dimension::none;
   Range range = range::any;

@@ -66,8 +66,8 @@ std::vector<std::string> hollow_names();
 std::vector<KeySection> body_sections();
 void read_bodies(TableReader& root, Case&);  // [[bodies]], [[fill]], [[outflow]]
 
-// fill_sizes.cpp: the sizes of a [[fill]] whose bodies differ, a distribution of diameters as a list of a few,
-// which every rank knows. A diameter is that of the sphere of a body's volume.
+// fill_sizes.cpp: the sizes of a [[fill]] whose bodies differ, a distribution of diameters as a list of a
+// few, which every rank knows. A diameter is that of the sphere of a body's volume.
 /// This share of the bodies, by number, has this diameter (cells).
 struct SizeShare {
   double diameter, share;

@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "coupler/case/case.hpp"
-#include "coupler/case/case_check.hpp"
 #include "coupler/case/case_sections.hpp"
 #include "rigid/shapes/shape.hpp"
 

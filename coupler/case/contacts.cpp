@@ -5,8 +5,6 @@
 #include <numbers>
 
 #include "adapters/automatic/collision_factory.hpp"
-#include "coupler/case/case.hpp"
-#include "coupler/case/case_check.hpp"
 #include "coupler/case/case_sections.hpp"
 #include "rigid/math/elementary.hpp"
 #include "rigid/shapes/shape.hpp"
@@ -21,7 +19,7 @@ constexpr std::tuple contact_keys{
     HandKey{"backend", "\"auto\", \"analytic\", \"bullet\", \"fcl\"", "", "\"auto\"",
             "who finds contacts of a pair of shapes; \"auto\": the best answer pair by pair"},
     HandKey{"broad_phase", "\"auto\", \"grid\", \"bullet\", \"fcl\"", "", "\"auto\"",
-            "who finds close pairs, the same ones to the bit; \"auto\": the tree of the backend if it has "
+            "who finds close pairs, bitwise the same ones; \"auto\": the tree of the backend if it has "
             "one, else the grid"},
     HandKey{"resolver", "\"sffd\", \"ffd\"", "", "\"sffd\"", "contact resolver"},
     Key{"substeps", &ContactSpec::substeps, Whole{1, 100000},
@@ -149,7 +147,7 @@ void collide_without_loss(Case& setup) {
   setup.contacts.resolver_settings.least_impact_restitution = 1;
 }
 
-/// What only some resolvers do.
+/// Refuses keys that the resolver does not know.
 void require_resolver(TableReader& table, const ContactSpec& contacts) {
   const rigid::ResolverModel& resolver = rigid::resolver_model(contacts.resolver);
   const int impact_sweeps = contacts.resolver_settings.impact_sweeps;

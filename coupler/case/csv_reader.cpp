@@ -51,7 +51,8 @@ bool stands_for_no_number(View text) {
   return std::find(std::begin(missing_values), std::end(missing_values), small) != std::end(missing_values);
 }
 
-/// Whether a word is a number, or begins with one but for signs, quotes, brackets: 4, -.5, '4', (4, 4.O, x=4.
+/// Says whether a word is a number, or begins with one but for signs, quotes, brackets: 4, -.5, '4', (4, 4.O,
+/// x=4.
 bool looks_like_number(View word) {
   if (stands_for_no_number(word)) return true;
   if (const auto equals = word.rfind('='); equals != word.npos) word.remove_prefix(equals + 1);
@@ -84,7 +85,7 @@ bool between_digits(View text, View piece) {
   return false;
 }
 
-/// What is wrong with a field that is not a number.
+/// Returns what is wrong with a field that is not a number.
 std::string complaint_of_field(const std::string& field) {
   constexpr View wide_blanks[] = {" ", "\u00A0", "\u2009", "\u202F"};
   double x = 0;
@@ -115,7 +116,7 @@ std::string complaint_of_field(const std::string& field) {
   return fmt::format("has \"{}\", which is no number", field);
 }
 
-/// What all the line says of the program that wrote it; "" if nothing.
+/// Returns what the line as a whole says of the program that wrote it; "" if nothing.
 std::string complaint_of_text(View line) {
   if (line.starts_with("\xFF\xFE") || line.starts_with("\xFE\xFF"))
     return "begins with a byte order mark of UTF-16: the file must be saved as UTF-8";
@@ -126,7 +127,7 @@ std::string complaint_of_text(View line) {
   return "";
 }
 
-/// What is between the numbers in place of commas; "" if nothing.
+/// Returns what is between the numbers in place of commas; "" if nothing.
 std::string complaint_of_separators(View line, std::size_t fields) {
   if (!any_word_looks_like_number(line, " \t;|,")) return "";
   const bool commas = contains(line, ",");

@@ -58,7 +58,7 @@ std::string side_text(const BoundarySpec& side) {
   return std::string(boundary_names[side.kind]) + (side.lets_bodies_pass() ? leaving : "");
 }
 
-/// What was taken for numbers in a CSV file, and what not.
+/// Returns how many lines of a CSV file were taken for numbers, and how many not.
 std::string lines_text(std::uint64_t numbers, int headings) {
   return fmt::format("{} lines of numbers, {} of headings", numbers, headings);
 }
@@ -107,7 +107,7 @@ void add_domain(const Case& setup, Table& table) {
   }
 }
 
-/// Of the coarser lattices; how many cells each has depends on where bodies are.
+/// Adds lines of the coarser lattices; how many cells each has depends on where bodies are.
 void add_levels(const Case& setup, Table& table) {
   const CoarseningSpec& spec = *setup.coarsening;
   for (int level = 1; level <= spec.levels; ++level)
@@ -162,14 +162,14 @@ void add_kind(const Case& setup, Table& table, const std::string& name, const En
              fmt::format("{}, {}", shown(speed * diameter / nu), shown(speed * std::sqrt(3.))));
 }
 
-/// As many as asked for, else as there are sites, of which some may turn out not to be free.
+/// Returns the number asked for, else that of the sites, of which some may turn out not to be free.
 std::uint64_t most_bodies_of(const Case& setup, std::size_t fill) {
   const FillSpec& spec = setup.fills[fill];
   if (spec.count > 0) return static_cast<std::uint64_t>(spec.count);
   return lattice_of(setup, fill, rigid::bounding_radius(setup.shapes[spec.shape])).total();
 }
 
-/// What of the box, as far as it lies in the domain, is left for the bodies' centres.
+/// Adds the share of the box, as far as it lies in the domain, that is left for the bodies' centres.
 void add_room(const Case& setup, Table& table, std::size_t fill) {
   const FillSpec& spec = setup.fills[fill];
   const double radius = rigid::bounding_radius(setup.shapes[spec.shape]);

@@ -8,7 +8,6 @@
 #include <limits>
 #include <numbers>
 
-#include "coupler/case/case_check.hpp"
 #include "coupler/case/case_sections.hpp"
 #include "rigid/shapes/shape.hpp"
 

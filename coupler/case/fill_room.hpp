@@ -1,6 +1,6 @@
 #pragma once
-// Where the bodies of a [[fill]] may be: the room for the centres of their bounding spheres, what curved
-// walls take of it, and the sites of those that are not placed at random.
+// The room for the bodies of a [[fill]]: that for the centres of their bounding spheres, what curved walls
+// take of it, and the sites of bodies that are not placed at random.
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -16,7 +16,7 @@
 
 namespace silt::coupler {
 
-/// Which size of which fill is applied, and how often it has been before.
+/// An application names the size and the fill, and says how often they have been applied before.
 struct FillApplication {
   std::size_t fill;
   std::uint64_t number;
@@ -25,7 +25,7 @@ struct FillApplication {
   FillApplication(std::size_t fill, std::uint64_t number = 0, std::size_t size = 0)
       : fill(fill), number(number), size(size) {}
   bool is_first() const { return number == 0; }
-  /// Of its random numbers: none of them is one of another application, whatever the seeds.
+  /// Returns the key of its random numbers: none of them is one of another application, whatever the seeds.
   std::uint64_t key(const FillSpec& spec) const {
     return mixed(spec.seed) ^ mixed(~(fill | size << 16 | number << 24));
   }
@@ -74,7 +74,8 @@ class Lattice {
   std::uint64_t number(const Index& i) const {
     return static_cast<std::uint64_t>((i[2] * count_[1] + i[1]) * count_[0] + i[0]);
   }
-  /// Where a site is, unwrapped. Those of layers or rows that are shifted may lie outside the room.
+  /// Returns the place of a site, unwrapped. Sites of layers or rows that are shifted may lie outside the
+  /// room.
   rigid::Vec3 site(const Index&) const;
   bool in_room(const rigid::Vec3& site) const;
   bool goes_round(int axis) const { return round_[axis]; }

@@ -4,10 +4,7 @@
 
 #include <algorithm>
 
-#include "coupler/case/case.hpp"
-#include "coupler/case/case_check.hpp"
 #include "coupler/case/case_sections.hpp"
-#include "coupler/case/fluid_spec.hpp"
 
 namespace silt::coupler {
 

@@ -30,7 +30,7 @@ enum class InitialFlow { rest, uniform, taylor_green, taylor_green_3d, shear_lay
 inline constexpr auto initial_flow_names =
     names_of<InitialFlow>("rest", "uniform", "taylor-green", "taylor-green-3d", "shear-layer", "vortex");
 
-/// What the flow begins with (initial_flow.cpp has the formulas).
+/// The flow begins with this state (initial_flow.cpp has the formulas).
 struct InitialSpec {
   InitialFlow type = InitialFlow::rest;
   rigid::Vec3 velocity = rigid::Vec3::Zero();  // of the stream; its length is the amplitude of the others
@@ -38,7 +38,7 @@ struct InitialSpec {
   double swirl = 0, radius = 0;                // of a vortex: largest speed, where it is
   double noise = 0;                            // largest component of a random velocity of each cell
 
-  /// Of the speed along shear layers, what goes across them (Minion, Brown 1997).
+  /// The speed across shear layers is this share of that along them (Minion, Brown 1997).
   static constexpr double perturbation = 0.05;
 
   double largest_speed() const {

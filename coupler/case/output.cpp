@@ -5,8 +5,6 @@
 #include <cctype>
 #include <cmath>
 
-#include "coupler/case/case.hpp"
-#include "coupler/case/case_check.hpp"
 #include "coupler/case/case_sections.hpp"
 
 namespace silt::coupler {

@@ -1,5 +1,5 @@
 #pragma once
-// What a run writes and when: the table [output] of a case.
+// The table [output] of a case says what a run writes and when.
 #include <array>
 #include <cstdint>
 #include <optional>

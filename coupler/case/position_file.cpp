@@ -83,7 +83,7 @@ std::ifstream opened(const fs::path& path) {
   return stream;
 }
 
-/// What a line must be.
+/// Returns what a line must be.
 std::string line_of(const std::vector<int>& columns) {
   std::vector<std::string> names;
   for (const int k : columns) names.push_back(column_name(k));
@@ -155,7 +155,7 @@ PositionContents look_through_csv(const fs::path& path) {
       for (std::size_t k = 0; k < columns.size(); ++k) pose[columns[k]] = numbers[k];
       keep_longer(pose, velocity_columns, found.fastest);
       keep_longer(pose, turn_columns, found.fastest);
-    } catch (const std::invalid_argument&) {  // told by who reads the bodies
+    } catch (const std::invalid_argument&) {  // the rank that reads the bodies reports it
     }
   return found;
 }

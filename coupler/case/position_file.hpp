@@ -1,6 +1,6 @@
 #pragma once
-// Where bodies are, in a file beside the case, read in slices: a CSV file, a body a line, or a dataset of an
-// HDF5 file. A CSV file may also say how they are turned and how they move.
+// A file beside the case gives positions of bodies and is read in slices: a CSV file, a body a line, or a
+// dataset of an HDF5 file. A CSV file may also say how bodies are turned and how they move.
 #include <array>
 #include <cstdint>
 #include <filesystem>
@@ -33,10 +33,10 @@ inline constexpr const ColumnGroup &orientation_columns = column_groups[1],
                                    &velocity_columns = column_groups[2], &turn_columns = column_groups[3];
 inline constexpr int position_columns = turn_columns.end();
 
-/// What one body's line says, by its columns; what a file does not say stays as it was.
+/// The numbers of one body's line, by its columns; those that a file does not have stay as they were.
 using FiledPose = std::array<double, position_columns>;
 
-/// What a file holds, as far as a case has to know before the bodies are read.
+/// The contents of a file, as far as a case has to know them before the bodies are read.
 struct PositionContents {
   std::uint64_t points = 0;                                              // good or not
   int headings = 0;                                                      // lines

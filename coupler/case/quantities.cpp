@@ -5,10 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "coupler/case/case.hpp"
-#include "coupler/case/case_check.hpp"
 #include "coupler/case/case_sections.hpp"
-#include "coupler/case/quantity_spec.hpp"
 #include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {
@@ -121,7 +118,7 @@ void read_quantities(TableReader& root, Case& setup) {
 
 namespace {
 
-// What a quantity needs and the case has not.
+// Returns what a quantity needs and the case has not.
 std::string lacking(const Case& setup, const QuantityType& type) {
   if (type.asks_for(Q::fluid) && !setup.fluid) return "the case has no [fluid]";
   if (type.asks_for(Q::bodies) && !setup.has_bodies()) return "the case has no bodies";
@@ -141,7 +138,7 @@ bool is_wall(const BoundarySpec& side) {
   return side.kind == BoundaryKind::no_slip || side.kind == BoundaryKind::moving;
 }
 
-/// What a force acts on must be there, and able to bear it.
+/// The bearer of a force must be there, and able to bear it.
 void check_bearer(const Case& setup, Findings& findings, const QuantitySpec& quantity,
                   const std::string& entry) {
   const bool of_fluid = quantity_type(quantity.type).asks_for(Q::fluid);
@@ -160,7 +157,7 @@ void check_bearer(const Case& setup, Findings& findings, const QuantitySpec& qua
                    entry, side_key(quantity.side));
 }
 
-/// Where it looks: a side, an axis, a box.
+/// Checks the place where a quantity looks: a side, an axis, a box.
 void check_place(const Case& setup, Findings& findings, const QuantitySpec& quantity,
                  const std::string& entry) {
   const QuantityType& type = quantity_type(quantity.type);

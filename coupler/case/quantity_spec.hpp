@@ -19,7 +19,7 @@ inline constexpr auto axis_names = names_of<Axis>("x", "y", "z");
 enum class Component { xx, yy, zz, xy, xz, yz };
 inline constexpr auto component_names = names_of<Component>("xx", "yy", "zz", "xy", "xz", "yz");
 
-/// What forces act on: bodies, one of [[walls]] or a side of the domain.
+/// Forces act on bodies, one of [[walls]] or a side of the domain.
 enum class Bearer { bodies, wall, side };
 
 /// A value the run puts into report.json under "quantities", for reference.toml to compare. The types and

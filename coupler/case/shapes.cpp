@@ -7,7 +7,6 @@
 #include <stdexcept>
 
 #include "adapters/qhull/convex_hull.hpp"
-#include "coupler/case/case.hpp"
 #include "coupler/case/case_sections.hpp"
 #include "rigid/math/elementary.hpp"
 #include "rigid/math/types.hpp"
@@ -50,7 +49,7 @@ constexpr std::tuple turn_keys{Key{"axis", &Turn::axis, Vector{}, "what to turn 
                                Key{"degrees", &Turn::degrees, Number{dimension::none, range::any, "degrees"},
                                    "how far to turn about the axis", required}};
 
-/// Where it is not given or wrong, which is reported, some size that does no harm.
+/// Returns the length; if it is not given or wrong, which is reported, some size that does no harm.
 template <class Solid>
 double read_length(TableReader& table, const rigid::Field<Solid, double>& field) {
   std::string given = field.key;

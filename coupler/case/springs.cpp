@@ -5,7 +5,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "coupler/case/case.hpp"
 #include "coupler/case/case_sections.hpp"
 #include "rigid/shapes/shape.hpp"
 

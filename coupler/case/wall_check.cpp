@@ -5,8 +5,6 @@
 #include <cmath>
 #include <limits>
 
-#include "coupler/case/case.hpp"
-#include "coupler/case/case_check.hpp"
 #include "coupler/case/case_sections.hpp"
 #include "rigid/collision/hollow_contacts.hpp"
 #include "rigid/shapes/shape.hpp"
@@ -119,7 +117,7 @@ void check_mesh(const Case& setup, Findings& findings, std::size_t index, const 
   if (wall.motion.moves()) check_speed(findings, wall_key(index, "motion"), fastest(setup, wall));
 }
 
-/// Whether a point of the domain is in the hole of a wall, by going to and fro between the two.
+/// Says whether a point of the domain is in the hole of a wall, by going to and fro between the two.
 bool is_open(const Case& setup, const rigid::HollowWallSpec& wall) {
   constexpr int projections = 1000;
   const rigid::BoundingBox domain = box_of(setup);

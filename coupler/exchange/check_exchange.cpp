@@ -7,7 +7,6 @@
 #include <limits>
 #include <numeric>
 #include <stdexcept>
-#include <string>
 #include <tuple>
 
 #include "coupler/exchange/coupling_state.hpp"
@@ -34,7 +33,7 @@ void put_columns(parallel::Bytes& to, const rigid::HolderState& state,
   }
 }
 
-/// What a copy shares with its owner's body: all but what the owner keeps to itself.
+/// Returns the bytes that a copy shares with its owner's body: all but those that the owner keeps to itself.
 parallel::Bytes shared_bytes(const rigid::BodyRecord& r) {
   parallel::Bytes bytes;
   const auto put = [&](const auto&... members) { (parallel::put(bytes, members), ...); };
@@ -44,7 +43,7 @@ parallel::Bytes shared_bytes(const rigid::BodyRecord& r) {
   return bytes;
 }
 
-/// What is wrong with a body; the least id of all ranks is told.
+/// A finding says what is wrong with a body; that of the least id of all ranks is reported.
 struct Finding {
   static constexpr rigid::BodyId nobody = std::numeric_limits<rigid::BodyId>::max();
   rigid::BodyId id = nobody;

@@ -13,7 +13,8 @@ namespace silt::coupler {
 /// Hashes everything a record holds, bit by bit.
 std::uint64_t hash_of(const rigid::BodyRecord&);
 
-/// What all ranks own: equal before and after a synchronisation if every body has exactly one owner.
+/// The bodies that all ranks own: equal before and after a synchronisation if every body has exactly one
+/// owner.
 struct OwnedBodies {
   std::uint64_t count = 0, ids = 0;  // how many; wrapping sum of their ids' hashes
   bool operator==(const OwnedBodies&) const = default;
@@ -58,7 +59,7 @@ class CheckUnderWay {
   std::int64_t step_ = 0;
 };
 
-/// The same at once, after a synchronisation. Collective.
+/// Checks all of this at once, after a synchronisation. Collective.
 void check_exchange(const ParallelBodyExchange&, const rigid::BodySet&, const ExpectedBodies&);
 
 }  // namespace silt::coupler

@@ -1,6 +1,6 @@
 #pragma once
-// What the coupler keeps with every body, in columns that rigid::BodySet carries along: it travels from rank
-// to rank and into checkpoints with the body. Lattice units, world frame.
+// The coupler keeps this state with every body, in columns that rigid::BodySet carries along: it travels from
+// rank to rank and into checkpoints with the body. Lattice units, world frame.
 #include "rigid/bodies/body_set.hpp"
 #include "rigid/math/types.hpp"
 
@@ -35,7 +35,7 @@ static_assert(impulse_debt.end() == rigid::HolderState::most_integers);
 /// Copies on other ranks have what their owner has in these columns; the rest is the owner's alone.
 inline constexpr HolderColumn copied[] = {mapping_position, mapping_orientation, mapping_velocity,
                                           mapping_steps, foreseen_change};
-/// What goes into checkpoints.
+/// These columns are in checkpoints.
 inline constexpr HolderColumn saved[] = {mapping_position, mapping_orientation, mapping_velocity,
                                          mapping_steps,    impulse_debt,        pending_impact,
                                          contact_load,     deferred_impulse,    foreseen_change};
@@ -60,7 +60,7 @@ struct MappedMotion {
 
   double middle() const { return 0.5 * static_cast<double>(first + end - 1); }
   bool is_at_rest() const { return velocity.isZero(0) && angular_velocity.isZero(0); }
-  /// So many steps from the middle.
+  /// Returns the pose so many steps from the middle.
   rigid::Pose pose_after(double steps) const {
     if (is_at_rest()) return pose;
     return {pose.position + steps * velocity, rigid::cayley(steps * angular_velocity) * pose.orientation};
@@ -88,7 +88,7 @@ inline void set_mapped_motion(rigid::BodySet& bodies, std::size_t row, const Map
   steps[0] = mapped.first, steps[1] = mapped.end;
 }
 
-/// The fluid sees the body there, at rest, until that is said anew.
+/// The fluid sees the body there, at rest, until that is said again.
 inline void set_mapping_pose(rigid::BodySet& bodies, std::size_t row, const rigid::Pose& pose) {
   set_mapped_motion(bodies, row, {pose});
 }
@@ -108,8 +108,8 @@ inline auto pending_impact(const rigid::BodySet& bodies, std::size_t row) {
   return vector_in<3>(bodies, row, column::pending_impact);
 }
 
-/// What acted on a body in the last step, noted with it for output: it stays with it if another rank becomes
-/// its owner.
+/// The load on a body in the last step is noted with it for output: it stays with the body if another rank
+/// becomes its owner.
 struct BodyLoad {
   rigid::Vec3 force = rigid::Vec3::Zero(), torque = rigid::Vec3::Zero();
 };

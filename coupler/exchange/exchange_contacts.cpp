@@ -1,6 +1,6 @@
 // Line 13 of Algorithm 1, and what the sweeps exchange. A contact is found by the rank that owns its point,
 // which need own neither body (the paper's Figure 2). That rank tells the owners, and with it the partner's
-// record where the owner may not have it: a copy here equals the owner's state to the bit.
+// record where the owner may not have it: a copy here equals the owner's state bitwise.
 #include <algorithm>
 #include <map>
 #include <string>
@@ -124,7 +124,7 @@ void ParallelBodyExchange::receive_contacts(BodySet& bodies, std::vector<Contact
   bodies.reindex();
 }
 
-/// From the contacts alone: the other owner has the same ones, hence the same lists.
+/// The lists follow from the contacts alone: the other owner has the same contacts, hence the same lists.
 void ParallelBodyExchange::plan_velocity_messages(const BodySet& bodies, const Pairs& crossing) {
   velocity_messages_.clear();
   const auto with = [&](int other) -> VelocityMessages& {

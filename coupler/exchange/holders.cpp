@@ -87,7 +87,7 @@ double film_reach(const rigid::World& world) {
   return world.contact_margin + world.lubrication->reach();
 }
 
-/// Of bodies: walls have none.
+/// Returns the largest radius of bodies: walls have none.
 double largest_radius_of(const rigid::World& world) {
   double largest = 0;
   for (const double radius : world.bounding_radii)

@@ -1,7 +1,7 @@
 #pragma once
-// Which ranks a body concerns: the one that owns it and those that hold a copy. A function of the cuts alone,
-// so that every rank comes to the same answer, found by descending their tree: only the blocks that a box
-// meets, in any periodic image, are looked at, however many there are.
+// The holders of a body are the ranks it concerns: the one that owns it and those that hold a copy. They are
+// a function of the cuts alone, so that every rank comes to the same answer, found by descending their tree:
+// only the blocks that a box meets, in any periodic image, are looked at, however many there are.
 #include <vector>
 
 #include "lbm/domain.hpp"
@@ -31,7 +31,7 @@ class Holders {
   /// The cells that an interval meets; beyond a wall the last ones before it.
   lbm::CellRun met_by(int axis, double lower, double upper) const;
 
-  /// Whether the box between two corners lies inside one block of the rank `here`.
+  /// Says whether the box between two corners lies inside one block of the rank `here`.
   bool is_here(const rigid::Vec3& lower, const rigid::Vec3& upper) const {
     for (const rigid::BoundingBox& block : blocks_here_)
       if ((lower.array() >= block.lower.array()).all() && (upper.array() < block.upper.array()).all())
@@ -45,12 +45,12 @@ class Holders {
   std::vector<rigid::BoundingBox> blocks_here_;  // to infinity beyond the sides of the domain that are walls
 };
 
-/// Which ranks the bodies of one rank concern, and may come to concern in a step.
+/// The ranks that the bodies of one rank concern, and may come to concern in a step.
 class Neighbourhood {
  public:
   /// rim: that of the blocks, within which a body has to be known.
   Neighbourhood(const lbm::Domain&, const rigid::World&, double rim, int rank);
-  /// The same after the domain was cut anew.
+  /// Returns the neighbourhood after the domain was cut again.
   Neighbourhood renewed() const { return {*domain_, *world_, rim_, rank_}; }
 
   const rigid::World& world() const { return *world_; }

@@ -35,7 +35,7 @@ std::span<T> row_of(std::span<T> rows, std::size_t row, int width) {
 }
 
 /// Owned rows by id, then the walls that there were.
-rigid::BodySet made_anew(std::vector<OwnedBody>& own, const rigid::BodySet& before) {
+rigid::BodySet made_again(std::vector<OwnedBody>& own, const rigid::BodySet& before) {
   std::sort(own.begin(), own.end(),
             [](const OwnedBody& a, const OwnedBody& b) { return a.record.id < b.record.id; });
   rigid::BodySet bodies;
@@ -82,22 +82,22 @@ void ParallelBodyExchange::relocate(rigid::BodySet& bodies) {
   synchronise(bodies, Owners::anywhere);
 }
 
-void ParallelBodyExchange::cut_anew(rigid::BodySet& bodies) {
+void ParallelBodyExchange::cut_again(rigid::BodySet& bodies) {
   wrap_positions(bodies);
   if (ranks_ == 1) return;
   neighbourhood_ = neighbourhood_.renewed();
   deal_out(bodies);
 }
 
-/// From bodies that each have an owner on some rank, any one, and no copies that count, to those of the cuts
-/// and their copies.
+/// Sends bodies that each have an owner on some rank, any one, and no copies that count, to the owners that
+/// the cuts give, and makes their copies.
 void ParallelBodyExchange::deal_out(rigid::BodySet& bodies) {
   std::vector<OwnedBody> own;
   for (std::size_t row = 0; row < bodies.owned; ++row)
     own.push_back(
         {bodies.record(row), bodies.force[row], bodies.torque[row], std::move(bodies.stored_impulses[row])});
   own = sent_home(messages_, neighbourhood_.holders(), std::move(own));
-  bodies = made_anew(own, bodies);
+  bodies = made_again(own, bodies);
   held_by_.clear();
   owner_of_.clear();
   velocity_messages_.clear();

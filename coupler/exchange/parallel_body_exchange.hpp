@@ -56,13 +56,14 @@ class ParallelBodyExchange : public rigid::BodyExchange {
   int owner_of(const rigid::BodySet&, std::size_t row) const;
   /// Ranks that hold a body of this shape at rest at this pose, the owner among them, sorted.
   std::vector<int> holders(int shape, const rigid::Pose&) const;
-  /// The same of an owned body as it is, with the ranks that may own a body beyond one of its films.
+  /// Returns the holders of an owned body as it is, with the ranks that may own a body beyond one of its
+  /// films.
   std::vector<int> holders(const rigid::BodySet&, std::size_t row) const;
   /// Synchronises bodies that may have been set down anywhere. Collective: every rank hears of every other.
   void relocate(rigid::BodySet&);
   /// Goes over to the cuts that the domain has now: bodies go to their new owners, with the forces on them
-  /// and their stored impulses, and copies are made anew. Collective, between steps.
-  void cut_anew(rigid::BodySet&);
+  /// and their stored impulses, and copies are made again. Collective, between steps.
+  void cut_again(rigid::BodySet&);
   /// Takes bodies out of the simulation: held rows, in ascending order, without visitors and walls. Local:
   /// every rank that holds one must do so, between the same steps. Impulses that others remember of them
   /// stay until the next step, in which they find no contact.
@@ -77,9 +78,10 @@ class ParallelBodyExchange : public rigid::BodyExchange {
   void share_with_copies(const rigid::BodySet&, std::span<double> rows, int width) const;
 
  private:
-  /// Where the owners of bodies may be after a synchronisation.
+  /// Tells how far the owners of bodies may be from each other after a synchronisation.
   enum class Owners { next_to_each_other, anywhere };
-  /// What this rank shares with another, each list sorted by id: the other rank has the same lists, swapped.
+  /// A tie holds what this rank shares with another, each list sorted by id: the other rank has the same
+  /// lists, swapped.
   struct Tie {
     int rank;
     std::vector<rigid::BodyId> given;  // owned here, copied there

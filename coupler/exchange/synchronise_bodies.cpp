@@ -23,7 +23,7 @@ namespace {
 
 enum class BodyItem : std::uint64_t { update, copy, handover };
 
-/// What changes from step to step.
+/// The part of a body's record that changes from step to step.
 struct State {
   BodyId id;
   rigid::Kinematics kinematics;

@@ -7,7 +7,6 @@
 #include <limits>
 #include <tuple>
 
-#include "coupler/case/case.hpp"
 #include "coupler/case/case_check.hpp"
 #include "coupler/placement/neighbour_grid.hpp"
 #include "coupler/placement/obstacles.hpp"
@@ -82,8 +81,8 @@ std::string in_the_domain(const Case& setup, const std::string& key, const BodyS
       centred ? "" : "; with origin = \"centre\" the position is that of the centre");
 }
 
-/// What is wrong with where a body is, "" if nothing: its centre of mass must be in the domain, and if it
-/// moves it must not reach into a wall.
+/// Returns what is wrong with the place of a body, "" if nothing: its centre of mass must be in the domain,
+/// and if it moves it must not reach into a wall.
 std::string fault_of_place(const Case& setup, const BodySpec& body) {
   const Vec3 size = extent_of(setup).size, x = body.given_position();
   const Vec3& centre = body.pose.position;
@@ -123,7 +122,7 @@ std::string text_of_overlap(const Case& setup, const BodySpec& a, const BodySpec
       a.entry, shown_length(setup, depth));
 }
 
-/// Of two bodies that overlap some rank has both near it: the one where they do.
+/// Some rank has both of two bodies that overlap near it: the one where they do.
 std::vector<BodyFault> faults_of_pairs(const Case& setup, const std::vector<GivenBody>& bodies) {
   const rigid::Extent extent = extent_of(setup);
   NeighbourGrid grid(extent, mean_width(setup, bodies));

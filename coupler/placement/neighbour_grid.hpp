@@ -1,6 +1,6 @@
 #pragma once
-// Which boxes may touch a box: a grid of cells of one edge over the domain, of which only those that hold
-// something are in memory. Used where bodies are placed, not in a step.
+// A grid tells which boxes may touch a box. Its cells have one edge and cover the domain; only those that
+// hold something are in memory. It is used where bodies are placed, not in a step.
 #include <algorithm>
 #include <array>
 #include <cmath>

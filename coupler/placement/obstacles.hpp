@@ -1,5 +1,5 @@
 #pragma once
-// What may be in the way of a body that is to be placed: curved walls, given bodies, and what has been placed
+// Obstacles may be in the way of a body that is to be placed: curved walls, given bodies, and bodies placed
 // before it, here and near this rank.
 #include <span>
 #include <vector>
@@ -12,9 +12,9 @@
 
 namespace silt::coupler {
 
-/// Returns how far a shape reaches into another, at least, in cells: positive only if they do overlap, so that
-/// no legal scene is refused; exact for a sphere against anything; negative if no overlap is found (then, for
-/// two spheres, minus their distance).
+/// Returns how far a shape reaches into another, at least, in cells: positive only if they do overlap, so
+/// that no legal scene is refused; exact for a sphere against anything; negative if no overlap is found
+/// (then, for two spheres, minus their distance).
 double overlap_depth(const rigid::Shape& a, const rigid::Pose& pose_a, const rigid::Shape& b,
                      const rigid::Pose& pose_b);
 

@@ -183,7 +183,7 @@ class RandomFill {
   }
 
  private:
-  /// As many as the last ones suggest are needed; of a full box not too many at a time.
+  /// Returns as many rounds as the last ones suggest are needed; for a full box not too many at a time.
   std::uint64_t next_rounds(std::uint64_t rounds, const Tally& last, std::uint64_t missing) const {
     const auto cells = static_cast<double>(rain_.total_cells());
     const double a_body = static_cast<double>(last.fallen + 1) / static_cast<double>(last.stay + 1);

@@ -38,7 +38,7 @@ struct OneFill {
 };
 
 /// Collective. Return this rank's bodies in the order of their numbers and how many all ranks have placed,
-/// the same bodies to the bit on any number of ranks. If they do not all fit: CaseError on every rank at the
+/// bitwise the same bodies on any number of ranks. If they do not all fit: CaseError on every rank at the
 /// first application; at a later one there are fewer.
 struct Filling {
   std::vector<FilledBody> bodies;

@@ -3,9 +3,6 @@
 #include <algorithm>
 #include <numeric>
 
-#include "coupler/case/case.hpp"
-#include "rigid/shapes/shape.hpp"
-
 namespace silt::coupler {
 
 std::vector<std::uint64_t> number_off(parallel::Messages& messages, const std::vector<std::uint64_t>& keys,
@@ -122,7 +119,7 @@ GivenBody given(const Present& p) {
   return {p.id, spec, false};
 }
 
-/// Whether a box is so close to that of a fill that one of its bodies might ask for it.
+/// Says whether a box is so close to that of a fill that one of its bodies might ask for it.
 bool concerns(const FillSpec& fill, const rigid::BoundingBox& box, double reach,
               const rigid::Extent& extent) {
   const Vec3 apart =

@@ -46,7 +46,7 @@ class PlacedBodies {
   rigid::BodyId next_id = 1;        // that no body of any rank has
 };
 
-/// Collective. The same bodies, to the bit, on any number of ranks and for any blocks. Each body of a fill is
+/// Collective. Bitwise the same bodies on any number of ranks and for any blocks. Each body of a fill is
 /// put where its bounding sphere (about its centre of mass), grown by the fill's gap, meets no wall, no given
 /// body and no bounding sphere of another filled body, and lies in the fill's box; those of the largest
 /// spheres first (random sequential addition jams near 38 % of the box in bounding spheres). The seeds of two

@@ -1,5 +1,5 @@
 #pragma once
-// Where bodies were at the start, asked by whoever has them now: the case tells, not memory.
+// The ranks that have bodies now can ask where these were at the start: the case tells, not memory.
 #include <mpi.h>
 
 #include <optional>

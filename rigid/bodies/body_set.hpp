@@ -4,7 +4,7 @@
 //   [owned, owned+copies)  remote copies of bodies that reach into this rank's blocks, sorted by id
 //   then                   visitors: partners of owned bodies in a contact, here for the rest of one step
 //   only last              walls (global: on every rank, never sent)
-// A copy equals its owner's state to the bit. On one rank there are only owned bodies and walls.
+// A copy equals its owner's state bitwise. On one rank there are only owned bodies and walls.
 #include <bit>
 #include <cstdint>
 #include <span>
@@ -188,8 +188,8 @@ struct BodyMotions {
 /// How heavy they are.
 struct BodyMasses {
   std::vector<double> mass;
-  // weight in the fluid over that in vacuum, 1 - displaced mass / mass (method.md, M7). Stored as this ratio,
-  // so that bodies of one density fall alike to the bit
+  // weight in the fluid over that in vacuum, 1 - displaced mass / mass (README.md, M7). Stored as this ratio,
+  // so that bodies of one density fall bitwise alike
   std::vector<double> weight_in_fluid;
   std::vector<Mat3> inertia_B;
 };

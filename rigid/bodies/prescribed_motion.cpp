@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "rigid/math/elementary.hpp"
-#include "rigid/math/types.hpp"
 
 namespace silt::rigid {
 

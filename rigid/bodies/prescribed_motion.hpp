@@ -1,6 +1,6 @@
 #pragma once
 // The prescribed motion of a wall or a body: a function of time alone, so a run that goes on, or runs on
-// other ranks, has the same walls to the bit.
+// other ranks, has bitwise the same walls.
 #include <vector>
 
 #include "rigid/math/types.hpp"

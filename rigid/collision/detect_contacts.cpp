@@ -8,7 +8,6 @@
 #include "rigid/collision/manifold.hpp"
 #include "rigid/collision/mesh_contacts.hpp"
 #include "rigid/collision/mesh_features.hpp"
-#include "rigid/math/types.hpp"
 #include "rigid/shapes/shape.hpp"
 
 namespace silt::rigid {

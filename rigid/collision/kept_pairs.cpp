@@ -16,7 +16,7 @@ constexpr double search = 14;                          // looks at a pair cost a
 constexpr double widest_cells = 2;                     // by slack: what reaches further has its own grid
 constexpr std::size_t sample = 256;                    // bodies that tell what all have in common
 constexpr double tried_calls[] = {1, 2, 4, 6, 9, 12};  // that a list is to serve after the first
-constexpr std::size_t most_newcomers = 40;  // in a call: of more, finding all pairs anew costs less
+constexpr std::size_t most_newcomers = 40;  // in a call: of more, finding all pairs again costs less
 constexpr std::size_t share_in_all = 4;     // as much as one body in so many may have come
 constexpr double rounding = 1e-12;          // relative, of distances
 

@@ -1,6 +1,5 @@
 #include "rigid/collision/outline.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 

@@ -1,6 +1,5 @@
 #include "rigid/math/exact_sum.hpp"
 
-#include <cmath>
 #include <limits>
 
 namespace silt::rigid {

@@ -23,7 +23,7 @@ struct Impact {
 };
 
 /// Whoever has to do something about impacts. It is told of each once its impulse is final, on every rank
-/// that solved the pair (that owns one of its free bodies), in the order of the contacts, the same to the bit
+/// that solved the pair (that owns one of its free bodies), in the order of the contacts, bitwise the same
 /// on each.
 class ImpactSink {
  public:

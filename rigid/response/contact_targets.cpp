@@ -1,7 +1,5 @@
 #include "rigid/response/contact_targets.hpp"
 
-#include <algorithm>
-
 namespace silt::rigid {
 
 namespace {

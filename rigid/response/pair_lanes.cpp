@@ -1,8 +1,6 @@
 #include "rigid/response/pair_lanes.hpp"
 
-#include <algorithm>
 #include <array>
-#include <cmath>
 
 #include "rigid/response/contact_targets.hpp"
 

@@ -1,6 +1,5 @@
 #include "rigid/shapes/box_tree.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <numeric>
 

@@ -2,8 +2,6 @@
 
 #include <numbers>
 
-#include "rigid/math/elementary.hpp"
-
 namespace silt::rigid {
 
 double Cone::above_side(const Vec3& x) const {

@@ -2,8 +2,6 @@
 
 #include <numbers>
 
-#include "rigid/math/elementary.hpp"
-
 namespace silt::rigid {
 
 double Cylinder::signed_distance(const Vec3& x) const {

@@ -1,9 +1,6 @@
 #include "rigid/shapes/disc.hpp"
 
-#include <cmath>
 #include <numbers>
-
-#include "rigid/math/elementary.hpp"
 
 namespace silt::rigid {
 

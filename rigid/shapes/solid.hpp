@@ -177,7 +177,7 @@ inline Mat3 across(const Vec3& n) {
 /// - bounding_box(pose): the tight one along the axes of the frame that the pose is given in;
 /// - reach(pose): how far its furthest point is from that frame's origin;
 /// - support(n): its point furthest along unit n;
-/// - ==: whether it is the same, to the bit (compounds are known by it);
+/// - ==: whether it is bitwise the same (compounds are known by it);
 /// - mass_properties();
 /// - least_width(): between two parallel planes that touch it, the least, or a length near it;
 /// - add_inner_balls(balls): balls and points inside it that together stand for it
