@@ -18,9 +18,9 @@ class ParallelBodyExchange;
 struct BodyChanges;
 struct Case;
 
-/// When the links of surfaces within a block are applied, and bodies solved for that have no others: while
-/// the dense pass runs, as soon as their cells have collided and are still in a cache, or all after the pass.
-/// No bit depends on it.
+/// The links of surfaces within a block are applied, and bodies solved for that have no others, while the
+/// dense pass runs, as soon as their cells have collided and are still in a cache, or all after the pass. No
+/// bit depends on the schedule.
 enum class LinkSchedule { interleaved, sequential };
 
 class Flow {

@@ -20,8 +20,9 @@ namespace silt::coupler {
 
 struct BlockMap;
 
-/// Over the fluid cells of all ranks and levels, a coarse one being as many as finest ones fill it; units of
-/// the finest lattice. Sums are in fixed point, so they are the same on any number of ranks.
+/// The totals are those over the fluid cells of all ranks and levels, a coarse one being as many as finest
+/// ones fill it; units of the finest lattice. Sums are in fixed point, so they are the same on any number of
+/// ranks.
 struct FlowTotals {
   std::uint64_t fluid_cells = 0;
   std::uint64_t forces = 0;          // on a finest cell in its step, that those on all cells in theirs are

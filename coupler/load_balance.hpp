@@ -1,5 +1,5 @@
 #pragma once
-// How evenly a scene's work is shared among the ranks, and how it could be.
+// A scene's work is shared among the ranks: how evenly, and how it could be shared, is found here.
 #include <cstdint>
 
 #include "coupler/balance/weighted_cut.hpp"

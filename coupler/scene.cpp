@@ -25,7 +25,7 @@ using rigid::Vec3;
 // the map of solid cells (whose centres are no further than 1.5 cells away; the rest is for what a mapping
 // pose may lag behind); besides them the furthest motion of a step that the guard lets pass.
 constexpr double ghost_layers = CellBits::ghosts;
-// Without fluid: what rounding may do to a contact point between two blocks.
+// Rounding may move a contact point between two blocks by this, without a fluid.
 constexpr double dry_slack = 1e-3;
 
 double rim_of(const Case& setup) {

@@ -11,12 +11,11 @@
 
 #include "coupler/coupled_step.hpp"
 #include "coupler/exchange/parallel_body_exchange.hpp"
-#include "coupler/exchange/send_home.hpp"
 #include "coupler/flow.hpp"
 #include "coupler/forces/springs.hpp"
 #include "coupler/load_balance.hpp"
 #include "coupler/mapping/mapping_poses.hpp"
-#include "coupler/placement/start_positions.hpp"
+#include "coupler/placement/place_bodies.hpp"
 #include "coupler/regions/level_views.hpp"
 #include "rigid/rigid_step.hpp"
 
@@ -79,9 +78,9 @@ class Scene {
   /// ones.
   void cut_again(const lbm::CutTree&);
 
-  /// Between steps of the coarsest cells, once the flow has started: goes over to the levels of cells that
-  /// follow from where bodies and walls are now. Ranks that see no change do nothing. Returns whether this
-  /// one did.
+  /// Changes to the levels of cells that follow from where bodies and walls are now; between steps of the
+  /// coarsest cells, once the flow has started. Ranks that see no change do nothing. Returns whether this one
+  /// did anything.
   bool regrid();
   /// Returns the levels of the cells that this rank knows of; needs [coarsening].
   const lbm::Domain& level_view() const { return *level_view_; }

@@ -173,7 +173,7 @@ void Simulation::cut_again(const lbm::CutTree& tree) {
   coupled_step_.renew(scene_.parts());
 }
 
-/// Before a step, so that all that a step leaves to be asked is of one cut.
+/// The balance is looked at before a step, so that all that a step leaves to be asked is of one cut.
 void Simulation::balance_work() {
   const std::int64_t every = setup().balance_every;
   if (every == 0 || step_ == 0 || step_ % every != 0 || !scene_.may_be_cut_again()) return;
@@ -189,7 +189,6 @@ void Simulation::balance_work() {
   effort_.balance.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }
 
-/// Before a step too.
 void Simulation::regrid() {
   if (!setup().coarsening || step_ == 0 || step_ % regrid_interval != 0) return;
   if (const auto id = scene_.body_at_border()) throw GuardStop(border_text(setup(), *id, step_));

@@ -39,8 +39,8 @@ class StepObserver {
   /// The velocities are final, and no body has moved by them.
   virtual void before_drift(BodySet&) = 0;
   virtual bool wants_contact_impulses() const = 0;
-  /// Before that, of each owned free body in contact: the impulse and the angular impulse about its centre of
-  /// mass that its contacts, films included, gave it.
+  /// Is called before that for each owned free body in contact, with the impulse and the angular impulse
+  /// about its centre of mass that its contacts, films included, gave it.
   virtual void contact_impulse(BodySet&, std::size_t row, const Vec3& impulse,
                                const Vec3& angular_impulse) = 0;
 
@@ -61,7 +61,7 @@ class RigidStep {
   /// The bodies come from an earlier run: the next step is not their start, in which contacts of chains are
   /// solved more exactly since there is no impulse to begin with.
   void resume() { velocities_.start = false; }
-  /// Who is told of every sub-step from now on.
+  /// Sets the observer of every sub-step from now on.
   void set_observer(StepObserver& observer) { observer_ = &observer; }
   /// Returns the contacts of the last sub-step that this rank knows: of its bodies, sorted by key.
   const std::vector<Contact>& contacts() const { return contacts_; }

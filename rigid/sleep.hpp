@@ -14,10 +14,11 @@ namespace silt::rigid {
 class Sleep {
  public:
   explicit Sleep(const World& world) : world_(world) {}
-  /// Before contacts are solved: bodies at rest that something comes upon take part (S3), here and as
-  /// partners on other ranks.
+  /// Wakes, before contacts are solved, bodies at rest that something comes upon: they take part (S3), here
+  /// and as partners on other ranks.
   void wake_what_is_hit(BodySet&, const std::vector<Contact>&, double dt, BodyExchange&);
-  /// After a step, forces still being there: who wakes by them (S2), and who falls asleep (S1).
+  /// Finds, after a step, forces still being there, the bodies that wake by them (S2) and those that fall
+  /// asleep (S1).
   void look(BodySet&, const std::vector<Contact>&, const StepVelocities&, double dt);
 
  private:

@@ -155,7 +155,7 @@ void check_room(const Case& setup, Findings& findings, const Entry& body) {
                      in_metres(setup, length));
 }
 
-// How often a shape is used, and whether by anything that moves freely.
+// The use of a shape: how many bodies have it, and whether any of them moves freely.
 struct Use {
   std::int64_t count = 0;
   bool free = false;

@@ -160,14 +160,14 @@ struct CurvedWall {
   rigid::PrescribedMotion::Velocity velocity_at(double time) const {
     return std::visit([&](const auto& wall) { return wall.velocity_at(time); }, surface);
   }
-  /// About which it turns; of a mesh where it is at the start.
+  /// Returns the axis about which it turns; of a mesh where it is at the start.
   rigid::Vec3 axis() const {
     return std::visit([](const auto& wall) { return wall.axis; }, surface);
   }
   rigid::Vec3 point_of_axis() const { return mesh() ? mesh()->start.position : hollow()->point; }
 };
 
-/// How bodies collide: the table [contacts].
+/// The table [contacts] says how bodies collide.
 struct ContactSpec {
   std::string backend = "auto", broad_phase = "auto", resolver = "sffd";
   rigid::ResolverSettings resolver_settings;

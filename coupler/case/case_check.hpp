@@ -37,7 +37,7 @@ struct Findings {
   std::vector<Diagnostic> list;
 };
 
-// How messages about bodies name their keys, places and lengths.
+// Messages about bodies name their keys, places and lengths in this way.
 
 std::string body_name(const Case&, rigid::BodyId);  // "body 7"; "the wall 'bed'"; "the side z-low"
 std::string entry_key(int entry);                   // "bodies[2]"

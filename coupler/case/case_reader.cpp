@@ -17,7 +17,7 @@ std::string found(const Node& node) {
   return written(node);
 }
 
-/// Without indices: entries of an array have the path of the array.
+/// Returns a path without indices: entries of an array have the path of the array.
 std::string path_of_child(const Node& node, const std::string& path, const Node& child) {
   if (node.kind == Node::Kind::array) return path;
   return path.empty() ? child.key : path + "." + child.key;

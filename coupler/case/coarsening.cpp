@@ -148,7 +148,7 @@ void check_fine_boxes(Findings& findings) {
   }
 }
 
-/// About the thickness of the layer in which the flow around a body changes, at most half its diameter.
+/// The distance should be about that in which the flow around a body changes, at most half its diameter.
 void check_layers(Findings& findings) {
   const Case& setup = findings.setup;
   const double nu = setup.fluid->kinematic_viscosity, distance = setup.coarsening->distance;

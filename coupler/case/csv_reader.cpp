@@ -200,7 +200,8 @@ std::optional<std::vector<std::string>> csv_headings(View line) {
   return all_empty ? std::nullopt : std::move(fields);
 }
 
-/// How a line differs from so many numbers with commas between them: "has semicolons between its numbers".
+/// Returns how a line differs from so many numbers with commas between them: "has semicolons between its
+/// numbers".
 std::string csv_complaint(View line, std::size_t numbers) {
   line = trimmed(line);
   if (const std::string found = complaint_of_text(line); !found.empty()) return found;

@@ -185,7 +185,7 @@ void add_room(const Case& setup, Table& table, std::size_t fill) {
              fmt::format("{:.0f} % of the box: its faces and walls take the rest", 100 * share));
 }
 
-/// How often a fill is applied again, and what that comes to if there is always room.
+/// Adds how often a fill is applied again, and how many bodies come if there is always room.
 void add_inflow(const Case& setup, Table& table, const FillSpec& fill, double count) {
   if (fill.every == 0) return;
   const double last = std::min(fill.until, static_cast<double>(setup.steps - 1));

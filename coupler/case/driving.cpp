@@ -62,7 +62,7 @@ double speed_of(const Case& setup, const Fall& fall, double gravity) {
   return std::min({fall.hindrance * steady, on_the_way, in_time});
 }
 
-/// How far it is from a place to the first side, along a direction.
+/// Returns the distance from a place to the first side, along a direction.
 double way_to_a_side(const Case& setup, const Vec3& x, const Vec3& direction) {
   double way = endless;
   for (int d = 0; d < 3; ++d)

@@ -11,8 +11,8 @@
 #include "rigid/bodies/body_exchange.hpp"
 #include "rigid/math/types.hpp"
 #include "rigid/shapes/hollow_shape.hpp"
-#include "rigid/shapes/mesh.hpp"
 #include "rigid/shapes/shape_fwd.hpp"
+#include "rigid/shapes/triangle_mesh.hpp"
 
 namespace silt::coupler {
 

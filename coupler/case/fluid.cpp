@@ -211,7 +211,7 @@ const char* viscosity_key(const Case& setup) {
                                                          : "fluid.relaxation_time";
 }
 
-/// How to get a relaxation time of 1.
+/// Returns the cure that gives a relaxation time of 1.
 std::string shorter_steps(const Case& setup) {
   const double factor = (usual_relaxation - 0.5) / (setup.fluid->relaxation_time - 0.5);
   if (!setup.places.count("fluid.kinematic_viscosity"))

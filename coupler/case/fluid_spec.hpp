@@ -63,7 +63,7 @@ struct FluidSpec {
   bool has_body_force() const { return !body_force.isZero(0) || !superficial_velocity.isZero(0); }
 };
 
-// How fluid and bodies are coupled: the table [coupling].
+// The table [coupling] says how fluid and bodies are coupled.
 
 using lbm::WallScheme;
 inline constexpr NameTable<WallScheme, lbm::wall_scheme_names.size()> wall_scheme_names{
@@ -84,7 +84,7 @@ struct CouplingSpec {
   Refill refill = Refill::grad;
   ForceForm force = ForceForm::galilean;
   bool mass_correction = true;
-  /// How far, in cells, a surface may be from where its cells were found; mapping/mapping_poses.hpp. At most
+  /// A surface may be this far, in cells, from where its cells were found; mapping/mapping_poses.hpp. At most
   /// 0.4: holders of a body that is more than 1/2 from there might not know of it (exchange/holders.hpp).
   double remap_tolerance = 0.1;
   bool lubrication = true;         // between close smooth surfaces; needs the resolver sffd

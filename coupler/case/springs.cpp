@@ -53,7 +53,7 @@ rigid::BodyId id_of(const BodySpec* body, const Case& setup) {
   return body ? static_cast<rigid::BodyId>(body - setup.bodies.data()) + 1 : 0;
 }
 
-/// How fast a point of a body becomes by an impulse there, at most.
+/// Returns the velocity that an impulse gives a point of a body, at most.
 double compliance_of(const BodySpec& body, const Vec3& arm, const Case& setup) {
   if (body.motion != rigid::Motion::free) return 0;
   const rigid::MassProperties p = rigid::mass_properties(setup.shapes[body.shape]);

@@ -167,7 +167,7 @@ void check_hollow(const Case& setup, Findings& findings, std::size_t index,
               std::abs(wall.angular_velocity) * wall.shape.widest());
 }
 
-/// How far a body reaches into a mesh, at least; not above 0 if it is not seen to.
+/// Returns how far a body reaches into a mesh, at least; not above 0 if it is not seen to.
 double depth_in_mesh(const Case& setup, const BodySpec& body, const MeshWall& wall, const rigid::Pose& pose) {
   double depth = 0;
   for (const rigid::InnerBall& ball : rigid::inner_balls(setup.shapes[body.shape]))

@@ -51,8 +51,8 @@ auto vector_in(const rigid::BodySet& bodies, std::size_t row, const rigid::Holde
   return Eigen::Map<const Eigen::Matrix<double, n, 1>>{bodies.holder_state[row][column].data() + k};
 }
 
-/// How the fluid sees a body in the steps [first, end) for which it was mapped: its cells at the pose in the
-/// middle of them, its wall distances as if it moved past that pose with these velocities.
+/// The fluid sees a body in this way in the steps [first, end) for which it was mapped: its cells at the pose
+/// in the middle of them, its wall distances as if it moved past that pose with these velocities.
 struct MappedMotion {
   rigid::Pose pose;
   rigid::Vec3 velocity = rigid::Vec3::Zero(), angular_velocity = rigid::Vec3::Zero();

@@ -15,7 +15,7 @@ void sort_unique(std::vector<int>& ranks) {
   ranks.erase(std::unique(ranks.begin(), ranks.end()), ranks.end());
 }
 
-/// Into [0, length); rounding may not leave it.
+/// Wraps x into [0, length); rounding may not leave the interval.
 double wrapped(double x, double length) {
   if (x >= 0 && x < length) return x;
   const double y = x - std::floor(x / length) * length;

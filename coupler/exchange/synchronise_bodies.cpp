@@ -11,7 +11,6 @@
 #include <string>
 
 #include "coupler/exchange/parallel_body_exchange.hpp"
-#include "coupler/exchange/send_home.hpp"
 
 namespace silt::coupler {
 

@@ -5,7 +5,7 @@
 
 #include "coupler/mapping/placed_mesh.hpp"
 #include "coupler/mapping/solid_map.hpp"
-#include "rigid/shapes/mesh.hpp"
+#include "rigid/shapes/triangle_mesh.hpp"
 
 namespace silt::coupler {
 

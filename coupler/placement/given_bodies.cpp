@@ -232,7 +232,7 @@ Slice read_slice_here(const Case& setup, const FiledBodies& filed, Surroundings&
   return {std::move(slice), before.bodies};
 }
 
-/// Whom a body concerns: the rank of its centre of mass, and those near which it reaches.
+/// Returns the ranks that a body concerns: that of its centre of mass, and those near which it reaches.
 std::vector<int> ranks_of(const Case& setup, Surroundings& around, const BodySpec& spec) {
   std::vector<int> ranks = around.ranks_near(rigid::bounding_box(setup.shapes[spec.shape], spec.pose));
   const int owner = around.holders.rank_at(spec.pose.position);

@@ -17,7 +17,7 @@ using rigid::Vec3;
 
 constexpr double no_overlap = -std::numeric_limits<double>::infinity();
 
-// How far the balls of a reach into b.
+// Returns how far the balls of a reach into b.
 double depth_into(const Shape& a, const Pose& pose_a, const Shape& b, const Pose& pose_b) {
   double depth = no_overlap;
   for (const rigid::InnerBall& ball : rigid::inner_balls(a)) {

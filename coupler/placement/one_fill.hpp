@@ -13,8 +13,8 @@
 #include <vector>
 
 #include "coupler/case/fill_room.hpp"
+#include "coupler/placement/given_bodies.hpp"
 #include "coupler/placement/obstacles.hpp"
-#include "coupler/placement/surroundings.hpp"
 
 namespace silt::coupler {
 

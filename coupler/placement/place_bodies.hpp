@@ -1,12 +1,18 @@
 #pragma once
 // The bodies of a case on the ranks where they will live: those of the start, and those that fills place
 // while a run goes on.
+#include <mpi.h>
+
+#include <optional>
+#include <span>
 #include <vector>
 
 #include "coupler/case/case.hpp"
 #include "coupler/placement/given_bodies.hpp"
 #include "coupler/placement/one_fill.hpp"
+#include "lbm/domain.hpp"
 #include "rigid/bodies/body_set.hpp"
+#include "rigid/bodies/contact.hpp"
 #include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {
@@ -76,5 +82,27 @@ std::vector<CentredShape> centred_shapes(const Case&);
 /// Returns a body as a record: the pose is that of its centre of mass, not wrapped; in a fluid of density 1
 /// it has buoyancy.
 rigid::BodyRecord body_record(rigid::BodyId, const BodySpec&, const CentredShape&, bool in_fluid);
+
+struct Case;
+
+/// Ranks that placed bodies and those that ask meet at the rank id modulo ranks: none holds more than its
+/// share, from the first question on.
+class StartPositions {
+ public:
+  /// Collective. Returns the centres of mass at the start, not wrapped, of bodies by their ids; NaN for one
+  /// that was not there.
+  std::vector<rigid::Vec3> of(const Case&, const lbm::Domain&, MPI_Comm,
+                              std::span<const rigid::BodyId>) const;
+
+ private:
+  struct Start {
+    rigid::BodyId id;
+    double position[3];
+  };
+  static std::vector<Start> met_here(const Case&, const lbm::Domain&, MPI_Comm);
+  static Start found(const std::vector<Start>&, rigid::BodyId);
+
+  mutable std::optional<std::vector<Start>> starts_;  // in the order of ids
+};
 
 }  // namespace silt::coupler

@@ -64,7 +64,7 @@ class RankCluster {
 struct Extent {
   Vec3 size = Vec3::Zero();
   std::array<bool, 3> periodic{};
-  /// Into [0, size) along the periodic axes; `image` counts the periods taken off.
+  /// Wraps x into [0, size) along the periodic axes; `image` counts the periods taken off.
   void wrap(Vec3& x, std::array<std::int32_t, 3>& image) const;
   Vec3 shift(Image i) const { return {i.x * size[0], i.y * size[1], i.z * size[2]}; }
 };

@@ -185,7 +185,6 @@ struct BodyMotions {
   std::vector<Vec3> angular_momentum;  // W, about the centre of mass
 };
 
-/// How heavy they are.
 struct BodyMasses {
   std::vector<double> mass;
   // weight in the fluid over that in vacuum, 1 - displaced mass / mass (README.md, M7). Stored as this ratio,

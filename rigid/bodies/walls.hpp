@@ -8,8 +8,8 @@
 #include "rigid/bodies/prescribed_motion.hpp"
 #include "rigid/bodies/world.hpp"
 #include "rigid/shapes/hollow_shape.hpp"
-#include "rigid/shapes/mesh.hpp"
 #include "rigid/shapes/shape_fwd.hpp"
+#include "rigid/shapes/triangle_mesh.hpp"
 
 namespace silt::rigid {
 
@@ -51,7 +51,7 @@ struct MeshWallSpec {
   /// Pose and velocities of the mesh's frame.
   Pose pose(double time) const;
   PrescribedMotion::Velocity velocity_at(double time) const;
-  /// How far its furthest corner is from the reference point.
+  /// Returns the distance of its furthest corner from the reference point.
   double reach() const;
 };
 

@@ -10,7 +10,7 @@
 
 namespace silt::rigid {
 
-/// How two materials touch.
+/// The properties of a contact of two materials.
 struct Material {
   double restitution = 0, friction = 0;
   // moments against rolling and twisting, over the normal impulse times the reduced radius

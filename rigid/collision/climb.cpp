@@ -172,8 +172,8 @@ std::optional<Vec3> newton_step(const Vec3& n, const Vec3& d, const Mat3& k, con
   return (t * (uu * rt - tu * ru) + u * (tt * ru - tu * rt)) / det;
 }
 
-/// Up to where the slope vanishes, or where it turns at a kink, both cores changing their support as they do;
-/// nothing where that fails. Heights that differ by `rounding` are equal.
+/// Climbs to where the slope vanishes, or where it turns at a kink, both cores changing their support as they
+/// do; returns nothing where that fails. Heights that differ by `rounding` are equal.
 std::optional<Vec3> climb_smooth(const ConvexCore& a, const ConvexCore& b, const Vec3& from,
                                  const Track& track, double rounding) {
   Vec3 n = track.across(from);

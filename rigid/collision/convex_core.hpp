@@ -20,7 +20,7 @@ struct ConvexCore : Placement {
     return std::holds_alternative<S>(*shape);
   }
   bool is_point() const { return is_box && half.isZero(0); }
-  /// Without edges and faces.
+  /// Says whether the core has neither edges nor faces.
   bool smooth() const { return is<Ellipsoid>() || is_point(); }
   bool curved() const { return !is_polytope; }
   bool is_solid_polytope() const { return is_polytope && half.minCoeff() > 0; }
@@ -79,7 +79,7 @@ struct ConvexCore : Placement {
   Vec3 vertex(const Vec3& signs) const { return to_world(half.cwiseProduct(signs)); }
 };
 
-/// Not for a half-space.
+/// Returns the core of a shape that is no half-space.
 ConvexCore convex_core(const ConvexShape&, const Pose&);
 
 /// Says whether the codes of all features of a shape fit into half a contact's (those of a polyhedron of some
@@ -89,7 +89,7 @@ bool has_codes(const ConvexShape&);
 /// Returns the length that tolerances of rounding are relative to: sizes and distance of the pair.
 double length_scale(const ConvexCore& a, const ConvexCore& b);
 
-/// How far apart two cores are along a direction, or, less than 0, how deep in each other.
+/// A direction with the distance of two cores along it or, less than 0, their depth in each other.
 struct Peak {
   Vec3 normal;      // unit, from a to b
   double core_gap;  // core_separation along it

@@ -132,9 +132,9 @@ namespace {
 
 constexpr double touching_slack = 1e-10;  // part of the pair's size: corners of an edge that touch
 
-/// How far the line of the core that x is on, or the rim of its disc, goes on from there, where unit n is an
-/// outward normal: as a form of the part of a direction across n (depth_proof.hpp). Of both, which may be of
-/// one core, half each: it has what lies in the middle between them.
+/// Returns how far the line of the core that x is on, or the rim of its disc, continues from there, where
+/// unit n is an outward normal: as a form of the part of a direction across n (is_least_depth). If both are
+/// of one core half of each counts: the core has what lies in the middle between them.
 Mat3 reach_of_edges(const ConvexCore& core, const Vec3& x, const Vec3& n, double slack) {
   Mat3 reach = Mat3::Zero();
   thread_local ContactOutline outline;

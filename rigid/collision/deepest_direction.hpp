@@ -57,7 +57,7 @@ Vec3 nearest_candidate_axis(const ConvexCore& a, const ConvexCore& b, const Vec3
 
 // ---- climb.cpp ----
 
-/// How often climb() tries the features near by, unless told otherwise.
+/// climb() tries the features near by this often, by default.
 inline constexpr int climb_rounds = 12;
 
 /// Returns a local maximum of core_separation(n) near n: never lower than at n by more than rounding, exact

@@ -9,7 +9,8 @@ namespace silt::rigid {
 
 namespace {
 
-/// Up to four points of the difference b - a, and the point of their hull nearest to the origin.
+/// A simplex holds up to four points of the difference b - a, and the point of their hull nearest to the
+/// origin.
 struct Simplex {
   std::array<Vec3, 4> w;
   int size = 0;

@@ -144,7 +144,7 @@ class ExtremePoints {
   void ball(const Vec3& centre_B, double radius, std::uint32_t feature) const {
     use_(pose_.to_world(centre_B), radius, feature);
   }
-  /// About the body's z axis, at this z.
+  /// Appends the contacts of a disc about the body's z axis, at this z.
   void disc(double z, double radius, std::uint32_t first_feature) const {
     const Mat3 turn = pose_.orientation.toRotationMatrix();
     const Vec3 centre = pose_.to_world({0, 0, z});

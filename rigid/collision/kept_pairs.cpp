@@ -52,7 +52,7 @@ void KeptPairs::find_rows(const Surroundings& around) {
     if (rows_.seen[row] == none) rows_.newcomers.push_back(row);
 }
 
-/// Through periodic sides, too.
+/// Returns the displacement, periods of sides that were passed included.
 Vec3 KeptPairs::displacement_of(const Surroundings& around, std::size_t n) const {
   const Seen& then = seen_[n];
   const std::size_t row = rows_.of_seen[n];

@@ -114,11 +114,11 @@ class KeptPairs {
  public:
   /// No pair can meet that is not kept.
   bool hold(const Surroundings&, std::span<const WallSurface>);
-  /// How much further (cells) to look for what a body may come to meet.
+  /// The search for what a body may come to meet goes so much further (cells).
   struct Slack {
     float to_bodies, to_walls;
   };
-  /// After hold(): what is worth while, one a body; nothing where bodies move too fast.
+  /// Returns, after hold(), the slack that is worth while, one a body; nothing where bodies move too fast.
   std::span<const Slack> plan(const Surroundings&);
   /// Remembers how all is now. Returns the list to be filled with all pairs of bodies that meet with the
   /// slack that was planned, sorted as BroadPhase says.

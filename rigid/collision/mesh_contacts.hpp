@@ -86,7 +86,8 @@ void append_curved_on_mesh(const ConvexShape& body, const Pose& pose, const Mesh
 /// climb() finds from their normals.
 void append_overlap(const ConvexShape& body, const Pose& pose, const MeshFeatures& mesh,
                     std::span<const std::uint32_t> near, std::vector<ContactPoint>& out);
-/// How deep (lattice units) it may be behind a triangle that it does not touch; `near` has to hold those.
+/// Returns how deep (lattice units) a body may be behind a triangle that it does not touch; `near` has to
+/// hold such triangles.
 double deep_behind_faces(const ConvexShape& body);
 /// Appends the points of the body within `tolerance` of the half-space under the plane through `origin` with
 /// unit `outward` normal, as those of a mesh's feature.

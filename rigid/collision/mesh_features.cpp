@@ -107,7 +107,7 @@ void MeshFeatures::find_rings() {
   for (const Edge& e : edges_) ring_[next[e.low]++] = e.high, ring_[next[e.high]++] = e.low;
 }
 
-/// But for those on a straight line: where just two sharp edges meet, one going on as the other.
+/// Vertices on a straight line, where just two sharp edges meet and one continues the other, are no corners.
 void MeshFeatures::find_corners() {
   std::vector<std::uint8_t> ends(vertex_count(), 0);
   std::vector<Vec3> sum(vertex_count(), Vec3::Zero());

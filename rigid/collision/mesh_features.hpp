@@ -5,8 +5,8 @@
 #include <optional>
 #include <vector>
 
-#include "rigid/shapes/mesh.hpp"
 #include "rigid/shapes/shape_fwd.hpp"
+#include "rigid/shapes/triangle_mesh.hpp"
 
 namespace silt::rigid {
 
@@ -38,7 +38,7 @@ class MeshFeatures {
   bool is_sharp(std::uint32_t e) const { return sharp_[e]; }
   /// Says whether a sharp edge ends at a vertex, and does not just continue as another.
   bool is_corner(std::uint32_t vertex) const { return corner_[vertex]; }
-  /// How many edges end there.
+  /// Returns how many edges end at a vertex.
   std::size_t valence(std::uint32_t vertex) const { return ring_start_[vertex + 1] - ring_start_[vertex]; }
   /// Say whether unit m (for an edge: normal to it) is a direction in which nothing near the feature is
   /// further out than the feature itself, up to a sine.

@@ -16,7 +16,7 @@ struct BoxFace {
   std::array<Vec3, 4> corner;
   std::array<Feature, 4> edge_feature;
 
-  /// How far from x to the face's plane, along unit n.
+  /// Returns the distance from x to the face's plane, along unit n.
   double height(const Vec3& x, const Vec3& n) const { return normal.dot(corner[0] - x) / normal.dot(n); }
 };
 BoxFace face_towards(const ConvexCore& box, const Vec3& direction);

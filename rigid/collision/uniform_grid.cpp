@@ -113,7 +113,7 @@ int UniformGrid::Level::runs(std::int32_t x, int first_offset, std::array<Run, 3
   return count;
 }
 
-/// Into the grid along a periodic axis; `image` is that of the bodies there.
+/// Wraps a cell's index into the grid along a periodic axis; `image` is that of the bodies there.
 std::int32_t UniformGrid::Level::stepped(int axis, std::int32_t cell, std::int8_t& image) const {
   const std::int32_t n = cells[axis];
   image = n == 0 || (cell >= 0 && cell < n) ? 0 : cell < 0 ? -1 : 1;
@@ -168,7 +168,7 @@ UniformGrid::Run UniformGrid::Level::cells_within(int axis, double x, double dis
   return {cell((x - distance) / width[axis] - rounding), cell((x + distance) / width[axis] + rounding), 0};
 }
 
-/// About how many rows of cells a body that reaches so far has to look through.
+/// Returns about how many rows of cells a body that reaches so far has to look through.
 double UniformGrid::Level::rows_around(double reach) const {
   double rows = 1;
   for (int d = 1; d < 3; ++d) {

@@ -51,7 +51,7 @@ struct Rounds {
     motion.push(g, r, n * d_n + d_t);
   }
 
-  /// After them the moments against rolling and twisting.
+  /// Solves, after the impulses, for the moments against rolling and twisting.
   void resist(const BlockGroup& g, const BlockContact& c, BlockRolling& r) {
     const Vector n = load(c.normal), old = load(r.impulse);
     const Vector stop = old - motion.omega * (Numbers(r.roll_arm) * r.inverse_k_roll);

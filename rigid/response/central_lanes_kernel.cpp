@@ -86,8 +86,8 @@ Impulse<kind> find(const CentralGroup& g, const Impulse<kind>& old, const Twist&
   return p;
 }
 
-/// If slip sticks it follows rolling, and is eliminated: that is exact. Where it slides after all, rolling is
-/// solved for with the impulse that slip has, and later sweeps go on.
+/// Slip that sticks follows rolling and is eliminated, which is exact. Where it slides after all, rolling is
+/// solved for with the impulse that slip has, and later sweeps continue.
 template <Kind kind>
 Impulse<kind> find(const RollingGroup& g, const Impulse<kind>& old, const Twist& a, const Twist& b) {
   const Vector n = load(g.normal), u = b.v - a.v;
@@ -136,7 +136,7 @@ Impulse<kind> find(const LubricatedGroup& g, const Impulse<kind>& old, const Twi
   return p;
 }
 
-/// How a change of the impulses moves the bodies.
+/// Returns the push on the bodies by a change of the impulses.
 template <Kind kind>
 Push push_by(const CentralGroup& g, const Impulse<kind>& d) {
   const Vector n = load(g.normal);

@@ -205,9 +205,9 @@ void add_to_bodies(const LaneBodies& bodies, const Push& push, const Mask& on, c
   }
 }
 
-/// How far impulses are carried on along their last change (Nesterov's acceleration, k-th sweep since the
-/// last restart: (k - 1) / (k + 2)). Where that led the wrong way it starts again (O'Donoghue, Candes, Found.
-/// Comput. Math. 15 (2015) 715, gradient scheme), each pair for itself.
+/// Returns how far impulses are carried on along their last change (Nesterov's acceleration, k-th sweep since
+/// the last restart: (k - 1) / (k + 2)). Where that led the wrong way it starts again (O'Donoghue, Candes,
+/// Found. Comput. Math. 15 (2015) 715, gradient scheme), each pair for itself.
 inline Numbers momentum(Real8& age, const Numbers& led_wrong, const Mask& on) {
   const Numbers before = age, k = choose(led_wrong > 0, 1, before);
   age = choose(on, k + 1, before);

@@ -12,7 +12,7 @@
 
 namespace silt::rigid {
 
-/// How a body answers an impulse. Infinite mass: zeros.
+/// A body answers an impulse by these numbers; they are zeros for infinite mass.
 struct BodyMass {
   double inverse_mass = 0;
   LockedAxes locked = 0;                // along which it is infinite
@@ -48,7 +48,7 @@ class PairLanes {
   void clear(std::size_t rows);
   /// Call in the order of the pairs' keys.
   Place add(const PairToSolve&);
-  /// After the last pair, before the first sweep.
+  /// Must be called after the last pair, before the first sweep.
   void prepare();
   /// One sweep of all pairs from the same velocities. Adds to the bodies' sums in an order
   /// that only the keys decide, and marks a body as changed where a relative change exceeds the tolerance.

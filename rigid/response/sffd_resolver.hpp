@@ -38,13 +38,13 @@ class SffdResolver : public ContactResolver {
     const Material* material = nullptr;  // null: rolls freely, and does not pull
     PairLanes::Place place{};
   };
-  /// How sweeps go on.
+  /// The limits of sweeps.
   struct Sweeps {
     int most, accelerated;
     double tolerance;
     bool push = false;  // position correction
   };
-  /// How they ended.
+  /// The end of sweeps.
   struct Rest {
     int sweeps = 0;  // the last that solved anything here
     double residual = 0;

@@ -38,12 +38,12 @@ class Recall {
 void remember_impulses(std::span<const Contact>, std::span<const ContactImpulse>, BodyId partner,
                        std::vector<StoredImpulse>& stored);
 
-/// Before a step: if the row is an owned body at rest, what it remembers of the pair is held from now on
-/// (hold), or no longer.
+/// Holds what the row, if it is an owned body at rest, remembers of the pair, or no longer does; before a
+/// step.
 void hold_or_release(BodySet&, std::size_t row, std::span<const Contact> of_pair, bool hold);
 
-/// After it, before those of this step are remembered. `in_contact`: rows whose contacts were looked at;
-/// bodies at rest among them keep what is held, the others all they have.
+/// Forgets the impulses of the last step, before those of this one are remembered. `in_contact`: rows whose
+/// contacts were looked at; bodies at rest among them keep what is held, the others all they have.
 void forget_last_impulses(BodySet&, std::span<const std::size_t> in_contact);
 
 /// Adds a pair's impulses to the loads of those of its bodies that are at rest.

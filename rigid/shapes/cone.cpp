@@ -102,7 +102,7 @@ InnerBall Cone::inner_ball(const Vec3&) const {
   return {{0, 0, base().z + largest}, largest};
 }
 
-/// On the base, up to the side; on the side, up to the axis or the base.
+/// The ball reaches, on the base, up to the side and, on the side, up to the axis or the base.
 double Cone::touching_ball(const Vec3& x, const Vec3& n) const {
   constexpr double same = 1e-9;  // radian, of two normals
   const double rise = radius / slant(), run = height / slant(), rho = elementary::hypot(x[0], x[1]);

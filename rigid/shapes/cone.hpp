@@ -37,7 +37,7 @@ struct Cone {
     use.disc(base().z, radius, 0);
     use.ball(apex(), 0, 2);
   }
-  /// About the middle of its height.
+  /// Adds the cone about the middle of its height.
   template <class Parts>
   void surface(Parts& parts) const {
     parts.add_shifted(Parts::Kind::cone, {0, 0, apex()[2] - height / 2}, {radius, radius, height / 2});
@@ -47,9 +47,9 @@ struct Cone {
   Vec3 apex() const { return {0, 0, 0.75 * height}; }
   Disc base() const { return {radius, -0.25 * height, -1}; }
   double slant() const { return elementary::hypot(radius, height); }
-  /// How much further along n the apex is than the rim.
+  /// Returns how much further along n the apex is than the rim.
   double apex_lead(const Vec3& n) const { return n[2] * height - radius * elementary::hypot(n[0], n[1]); }
-  /// How far x is outside the plane that touches the side where it is nearest to x.
+  /// Returns how far x is outside the plane that touches the side where it is nearest to x.
   double above_side(const Vec3& x) const;
   void side_line(const Placement&, const Vec3& n, ContactOutline& out) const;
 };

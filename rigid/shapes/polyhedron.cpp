@@ -122,7 +122,7 @@ Vec3 Polyhedron::half_widths() const {
   return half;
 }
 
-/// About the centre, wherever.
+/// Returns the ball about the centre, wherever x is.
 InnerBall Polyhedron::inner_ball(const Vec3&) const {
   double radius = half_widths().maxCoeff();
   for (const auto& face : mesh->faces) radius = std::min(radius, face.offset);

@@ -1,10 +1,37 @@
 #pragma once
 // The shapes a body can have, in the body frame: origin at the centre of mass.
-#include "rigid/shapes/compound.hpp"
+#include "rigid/shapes/convex_shape.hpp"
 #include "rigid/shapes/hollow_shape.hpp"
-#include "rigid/shapes/mesh.hpp"
+#include "rigid/shapes/triangle_mesh.hpp"
 
 namespace silt::rigid {
+
+struct Part {
+  ConvexShape shape;
+  Pose pose;  // part to body
+
+  bool operator==(const Part&) const = default;
+};
+
+/// Axis-aligned box of one part of a body, in the frame the body's pose is given in.
+BoundingBox part_box(const Part&, const Pose& body);
+/// Furthest distance of a point of a part from the body's origin.
+double reach(const Part&);
+
+/// The union of its parts, which may overlap (a star: three capsules crossed at the centre).
+struct Compound {
+  static constexpr std::string_view name = "compound";
+  std::vector<Part> parts;
+
+  bool contains(const Vec3& x) const;
+  double signed_distance(const Vec3& x) const;
+  double ray_distance(const Vec3& o, const Vec3& d, double t_max) const;
+  BoundingBox bounding_box(const Pose&) const;
+  MassProperties mass_properties() const;
+  /// The diameter of the sphere of its volume.
+  double least_width() const;
+  Compound recentred(const Vec3& centre) const;
+};
 
 template <class... S, class... H>
 std::variant<S..., Compound, H..., Mesh> all_of(const std::variant<S...>&, const std::variant<H...>&);
@@ -29,7 +56,8 @@ double ray_distance(const Shape&, const Vec3& origin_B, const Vec3& direction_B,
 /// Axis-aligned, in the world frame, of the shape at the pose; infinite for a half-space, a hollow and a
 /// hollow mesh.
 BoundingBox bounding_box(const Shape&, const Pose&);
-/// About the origin of the body frame; infinite for a half-space, a hollow and a hollow mesh.
+/// Returns the radius about the origin of the body frame; infinite for a half-space, a hollow and a hollow
+/// mesh.
 double bounding_radius(const Shape&);
 /// Closed forms, exact; for a compound those of the union of its parts, relative error <= 1e-4,
 /// deterministic.

@@ -59,7 +59,7 @@ struct ContactOutline {
   std::size_t size() const { return corners.size(); }
   bool is_face() const { return size() > 2; }
   const Corner& next(std::size_t k) const { return corners[k + 1 < size() ? k + 1 : 0]; }
-  /// How far from x to the face's plane, along unit n.
+  /// Returns the distance from x to the face's plane, along unit n.
   double height(const Vec3& x, const Vec3& n) const { return normal.dot(corners[0].x - x) / normal.dot(n); }
   void reset() {
     corners.clear();
@@ -119,9 +119,9 @@ inline std::optional<LineInterval> in_ball(double radius, const Vec3& o, const V
   return between_roots(d.squaredNorm(), o.dot(d), (distance - radius) * (distance + radius));
 }
 
-/// How a case gives a size of a shape: an entry of its table `fields`. A length, or for a member that is a
-/// vector three lengths along the axes. member = share * what `key` gives, or other_share * what `other_key`
-/// gives, where there is one; the case has one of the two.
+/// An entry of a shape's table `fields` says how a case gives a size: a length, or for a member that is a
+/// vector three lengths along the axes. member = share * the value of `key`, or other_share * that of
+/// `other_key`, if there is one; the case has one of the two.
 template <class Solid, class Value>
 struct Field {
   const char* key;

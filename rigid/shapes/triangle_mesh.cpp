@@ -111,8 +111,8 @@ int sign(Whole x) {
   return (x > 0) - (x < 0);
 }
 
-/// On which side of the line from a to b, seen along x, a point is that is moved a little along y and less
-/// along z; 0 only for a = b.
+/// Returns the side of the line from a to b, seen along x, on which a point is that is moved a little along y
+/// and less along z; 0 only for a = b.
 int side_of(const Whole3& a, const Whole3& b, const Whole3& p) {
   const Whole by = b[1] - a[1], bz = b[2] - a[2];
   if (const int s = sign(by * (p[2] - a[2]) - bz * (p[1] - a[1]))) return s;

@@ -1,5 +1,5 @@
 // Bodies saved on any ranks come to their owners, each once and with all it has.
-#include "coupler/exchange/send_home.hpp"
+#include "coupler/exchange/parallel_body_exchange.hpp"
 
 #include <gtest/gtest.h>
 

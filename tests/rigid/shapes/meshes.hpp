@@ -7,7 +7,7 @@
 #include <random>
 #include <utility>
 
-#include "rigid/shapes/mesh.hpp"
+#include "rigid/shapes/triangle_mesh.hpp"
 
 namespace silt::rigid::testing {
 
