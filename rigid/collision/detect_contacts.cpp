@@ -33,17 +33,12 @@ namespace {
 
 /// Approach speeds are those before the kick and before contacts; some room for what these two add.
 constexpr double margin_safety = 1.5;
-/// Keeps resting contacts in sight, relative to the bounding radius; those that pull, as far as they may
-/// open.
+/// Keeps resting contacts in sight, relative to the bounding radius; those that pull, as far as they may open.
 constexpr double least_margin = 1e-6, least_margin_of_cohesion = 1e-4;
-/// Least ratio of a gap's lesser curvature to the greater: below, it is a line contact, which the laws of
-/// lubrication do not know.
-constexpr double least_roundness = 0.02;
-/// Cosine of the angle up to which the normals of one gap differ.
-constexpr double same_gap = 0.95;
+constexpr double least_roundness = 0.02;  // lesser over greater curvature of a gap that is no line contact
+constexpr double same_gap = 0.95;         // cosine of the angle up to which the normals of one gap differ
 
-/// Puts the arms, which reach to either body's own surface, where the impulse acts (method.md,
-/// equation C3a).
+/// Puts the arms, which reach to either body's own surface, where the impulse acts (rigid/README.md).
 void set_arms(const BodySet& bodies, const CandidatePair& p, const Vec3& across, Contact& c) {
   const bool a_moves = bodies.is_dynamic(p.row_a), b_moves = bodies.is_dynamic(p.row_b);
   if (!c.lubrication && !(a_moves && b_moves)) return;
