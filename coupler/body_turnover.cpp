@@ -31,8 +31,7 @@ std::optional<int> way_out(const Scene& scene, std::size_t row) {
   if (side && scene.setup.boundary[*side].removes_bodies()) return side;
   if (!bodies.is_dynamic(row)) return {};
   const auto& outflows = scene.setup.outflows;
-  const auto at =
-      std::find_if(outflows.begin(), outflows.end(), [&](const OutflowSpec& o) { return is_in(o, x); });
+  const auto at = std::ranges::find_if(outflows, [&](const OutflowSpec& o) { return is_in(o, x); });
   if (at == outflows.end()) return {};
   return first_outflow + static_cast<int>(at - outflows.begin());
 }

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <limits>
 #include <utility>
 
@@ -32,8 +31,7 @@ bool is_driven(const Case& setup) {
   const auto moves = [](const BoundarySpec& side) {
     return side.kind == BoundaryKind::moving && side.velocity != Vec3::Zero();
   };
-  return std::any_of(setup.boundary.begin(), setup.boundary.end(), moves) ||
-         std::any_of(setup.walls.begin(), setup.walls.end(), std::mem_fn(&CurvedWall::moves)) ||
+  return std::ranges::any_of(setup.boundary, moves) || std::ranges::any_of(setup.walls, &CurvedWall::moves) ||
          setup.gravity_over_time.varies() || !setup.springs.empty() ||
          setup.any_given([](const BodySpec& b) { return b.motion == rigid::Motion::prescribed; });
 }
@@ -77,8 +75,8 @@ void put_to_rest(BodySet& bodies, std::size_t row) {
 
 FaultWatch::FaultWatch(const Case& setup)
     : limits_(setup),
-      sides_stop_(std::any_of(
-          setup.boundary.begin(), setup.boundary.end(),
+      sides_stop_(std::ranges::any_of(
+          setup.boundary,
           [](const BoundarySpec& side) { return side.lets_bodies_pass() && !side.removes_bodies(); })),
       energy_{.watched = !setup.fluid && !is_driven(setup), .here = {}} {}
 
@@ -212,7 +210,7 @@ void FaultWatch::start(MPI_Comm comm) {
 std::string FaultWatch::finish(const Case& setup, MPI_Comm comm) {
   if (!sums_.under_way()) return "";
   const auto& [with, energies] = sums_.finish();
-  const auto found = std::find_if(with.begin(), with.end(), [](std::int64_t n) { return n > 0; });
+  const auto found = std::ranges::find_if(with, [](std::int64_t n) { return n > 0; });
   if (found != with.end()) return told(comm, seen_[found - with.begin()]);
   return std::exchange(energy_.looked_at, false) ? gain(setup, energies) : "";
 }

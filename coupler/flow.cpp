@@ -36,7 +36,7 @@ lbm::CollisionSpec collision_of(const FluidSpec& f) {
 
 /// Says whether fluid may come and go: then its mass is not to be kept.
 bool is_open(const Case& scene) {
-  return std::any_of(scene.boundary.begin(), scene.boundary.end(), [](const BoundarySpec& b) {
+  return std::ranges::any_of(scene.boundary, [](const BoundarySpec& b) {
     return b.kind == BoundaryKind::pressure_outlet || b.kind == BoundaryKind::velocity_inlet;
   });
 }
@@ -303,22 +303,11 @@ class FlowOf final : public Flow {
 };
 
 lbm::SideCondition side_condition(const BoundarySpec& b) {
+  using enum lbm::SideKind;
+  constexpr lbm::SideKind kinds[] = {periodic,  bounce, bounce,
+                                     free_slip, bounce, pressure};  // by BoundaryKind
   lbm::SideCondition s;
-  switch (b.kind) {
-    case BoundaryKind::periodic:
-      s.kind = lbm::SideKind::periodic;
-      break;
-    case BoundaryKind::free_slip:
-      s.kind = lbm::SideKind::free_slip;
-      break;
-    case BoundaryKind::pressure_outlet:
-      s.kind = lbm::SideKind::pressure;
-      break;
-    case BoundaryKind::no_slip:
-    case BoundaryKind::moving:
-    case BoundaryKind::velocity_inlet:
-      s.kind = lbm::SideKind::bounce;
-  }
+  s.kind = kinds[int(b.kind)];
   s.velocity = {b.velocity[0], b.velocity[1], b.velocity[2]};
   s.varies = b.over_time.varies();
   s.density_deviation = b.density - 1;

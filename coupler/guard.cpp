@@ -21,10 +21,6 @@ using rigid::Vec3;
 
 namespace {
 
-std::string in_case_units(const Case& setup, double x, Dimension dimension, const char* si) {
-  return setup.units.si ? fmt::format(" ({} {})", shown(setup.units.physical(x, dimension)), si) : "";
-}
-
 /// The keys of this case that set things in motion, at most one a section: "fluid.body_force,
 /// bodies[0].velocity".
 std::string drives(const Case& setup) {
@@ -34,7 +30,7 @@ std::string drives(const Case& setup) {
   for (const auto& [path, place] : setup.places) {
     const std::string section = path.substr(0, path.find_first_of(".["));
     const auto name = std::string_view(path).substr(path.rfind('.') + 1);
-    if (section == last || std::find(names.begin(), names.end(), name) == names.end()) continue;
+    if (section == last || std::ranges::find(names, name) == names.end()) continue;
     listed += (listed.empty() ? "" : ", ") + path;
     last = section;
   }
@@ -139,8 +135,7 @@ std::string remedy_at(const Scene& scene, const Neighbours& near, double speed) 
   const std::size_t row = near.first->row;
   const double body = bodies.velocity[row].norm();
   if (body < 0.5 * std::min(speed, highest_speed)) return flow_remedy(scene.setup);
-  return fmt::format("the body moves {} cells in a step{}: {}", shown(body),
-                     in_case_units(scene.setup, body, dimension::velocity, "m/s"),
+  return fmt::format("the body moves {} cells in a step{}: {}", shown(body), in_si(scene.setup, body),
                      speed_remedy(scene.setup, 1, 0));
 }
 
@@ -152,7 +147,7 @@ std::string fluid_text(const Scene& scene, lbm::Int3 cell, const std::string& wh
 
 std::string speed_text(const Case& setup, double speed, double limit) {
   return fmt::format(", moves {} cells in a step{}; at most {} is possible", shown(speed),
-                     in_case_units(setup, speed, dimension::velocity, "m/s"), shown(limit));
+                     in_si(setup, speed), shown(limit));
 }
 
 /// The cell at fault and what is wrong with it, if anything is.
@@ -211,7 +206,7 @@ std::string motion_text(const Case& setup, rigid::BodyId id, double speed, doubl
     return fmt::format("step {}: position or velocity of body {} is not a number; {}", step, id,
                        setup.fluid ? flow_remedy(setup) : contact_remedy(setup));
   return fmt::format("step {}: body {} moves {} cells in a step{}; at most {} is possible: {}", step, id,
-                     shown(speed), in_case_units(setup, speed, dimension::velocity, "m/s"), shown(limit),
+                     shown(speed), in_si(setup, speed), shown(limit),
                      speed_remedy(setup, speed / limit, step));
 }
 
@@ -229,7 +224,7 @@ std::string overlap_text(const Case& setup, const rigid::Contact& c, double half
       "step {}: {} and {} overlap by {}{}, deeper than half the width of one ({}), and contacts do not hold "
       "them; {}",
       step, body_name(setup, c.a), body_name(setup, c.b), shown(-c.gap),
-      in_case_units(setup, -c.gap, dimension::length, "m"), shown(half_width), remedy);
+      in_si(setup, -c.gap, dimension::length), shown(half_width), remedy);
 }
 
 std::string energy_text(const Case& setup, const EnergyGain& e, std::int64_t since, std::int64_t step) {
@@ -250,7 +245,7 @@ std::string border_text(const Case& setup, rigid::BodyId id, std::int64_t step) 
       "step {}: {} has come within {} cells of coarser ones, where its links would read them; raise "
       "coarsening.distance (now {} cells{}), or {}",
       step, body_name(setup, id), least_margin(setup), shown(spec.distance),
-      in_case_units(setup, spec.distance, dimension::length, "m"), slower_remedy(setup));
+      in_si(setup, spec.distance, dimension::length), slower_remedy(setup));
 }
 
 std::string overflow_text(const Case& setup, const std::string& what, std::int64_t step,

@@ -14,6 +14,8 @@ using std::numbers::pi;
 
 namespace {
 
+namespace elementary = rigid::elementary;
+
 /// The flow at a point.
 struct Local {
   double density_deviation = 0;
@@ -33,12 +35,10 @@ struct TaylorGreen {
 
 Local at(const TaylorGreen& vortex, const rigid::Vec3& x) {
   const auto [a, kx, ky] = vortex;
-  const double sx = rigid::elementary::sin(kx * x[0]), cx = rigid::elementary::cos(kx * x[0]),
-               sy = rigid::elementary::sin(ky * x[1]), cy = rigid::elementary::cos(ky * x[1]),
-               ratio = kx / ky;
+  const double sx = elementary::sin(kx * x[0]), cx = elementary::cos(kx * x[0]),
+               sy = elementary::sin(ky * x[1]), cy = elementary::cos(ky * x[1]), ratio = kx / ky;
   const double xx = a * kx * sx * sy;
-  return {-0.75 * a * a *
-              (rigid::elementary::cos(2 * kx * x[0]) + ratio * ratio * rigid::elementary::cos(2 * ky * x[1])),
+  return {-0.75 * a * a * (elementary::cos(2 * kx * x[0]) + ratio * ratio * elementary::cos(2 * ky * x[1])),
           {-a * cx * sy, a * kx / ky * sx * cy, 0},
           xx,
           -xx,
@@ -66,13 +66,11 @@ struct TaylorGreen3D {
 
 Local at(const TaylorGreen3D& vortex, const rigid::Vec3& x) {
   const double a = vortex.amplitude, k = vortex.k;
-  const double sx = rigid::elementary::sin(k * x[0]), cx = rigid::elementary::cos(k * x[0]),
-               sy = rigid::elementary::sin(k * x[1]), cy = rigid::elementary::cos(k * x[1]);
-  const double sz = rigid::elementary::sin(k * x[2]), cz = rigid::elementary::cos(k * x[2]),
-               stretch = a * k * cx * cy * cz;
-  const double pressure = a * a / 16 *
-                          (rigid::elementary::cos(2 * k * x[0]) + rigid::elementary::cos(2 * k * x[1])) *
-                          (rigid::elementary::cos(2 * k * x[2]) + 2);
+  const double sx = elementary::sin(k * x[0]), cx = elementary::cos(k * x[0]), sy = elementary::sin(k * x[1]),
+               cy = elementary::cos(k * x[1]);
+  const double sz = elementary::sin(k * x[2]), cz = elementary::cos(k * x[2]), stretch = a * k * cx * cy * cz;
+  const double pressure = a * a / 16 * (elementary::cos(2 * k * x[0]) + elementary::cos(2 * k * x[1])) *
+                          (elementary::cos(2 * k * x[2]) + 2);
   return {3 * pressure,
           {a * sx * cy * cz, -a * cx * sy * cz, 0},
           stretch,
@@ -98,12 +96,11 @@ struct ShearLayer {
 
 Local at(const ShearLayer& layer, const rigid::Vec3& x) {
   const double y = x[1] / layer.height - 0.5, a = layer.amplitude, phase = layer.kx * x[0] + pi / 2;
-  const double u = rigid::elementary::tanh(layer.steepness * (0.25 - std::abs(y))),
-               wave = a * layer.perturbation;
+  const double u = elementary::tanh(layer.steepness * (0.25 - std::abs(y))), wave = a * layer.perturbation;
   const double slope = std::copysign(a * layer.steepness / layer.height * (1 - u * u), -y);
   Local flow;
-  flow.velocity = {a * u, wave * rigid::elementary::sin(phase), 0};
-  flow.xy = 0.5 * (slope + wave * layer.kx * rigid::elementary::cos(phase));
+  flow.velocity = {a * u, wave * elementary::sin(phase), 0};
+  flow.xy = 0.5 * (slope + wave * layer.kx * elementary::cos(phase));
   return flow;
 }
 
@@ -122,8 +119,7 @@ struct GaussianVortex {
 
 Local at(const GaussianVortex& vortex, const rigid::Vec3& point) {
   const double x = point[0] - vortex.centre[0], y = point[1] - vortex.centre[1];
-  const double square = vortex.radius * vortex.radius,
-               share = rigid::elementary::exp(1 - (x * x + y * y) / square);
+  const double square = vortex.radius * vortex.radius, share = elementary::exp(1 - (x * x + y * y) / square);
   const double turn = vortex.swirl / vortex.radius * std::sqrt(share);
   Local flow;
   flow.density_deviation = -1.5 * vortex.swirl * vortex.swirl * share;
@@ -191,25 +187,10 @@ void add_noise(const Case& scene, FluidFields& fields) {
 }  // namespace
 
 void set_initial_flow(const Case& scene, FluidFields& fields) {
-  switch (scene.fluid->initial.type) {
-    case InitialFlow::rest:
-      break;
-    case InitialFlow::uniform:
-      set<Uniform>(scene, fields);
-      break;
-    case InitialFlow::taylor_green:
-      set<TaylorGreen>(scene, fields);
-      break;
-    case InitialFlow::taylor_green_3d:
-      set<TaylorGreen3D>(scene, fields);
-      break;
-    case InitialFlow::shear_layer:
-      set<ShearLayer>(scene, fields);
-      break;
-    case InitialFlow::vortex:
-      set<GaussianVortex>(scene, fields);
-      break;
-  }
+  constexpr void (*setters[])(const Case&, FluidFields&) = {
+      // by InitialFlow; none: at rest
+      nullptr, set<Uniform>, set<TaylorGreen>, set<TaylorGreen3D>, set<ShearLayer>, set<GaussianVortex>};
+  if (const auto set_flow = setters[int(scene.fluid->initial.type)]) set_flow(scene, fields);
   if (scene.fluid->initial.noise > 0) add_noise(scene, fields);
 }
 

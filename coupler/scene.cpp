@@ -69,10 +69,6 @@ rigid::HollowWallSpec at_the_domain(rigid::HollowWallSpec wall, const rigid::Ext
 
 }  // namespace
 
-bool Scene::has_surfaces() const {
-  return setup.has_surfaces();
-}
-
 Scene::Scene(Case given, MPI_Comm communicator, const SavedBodies* saved, const SavedLevels& levels,
              rigid::BodyId first_id)
     : own_setup_(std::make_shared<const Case>(std::move(given))),
@@ -250,13 +246,7 @@ void Scene::count_bodies() {
 }
 
 SceneParts Scene::parts() {
-  SceneParts parts;
-  parts.flow = flow.get();
-  parts.springs = springs.get();
-  parts.rigid_step = rigid_step.get();
-  parts.substeps = setup.contacts.substeps;
-  parts.surfaces = has_surfaces();
-  return parts;
+  return {flow.get(), springs.get(), rigid_step.get(), setup.contacts.substeps, setup.has_surfaces()};
 }
 
 }  // namespace silt::coupler

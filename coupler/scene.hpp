@@ -53,7 +53,6 @@ class Scene {
     StartPositions positions;         // of the case's bodies
     Evenness evenness;                // of the work of ranks, under the equal cut and the one taken
   } at_start;                         // of this run
-  bool has_surfaces() const;
   std::unique_ptr<ParallelBodyExchange> exchange;
   struct {
     std::unique_ptr<rigid::CollisionBackend> backend;

@@ -26,15 +26,15 @@ namespace {
 /// Says whether quantities ask for the loads of contacts on bodies, or also on walls that they turn about a
 /// point.
 bool asks_for_contacts(const Case& setup, bool of_bodies_alone) {
-  return std::any_of(setup.quantities.begin(), setup.quantities.end(), [&](const QuantitySpec& q) {
+  return std::ranges::any_of(setup.quantities, [&](const QuantitySpec& q) {
     return q.type == "contact-force" || q.type == "contact-torque" ||
            (!of_bodies_alone && (q.type == "wall-torque" || q.type == "wall-power"));
   });
 }
 
 bool asks_for_stress(const Case& setup) {
-  return std::any_of(setup.quantities.begin(), setup.quantities.end(),
-                     [](const QuantitySpec& q) { return q.type == "contact-stress"; });
+  return std::ranges::any_of(setup.quantities,
+                             [](const QuantitySpec& q) { return q.type == "contact-stress"; });
 }
 
 }  // namespace
@@ -237,7 +237,7 @@ void Simulation::run(std::int64_t steps) {
 }
 
 void Simulation::count(const rigid::RigidStepReport& report) {
-  if (scene_.flow && scene_.has_surfaces()) {
+  if (scene_.flow && setup().has_surfaces()) {
     const MappingCounts mapping = scene_.flow->account().mapping();
     counters_.covered += mapping.covered;
     counters_.uncovered += mapping.uncovered;
@@ -359,7 +359,7 @@ rigid::FixedVec3 Simulation::momentum_brought() const {
 }
 
 std::uint64_t Simulation::links() const {
-  std::uint64_t n = scene_.flow && scene_.has_surfaces() ? scene_.flow->account().mapping().links : 0;
+  std::uint64_t n = scene_.flow && setup().has_surfaces() ? scene_.flow->account().mapping().links : 0;
   return parallel::sum_over_ranks(scene_.comm, n);
 }
 

@@ -24,7 +24,7 @@ bool any(const std::vector<FixedVec3>& sums) {
 /// Counted at the owner of the lower id.
 std::uint64_t mixed_owner_contacts(const BodySet& bodies, const std::vector<Contact>& contacts) {
   if (bodies.copies + bodies.visitors == 0) return 0;
-  return std::count_if(contacts.begin(), contacts.end(), [&](const Contact& c) {
+  return std::ranges::count_if(contacts, [&](const Contact& c) {
     return !is_wall(c.b) && bodies.row_of(c.a) < bodies.owned && bodies.row_of(c.b) >= bodies.owned;
   });
 }

@@ -80,7 +80,7 @@ constexpr std::tuple outflow_keys{
 int read_kind(TableReader& table, int shape, Case& setup) {
   const std::string fallback = setup.shape_names.empty() ? "body" : setup.shape_names[shape];
   const std::string name = table.string("name").value_or(fallback);
-  const auto found = std::find(setup.kind_names.begin(), setup.kind_names.end(), name);
+  const auto found = std::ranges::find(setup.kind_names, name);
   const int kind = static_cast<int>(found - setup.kind_names.begin());
   if (found == setup.kind_names.end()) {
     if (constexpr std::size_t most = 4000;
@@ -193,7 +193,7 @@ void read_body_motion(TableReader& table, BodySpec& body, Case& setup) {
                    motion.path());
     setup.kind_motions[body.kind] = read_motion(motion).motion;
   }
-  const auto other = std::find_if(setup.bodies.begin(), setup.bodies.end(), [&](const BodySpec& b) {
+  const auto other = std::ranges::find_if(setup.bodies, [&](const BodySpec& b) {
     return b.kind == body.kind && b.motion == rigid::Motion::prescribed;
   });
   if (body.motion == rigid::Motion::prescribed && setup.kind_motions.count(body.kind) &&

@@ -90,7 +90,7 @@ constexpr double speck = 1e-3, dust = 1e-6;  // of the domain's length and volum
 constexpr double millimetres = 1000;         // in a metre
 
 double longest(const Case& setup) {
-  return *std::max_element(setup.cells.begin(), setup.cells.end());
+  return *std::ranges::max_element(setup.cells);
 }
 
 /// "; is it in millimetres? in m it is 0.004", where that would be a body that the domain and the lattice can
@@ -184,11 +184,11 @@ void check_backend(const Case& setup, Findings& findings) {
   const auto check = [&](std::size_t i, const rigid::Shape& other, const std::string& other_name) {
     const auto answers = [&](const rigid::Part& a) {
       const auto parts = rigid::convex_parts(other);
-      return std::all_of(parts.begin(), parts.end(),
-                         [&](const rigid::Part& b) { return backend->supports(a.shape, b.shape); });
+      return std::ranges::all_of(parts,
+                                 [&](const rigid::Part& b) { return backend->supports(a.shape, b.shape); });
     };
     const auto parts = rigid::convex_parts(setup.shapes[i]);
-    if (messages >= most_messages || std::all_of(parts.begin(), parts.end(), answers)) return;
+    if (messages >= most_messages || std::ranges::all_of(parts, answers)) return;
     ++messages;
     findings.error("contacts.backend",
                    "contacts.backend is \"{}\"; it cannot answer contacts of shape '{}' ({}) with {}: use "
@@ -196,8 +196,7 @@ void check_backend(const Case& setup, Findings& findings) {
                    setup.contacts.backend, setup.shape_names[i], rigid::shape_name(setup.shapes[i]),
                    other_name);
   };
-  const bool walls = std::any_of(setup.boundary.begin(), setup.boundary.end(),
-                                 [](const BoundarySpec& side) { return side.solid_for_bodies; });
+  const bool walls = std::ranges::any_of(setup.boundary, &BoundarySpec::solid_for_bodies);
   for (std::size_t i = 0; i < uses.size(); ++i) {
     if (uses[i].free && walls) check(i, rigid::HalfSpace{rigid::Vec3::UnitZ()}, "a wall");
     for (std::size_t j = i; j < uses.size(); ++j)

@@ -240,19 +240,17 @@ struct Case {
   }
   template <class Test>
   bool any_given(Test&& test) const {
-    return std::any_of(bodies.begin(), bodies.end(), test) ||
-           std::any_of(filed.begin(), filed.end(), [&](const FiledBodies& file) { return test(file.alike); });
+    return std::ranges::any_of(bodies, test) ||
+           std::ranges::any_of(filed, [&](const FiledBodies& file) { return test(file.alike); });
   }
   bool bodies_come() const {
-    return std::any_of(fills.begin(), fills.end(), [](const FillSpec& fill) { return fill.every > 0; });
+    return std::ranges::any_of(fills, [](const FillSpec& fill) { return fill.every > 0; });
   }
   bool has_sizes() const {  // bodies of one kind that differ in size
-    return std::any_of(fills.begin(), fills.end(),
-                       [](const FillSpec& fill) { return fill.sizes.size() > 1; });
+    return std::ranges::any_of(fills, [](const FillSpec& fill) { return fill.sizes.size() > 1; });
   }
   bool bodies_leave() const {
-    return !outflows.empty() || std::any_of(boundary.begin(), boundary.end(),
-                                            [](const BoundarySpec& side) { return side.removes_bodies(); });
+    return !outflows.empty() || std::ranges::any_of(boundary, &BoundarySpec::removes_bodies);
   }
   bool has_lubrication() const {
     return fluid && coupling.lubrication && rigid::resolver_model(contacts.resolver).lubricates;

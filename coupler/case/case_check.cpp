@@ -28,8 +28,8 @@ std::string position_key(const Case& setup, int entry) {
 std::string position_text(const Case& setup, const BodySpec& body) {
   const std::string key = position_key(setup, body.entry);
   if (body.point == 0) return key;
-  const auto filed = std::find_if(setup.filed.begin(), setup.filed.end(),
-                                  [&](const FiledBodies& f) { return f.alike.entry == body.entry; });
+  const auto filed =
+      std::ranges::find_if(setup.filed, [&](const FiledBodies& f) { return f.alike.entry == body.entry; });
   return fmt::format("{}, point {} of {}", key, body.point, filed->positions.name());
 }
 
@@ -166,16 +166,15 @@ std::string shorter_step(const Case& setup) {
   return fmt::format("a {} {}", key == "units.max_velocity" ? "larger" : "smaller", key);
 }
 
-std::string in_metres_a_second(const Case& setup, double speed) {
+std::string in_si(const Case& setup, double x, Dimension d) {
   if (!setup.units.si) return "";
-  return fmt::format(" ({} m/s)", shown(setup.units.physical(speed, dimension::velocity)));
+  return fmt::format(" ({} {})", shown(setup.units.physical(x, d)), setup.units.unit_text(d));
 }
 
 void check_speed(Findings& findings, const std::string& key, double speed) {
   if (speed <= doubtful_velocity) return;
   const Case& setup = findings.setup;
-  const std::string found =
-      fmt::format("{} is {} cells a step{}", key, shown(speed), in_metres_a_second(setup, speed));
+  const std::string found = fmt::format("{} is {} cells a step{}", key, shown(speed), in_si(setup, speed));
   const std::string cure = setup.units.si ? time_step_cure(setup, doubtful_velocity / speed) + ", or lower it"
                                           : fmt::format("lower it to {}", doubtful_velocity);
   if (!(speed <= impossible_velocity))
@@ -218,7 +217,7 @@ double least_explicit_density(const Case& setup, const rigid::Shape& shape) {
 
 bool has_bodies_too_light(const Case& setup) {
   const std::vector<Entry> entries = entries_of(setup);
-  return std::any_of(entries.begin(), entries.end(), [&](const Entry& entry) {
+  return std::ranges::any_of(entries, [&](const Entry& entry) {
     return entry.is_free() && entry.density < least_explicit_density(setup, setup.shapes[entry.shape]);
   });
 }

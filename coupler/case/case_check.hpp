@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "coupler/case/case_error.hpp"
+#include "coupler/case/units.hpp"
 #include "rigid/math/types.hpp"
 #include "rigid/shapes/shape.hpp"
 
@@ -101,7 +102,7 @@ inline constexpr double doubtful_velocity = 0.1, impossible_velocity = 0.3;
 void check_speed(Findings&, const std::string& key, double speed);
 
 /// Returns " (0.25 m/s)", or nothing in lattice units.
-std::string in_metres_a_second(const Case&, double speed);
+std::string in_si(const Case&, double x, Dimension = dimension::velocity);
 
 /// Returns the diameter of a sphere of a shape's volume.
 double sphere_of_volume(const rigid::Shape&);

@@ -60,8 +60,8 @@ CaseError::CaseError(const Place& place, const std::string& text)
     : CaseError(std::vector{Diagnostic{Diagnostic::Severity::error, place, text}}) {}
 
 bool has_errors(std::span<const Diagnostic> list) {
-  return std::any_of(list.begin(), list.end(),
-                     [](const Diagnostic& d) { return d.severity == Diagnostic::Severity::error; });
+  return std::ranges::any_of(list,
+                             [](const Diagnostic& d) { return d.severity == Diagnostic::Severity::error; });
 }
 
 std::string listed(std::span<const Diagnostic> list) {

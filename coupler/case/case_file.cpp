@@ -25,11 +25,11 @@ namespace {
 
 /// Opens a file beside the case.
 std::ifstream opened(const fs::path& directory, const fs::path& relative) {
-  if (relative.is_absolute() || std::count(relative.begin(), relative.end(), fs::path("..")))
+  if (relative.is_absolute() || std::ranges::count(relative, fs::path("..")))
     throw std::invalid_argument(
         "it must lie in the directory of the case, which holds all that a run needs: copy it there");
   const std::string name = relative.string();
-  if (std::any_of(name.begin(), name.end(), [](unsigned char c) { return std::iscntrl(c); }))
+  if (std::ranges::any_of(name, [](unsigned char c) { return std::iscntrl(c); }))
     throw std::invalid_argument("its name has a line break or another control character in it: rename it");
   std::ifstream stream;
   std::error_code ignored;
@@ -137,8 +137,7 @@ namespace {
 void add_masks(Case& setup) {
   if (!setup.has_surfaces()) return;
   const auto add = [](FieldsSpec& fields) {
-    if (std::count(fields.quantities.begin(), fields.quantities.end(), Field::solid) == 0)
-      fields.quantities.push_back(Field::solid);
+    if (std::ranges::count(fields.quantities, Field::solid) == 0) fields.quantities.push_back(Field::solid);
   };
   add(setup.output.fields);
   for (FieldsSpec& slice : setup.output.slices) add(slice);
@@ -205,7 +204,7 @@ std::vector<KeySection> case_keys() {
 
 int index_of(TableReader& reader, std::string_view key, const std::string& name,
              const std::vector<std::string>& names, std::string_view what) {
-  const auto found = std::find(names.begin(), names.end(), name);
+  const auto found = std::ranges::find(names, name);
   if (found != names.end()) return static_cast<int>(found - names.begin());
   reader.fail(key, "{}: unknown {} '{}'{}", reader.path(key), what, name, suggestion(name, names));
   return -1;
@@ -232,7 +231,7 @@ std::optional<int> read_name(TableReader& reader, const char* key, const std::ve
 
 std::string read_new_name(TableReader& reader, std::vector<std::string>& names, std::string_view what) {
   const std::string name = reader.string("name").value_or("");
-  if (!name.empty() && std::count(names.begin(), names.end(), name))
+  if (!name.empty() && std::ranges::count(names, name))
     reader.fail("name", "{}: there already is a {} '{}'", reader.path("name"), what, name);
   return names.emplace_back(name);
 }

@@ -24,9 +24,9 @@ const std::vector<std::vector<std::string>> alternatives = {
 // A string may be written without quotes if it cannot be anything else.
 bool is_bare_string(const std::string& text) {
   if (text.empty() || text == "true" || text == "false" || text == "inf" || text == "nan") return false;
-  return std::isalpha(static_cast<unsigned char>(text[0])) &&
-         std::all_of(text.begin(), text.end(),
-                     [](unsigned char c) { return std::isalnum(c) || c == '-' || c == '_' || c == '.'; });
+  return std::isalpha(static_cast<unsigned char>(text[0])) && std::ranges::all_of(text, [](unsigned char c) {
+           return std::isalnum(c) || c == '-' || c == '_' || c == '.';
+         });
 }
 
 Node parsed_value(const std::string& text, const Place& place) {
@@ -76,11 +76,11 @@ Node* descend(Node& node, const std::string& step, const Place& place) {
 
 void remove_alternatives(Node& root, const std::string& path) {
   for (const auto& group : alternatives) {
-    if (std::count(group.begin(), group.end(), path) == 0) continue;
+    if (std::ranges::count(group, path) == 0) continue;
     const std::string table = path.substr(0, path.find('.'));
     std::erase_if(root.find(table)->children, [&](const Node& child) {
       const std::string other = table + "." + child.key;
-      return other != path && std::count(group.begin(), group.end(), other) > 0;
+      return other != path && std::ranges::count(group, other) > 0;
     });
   }
 }
@@ -116,7 +116,7 @@ void apply_override(Node& root, const std::string& argument) {
   const std::string path = argument.substr(0, equals);
   Node value = parsed_value(argument.substr(equals + 1), place);
   const auto steps = steps_of(path);
-  if (std::any_of(steps.begin(), steps.end(), [](const std::string& s) { return s.empty(); }))
+  if (std::ranges::any_of(steps, &std::string::empty))
     throw CaseError(place, fmt::format("'{}' has an empty name in it", path));
   Node* node = &root;
   for (const std::string& step : steps) node = descend(*node, step, place);
@@ -246,7 +246,7 @@ std::string earlier_options(const CaseOrigin& origin, const std::vector<std::str
   for (auto o = origin.overrides.begin(); o != origin.overrides.end(); ++o) {
     const auto is_of_its_key = [&](const std::string& later) { return key_of(later) == key_of(*o); };
     if (std::any_of(o + 1, origin.overrides.end(), is_of_its_key) ||
-        std::any_of(overrides.begin(), overrides.end(), is_of_its_key))
+        std::ranges::any_of(overrides, is_of_its_key))
       continue;
     options.push_back(override_text(*o));
   }

@@ -40,7 +40,7 @@ std::string Range::text() const {
 void ReadContext::report_unread(const Node& table, const std::string& path) {
   const auto asked = unjudged.count(&table) ? known_keys.end() : known_keys.find(&table);
   const auto is_known = [&](const std::string& key) {
-    return asked != known_keys.end() && std::count(asked->second.begin(), asked->second.end(), key) > 0;
+    return asked != known_keys.end() && std::ranges::count(asked->second, key) > 0;
   };
   for (const Node& child : table.children) {
     const bool element = table.kind == Node::Kind::array;
@@ -68,7 +68,7 @@ std::string TableReader::path(std::string_view key) const {
 const Node* TableReader::find(std::string_view key) {
   if (!table_) return nullptr;
   auto& known = context_->known_keys[table_];
-  if (std::find(known.begin(), known.end(), key) == known.end()) known.emplace_back(key);
+  if (std::ranges::find(known, key) == known.end()) known.emplace_back(key);
   const Node* node = table_->find(key);
   if (node) context_->places[path(key)] = place_of(*node);
   return node;
@@ -181,7 +181,7 @@ std::optional<std::string> TableReader::choice(std::string_view key,
     refuse(key, "one of " + joined(allowed));
     return {};
   }
-  if (std::count(allowed.begin(), allowed.end(), node->string)) return node->string;
+  if (std::ranges::count(allowed, node->string)) return node->string;
   const std::string nearest = nearest_name(node->string, allowed);
   refuse(key, "one of " + joined(allowed) + (nearest.empty() ? "" : "; did you mean '" + nearest + "'?"));
   return {};

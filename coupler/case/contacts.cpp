@@ -140,8 +140,8 @@ void read_materials(TableReader& root, const rigid::Material& standard, Case& se
 /// bodies that meet in a step may be only stopped.
 void collide_without_loss(Case& setup) {
   constexpr int enough = 1000;  // a cluster comes to rest before
-  const bool some = std::any_of(setup.pair_materials.begin(), setup.pair_materials.end(),
-                                [](const rigid::Material& m) { return m.restitution == 1; });
+  const bool some =
+      std::ranges::any_of(setup.pair_materials, [](const rigid::Material& m) { return m.restitution == 1; });
   if (!some || setup.fluid || !rigid::resolver_model(setup.contacts.resolver).has_impact_phase) return;
   setup.contacts.resolver_settings.impact_sweeps = enough;
   setup.contacts.resolver_settings.least_impact_restitution = 1;
@@ -243,7 +243,7 @@ void check_margin(const Case& setup, Findings& findings) {
   const double margin = setup.contacts.margin;
   if (!(margin >= 0))
     findings.error("contacts.margin", "contacts.margin is {} cells; it must be at least 0", shown(margin));
-  const double shortest = *std::min_element(setup.cells.begin(), setup.cells.end());
+  const double shortest = *std::ranges::min_element(setup.cells);
   double largest = 0;
   for (const Entry& entry : entries_of(setup))
     largest = std::max(largest, 2 * rigid::bounding_radius(setup.shapes[entry.shape]));

@@ -56,8 +56,8 @@ bool stands_for_no_number(View text) {
 bool looks_like_number(View word) {
   if (stands_for_no_number(word)) return true;
   if (const auto equals = word.rfind('='); equals != word.npos) word.remove_prefix(equals + 1);
-  const auto first = std::find_if(word.begin(), word.end(),
-                                  [](char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0; });
+  const auto first =
+      std::ranges::find_if(word, [](char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0; });
   return first != word.end() && is_digit(*first);
 }
 
@@ -122,8 +122,7 @@ std::string complaint_of_text(View line) {
     return "begins with a byte order mark of UTF-16: the file must be saved as UTF-8";
   if (contains(line, View("\0", 1)))
     return "has NUL bytes, as text in UTF-16 and binary files have: the file must be text in UTF-8";
-  if (std::any_of(line.begin(), line.end(), is_control))
-    return "has control characters, as binary files have";
+  if (std::ranges::any_of(line, is_control)) return "has control characters, as binary files have";
   return "";
 }
 

@@ -114,7 +114,7 @@ void read_units(TableReader& root, Case& setup) {
 void read_side_name(ReadContext& context, const Node& node, const std::string& path, const Place& place,
                     BoundarySpec& side) {
   const auto& names = boundary_names.names;
-  const auto found = std::find(names.begin(), names.end(), node.string);
+  const auto found = std::ranges::find(names, node.string);
   if (found == names.end()) {
     const std::string nearest = nearest_name(node.string, boundary_names.list());
     return context.fail(place, "{} is \"{}\"; it must be one of {}{}", path, node.string,

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <limits>
 #include <numbers>
 
@@ -23,7 +22,8 @@ constexpr std::tuple over_time_keys{
             "what it is multiplied with at some times, straight in between, constant before and after"},
     Key{"amplitude", &OverTime::amplitude, Number{},
         "of what is added to that: amplitude × sin(2π frequency t + phase)"},
-    HandKey{"frequency", "number", "1/s", "with amplitude", "oscillations in a unit of time"},
+    Key{"frequency", &OverTime::frequency, Number{dimension::angular_velocity, range::at_least(0)},
+        "oscillations in a unit of time", "with amplitude"},
     Key{"phase", &OverTime::phase, Number{dimension::none, range::any, "degrees"},
         "of the sine at the start"}};
 
@@ -136,13 +136,12 @@ void check_weight(const Case& setup, Findings& findings) {
   const FluidSpec& fluid = *setup.fluid;
   const std::vector<Entry> entries = entries_of(setup);
   if (setup.places.count("gravity.acceleration") || fluid.has_body_force() || fluid.initial.noise > 0 ||
-      fastest_given(setup) > 0 || std::any_of(entries.begin(), entries.end(), std::mem_fn(&Entry::moves)) ||
-      std::any_of(setup.boundary.begin(), setup.boundary.end(),
-                  [](const BoundarySpec& side) { return side.density != 1; }) ||
-      std::any_of(setup.walls.begin(), setup.walls.end(), std::mem_fn(&CurvedWall::moves)))
+      fastest_given(setup) > 0 || std::ranges::any_of(entries, &Entry::moves) ||
+      std::ranges::any_of(setup.boundary, [](const BoundarySpec& side) { return side.density != 1; }) ||
+      std::ranges::any_of(setup.walls, &CurvedWall::moves))
     return;
-  const auto heavy = std::find_if(entries.begin(), entries.end(),
-                                  [](const Entry& entry) { return entry.is_free() && entry.density != 1; });
+  const auto heavy =
+      std::ranges::find_if(entries, [](const Entry& entry) { return entry.is_free() && entry.density != 1; });
   if (heavy != entries.end())
     findings.warning(heavy->key + ".density",
                      "{} is heavier or lighter than the fluid, but there is no [gravity] and nothing else "
@@ -162,7 +161,7 @@ void check_fall(const Case& setup, Findings& findings, const Fall& fall) {
                                                         shown(rounded_down(last_for_which(is_slow, 1, 60))));
   const std::string found =
       fmt::format("{} comes to {} cells a step{} as it {} (a sphere of its volume)", fall.entry, shown(speed),
-                  in_metres_a_second(setup, speed), fall.density > 1 ? "falls" : "rises");
+                  in_si(setup, speed), fall.density > 1 ? "falls" : "rises");
   const std::string key = fall.entry + ".density";
   if (speed > impossible_velocity)
     findings.error(key, "{}; at most {} is possible: {}", found, impossible_velocity, cure);
@@ -191,14 +190,14 @@ double laminar_speed(const Case& setup) {
 
 void check_flow(const Case& setup, Findings& findings) {
   const auto meshes = [](const CurvedWall& wall) { return wall.mesh() != nullptr; };
-  if (setup.has_bodies() || std::any_of(setup.walls.begin(), setup.walls.end(), meshes)) return;
+  if (setup.has_bodies() || std::ranges::any_of(setup.walls, meshes)) return;
   const double speed = laminar_speed(setup);
   if (!(speed > doubtful_velocity)) return;
   const double factor = doubtful_velocity / speed;
   findings.warning("fluid.body_force",
                    "fluid.body_force drives laminar flow at up to {} cells a step{}; above {} the fluid is "
                    "noticeably compressible: {}",
-                   shown(speed), in_metres_a_second(setup, speed), doubtful_velocity,
+                   shown(speed), in_si(setup, speed), doubtful_velocity,
                    setup.units.si ? time_step_cure(setup, factor)
                                   : fmt::format("use {} times as much", shown(rounded_down(factor))));
 }
@@ -244,8 +243,6 @@ OverTime read_over_time(TableReader& parent, const char* key) {
   if (!table.present()) return over_time;
   read_keys(table, over_time, over_time_keys);
   over_time.phase *= std::numbers::pi / 180;
-  over_time.frequency =
-      table.quantity("frequency", dimension::angular_velocity, range::at_least(0)).value_or(0);
   if (over_time.amplitude != 0) table.need("frequency", "oscillations in a unit of time");
   const Node* list = table.find("table");
   if (!list) return over_time;

@@ -146,7 +146,7 @@ void read_collision(TableReader& fluid, FluidSpec& spec) {
   names.emplace_back("auto");
   const std::optional<std::string> chosen = fluid.choice("collision", names);
   spec.collision_by_scene = chosen == "auto";
-  const auto place = std::find(names.begin(), names.end(), chosen.value_or("trt")) - names.begin();
+  const auto place = std::ranges::find(names, chosen.value_or("trt")) - names.begin();
   if (!spec.collision_by_scene) spec.collision = static_cast<lbm::Collision>(place);
   const lbm::CollisionModel& model = lbm::model_of(spec.collision);
   if (fluid.has("smagorinsky") && !model.has_eddies() && !spec.collision_by_scene)

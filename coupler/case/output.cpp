@@ -128,9 +128,8 @@ void read_cells(TableReader& table, FieldsSpec& slice) {
 
 /// Names become those of files.
 bool is_file_name(const std::string& name) {
-  return !name.empty() && name.size() <= 64 && std::all_of(name.begin(), name.end(), [](unsigned char c) {
-    return std::isalnum(c) || c == '-' || c == '.';
-  });
+  return !name.empty() && name.size() <= 64 &&
+         std::ranges::all_of(name, [](unsigned char c) { return std::isalnum(c) || c == '-' || c == '.'; });
 }
 
 /// Reads the name of an entry of a list, which becomes part of a file's name, "slice_" and so on.
@@ -347,7 +346,7 @@ void find_run_faults(const Case& setup, Findings& findings) {
   check_mean(setup, findings);
   if (!setup.fluid && !setup.has_bodies())
     findings.error("", "the case has neither a [fluid] nor bodies: there is nothing to compute");
-  const bool flat = std::find(setup.cells.begin(), setup.cells.end(), 1) != setup.cells.end();
+  const bool flat = std::ranges::find(setup.cells, 1) != setup.cells.end();
   if (setup.fluid && flat && (setup.output.fields.every > 0 || !setup.output.slices.empty()))
     findings.warning("output",
                      "the domain is one cell thick, and VTK and ParaView end with an error on fields as flat "

@@ -18,8 +18,7 @@ namespace fs = std::filesystem;
 namespace {
 
 bool has(const std::vector<int>& columns, ColumnGroup group) {
-  return std::any_of(columns.begin(), columns.end(),
-                     [&](int k) { return k >= group.begin && k < group.end(); });
+  return std::ranges::any_of(columns, [&](int k) { return k >= group.begin && k < group.end(); });
 }
 
 /// Returns the name of a column: that of its key in [[bodies]].
@@ -59,8 +58,8 @@ std::vector<int> columns_of(const std::vector<std::vector<std::string>>& heading
   for (const auto& line : headings) {
     std::vector<int> named;
     for (const std::string& heading : line) named.push_back(column_of(heading));
-    const auto unknown = std::find(named.begin(), named.end(), -1);
-    if (std::count(named.begin(), named.end(), -1) == std::ssize(named)) continue;
+    const auto unknown = std::ranges::find(named, -1);
+    if (std::ranges::count(named, -1) == std::ssize(named)) continue;
     if (unknown == named.end())
       columns = named;
     else if (!may_be_positions(named))
@@ -68,7 +67,7 @@ std::vector<int> columns_of(const std::vector<std::vector<std::string>>& heading
   }
   for (const ColumnGroup& group : column_groups)
     for (int k = group.begin; k < group.end(); ++k) {
-      const auto times = std::count(columns.begin(), columns.end(), k);
+      const auto times = std::ranges::count(columns, k);
       if (times > 1) refuse_headings(fmt::format("name {} twice", column_name(k)));
       if (times == 0 && (group.begin == 0 || has(columns, group)))
         refuse_headings(fmt::format("do not name {}", column_name(k)));
@@ -124,8 +123,7 @@ PositionSlice read_hdf5(const fs::path& path, const std::string& dataset, int pa
   PositionSlice slice{{0, 1, 2}, {}, 0, ""};
   const std::uint64_t n = adapters::count_points(path, dataset), first = n * part / parts;
   slice.numbers = adapters::read_points(path, dataset, first, n * (part + 1) / parts - first);
-  const auto bad =
-      std::find_if(slice.numbers.begin(), slice.numbers.end(), [](double x) { return !std::isfinite(x); });
+  const auto bad = std::ranges::find_if(slice.numbers, [](double x) { return !std::isfinite(x); });
   if (bad == slice.numbers.end()) return slice;
   slice.fault = fmt::format("has the coordinate {}; it must be three finite numbers, x, y, z", *bad);
   slice.numbers.resize((bad - slice.numbers.begin()) / 3 * 3);

@@ -182,7 +182,7 @@ void Neighbourhood::include_owners_beyond_films(const rigid::BodySet& bodies, st
     return (s.feature & rigid::lubrication_feature) && !rigid::is_wall(s.partner);
   };
   const auto& impulses = bodies.stored_impulses[row];
-  if (std::none_of(impulses.begin(), impulses.end(), is_film)) return;
+  if (std::ranges::none_of(impulses, is_film)) return;
   anywhere_near();
   if (near.size() == 1) return;  // this rank
   for (const rigid::StoredImpulse& s : impulses) {

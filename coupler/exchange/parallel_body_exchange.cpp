@@ -165,7 +165,7 @@ std::vector<int> ParallelBodyExchange::those_that(std::vector<BodyId> Tie::*have
 }
 
 const ParallelBodyExchange::Tie& ParallelBodyExchange::tie_with(int rank) const {
-  return *std::find_if(ties_.begin(), ties_.end(), [&](const Tie& t) { return t.rank == rank; });
+  return *std::ranges::find_if(ties_, [&](const Tie& t) { return t.rank == rank; });
 }
 
 void ParallelBodyExchange::tie(const rigid::BodySet& bodies) {

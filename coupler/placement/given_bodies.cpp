@@ -236,7 +236,7 @@ Slice read_slice_here(const Case& setup, const FiledBodies& filed, Surroundings&
 std::vector<int> ranks_of(const Case& setup, Surroundings& around, const BodySpec& spec) {
   std::vector<int> ranks = around.ranks_near(rigid::bounding_box(setup.shapes[spec.shape], spec.pose));
   const int owner = around.holders.rank_at(spec.pose.position);
-  if (!std::count(ranks.begin(), ranks.end(), owner)) ranks.push_back(owner);
+  if (!std::ranges::count(ranks, owner)) ranks.push_back(owner);
   return ranks;
 }
 

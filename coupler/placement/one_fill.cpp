@@ -254,8 +254,7 @@ class RandomFill {
     do {
       decide_what_can_be(grid);
       hear_decisions();
-    } while (around_.sum(std::count_if(points_.begin(), points_.end(), std::mem_fn(&DrawnPoint::is_open))) >
-             0);
+    } while (around_.sum(std::ranges::count_if(points_, &DrawnPoint::is_open)) > 0);
   }
 
   /// All that does not wait for another rank; tells who shares it.

@@ -138,7 +138,7 @@ std::vector<GivenBody> present_near(const Case& setup, const std::vector<FillApp
   for (std::size_t row = 0; row < bodies.owned; ++row) {
     const Present body = present(bodies, row);
     const auto box = rigid::bounding_box(setup.shapes[bodies.shape[row]], given(body).spec.pose);
-    if (std::none_of(applications.begin(), applications.end(), [&](const FillApplication& application) {
+    if (std::ranges::none_of(applications, [&](const FillApplication& application) {
           return concerns(setup.fills[application.fill], box, reach, around.extent);
         }))
       continue;

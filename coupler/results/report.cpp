@@ -51,7 +51,7 @@ bool has_stage(const Scene& scene, Stage stage) {
   switch (stage) {
     case Stage::object_mapping:
     case Stage::force_evaluation:
-      return scene.flow && scene.has_surfaces();
+      return scene.flow && scene.setup.has_surfaces();
     case Stage::lbm_communication:
     case Stage::stream_collide:
       return scene.flow != nullptr;
@@ -79,7 +79,7 @@ Json skipped_passes(const Scene& scene) {
   };
   for (int s = 0; s < int(Stage::count); ++s) skip(!has_stage(scene, Stage(s)), stage_names[s]);
   skip(scene.ranks == 1, "messages between ranks");
-  skip(scene.flow && scene.has_surfaces() && !scene.anything_moves, "remapping");
+  skip(scene.flow && scene.setup.has_surfaces() && !scene.anything_moves, "remapping");
   skip(scene.rigid_step && scene.setup.gravity.isZero(0), "gravity");
   skip(scene.flow && !scene.setup.fluid->has_body_force(), "body force");
   skip(scene.rigid_step && none(&rigid::Material::restitution), "restitution");

@@ -96,7 +96,7 @@ class Search {
   void halve(const std::array<Sample, 3>& c) {
     std::array<double, 3> edge;
     for (int k = 0; k < 3; ++k) edge[k] = (c[(k + 1) % 3].n - c[k].n).squaredNorm();
-    const int k = std::max_element(edge.begin(), edge.end()) - edge.begin();
+    const int k = std::ranges::max_element(edge) - edge.begin();
     const double length = std::sqrt(edge[k]);
     const Sample &from = c[k], &to = c[(k + 1) % 3], &opposite = c[(k + 2) % 3];
     if (length < search_resolution) {

@@ -148,7 +148,7 @@ void append_manifold(const ConvexCore& a, const ConvexCore& b, const Approach& a
   // nothing can lie between the supporting planes
   std::erase_if(points, [&](const ContactPoint& p) { return p.gap < gap - slack || p.gap > tolerance; });
   const bool has_deepest =
-      std::any_of(points.begin(), points.end(), [&](const ContactPoint& p) { return p.gap <= gap + deep; });
+      std::ranges::any_of(points, [&](const ContactPoint& p) { return p.gap <= gap + deep; });
   if (!has_deepest) {
     const Vec3 on_a = deepest.on_a + a.radius * n;
     add_unique(points, {on_a, on_a + gap * n, n, gap, pair_code(deepest.code_a, deepest.code_b)});

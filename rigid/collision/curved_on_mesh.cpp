@@ -100,8 +100,8 @@ void append_ball_contacts(const Vec3& centre, double radius, const MeshFeatures&
   }
   if (found.empty()) return;
   std::sort(found.begin(), found.end(), [](const Nearest& a, const Nearest& b) { return a.key() < b.key(); });
-  const auto first = std::min_element(found.begin(), found.end(),
-                                      [](const Nearest& a, const Nearest& b) { return a.square < b.square; });
+  const auto first =
+      std::ranges::min_element(found, [](const Nearest& a, const Nearest& b) { return a.square < b.square; });
   const bool inside = in_solid(mesh, *first, centre);
   out.push_back(contact_at(mesh, *first, centre, radius, inside));
   if (inside) return;
@@ -299,7 +299,7 @@ class OnTriangle {
   bool is_true(std::uint32_t triangle, const Vec3& m, double slack) const {
     std::array<double, 3> height;
     for (int k = 0; k < 3; ++k) height[k] = m.dot(corners_[k]);
-    const double highest = *std::max_element(height.begin(), height.end());
+    const double highest = *std::ranges::max_element(height);
     std::array<bool, 3> top;
     for (int k = 0; k < 3; ++k) top[k] = height[k] >= highest - slack;
     if (top[0] && top[1] && top[2]) return m.dot(n_) > 0;

@@ -33,7 +33,8 @@ namespace {
 
 /// Approach speeds are those before the kick and before contacts; some room for what these two add.
 constexpr double margin_safety = 1.5;
-/// Keeps resting contacts in sight, relative to the bounding radius; those that pull, as far as they may open.
+/// Keeps resting contacts in sight, relative to the bounding radius; those that pull, as far as they may
+/// open.
 constexpr double least_margin = 1e-6, least_margin_of_cohesion = 1e-4;
 constexpr double least_roundness = 0.02;  // lesser over greater curvature of a gap that is no line contact
 constexpr double same_gap = 0.95;         // cosine of the angle up to which the normals of one gap differ
@@ -70,8 +71,7 @@ void DetectContacts::learn_shapes(const World& world) {
     ShapeParts known;
     known.parts = convex_parts(shape);
     for (const Part& part : known.parts) known.radii.push_back(reach({part.shape, Pose{}}));
-    known.smooth = std::any_of(known.parts.begin(), known.parts.end(),
-                               [](const Part& part) { return is_smooth(part.shape); });
+    known.smooth = std::ranges::any_of(known.parts, [](const Part& part) { return is_smooth(part.shape); });
     known.sphere = is_sphere(shape);
     known.half_space = std::holds_alternative<HalfSpace>(shape);
     known.hollow = hollow_of(shape);
@@ -193,7 +193,7 @@ bool DetectContacts::may_lubricate(const ShapeParts& a, const ShapeParts& b) {
 /// several points of one gap: its film is where it is narrowest.
 bool DetectContacts::has_lubrication(const ContactPoint& point, bool with_mesh) const {
   if (!with_mesh) return points_.size() == 1;
-  return std::none_of(points_.begin(), points_.end(), [&](const ContactPoint& other) {
+  return std::ranges::none_of(points_, [&](const ContactPoint& other) {
     return std::tie(other.gap, other.feature) < std::tie(point.gap, point.feature) &&
            other.normal.dot(point.normal) > same_gap;
   });

@@ -215,7 +215,7 @@ void append_box_manifold(const ConvexCore& a, const ConvexCore& b, const Peak& p
     else
       box_points(a, b, normal, slack, points);
     std::erase_if(points, [&](const ContactPoint& p) { return p.gap < gap && !is_deepest(p); });
-    has_deepest = std::any_of(points.begin(), points.end(), is_deepest);
+    has_deepest = std::ranges::any_of(points, is_deepest);
     if (has_deepest) break;
   }
   if (!has_deepest) add_deepest(a, b, normal, core_gap, points);
@@ -252,14 +252,14 @@ void reduce_manifold(std::vector<ContactPoint>& points) {
   std::vector<double> apart(points.size(),
                             std::numeric_limits<double>::infinity());  // squared, from those kept
   std::vector<char> kept(points.size(), 0);
-  std::size_t next = std::min_element(points.begin(), points.end(),
-                                      [](const auto& p, const auto& q) { return p.gap < q.gap; }) -
-                     points.begin();
+  std::size_t next =
+      std::ranges::min_element(points, [](const auto& p, const auto& q) { return p.gap < q.gap; }) -
+      points.begin();
   for (std::size_t count = 0; count < most_contact_points; ++count) {
     kept[next] = 1;
     for (std::size_t k = 0; k < points.size(); ++k)
       apart[k] = std::min(apart[k], (points[k].on_a - points[next].on_a).squaredNorm());
-    next = std::max_element(apart.begin(), apart.end()) - apart.begin();
+    next = std::ranges::max_element(apart) - apart.begin();
   }
   std::size_t k = 0;
   std::erase_if(points, [&](const ContactPoint&) { return !kept[k++]; });

@@ -31,8 +31,8 @@ void reduce(std::vector<ContactPoint>& points) {
   if (points.size() <= most_contact_points) return;
   std::vector<ContactPoint> kept, group;
   while (!points.empty()) {
-    const ContactPoint deepest = *std::min_element(
-        points.begin(), points.end(), [](const auto& p, const auto& q) { return p.gap < q.gap; });
+    const ContactPoint deepest =
+        *std::ranges::min_element(points, [](const auto& p, const auto& q) { return p.gap < q.gap; });
     const auto rest = std::stable_partition(points.begin(), points.end(), [&](const ContactPoint& p) {
       return p.normal.dot(deepest.normal) >= same_way;
     });

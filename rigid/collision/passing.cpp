@@ -119,7 +119,7 @@ std::vector<Polyhedron> solids_at(const MeshFeatures& mesh, std::uint32_t code, 
   std::vector<Polyhedron> solids;
   for (const auto& [number, facet] : facets) {
     const auto& [normal, corners] = facet;
-    if (std::any_of(normals.begin(), normals.end(), [&](const Vec3& n) { return n.dot(normal) > goes_on; }))
+    if (std::ranges::any_of(normals, [&](const Vec3& n) { return n.dot(normal) > goes_on; }))
       if (const auto solid = under(corners, normal)) solids.push_back(*solid);
   }
   return solids;

@@ -51,7 +51,7 @@ struct ResolverSettings {
 /// Gives a resolver the materials that have more than restitution and friction.
 inline void set_materials(ResolverSettings& settings, const World& world) {
   const auto plain = [](const Material& m) { return m.rolls_freely() && !m.pulls(); };
-  if (std::all_of(world.materials.begin(), world.materials.end(), plain)) return;
+  if (std::ranges::all_of(world.materials, plain)) return;
   settings.materials = world.materials;
   settings.material_count = world.material_count;
 }

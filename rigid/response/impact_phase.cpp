@@ -317,8 +317,8 @@ void ImpactPhase::rebound(BodySet& bodies, BodyExchange& exchange) {
 }
 
 bool ImpactPhase::rubs() const {
-  return std::any_of(pairs_.begin(), pairs_.end(),
-                     [&](const Pair& p) { return p.collides && contacts_[p.first].friction > 0; });
+  return std::ranges::any_of(pairs_,
+                             [&](const Pair& p) { return p.collides && contacts_[p.first].friction > 0; });
 }
 
 int ImpactPhase::operator()(BodySet& bodies, const std::vector<Contact>& contacts, double dt,

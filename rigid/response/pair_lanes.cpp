@@ -52,8 +52,7 @@ void set_symmetric(Real8* lanes, int l, const Mat3& m) {
 }
 
 bool has_lubrication(const PairToSolve& p) {
-  return std::any_of(p.contacts.begin(), p.contacts.end(),
-                     [](const Contact& c) { return bool(c.lubrication); });
+  return std::ranges::any_of(p.contacts, [](const Contact& c) { return bool(c.lubrication); });
 }
 
 /// The next free lane of the last group; a new group, all of whose lanes are unused, where there is none.

@@ -198,8 +198,7 @@ bool SffdResolver::is_link(const Pair& p) const {
     return bodies_[row].inverse_mass > 0 && state_[row].number <= 2;
   };
   return (is_in_chain(p.row_a) || is_in_chain(p.row_b)) && (!p.material || p.material->rolls_freely()) &&
-         std::none_of(p.contacts.begin(), p.contacts.end(),
-                      [](const Contact& c) { return bool(c.lubrication); });
+         std::ranges::none_of(p.contacts, [](const Contact& c) { return bool(c.lubrication); });
 }
 
 /// Sweeps over chains until they are at rest. A load passes a chain body by body, the slower the more the
@@ -345,8 +344,7 @@ void SffdResolver::finish(const Step& step, ResolverStatistics& statistics) {
 bool SffdResolver::is_to_correct(const Step& step) const {
   if (settings_.correction <= 0) return false;
   return !step.exchange.cluster().is_alone() ||
-         std::any_of(step.contacts.begin(), step.contacts.end(),
-                     [&](const Contact& c) { return is_correctable(c, settings_); });
+         std::ranges::any_of(step.contacts, [&](const Contact& c) { return is_correctable(c, settings_); });
 }
 
 /// Split impulses: the same sweeps, frictionless, for velocities that move bodies apart and are then

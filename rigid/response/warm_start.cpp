@@ -64,8 +64,8 @@ void hold_or_release(BodySet& bodies, std::size_t row, std::span<const Contact> 
   const double sign = (is_a ? -1 : 1) * (hold ? 1 : -1);
   for (StoredImpulse& s : bodies.stored_impulses[row]) {
     if (s.partner != partner || s.image != of_pair[0].image || s.held == hold) continue;
-    const auto c = std::find_if(of_pair.begin(), of_pair.end(),
-                                [&](const Contact& contact) { return contact.feature == s.feature; });
+    const auto c =
+        std::ranges::find_if(of_pair, [&](const Contact& contact) { return contact.feature == s.feature; });
     if (hold && c == of_pair.end()) continue;
     s.held = hold;
     Eigen::Map<Vec3>{rest.impulse} += sign * s.impulse;

@@ -18,7 +18,7 @@ double reach(const Part& part) {
 }
 
 bool Compound::contains(const Vec3& x) const {
-  return std::any_of(parts.begin(), parts.end(), [&](const Part& part) {
+  return std::ranges::any_of(parts, [&](const Part& part) {
     const Vec3 x_P = part.pose.to_body(x);
     return std::visit([&](const auto& s) { return solid::contains(s, x_P); }, part.shape);
   });
@@ -185,8 +185,7 @@ class KnownOverlaps {
  public:
   SolidMoments of(const std::vector<Part>& parts) {
     const std::lock_guard lock(mutex_);
-    const auto at =
-        std::find_if(known_.begin(), known_.end(), [&](const auto& known) { return known.first == parts; });
+    const auto at = std::ranges::find_if(known_, [&](const auto& known) { return known.first == parts; });
     if (at != known_.end()) return at->second;
     if (known_.size() == most) known_.pop_front();
     return known_.emplace_back(parts, overlap_moments(parts)).second;

@@ -35,8 +35,8 @@ int Polyhedron::face_towards(const Vec3& n) const {
 }
 
 bool Polyhedron::contains(const Vec3& x) const {
-  return std::all_of(mesh->faces.begin(), mesh->faces.end(),
-                     [&](const auto& face) { return face.normal.dot(x) - face.offset <= 0; });
+  return std::ranges::all_of(mesh->faces,
+                             [&](const auto& face) { return face.normal.dot(x) - face.offset <= 0; });
 }
 
 /// Clipped by the plane of one face after the other.

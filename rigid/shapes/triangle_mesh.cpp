@@ -170,7 +170,7 @@ void TriangleMesh::sort_vertices() {
 }
 
 void TriangleMesh::sort_triangles() {
-  for (Triangle& t : triangles_) std::rotate(t.begin(), std::min_element(t.begin(), t.end()), t.end());
+  for (Triangle& t : triangles_) std::rotate(t.begin(), std::ranges::min_element(t), t.end());
   std::sort(triangles_.begin(), triangles_.end());
 }
 
