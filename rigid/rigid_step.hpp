@@ -95,7 +95,7 @@ class RigidStep {
 };
 
 // integrate.cpp has the half steps of Algorithm 1 (lines 2-5 and 21-22): drift without force, rotation by the
-// implicit midpoint rule (rigid/README.md, M5 and M6).
+// implicit midpoint rule (method.md, M5 and M6).
 
 /// Moves the bodies of the first `rows` rows by h: free ones with constant v and L, prescribed ones with
 /// constant v and omega. Leaves angular_velocity = I_W^-1 L at the new orientation. Fixed bodies stay.

@@ -187,7 +187,7 @@ struct BodyMotions {
 
 struct BodyMasses {
   std::vector<double> mass;
-  // weight in the fluid over that in vacuum, 1 - displaced mass / mass (README.md, M7). Stored as this ratio,
+  // weight in the fluid over that in vacuum, 1 - displaced mass / mass (method.md, M7). Stored as this ratio,
   // so that bodies of one density fall bitwise alike
   std::vector<double> weight_in_fluid;
   std::vector<Mat3> inertia_B;

@@ -1,7 +1,7 @@
 #pragma once
 // A lubrication film between two close, smooth surfaces resists their relative motion. rigid/ knows no fluid:
 // the coupler supplies a LubricationLaw, and the resolver takes its resistances as implicit in the velocity
-// at the end of the step, p = -resistance dt u+, however stiff they are (rigid/README.md, L1 and L2).
+// at the end of the step, p = -resistance dt u+, however stiff they are (method.md, L1 and L2).
 //
 // Three motions of a gap resist without bound as it closes (Jeffrey, Onishi, J. Fluid Mech. 139 (1984) 261):
 // its width's change, the slip of one surface past the other, and their rolling, the sum of both surfaces'

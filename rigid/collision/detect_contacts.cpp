@@ -39,7 +39,7 @@ constexpr double least_margin = 1e-6, least_margin_of_cohesion = 1e-4;
 constexpr double least_roundness = 0.02;  // lesser over greater curvature of a gap that is no line contact
 constexpr double same_gap = 0.95;         // cosine of the angle up to which the normals of one gap differ
 
-/// Puts the arms, which reach to either body's own surface, where the impulse acts (rigid/README.md).
+/// Puts the arms, which reach to either body's own surface, where the impulse acts (method.md, C3a).
 void set_arms(const BodySet& bodies, const CandidatePair& p, const Vec3& across, Contact& c) {
   const bool a_moves = bodies.is_dynamic(p.row_a), b_moves = bodies.is_dynamic(p.row_b);
   if (!c.lubrication && !(a_moves && b_moves)) return;

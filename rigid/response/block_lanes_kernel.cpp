@@ -20,7 +20,7 @@ struct Rounds {
   BlockRolling* rolling = nullptr;                // likewise
 
   /// Return what a contact's impulses become, given those that would stop it: (C4) and (C5) of
-  /// rigid/README.md, (L2) in a lubrication film.
+  /// method.md, (L2) in a lubrication film.
   static Numbers normal(const BlockContact& c, const BlockLubrication* lubrication, Numbers stop,
                         Numbers u_n) {
     const Numbers hard = c.normal_impulse + (c.target - u_n) * c.inverse_k_n;

@@ -58,7 +58,7 @@ inline double target_of_push(const Contact& c, double dt, double velocity, const
   return is_correctable(c, settings) ? std::max(0.0, overlap) : 0;
 }
 
-// Forces pull surfaces together (rigid/README.md, Cohesion). A pull acts along the normal of a contact, whose
+// Forces pull surfaces together (method.md, K1 and K2). A pull acts along the normal of a contact, whose
 // own impulse presses against it: what is left of that impulse while others pull the bodies apart holds them,
 // and where nothing is left they part.
 

@@ -1,7 +1,7 @@
 #pragma once
 // sFFD: the default contact resolver. Keeps the structure of Kaufman's Fast Frictional Dynamics and of its
 // parallel form (SC10 section III), one exchange of neighbours a sweep, but solves pairs symmetrically, so
-// that momentum is exact and the law is Coulomb's. Own derivation: rigid/README.md, equations (C1) to (C7).
+// that momentum is exact and the law is Coulomb's. Own derivation: method.md, equations (C1) to (C7).
 //
 // In a sweep every pair is solved alone, from the same velocities, with the masses of its bodies divided by
 // their numbers of pairs; then each body takes the sum of its impulse changes with its true mass (Jacobi with

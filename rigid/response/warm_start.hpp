@@ -1,6 +1,6 @@
 #pragma once
 // A step remembers its contact impulses for the next one. Both bodies of a pair keep the same values, so that
-// the owner of either can start from them. A body that is held at rest (rigid/README.md, What sleeps) keeps
+// the owner of either can start from them. A body that is held at rest (method-bodies.md, Sleep) keeps
 // the impulses of partners that do not move either, step after step, in BodySet::rest; those of partners that
 // move are its load.
 #include <span>
