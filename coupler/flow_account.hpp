@@ -27,8 +27,8 @@ struct MassCorrectionState {
 };
 
 /// The mass correction. Interpolated walls, and cells that change sides, do not conserve the mass of the
-/// fluid. The mass that is known to have been gained is taken out of all cells alike (method.md, equations 49
-/// and 50).
+/// fluid. The mass that is known to have been gained is taken out of all cells alike (method.md, equations 46
+/// and 47).
 class MassCorrection {
  public:
   const MassCorrectionState& state() const { return state_; }
