@@ -73,9 +73,10 @@ void DeviceLinks<T>::apply(Block<T>& block, const LinkSlots& slots, const Beyond
                            ForceForm form) {
   LinkPass<T> pass = pass_over(block, slots);
   pass.pairs_across = pairs_across, pass.galilean = form == ForceForm::galilean;
-  SILT_ON(device_, set_opposites<T>)(opposites_, surfaces_.data());
-  SILT_ON(device_, apply_links<T>)(groups_, pass);
-  SILT_ON(device_, apply_crossing_links<T>)(crossing_, pass);  // which write what others read
+  const LinkPasses<T>& passes = SILT_ON(device_, link_passes<T>)();
+  passes.set_opposites(opposites_, surfaces_.data());
+  passes.apply(groups_, pass);
+  passes.apply_crossing(crossing_, pass);  // after all others, for these read what crossing links write
   wait(device_);
 }
 
@@ -88,8 +89,9 @@ std::int64_t DeviceLinks<T>::correct(Block<T>& block, const LinkSlots& slots) {
     return sum;
   };
   const std::int64_t before = mass();
-  SILT_ON(device_, correct_links<T>)(groups_, pass);
-  SILT_ON(device_, correct_links<T>)(crossing_, pass);
+  const LinkPasses<T>& passes = SILT_ON(device_, link_passes<T>)();
+  passes.correct(groups_, pass);
+  passes.correct(crossing_, pass);
   wait(device_);
   return mass() - before;
 }

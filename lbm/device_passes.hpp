@@ -35,65 +35,46 @@ struct FastInBlock {
   FastCell at;
 };
 
-/// Returns when all passes are done: what they wrote may then be read on the processor.
-void wait(Device);
-/// A pass on a device other than `cpu`; most do not wait for its end. This one looks at every
-/// WatchedPlanes::period-th plane from one on, and take_fast_cells() waits for what it has found in block b
-/// since it was called last, by block and cell.
+/// The passes as the build for each device other than `cpu` has them. Most return before they are done.
 template <class T>
-void stream_collide(Device, int b, Block<T>&, Parity, const CollisionRates<T>&, RowRange, int first_watched);
-std::vector<FastInBlock> take_fast_cells(Device);
-/// Adds addends[k] to the values of the k-th pair, if there are any.
-template <class T>
-void move_slots(Device, const SlotPairs&, std::span<const T> addends, SlotArrays<const T> sources,
-                SlotArrays<T> targets, bool back);
-template <class T>
-void return_from_outlet(Device, const ReturnFromOutlet<T>&, std::size_t cells);
-/// What is done at a border when its coarse cells have collided, and after a pass of its fine ones.
-template <class T>
-void carry_packets(Device, const BorderRows<T>&, std::span<const typename BorderRows<T>::Carried>);
-template <class T>
-void cross_border(Device, const BorderRows<T>&, const BorderLists<T>&,
-                  std::span<const typename BorderRows<T>::Passing>);
-
-/// The moments of single cells, or their density deviations alone; the other pointer is null.
-template <class T>
-void gather_moments(Device, const ListedCells<T>&, Moments*, double* densities);
-/// The totals and the masses of rows of cells of a block.
-template <class T>
-void total_rows(Device, const Block<T>&, Parity, std::span<const LocalRows>,
-                const std::array<double, 3>& force, CellTotals*);
-template <class T>
-void mass_of_rows(Device, const Block<T>&, Parity, std::span<const LocalRows>, std::int64_t* quanta);
-
-#define SILT_DEVICE_PASSES                                                                           \
-  std::vector<FastInBlock> take_fast_cells();                                                        \
-  void wait();                                                                                       \
-                                                                                                     \
-  template <class T>                                                                                 \
-  void stream_collide(int, Block<T>&, Parity, const CollisionRates<T>&, RowRange, int);              \
-  template <class T>                                                                                 \
-  void move_slots(const SlotPairs&, std::span<const T>, SlotArrays<const T>, SlotArrays<T>, bool);   \
-  template <class T>                                                                                 \
-  void return_from_outlet(const ReturnFromOutlet<T>&, std::size_t cells);                            \
-  template <class T>                                                                                 \
-  void gather_moments(const ListedCells<T>&, Moments*, double* densities);                           \
-  template <class T>                                                                                 \
-  void total_rows(const Block<T>&, Parity, std::span<const LocalRows>, const std::array<double, 3>&, \
-                  CellTotals*);                                                                      \
-  template <class T>                                                                                 \
-  void carry_packets(const BorderRows<T>&, std::span<const typename BorderRows<T>::Carried>);        \
-  template <class T>                                                                                 \
-  void cross_border(const BorderRows<T>&, const BorderLists<T>&,                                     \
-                    std::span<const typename BorderRows<T>::Passing>);                               \
-  template <class T>                                                                                 \
-  void mass_of_rows(const Block<T>&, Parity, std::span<const LocalRows>, std::int64_t* quanta);
+struct DevicePasses {
+  /// Collides and streams the rows of block b. Examines every WatchedPlanes::period-th plane from
+  /// `first_watched` on.
+  void (*stream_collide)(int b, Block<T>&, Parity, const CollisionRates<T>&, RowRange, int first_watched);
+  /// Returns the fast cells found since the last call, by block and cell, once all passes are done.
+  std::vector<FastInBlock> (*take_fast_cells)();
+  /// Returns when all passes are done: the processor may then read what they wrote.
+  void (*wait)();
+  /// Moves slots and adds addends[k] to the values of the k-th pair, if there are any.
+  void (*move_slots)(const SlotPairs&, std::span<const T> addends, SlotArrays<const T> sources,
+                     SlotArrays<T> targets, bool back);
+  void (*return_from_outlet)(const ReturnFromOutlet<T>&, std::size_t cells);
+  /// Serves a border between levels: after its coarse cells have collided, and after a pass of its fine ones.
+  void (*carry_packets)(const BorderRows<T>&, std::span<const typename BorderRows<T>::Carried>);
+  void (*cross_border)(const BorderRows<T>&, const BorderLists<T>&,
+                       std::span<const typename BorderRows<T>::Passing>);
+  /// Gathers the moments of single cells, or their density deviations alone; the other pointer is null.
+  void (*gather_moments)(const ListedCells<T>&, Moments*, double* densities);
+  /// Sum up the cells of rows of a block.
+  void (*total_rows)(const Block<T>&, Parity, std::span<const LocalRows>, const std::array<double, 3>& force,
+                     CellTotals*);
+  void (*mass_of_rows)(const Block<T>&, Parity, std::span<const LocalRows>, std::int64_t* quanta);
+};
 namespace host {
-SILT_DEVICE_PASSES
+template <class T>
+const DevicePasses<T>& device_passes();
 }
 namespace gpu {
-SILT_DEVICE_PASSES
+template <class T>
+const DevicePasses<T>& device_passes();
 }
-#undef SILT_DEVICE_PASSES
+template <class T>
+const DevicePasses<T>& passes_on([[maybe_unused]] Device device) {
+  return SILT_ON(device, device_passes<T>)();
+}
+
+inline void wait(Device device) {
+  if (device != Device::cpu) passes_on<float>(device).wait();
+}
 
 }  // namespace silt::lbm

@@ -206,6 +206,7 @@ std::vector<FastInBlock> take_fast_cells() {
   FastList& list = fast_list();
   std::vector<FastInBlock> found(list.cells, list.cells + std::min(list.count, FastList::room));
   list.count = 0;
+  from_device(list.count, found);
   std::sort(found.begin(), found.end(), [](const FastInBlock& a, const FastInBlock& b) {
     return std::tie(a.block, a.at.cell) < std::tie(b.block, b.at.cell);
   });
@@ -317,6 +318,7 @@ void total_rows(const Block<T>& block, Parity parity, std::span<const LocalRows>
   for (int d = 0; d < 3; ++d) pass.half_force[d] = T(0.5 * force[d]);
   for_teams(std::int64_t(rows.size()), pass);
   wait();
+  to_device(rows), from_device(std::span(totals, rows.size()));
 }
 
 template <class T>
@@ -324,20 +326,18 @@ void mass_of_rows(const Block<T>& block, Parity parity, std::span<const LocalRow
                   std::int64_t* quanta) {
   for_teams(std::int64_t(rows.size()), MassOfRows<T>{{block, parity}, rows.data(), quanta});
   wait();
+  to_device(rows), from_device(std::span(quanta, rows.size()));
 }
 
-#define SILT_PASSES_OF(T)                                                                                   \
-  template void stream_collide(int, Block<T>&, Parity, const CollisionRates<T>&, RowRange, int);            \
-  template void move_slots(const SlotPairs&, std::span<const T>, SlotArrays<const T>, SlotArrays<T>, bool); \
-  template void return_from_outlet(const ReturnFromOutlet<T>&, std::size_t);                                \
-  template void gather_moments(const ListedCells<T>&, Moments*, double*);                                   \
-  template void carry_packets(const BorderRows<T>&, std::span<const BorderRows<T>::Carried>);               \
-  template void cross_border(const BorderRows<T>&, const BorderLists<T>&,                                   \
-                             std::span<const BorderRows<T>::Passing>);                                      \
-  template void total_rows(const Block<T>&, Parity, std::span<const LocalRows>,                             \
-                           const std::array<double, 3>&, CellTotals*);                                      \
-  template void mass_of_rows(const Block<T>&, Parity, std::span<const LocalRows>, std::int64_t*);
-SILT_PASSES_OF(float)
-SILT_PASSES_OF(double)
+template <class T>
+const DevicePasses<T>& device_passes() {
+  static constexpr DevicePasses<T> passes = {stream_collide<T>, take_fast_cells,       wait,
+                                             move_slots<T>,     return_from_outlet<T>, carry_packets<T>,
+                                             cross_border<T>,   gather_moments<T>,     total_rows<T>,
+                                             mass_of_rows<T>};
+  return passes;
+}
+template const DevicePasses<float>& device_passes();
+template const DevicePasses<double>& device_passes();
 
 }  // namespace silt::lbm::SILT_ISA

@@ -133,7 +133,7 @@ void Fluid<T>::pass_over(std::size_t b, RowRange rows) {
   const int first = int(passes_ % period) - blocks_[b].box().lower.z % period;
   const int watched = (first + period) % period;
   if (device_ != Device::cpu)
-    return lbm::stream_collide(device_, int(b), blocks_[b], parity_, *rates_, rows, watched);
+    return passes_on<T>(device_).stream_collide(int(b), blocks_[b], parity_, *rates_, rows, watched);
   fast_in_pass_.clear();
   lbm::stream_collide(blocks_[b], parity_, *rates_, rows, {watched, fast_in_pass_});
   for (const FastCell& fast : fast_in_pass_)
@@ -144,7 +144,7 @@ template <class T>
 void Fluid<T>::end_pass() {
   parity_ = flipped(parity_), ++passes_;
   if (device_ == Device::cpu) return;
-  for (const auto& [b, fast] : take_fast_cells(device_))
+  for (const auto& [b, fast] : passes_on<T>(device_).take_fast_cells())
     fast_cells_.push_back({b, blocks_[b].cell_at(fast.cell), fast.speed});
 }
 
@@ -215,7 +215,7 @@ template <class T>
 std::span<const Moments> Fluid<T>::moments(std::span<const LocalCell> cells) {
   cell_moments_.resize(cells.size());
   if (device_ != Device::cpu) {
-    gather_moments(device_, listed(cells), cell_moments_.data(), nullptr);
+    passes_on<T>(device_).gather_moments(listed(cells), cell_moments_.data(), nullptr);
     from_device(cell_moments_);
   } else {
     for_ahead(
@@ -229,7 +229,7 @@ template <class T>
 std::span<const double> Fluid<T>::densities(std::span<const LocalCell> cells) {
   cell_densities_.resize(cells.size());
   if (device_ != Device::cpu) {
-    gather_moments(device_, listed(cells), nullptr, cell_densities_.data());
+    passes_on<T>(device_).gather_moments(listed(cells), nullptr, cell_densities_.data());
     from_device(cell_densities_);
   } else {
     const std::span<const Moments> all = moments(cells);
@@ -258,13 +258,14 @@ CellTotals Fluid<T>::totals(int b, const LocalRows& of) const {
 
 template <class T>
 void Fluid<T>::totals(int b, std::span<const LocalRows> of, CellTotals* totals_of) const {
-  if (device_ != Device::cpu) return total_rows(device_, blocks_[b], parity_, of, spec_.force, totals_of);
+  if (device_ != Device::cpu)
+    return passes_on<T>(device_).total_rows(blocks_[b], parity_, of, spec_.force, totals_of);
   for (std::size_t k = 0; k < of.size(); ++k) totals_of[k] = totals(b, of[k]);
 }
 
 template <class T>
 void Fluid<T>::masses(int b, std::span<const LocalRows> of, std::int64_t* quanta) const {
-  if (device_ != Device::cpu) return mass_of_rows(device_, blocks_[b], parity_, of, quanta);
+  if (device_ != Device::cpu) return passes_on<T>(device_).mass_of_rows(blocks_[b], parity_, of, quanta);
   MomentArrays moments_of_run;
   for (std::size_t k = 0; k < of.size(); ++k) {
     const CellBox box{of[k].first, {of[k].cells, of[k].rows, 1}};

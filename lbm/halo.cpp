@@ -198,7 +198,7 @@ void Halo<T>::apply_outlet(Block<T>& block, const Outlet& o, Parity parity) cons
       block.data(), {}, o.density_deviation, {}, parity == Parity::crossed, o.cells.data(), o.links.data()};
   for (int i = 1; i < directions; ++i) cell.left[i] = block.leaving(i, parity) - block.slot(0);
   for (int d = 0; d < 3; ++d) cell.half_force[d] = 0.5 * force_[d];
-  if (device_ != Device::cpu) return return_from_outlet(device_, cell, o.cells.size());
+  if (device_ != Device::cpu) return passes_on<T>(device_).return_from_outlet(cell, o.cells.size());
   for (std::size_t n = 0; n < o.cells.size(); ++n) {
     constexpr std::size_t ahead = 16;  // the cells of a cache line
     if (n + ahead < o.cells.size())
@@ -219,7 +219,7 @@ void Halo<T>::exchange(std::span<Block<T>> blocks, std::span<const char> idle, P
   const SlotArrays<const T> sources{.table = sources_.data()};
   const SlotArrays<T> targets{.table = targets_.data()};
   if (device_ != Device::cpu)
-    move_slots<T>(device_, walls_.pairs, walls_.addends, sources, targets, back);
+    passes_on<T>(device_).move_slots(walls_.pairs, walls_.addends, sources, targets, back);
   else
     walls_.pairs.move(sources, targets, back, [&](std::size_t k) {
       return [addend = walls_.addends[k]](T value) { return value + addend; };

@@ -71,7 +71,7 @@ void LevelBorder<T>::after_coarse_pass() {
   fetch<T>(coarse_left_, arrays);
   now_.coarse_left = arrays.data(), now_.coarse_arriving = arrays.data() + arrays_of(coarse_);
   now_.coarse_before = coarse_before_.data(), now_.carried = carried_.data(), now_.sums = sums_.data();
-  if (on_device()) return carry_packets<T>(fine_.device(), now_, carry_);
+  if (on_device()) return passes_on<T>(fine_.device()).carry_packets(now_, carry_);
   for (const auto& row : carry_) now_.carry(row, 0, row.length);
 }
 
@@ -95,7 +95,7 @@ void LevelBorder<T>::end_fine_pass() {
     for (const Lists& part : ready_[b])
       if (!by_parts_[b]) do_ready(part);
   fetch<T>(fine_left_[now_.sub_step], fine_arrays_[int(fine_.parity())]);
-  if (on_device()) return cross_border<T>(fine_.device(), now_, late_, passing_);
+  if (on_device()) return passes_on<T>(fine_.device()).cross_border(now_, late_, passing_);
   do_ready(late_);
   for (const auto& row : passing_) now_.pass(row, 0, row.length);
 }

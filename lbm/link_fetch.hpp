@@ -104,7 +104,8 @@ class LinkFetch {
     }
   }
 
-  /// The vector at k of what is listed ahead: all of its lanes, for to ask how many are links takes longer.
+  /// Prefetches the listed vector at k with its padding lanes: testing which lanes are links would take
+  /// longer.
   void fetch(int k) const {
     if (k >= listed_.count) return;
     const std::int32_t* slot = listed_.slot[listed_.half] + k * listed_.rows;

@@ -17,21 +17,20 @@ struct LinkPass {
   bool galilean;
 };
 
-#define SILT_LINK_PASSES                                                          \
-  template <class T>                                                              \
-  void set_opposites(std::span<const OppositeLink<T>>, const DeviceSurface<T>*);  \
-  template <class T>                                                              \
-  void apply_links(std::span<const DeviceGroup<T>>, const LinkPass<T>&);          \
-  template <class T>                                                              \
-  void apply_crossing_links(std::span<const DeviceGroup<T>>, const LinkPass<T>&); \
-  template <class T>                                                              \
-  void correct_links(std::span<const DeviceGroup<T>>, const LinkPass<T>&);
+template <class T>
+struct LinkPasses {
+  void (*set_opposites)(std::span<const OppositeLink<T>>, const DeviceSurface<T>*);
+  void (*apply)(std::span<const DeviceGroup<T>>, const LinkPass<T>&);
+  void (*apply_crossing)(std::span<const DeviceGroup<T>>, const LinkPass<T>&);
+  void (*correct)(std::span<const DeviceGroup<T>>, const LinkPass<T>&);
+};
 namespace host {
-SILT_LINK_PASSES
+template <class T>
+const LinkPasses<T>& link_passes();
 }
 namespace gpu {
-SILT_LINK_PASSES
+template <class T>
+const LinkPasses<T>& link_passes();
 }
-#undef SILT_LINK_PASSES
 
 }  // namespace silt::lbm

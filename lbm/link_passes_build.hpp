@@ -158,12 +158,13 @@ void correct_links(std::span<const DeviceGroup<T>> groups, const LinkPass<T>& pa
   for_teams(std::int64_t(groups.size()), CorrectLinks<T>{pass, groups.data()});
 }
 
-#define SILT_PASSES_OF(T)                                                                  \
-  template void set_opposites(std::span<const OppositeLink<T>>, const DeviceSurface<T>*);  \
-  template void apply_links(std::span<const DeviceGroup<T>>, const LinkPass<T>&);          \
-  template void apply_crossing_links(std::span<const DeviceGroup<T>>, const LinkPass<T>&); \
-  template void correct_links(std::span<const DeviceGroup<T>>, const LinkPass<T>&);
-SILT_PASSES_OF(float)
-SILT_PASSES_OF(double)
+template <class T>
+const LinkPasses<T>& link_passes() {
+  static constexpr LinkPasses<T> passes = {set_opposites<T>, apply_links<T>, apply_crossing_links<T>,
+                                           correct_links<T>};
+  return passes;
+}
+template const LinkPasses<float>& link_passes();
+template const LinkPasses<double>& link_passes();
 
 }  // namespace silt::lbm::SILT_ISA

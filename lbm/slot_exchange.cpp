@@ -7,7 +7,7 @@ namespace silt::lbm {
 template <class T>
 void SlotExchange<T>::move(const SlotPairs& pairs, SlotArrays<const T> sources, SlotArrays<T> targets,
                            bool back) const {
-  if (device_ != Device::cpu) return move_slots<T>(device_, pairs, {}, sources, targets, back);
+  if (device_ != Device::cpu) return passes_on<T>(device_).move_slots(pairs, {}, sources, targets, back);
   pairs.move(sources, targets, back, [](std::size_t) { return [](T value) { return value; }; });
 }
 

@@ -7,6 +7,7 @@
 // V is a population's type T or a vector of it.
 #include <algorithm>
 #include <type_traits>
+#include <utility>
 
 #include "cpu/device_code.hpp"
 #include "lbm/collision_model.hpp"
@@ -140,5 +141,19 @@ constexpr LinkCoefficients<V> coefficients(V q, V weight6, const WallFluid<T>& f
     return {one, none, none, weight6};
   }
 }
+
+/// Returns whether the coefficients of all schemes use only populations that the scheme reads.
+constexpr bool schemes_read_what_they_use() {
+  const auto reads = [](auto scheme, double q) {
+    const LinkCoefficients<double> s = coefficients<scheme()>(q, 1.0, WallFluid<double>());
+    return (reads_behind(scheme()) || (s.b == 0 && s.c == 0)) &&
+           (reads_beyond(scheme()) || (s.d == 0 && s.g == 0));
+  };
+  return [&]<int... scheme>(std::integer_sequence<int, scheme...>) {
+    return (reads(std::integral_constant<WallScheme, WallScheme(scheme)>(), 0.3) && ...);
+  }
+  (std::make_integer_sequence<int, int(WallScheme::single_cell_gap) + 1>());
+}
+static_assert(schemes_read_what_they_use(), "reads_behind() or reads_beyond() lacks a scheme");
 
 }  // namespace silt::lbm

@@ -3,6 +3,7 @@
 // wall_formula.hpp.
 #include <algorithm>
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <string_view>
 
@@ -21,6 +22,7 @@ enum class WallScheme : std::uint8_t { bounce_back, cli, parabolic, multireflect
 /// The schemes that a case can choose, in the order of the enumerators.
 inline constexpr std::array<std::string_view, 4> wall_scheme_names = {"bounce-back", "cli", "parabolic",
                                                                       "multireflection"};
+static_assert(wall_scheme_names.size() == std::size_t(WallScheme::single_cell_gap), "a scheme has no name");
 
 /// How much of what a scheme has beyond linear interpolation is left where the fluid is hardly viscous
 /// (method.md, equation 20a).

@@ -38,6 +38,7 @@ struct QuantitySpec {
   rigid::BoundingBox box{rigid::Vec3::Zero(), rigid::Vec3::Zero()};
 
   bool is_about(int body_kind) const { return kind < 0 || body_kind == kind; }
+  bool operator==(const QuantitySpec&) const = default;
 };
 
 /// The run ends before its last step when a quantity has come so close to where it goes (see SteadyWatch).

@@ -22,7 +22,7 @@ double one_pass_limit(double relaxation_time) {
 }
 
 /// The explicit step is stable up to an eigenvalue of 0.40 sqrt(tau - 1/2), within a fifth. It is the one
-/// pass of `exact`, which cannot keep the sum of all momenta to the bit with impulses under way.
+/// pass of `exact`, which with impulses under way cannot keep the sum of all momenta exactly.
 double explicit_limit(double relaxation_time) {
   return 0.20 * std::sqrt(relaxation_time - 0.5);
 }
@@ -109,10 +109,10 @@ struct LastStep {
     approach += size * reduced_mass * (bodies.velocity[row] - bodies.velocity[other]);
     weight += size, mass += size * reduced_mass;
   }
-  /// Films that gave an impulse in the last sub-step give it again in each of the next as long as the load
-  /// lasts. But films damp: together they hold what presses the body on and stop its motion relative to the
-  /// bodies beyond them, and turn neither round. So after an impact, which a film may have met within a
-  /// single sub-step, nothing is left for it to do.
+  /// Returns the impulse that films will give in the coming step. A film that gave an impulse in the last
+  /// sub-step gives it again in each of the next ones while the load lasts. Films damp: at most they balance
+  /// the load and stop the motion relative to the bodies beyond them; they reverse neither. After an impact,
+  /// which a film may have met within a single sub-step, the film gives nothing.
   Vec3 films_going_on(const Vec3& load, double turning_speed, double radius, int substeps) const {
     const double size = films.norm();
     if (size == 0) return Vec3::Zero();

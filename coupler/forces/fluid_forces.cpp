@@ -37,8 +37,7 @@ void add_sums(const SurfaceLinks<T>& surface, bool stiffness, RowSums& sums) {
 ForceOutOfRange::ForceOutOfRange(rigid::BodyId id)
     : std::overflow_error(
           "is not a number, or is above 32 lattice units on one link, its torque included: the flow around "
-          "it "
-          "has become unstable"),
+          "it has become unstable"),
       on(id) {}
 
 template <class T>

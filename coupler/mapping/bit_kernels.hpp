@@ -12,7 +12,7 @@ namespace silt::coupler {
 
 /// The reference point of a body seen from a frame.
 struct PointInFrame {
-  double x, y, z;  // canonical: the same for every frame, to the bit, once whole cells are taken off
+  double x, y, z;  // bitwise the same for every frame, but for whole cells
   lbm::Int3 low;   // cell of the frame's bit 0, in the coordinates of the point
 };
 

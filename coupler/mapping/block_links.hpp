@@ -36,8 +36,8 @@ class SingleCellGaps {
   /// Fills opposite_q of all links, and opposite_u where that is a side's; call when the links of the box
   /// were built.
   void pair(std::vector<SurfaceLinks<T>>&, const lbm::Domain&, const lbm::CellBox&);
-  /// Calls visit(surface, n, other surface, cell, direction) for the links that are told of another surface:
-  /// the n-th of a surface's opposite_u.
+  /// Calls visit(surface, n, other surface, cell, direction) for the links that use the velocity of another
+  /// surface: the n-th of a surface's opposite_u.
   template <class Visit>
   void for_opposites(Visit&& visit) const {
     for (const Opposite& o : opposites_) visit(o.surface, o.place, o.of, o.cell, o.direction);

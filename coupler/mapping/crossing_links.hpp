@@ -2,10 +2,10 @@
 // Crossing links: between two fluid cells x and x + c_i on the two sides of an edge, whose straight line
 // passes through the body. They are cut at both ends (method-walls.md, "Edges").
 //
-// Each end overwrites what the other one sends to the surface, and nothing else that a crossing link reads:
-// of one and the same line through a cell, only one side may be cut, and x and x + c_i must not be next to
-// what is not of the body. All of this is asked of both ends alike, so that two blocks agree on a link
-// between them.
+// An end overwrites one slot that its other end reads, and no slot that any other crossing link reads, if
+// - only one side of a line through a cell is cut, and
+// - neither x nor x + c_i is next to a solid cell that is not of the body.
+// Both ends are tested alike, so that two blocks agree on a link between them.
 #include <cstdint>
 #include <vector>
 

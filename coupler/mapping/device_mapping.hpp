@@ -125,15 +125,13 @@ class DeviceMapping {
   std::pmr::vector<ChangedWord> words_{memory_of(device_)};
 };
 
-#define SILT_MAPPING_PASS \
-  template <class T>      \
-  void map_links(const LinksToMap<T>&);
 namespace host {
-SILT_MAPPING_PASS
+template <class T>
+void map_links(const LinksToMap<T>&);
 }
 namespace gpu {
-SILT_MAPPING_PASS
+template <class T>
+void map_links(const LinksToMap<T>&);
 }
-#undef SILT_MAPPING_PASS
 
 }  // namespace silt::coupler

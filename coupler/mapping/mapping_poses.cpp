@@ -17,10 +17,11 @@ namespace {
 
 constexpr double rounding = 1e-9;    // relative: of a way of so many whole steps
 constexpr double held_share = 0.15;  // of the tolerance, where distances are held until the next mapping
-constexpr double unforeseen = 1.1;   // times that: as far as what speeds up may get from where it is foreseen
+constexpr double unforeseen =
+    1.1;  // of the tolerance: a body that speeds up may leave its foreseen place so far
 
-/// Steps for which a body is mapped at most if distances follow it: what is so slow that it stays for longer
-/// within where they are held will soon be at rest, and is mapped where it is.
+/// The most steps for which a body is mapped if distances follow it: a body so slow that it would keep within
+/// the tolerance for longer will soon be at rest, and is mapped where it is.
 constexpr double most_following = 81;
 
 /// The largest one that is not above.

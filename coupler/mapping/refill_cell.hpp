@@ -91,15 +91,13 @@ struct RefillCells {
 };
 
 /// The pass of a device.
-#define SILT_REFILL_PASS \
-  template <class T>     \
-  void refill_cells(const RefillCells<T>&);
 namespace host {
-SILT_REFILL_PASS
+template <class T>
+void refill_cells(const RefillCells<T>&);
 }
 namespace gpu {
-SILT_REFILL_PASS
+template <class T>
+void refill_cells(const RefillCells<T>&);
 }
-#undef SILT_REFILL_PASS
 
 }  // namespace silt::coupler

@@ -1,13 +1,13 @@
 #pragma once
-// How far along links, in units of them, the first part of a surface is that they enter: a vector of links at
-// a time, or one (SILT_SCALAR).
+// The distance along links, in units of a link, to the first part of a surface that they enter: for a vector
+// of links at a time, or for one (SILT_SCALAR).
 #include "coupler/mapping/edge_lip.hpp"
 #include "lbm/link_places.hpp"
 
 namespace silt::coupler::SILT_ISA {
 
-/// Returns where lines enter, within [-past, 1 + past]; 1 + past where they do not. A line that has a convex part
-/// behind it, or leaves it just now, has the middle of its way through it behind.
+/// Returns where lines enter, within [-past, 1 + past]; 1 + past where they do not. A line whose interval has
+/// its middle at or before 0 misses the convex part, which lies behind it.
 template <class T>
 SILT_DEVICE auto first_inside(const IntervalLanes<T>& i, T past) {
   using V = typename IntervalLanes<T>::V;
@@ -33,7 +33,8 @@ SILT_DEVICE auto distance_to(const LineLanes<T, kind>& lines, const SurfacePart<
     return first_inside(inside, past);
 }
 
-/// Returns the distance to the nearest part. Each lane by itself leaves out what is beyond it: what the others do cannot matter.
+/// Returns the distance to the nearest part. Each lane leaves out parts beyond its own line, so its result
+/// does not depend on the other lanes.
 template <class T>
 SILT_DEVICE auto distance_to_any(const lbm::SILT_ISA::Places<T>& at, const SurfaceView<T>& surface, T past) {
   auto nearest = typename IntervalLanes<T>::V{} + (T(1) + past);

@@ -132,18 +132,25 @@ class LineLanes {
 
   SILT_DEVICE Interval inside(const Part& part, const Plane<T>* planes) const {
     const T* const size = part.size;
-    if constexpr (kind == PartKind::sphere || kind == PartKind::ellipsoid) return ball(T(0), size[0]);
-    if constexpr (kind == PartKind::box)
+    if constexpr (kind == PartKind::sphere || kind == PartKind::ellipsoid) {
+      return ball(T(0), size[0]);
+    } else if constexpr (kind == PartKind::box) {
       return slab(0, size[0]).within(slab(1, size[1])).within(slab(2, size[2]));
-    if constexpr (kind == PartKind::capsule)
+    } else if constexpr (kind == PartKind::capsule) {
       return barrel(size[0])
           .within(slab(2, size[2]))
           .joined(ball(size[2], size[0]))
           .joined(ball(-size[2], size[0]));
-    if constexpr (kind == PartKind::cylinder) return barrel(size[0]).within(slab(2, size[2]));
-    if constexpr (kind == PartKind::cone) return tapered(size[0], size[2]).within(slab(2, size[2]));
-    if constexpr (kind == PartKind::planes) return clipped(planes + part.first_plane, part.planes);
-    if constexpr (kind == PartKind::hollow) return barrel(size[0]);
+    } else if constexpr (kind == PartKind::cylinder) {
+      return barrel(size[0]).within(slab(2, size[2]));
+    } else if constexpr (kind == PartKind::cone) {
+      return tapered(size[0], size[2]).within(slab(2, size[2]));
+    } else if constexpr (kind == PartKind::planes) {
+      return clipped(planes + part.first_plane, part.planes);
+    } else {
+      static_assert(kind == PartKind::hollow);
+      return barrel(size[0]);
+    }
   }
 
  private:

@@ -34,11 +34,14 @@ double value_in_last_step(const Simulation& simulation, const QuantitySpec& q) {
 namespace {
 
 /// Whether two quantities have the same terms in a step.
-bool have_same_terms(const QuantitySpec& a, const QuantitySpec& b) {
+bool have_same_terms(QuantitySpec a, QuantitySpec b) {
   const StepValue &x = computation_of(a.type).in_step, &y = computation_of(b.type).in_step;
-  return x.of && y.of && x.add == y.add && x.see == y.see && (x.of_all_axes || a.axis == b.axis) &&
-         a.kind == b.kind && a.bearer == b.bearer && a.wall == b.wall && a.side == b.side &&
-         a.height == b.height && a.centre == b.centre;
+  if (!x.of || !y.of || x.add != y.add || x.see != y.see) return false;
+  for (QuantitySpec* q : {&a, &b}) {
+    q->name = q->type = "", q->time = 0;
+    if (x.of_all_axes) q->axis = 0;
+  }
+  return a == b;
 }
 
 }  // namespace

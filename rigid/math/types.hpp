@@ -46,6 +46,7 @@ inline bool is_wall(BodyId id) {
 /// An axis-aligned box.
 struct BoundingBox {
   Vec3 lower, upper;
+  bool operator==(const BoundingBox&) const = default;
 
   static BoundingBox around(const Vec3& centre, const Vec3& half) { return {centre - half, centre + half}; }
   /// It holds no point; `add` makes it grow.

@@ -121,8 +121,10 @@ class Series(SiltTest):
             self.near(vector("contact-force.z-low"), [0, 0, -WEIGHT])
 
     def test_poiseuille(self):
-        """Walls bear the body force; the parabola's flow rate at the middles of the cells."""
+        """Walls bear the body force; the parabola's flow rate at the middles of the cells; each stress has its own box and component."""
         columns = {**of("fluid-force", side="z-low"), **of("fluid-force", "x", side="z-high"), "rate": 'type = "flow-rate"\naxis = "x"\nat = 3.2'}
+        for name, component, low in (("lower", "xz", 0), ("normal", "xx", 0), ("upper", "xz", 6)):
+            columns[name] = f'type = "viscous-stress"\ncomponent = "{component}"\nbox = [[0, 0, {low}], [8, 8, {low + 6}]]'
         self.write(CHANNEL.replace("steps = 10000\nsteady = { quantity = \"energy\", change = 1e-3, every = 100 }", "steps = 3000")
                    .replace("[4, 4, 6]", "[4, 4, 3]") + series("walls", 100, columns))
         self.silt("run", self.case)
@@ -133,6 +135,9 @@ class Series(SiltTest):
         z = np.arange(height) + 0.5
         self.near(table["rate"][-1], 8 * (force * z * (height - z) / (2 * viscosity)).sum(), 1e-6)
         self.assertEqual(table["rate"][-1], self.report()["quantities"]["rate"])
+        self.near(table["lower"][-1], 3 * force, 1e-6)  # half of a wall's: the shear stress falls linearly to 0 in the middle
+        self.near(table["upper"][-1], -3 * force, 1e-6)
+        self.assertLess(abs(table["normal"][-1]), 1e-3 * force)
         self.assertEqual(len(table), 31)
 
     def crowd(self):
