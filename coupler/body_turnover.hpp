@@ -3,7 +3,7 @@
 // of the domain too, is of one set of bodies.
 //
 // Free bodies leave when their centre of mass is in the box of an [[outflow]]; bodies that move, when their
-// bounding sphere is wholly beyond a side of the domain that takes them out. That is told from the pose
+// bounding sphere is wholly beyond a side of the domain that takes them out. That follows from the pose
 // alone, which all holders of a body know: they drop it without a word. Bodies come where a [[fill]] is
 // applied again; a step in which none is has nothing to do with it. The first id that nobody has had is known
 // to all ranks, and grows by what all have placed. Lattice units.

@@ -76,8 +76,8 @@ class FaultWatch {
 
  private:
   enum Kind { body, fluid, overlap, kinds };  // what has several faults tells the first of these
-  /// A fault that this rank has seen. Of those of a kind the first is told, of these the worst, of these that
-  /// of the lowest key.
+  /// A fault that this rank has seen. Of the faults of a kind the first is reported, of these the worst, of
+  /// these that of the lowest key.
   struct Fault {
     std::uint64_t moment;  // calls of hold_runaways before; the same on every rank
     double severity;

@@ -58,11 +58,10 @@ class Simulation : private rigid::StepObserver {
 
   /// Does one step; before it, where the case asks for it and it is time to, looks at how the work is shared,
   /// and moves to a better cut (scene().flow and what it holds are then new ones), and bodies leave and come.
-  /// CommonGuardStop comes on every rank, a step after what it tells of: of bodies that gain energy, that
-  /// move too far in a step or are outside the domain (within 64 steps), or on which the fluid's force is out
-  /// of range, and of fluid that is too fast. GuardStop and std::overflow_error may come on some ranks only:
-  /// the others then wait for ever, so a program on several ranks ends with MPI_Abort after saying what
-  /// happened.
+  /// CommonGuardStop comes on every rank, a step after its cause: bodies that gain energy, that move too far
+  /// in a step or are outside the domain (within 64 steps), or on which the fluid's force is out of range,
+  /// and fluid that is too fast. GuardStop and std::overflow_error may come on some ranks only: the others
+  /// then wait for ever, so a program on several ranks ends with MPI_Abort after saying what happened.
   void step();
   /// Does so many steps, looking at the fluid every guard_interval steps (GuardStop on every rank).
   void run(std::int64_t steps);

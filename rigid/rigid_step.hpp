@@ -33,7 +33,7 @@ struct RigidStepReport {
   }
 };
 
-/// A StepObserver is told what happens within a sub-step.
+/// A StepObserver hears what happens within a sub-step.
 class StepObserver {
  public:
   /// The velocities are final, and no body has moved by them.

@@ -207,7 +207,7 @@ void require_same_values(const CaseOrigin& origin, const CaseSource& source) {
                            : now.back().line,
             1},
       fmt::format("the case has changed since the checkpoint was written: this line was \"{}\"; only [run], "
-                  "[output] and [[quantities]] may differ when a run goes on; restore it, or start a new run",
+                  "[output] and [[quantities]] may differ when a run continues; restore it, or start a new run",
                   i < before.size() ? line_at(origin.text, before[i].line) : ""));
 }
 
@@ -231,7 +231,7 @@ Case case_to_resume(const CaseOrigin& origin, CaseSource& source, const std::vec
     if (!may_change(steps_of(key)[0]))
       throw CaseError(
           Place{override_text(o)},
-          fmt::format("{} cannot change when a run goes on; only keys of run, output and quantities can",
+          fmt::format("{} cannot change when a run continues; only keys of run, output and quantities can",
                       key));
     all.push_back(o);
   }

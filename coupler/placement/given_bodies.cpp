@@ -197,7 +197,7 @@ struct Slice : PositionSlice {
   std::uint64_t first = 0;  // body of the file
 };
 
-/// The fault of the rank that comes first in the file is told.
+/// Every rank reports the fault that comes first in the file.
 void throw_fault(const Case& setup, const FiledBodies& filed, Surroundings& around, const std::string& mine) {
   const std::string fault = parallel::text_of_first(around.comm(), mine);
   if (!fault.empty())

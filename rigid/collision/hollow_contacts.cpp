@@ -15,7 +15,7 @@ namespace {
 
 using Vec2 = Eigen::Vector2d;
 
-/// A hollow at a pose, by what it tells of itself. World frame.
+/// A hollow at a pose, by its own members. World frame.
 template <class Hollow>
 class Placed {
  public:

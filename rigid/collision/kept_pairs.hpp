@@ -1,8 +1,8 @@
 #pragma once
 // Bodies move little from call to call, so a broad phase looks further than it is asked to and keeps what it
 // finds (the list of L. Verlet, Phys. Rev. 159 (1967) 98): while no body has used up its slack, every pair
-// that meets is among those kept, and is told from the others by the same test as ever. What comes out does
-// not depend on what is kept.
+// that meets is among those kept, and the same test as ever tells them from the others. The result does not
+// depend on the pairs that are kept.
 //
 // The slack of a body is what it is expected to move in the calls that the list is to serve: fast bodies have
 // more than slow ones. Only motion apart from that which all have in common counts, so that a bed that falls

@@ -22,9 +22,8 @@ struct Impact {
   double impulse;            // on b along the normal, mass times velocity in lattice units
 };
 
-/// Whoever has to do something about impacts. It is told of each once its impulse is final, on every rank
-/// that solved the pair (that owns one of its free bodies), in the order of the contacts, bitwise the same
-/// on each.
+/// A sink does something about impacts. It hears of each once its impulse is final, on every rank that solved
+/// the pair (that owns one of its free bodies), in the order of the contacts, bitwise the same on each.
 class ImpactSink {
  public:
   virtual ~ImpactSink() = default;
