@@ -5,7 +5,6 @@
 #include "lbm/cut_links.hpp"
 
 namespace silt::coupler {
-
 namespace {
 
 /// Steps between two recounts of the fluid, each of which costs as much as some steps.

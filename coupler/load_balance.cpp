@@ -6,7 +6,6 @@
 #include "coupler/scene.hpp"
 
 namespace silt::coupler {
-
 namespace {
 /// A move takes as long as so many steps of mean work: populations go, halo and maps are made again.
 constexpr double steps_of_a_move = 20;

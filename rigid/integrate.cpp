@@ -1,7 +1,6 @@
 #include "rigid/rigid_step.hpp"
 
 namespace silt::rigid {
-
 namespace {
 
 Mat3 cross_matrix(const Vec3& a) {

@@ -5,7 +5,6 @@
 #include <type_traits>
 
 namespace silt::rigid {
-
 namespace {
 
 void clear_forces(BodySet& bodies) {

@@ -1,7 +1,6 @@
 #include "rigid/sleep.hpp"
 
 namespace silt::rigid {
-
 namespace {
 
 /// Bodies wake by more than keeps them from falling asleep: else they would do both in turn.

@@ -12,7 +12,6 @@
 #include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {
-
 namespace {
 
 constexpr double most_density = 1e9;                 // times the fluid's

@@ -9,7 +9,6 @@
 #include "coupler/case/case_file.hpp"
 
 namespace silt::coupler {
-
 namespace {
 
 using adapters::Node;

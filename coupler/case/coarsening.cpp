@@ -8,7 +8,6 @@
 #include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {
-
 namespace {
 
 constexpr double least_default_distance = 8;  // cells

@@ -10,7 +10,6 @@
 #include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {
-
 namespace {
 
 constexpr auto unit_interval = range::between(0, 1);

@@ -11,7 +11,6 @@
 #include <stdexcept>
 
 namespace silt::coupler {
-
 namespace {
 
 using View = std::string_view;

@@ -7,7 +7,6 @@
 #include "coupler/case/case_sections.hpp"
 
 namespace silt::coupler {
-
 namespace {
 
 // units.max_velocity becomes this lattice velocity: error by compressibility ~ u^2 = 0.25 %

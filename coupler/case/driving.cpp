@@ -11,7 +11,6 @@
 #include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {
-
 namespace {
 
 using rigid::Vec3;

@@ -10,7 +10,6 @@
 #include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {
-
 namespace {
 
 constexpr int strips = 32, most_rows = 64;

@@ -8,7 +8,6 @@
 #include "coupler/case/case_sections.hpp"
 
 namespace silt::coupler {
-
 namespace {
 
 constexpr double most_steps = 1e15;

@@ -13,7 +13,6 @@
 #include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {
-
 namespace {
 
 using rigid::Quat;

@@ -9,7 +9,6 @@
 #include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {
-
 namespace {
 
 using rigid::Vec3;

@@ -5,7 +5,6 @@
 #include <cstdlib>
 
 namespace silt::coupler {
-
 namespace {
 
 /// Units of SI that have a name of their own; of torque and energy, which share one dimension, that of

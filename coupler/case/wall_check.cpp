@@ -10,7 +10,6 @@
 #include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {
-
 namespace {
 
 using rigid::TriangleMesh;

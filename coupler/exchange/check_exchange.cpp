@@ -14,7 +14,6 @@
 #include "parallel/together.hpp"
 
 namespace silt::coupler {
-
 namespace {
 
 std::uint64_t hash_of(const parallel::Bytes& bytes) {

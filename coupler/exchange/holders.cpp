@@ -7,7 +7,6 @@
 #include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {
-
 namespace {
 
 void sort_unique(std::vector<int>& ranks) {

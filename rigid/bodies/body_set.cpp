@@ -4,7 +4,6 @@
 #include <numeric>
 
 namespace silt::rigid {
-
 namespace {
 
 /// Calls f with every array of the set: the one place that lists them.

@@ -35,9 +35,6 @@ inline std::uint64_t packed_feature(std::size_t part_a, std::size_t part_b, std:
 inline std::uint64_t packed_mesh_feature(std::size_t part_of_other, std::uint64_t feature) {
   return std::uint64_t{part_of_other} << 52 | feature;
 }
-inline std::size_t part_a_of(std::uint64_t packed) {
-  return (packed & ~lubrication_feature) >> 48;
-}
 inline std::uint32_t feature_of(std::uint64_t packed) {
   return static_cast<std::uint32_t>(packed);
 }

@@ -9,7 +9,6 @@
 #include "rigid/math/elementary.hpp"
 
 namespace silt::rigid {
-
 namespace {
 
 constexpr double period_of_sine = 2 * std::numbers::pi;

@@ -4,7 +4,6 @@
 #include <cmath>
 
 namespace silt::rigid {
-
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();

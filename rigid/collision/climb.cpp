@@ -7,7 +7,6 @@
 #include "rigid/collision/deepest_direction.hpp"
 
 namespace silt::rigid {
-
 namespace {
 
 /// A bound this little above the best (part of the pair's size) is not worth following.

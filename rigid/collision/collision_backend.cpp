@@ -4,7 +4,6 @@
 #include "rigid/collision/manifold.hpp"
 
 namespace silt::rigid {
-
 namespace {
 
 /// Walks down two trees at once.

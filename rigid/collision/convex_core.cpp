@@ -1,7 +1,6 @@
 #include "rigid/collision/convex_core.hpp"
 
 namespace silt::rigid {
-
 namespace {
 
 /// Calls use(core), the core being the shape itself or what is swept.

@@ -8,7 +8,6 @@
 #include "rigid/collision/outline.hpp"
 
 namespace silt::rigid {
-
 namespace {
 
 constexpr double length_rounding = 1e-12;  // part of the pair's size: lengths below it are none

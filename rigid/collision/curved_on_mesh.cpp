@@ -7,7 +7,6 @@
 #include "rigid/collision/mesh_contacts.hpp"
 
 namespace silt::rigid {
-
 namespace {
 
 /// The feature of a triangle that is nearest to a point.

@@ -4,7 +4,6 @@
 #include <cmath>
 
 namespace silt::rigid {
-
 namespace {
 
 /// Part of the pair's size by which two points that are one may miss each other.

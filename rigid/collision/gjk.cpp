@@ -6,7 +6,6 @@
 #include "rigid/collision/deepest_direction.hpp"
 
 namespace silt::rigid {
-
 namespace {
 
 /// A simplex holds up to four points of the difference b - a, and the point of their hull nearest to the

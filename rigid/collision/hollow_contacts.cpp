@@ -10,7 +10,6 @@
 #include "rigid/shapes/shape.hpp"
 
 namespace silt::rigid {
-
 namespace {
 
 using Vec2 = Eigen::Vector2d;

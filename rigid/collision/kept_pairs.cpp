@@ -6,7 +6,6 @@
 #include <numeric>
 
 namespace silt::rigid {
-
 namespace {
 
 constexpr double least_slack = 0.05;                   // of a body's reach: a sixth more pairs

@@ -8,7 +8,6 @@
 #include "rigid/collision/outline.hpp"
 
 namespace silt::rigid {
-
 namespace {
 
 /// Lengths below this part of the pair's size are rounding.

@@ -6,7 +6,6 @@
 #include "rigid/shapes/shape.hpp"
 
 namespace silt::rigid {
-
 namespace {
 
 /// Cosine up to which normals are much the same.

@@ -8,7 +8,6 @@
 #include "rigid/shapes/convex_shape.hpp"
 
 namespace silt::rigid {
-
 namespace {
 
 constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();

@@ -5,7 +5,6 @@
 #include <cmath>
 
 namespace silt::rigid {
-
 namespace {
 
 constexpr double mesh_rounding = 1e-12;  // part of the meshes' size: lengths below it are none

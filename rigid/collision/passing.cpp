@@ -11,7 +11,6 @@
 #include "rigid/collision/deepest_direction.hpp"
 
 namespace silt::rigid {
-
 namespace {
 
 /// Part of a pair's size by which bodies that pass each other may overlap.

@@ -3,7 +3,6 @@
 #include <limits>
 
 namespace silt::rigid {
-
 namespace {
 constexpr double too_large = 0x1p192;
 constexpr std::int64_t digit_mask = 0xffffffff;

@@ -8,7 +8,6 @@
 #include "rigid/response/sffd_resolver.hpp"
 
 namespace silt::rigid {
-
 namespace {
 
 using Made = std::unique_ptr<ContactResolver>;

@@ -1,7 +1,6 @@
 #include "rigid/response/contact_targets.hpp"
 
 namespace silt::rigid {
-
 namespace {
 
 constexpr double no_gap = 1e-6;  // of the lever arms: a gap that is none

@@ -5,7 +5,6 @@
 #include <limits>
 
 namespace silt::rigid {
-
 namespace {
 
 constexpr double violation = 1e-12;     // relative to the constraint's size: taken as satisfied

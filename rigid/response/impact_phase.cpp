@@ -8,7 +8,6 @@
 #include "rigid/math/elementary.hpp"
 
 namespace silt::rigid {
-
 namespace {
 
 constexpr int share_width = 8;               // doubles a body in a share: v, w and the two that follow

@@ -5,7 +5,6 @@
 #include "rigid/response/contact_targets.hpp"
 
 namespace silt::rigid {
-
 namespace {
 
 /// The build of the kernels that runs here.

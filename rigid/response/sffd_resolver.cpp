@@ -8,7 +8,6 @@
 #include "rigid/response/contact_targets.hpp"
 
 namespace silt::rigid {
-
 namespace {
 
 constexpr int state_width = sizeof(BodyState) / sizeof(double);  // doubles a body in a share

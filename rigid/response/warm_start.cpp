@@ -4,7 +4,6 @@
 #include <tuple>
 
 namespace silt::rigid {
-
 namespace {
 
 const StoredImpulse* find(std::span<const StoredImpulse> of_partner, const Contact& c) {

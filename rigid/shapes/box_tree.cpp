@@ -4,7 +4,6 @@
 #include <numeric>
 
 namespace silt::rigid {
-
 namespace {
 
 constexpr std::uint32_t leaf_items = 4;

@@ -4,7 +4,6 @@
 #include <numbers>
 
 namespace silt::rigid {
-
 namespace {
 
 /// A sum of squares to be made 1: |p(u)| = 1 with p_i = c_i / (u + d_i), u >= 0; c_i >= 0, d_i >= 0 and one

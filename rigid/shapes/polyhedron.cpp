@@ -3,7 +3,6 @@
 #include "rigid/math/elementary.hpp"
 
 namespace silt::rigid {
-
 namespace {
 
 std::uint32_t vertex_code(int vertex) {

@@ -8,7 +8,6 @@
 #include <string>
 
 namespace silt::rigid {
-
 namespace {
 
 using Face = PolyhedronMesh::Face;

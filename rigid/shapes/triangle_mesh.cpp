@@ -6,7 +6,6 @@
 #include <stdexcept>
 
 namespace silt::rigid {
-
 namespace {
 
 using Triangle = TriangleMesh::Triangle;
