@@ -7,15 +7,9 @@
 
 namespace silt::coupler {
 namespace {
+
 /// A move takes as long as so many steps of mean work: populations go, halo and maps are made again.
 constexpr double steps_of_a_move = 20;
-}  // namespace
-
-bool CutComparison::worth_moving(std::int64_t steps) const {
-  return (present.largest - better.largest) * double(steps) > steps_of_a_move * present.mean;
-}
-
-namespace {
 
 /// The work of finer cells beyond that of the coarsest in their place, and other work, in the tiles of which
 /// the domain is cut where cells have levels.
@@ -40,6 +34,10 @@ std::vector<WorkItem> in_tiles(const Scene& scene, std::int64_t work_of_a_cell, 
 }
 
 }  // namespace
+
+bool CutComparison::worth_moving(std::int64_t steps) const {
+  return (present.largest - better.largest) * double(steps) > steps_of_a_move * present.mean;
+}
 
 CutComparison compare_cuts(const Scene& scene) {
   const WorkCosts costs(scene.setup);

@@ -254,41 +254,6 @@ void judge_fill(TableReader& table, const FillSpec& fill) {
                table.path("until"), table.path("every"));
 }
 
-}  // namespace
-
-std::vector<KeySection> body_sections() {
-  return {section_of("initial", start_keys),
-          section_of("bodies", shape_name_keys, entry_keys, body_keys, orientation_keys),
-          section_of("fill", shape_name_keys, entry_keys, fill_keys), fill_size_section(),
-          section_of("outflow", outflow_keys)};
-}
-
-void read_bodies(TableReader& root, Case& setup) {
-  if (TableReader start = root.table("initial"); start.present())
-    read_keys(start, setup.start.emplace(), start_keys);
-  read_given_bodies(root, setup);
-  std::vector<std::vector<SizeShare>> sizes;
-  for (TableReader& table : root.tables("fill")) {
-    FillSpec& fill = setup.fills.emplace_back();
-    fill.box = box_of(setup);
-    read_entry(table, fill, setup);
-    read_keys(table, fill, fill_keys);
-    judge_fill(table, fill);
-    if (static_cast<std::size_t>(fill.kind) < setup.kind_locks.size() && setup.kind_locks[fill.kind])
-      table.fail("name",
-                 "{}: bodies of the name '{}' are locked, those of a fill are not; give them another name",
-                 table.path(), setup.kind_names[fill.kind]);
-    sizes.push_back(read_fill_sizes(table));
-  }
-  if (!setup.kind_locks.empty()) setup.kind_locks.resize(setup.kind_names.size());
-  // after all that name a shape: those of sizes have the names of others
-  set_fill_sizes(setup, sizes);
-  for (TableReader& table : root.tables("outflow"))
-    read_keys(table, setup.outflows.emplace_back(), outflow_keys);
-}
-
-namespace {
-
 bool meet(const rigid::BoundingBox& a, const rigid::BoundingBox& b) {
   return (a.lower.array() < b.upper.array()).all() && (b.lower.array() < a.upper.array()).all();
 }
@@ -348,6 +313,37 @@ void check_prescribed(const Case& setup, Findings& findings) {
 }
 
 }  // namespace
+
+std::vector<KeySection> body_sections() {
+  return {section_of("initial", start_keys),
+          section_of("bodies", shape_name_keys, entry_keys, body_keys, orientation_keys),
+          section_of("fill", shape_name_keys, entry_keys, fill_keys), fill_size_section(),
+          section_of("outflow", outflow_keys)};
+}
+
+void read_bodies(TableReader& root, Case& setup) {
+  if (TableReader start = root.table("initial"); start.present())
+    read_keys(start, setup.start.emplace(), start_keys);
+  read_given_bodies(root, setup);
+  std::vector<std::vector<SizeShare>> sizes;
+  for (TableReader& table : root.tables("fill")) {
+    FillSpec& fill = setup.fills.emplace_back();
+    fill.box = box_of(setup);
+    read_entry(table, fill, setup);
+    read_keys(table, fill, fill_keys);
+    judge_fill(table, fill);
+    if (static_cast<std::size_t>(fill.kind) < setup.kind_locks.size() && setup.kind_locks[fill.kind])
+      table.fail("name",
+                 "{}: bodies of the name '{}' are locked, those of a fill are not; give them another name",
+                 table.path(), setup.kind_names[fill.kind]);
+    sizes.push_back(read_fill_sizes(table));
+  }
+  if (!setup.kind_locks.empty()) setup.kind_locks.resize(setup.kind_names.size());
+  // after all that name a shape: those of sizes have the names of others
+  set_fill_sizes(setup, sizes);
+  for (TableReader& table : root.tables("outflow"))
+    read_keys(table, setup.outflows.emplace_back(), outflow_keys);
+}
 
 void find_turnover_faults(const Case& setup, Findings& findings) {
   for (std::size_t i = 0; i < setup.outflows.size(); ++i) check_outflow(setup, findings, i);

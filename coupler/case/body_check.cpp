@@ -69,20 +69,6 @@ void check_density(const Case& setup, Findings& findings, const Entry& body) {
                      heaviest_solid, meant(key, found, 0));
 }
 
-}  // namespace
-
-void find_density_faults(const Case& setup, Findings& findings) {
-  const double density = setup.units.density;
-  if (setup.units.si && setup.fluid && (density < lightest_fluid || density > heaviest_fluid))
-    findings.warning("fluid.density",
-                     "fluid.density is {} kg/m3; fluids have {} (a gas) to {} (mercury), water has 1000",
-                     shown(density), lightest_fluid, heaviest_fluid);
-  for (const Entry& entry : entries_of(setup))
-    if (entry.smallest) check_density(setup, findings, entry);
-}
-
-namespace {
-
 constexpr double fewest_cells_across = 6;    // at 5 the drag of a dilute array is off by about 1 %
 constexpr double fewest_cells_seen = 1;      // below, a body may lie between the centres of cells
 constexpr double speck = 1e-3, dust = 1e-6;  // of the domain's length and volume
@@ -238,6 +224,16 @@ void check_fill_rooms(const Case& setup, Findings& findings) {
 }
 
 }  // namespace
+
+void find_density_faults(const Case& setup, Findings& findings) {
+  const double density = setup.units.density;
+  if (setup.units.si && setup.fluid && (density < lightest_fluid || density > heaviest_fluid))
+    findings.warning("fluid.density",
+                     "fluid.density is {} kg/m3; fluids have {} (a gas) to {} (mercury), water has 1000",
+                     shown(density), lightest_fluid, heaviest_fluid);
+  for (const Entry& entry : entries_of(setup))
+    if (entry.smallest) check_density(setup, findings, entry);
+}
 
 void find_body_faults(const Case& setup, Findings& findings) {
   if (!setup.has_bodies()) return;

@@ -92,6 +92,29 @@ void check_speeds(const Case& setup, Findings& findings) {
   }
 }
 
+constexpr double digit_rounding = 1e-9;  // of what two digits give already
+
+/// One of the second digit of x.
+double second_digit(double x) {
+  return std::pow(10, std::floor(std::log10(x)) - 1);
+}
+
+/// The key by which a case gives the length of a step.
+std::string time_step_key(const Case& setup) {
+  for (const char* key : {"units.relaxation_time", "units.max_velocity"})
+    if (setup.places.count(key)) return key;
+  return "units.time_step";
+}
+
+constexpr double without_limit = std::numeric_limits<double>::infinity();
+
+double width_of_thinnest_part(const rigid::Shape& shape) {
+  double width = without_limit;
+  for (const rigid::Part& part : rigid::convex_parts(shape))
+    width = std::min(width, std::visit([](const auto& s) { return s.least_width(); }, part.shape));
+  return width;
+}
+
 }  // namespace
 
 std::vector<Diagnostic> check_case(const Case& setup) {
@@ -119,24 +142,6 @@ std::vector<Diagnostic> require_runnable(const Case& setup) {
   std::erase_if(list, [](const Diagnostic& d) { return d.severity == Diagnostic::Severity::warning; });
   throw CaseError(std::move(list));
 }
-
-namespace {
-
-constexpr double digit_rounding = 1e-9;  // of what two digits give already
-
-/// One of the second digit of x.
-double second_digit(double x) {
-  return std::pow(10, std::floor(std::log10(x)) - 1);
-}
-
-/// The key by which a case gives the length of a step.
-std::string time_step_key(const Case& setup) {
-  for (const char* key : {"units.relaxation_time", "units.max_velocity"})
-    if (setup.places.count(key)) return key;
-  return "units.time_step";
-}
-
-}  // namespace
 
 double rounded_down(double x) {
   return std::floor(x / second_digit(x) + digit_rounding) * second_digit(x);
@@ -183,19 +188,6 @@ void check_speed(Findings& findings, const std::string& key, double speed) {
     findings.warning(key, "{}; above {} the fluid is noticeably compressible: {}", found, doubtful_velocity,
                      cure);
 }
-
-namespace {
-
-constexpr double without_limit = std::numeric_limits<double>::infinity();
-
-double width_of_thinnest_part(const rigid::Shape& shape) {
-  double width = without_limit;
-  for (const rigid::Part& part : rigid::convex_parts(shape))
-    width = std::min(width, std::visit([](const auto& s) { return s.least_width(); }, part.shape));
-  return width;
-}
-
-}  // namespace
 
 MotionLimits::MotionLimits(const Case& setup) : least_(without_limit), least_half_width_(without_limit) {
   const ContactSpec& contacts = setup.contacts;

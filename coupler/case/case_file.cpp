@@ -96,43 +96,6 @@ std::string text_of(const fs::path& directory, const fs::path& file) {
                   names.empty() ? "" : suggestion(directory.filename().string(), names)));
 }
 
-}  // namespace
-
-const AttachedFile& CaseSource::file_named(const std::string& name, bool of_positions) {
-  if (const auto found = attached.find(name); found != attached.end()) return found->second;
-  return attached[name] = of_positions ? look_at_positions(directory(), name)
-                                       : read_attached(directory(), name, name, true);
-}
-
-CaseSource read_source(const fs::path& directory) {
-  const bool is_file = directory.extension() == ".toml";
-  const fs::path folder = is_file || directory.has_filename() ? directory : directory.parent_path();
-  const fs::path file = is_file ? directory : folder / "case.toml";
-  return {file.string(), text_of(folder, file), {}};
-}
-
-void broadcast(MPI_Comm comm, CaseSource& source) {
-  using parallel::broadcast;
-  broadcast(comm, source.file);
-  broadcast(comm, source.text);
-  std::uint64_t files = source.attached.size();
-  broadcast(comm, files);
-  auto next = source.attached.begin();
-  const int rank = parallel::rank_of(comm);
-  for (std::uint64_t i = 0; i < files; ++i) {
-    std::string name;
-    AttachedFile file;
-    if (rank == 0) std::tie(name, file) = *next++;
-    broadcast(comm, name);
-    broadcast(comm, file.bytes);
-    broadcast(comm, file.fingerprint);
-    broadcast(comm, file.positions);
-    if (rank != 0) source.attached[name] = std::move(file);
-  }
-}
-
-namespace {
-
 /// Fields tell solid cells from fluid where there are any, asked for or not.
 void add_masks(Case& setup) {
   if (!setup.has_surfaces()) return;
@@ -184,6 +147,39 @@ void read_sections(TableReader reader, Case& setup) {
 }
 
 }  // namespace
+
+const AttachedFile& CaseSource::file_named(const std::string& name, bool of_positions) {
+  if (const auto found = attached.find(name); found != attached.end()) return found->second;
+  return attached[name] = of_positions ? look_at_positions(directory(), name)
+                                       : read_attached(directory(), name, name, true);
+}
+
+CaseSource read_source(const fs::path& directory) {
+  const bool is_file = directory.extension() == ".toml";
+  const fs::path folder = is_file || directory.has_filename() ? directory : directory.parent_path();
+  const fs::path file = is_file ? directory : folder / "case.toml";
+  return {file.string(), text_of(folder, file), {}};
+}
+
+void broadcast(MPI_Comm comm, CaseSource& source) {
+  using parallel::broadcast;
+  broadcast(comm, source.file);
+  broadcast(comm, source.text);
+  std::uint64_t files = source.attached.size();
+  broadcast(comm, files);
+  auto next = source.attached.begin();
+  const int rank = parallel::rank_of(comm);
+  for (std::uint64_t i = 0; i < files; ++i) {
+    std::string name;
+    AttachedFile file;
+    if (rank == 0) std::tie(name, file) = *next++;
+    broadcast(comm, name);
+    broadcast(comm, file.bytes);
+    broadcast(comm, file.fingerprint);
+    broadcast(comm, file.positions);
+    if (rank != 0) source.attached[name] = std::move(file);
+  }
+}
 
 std::string unit_on_page(Dimension d) {
   if (d == dimension::none) return "1";

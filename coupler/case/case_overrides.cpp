@@ -124,38 +124,6 @@ void apply_override(Node& root, const std::string& argument) {
   remove_alternatives(root, path);
 }
 
-}  // namespace
-
-Node tree_of_case(const std::string& text, const std::string& file,
-                  const std::vector<std::string>& overrides) {
-  Node root;
-  try {
-    root = adapters::parse_document(text, file);
-  } catch (const adapters::SyntaxError& error) {
-    throw CaseError(error.place, fmt::format("this is not TOML: {}", error.what()));
-  }
-  for (const std::string& argument : overrides) apply_override(root, argument);
-  return root;
-}
-
-std::string complaint_of_set(const std::string& argument) {
-  if (argument.find('=') + 1 != argument.size()) return "";
-  return fmt::format("{} has no value; to take a key away: --unset {}", argument,
-                     argument.substr(0, argument.size() - 1));
-}
-
-std::string complaint_of_unset(const std::string& argument) {
-  const bool key = !argument.empty() && argument.find('=') == argument.npos;
-  return key ? "" : fmt::format("'{}' must be the path of a key, as in run.balance", argument);
-}
-
-std::string override_text(const std::string& argument) {
-  const bool taken_away = argument.find('=') + 1 == argument.size();
-  return taken_away ? "--unset " + argument.substr(0, argument.size() - 1) : "--set " + argument;
-}
-
-namespace {
-
 /// Returns the key that an argument of --set or --unset is about; the length of a run has two.
 std::string key_of(const std::string& argument) {
   const std::string key = argument.substr(0, argument.find('='));
@@ -222,6 +190,34 @@ void require_same_files(const CaseOrigin& origin, const Case& now) {
 }
 
 }  // namespace
+
+Node tree_of_case(const std::string& text, const std::string& file,
+                  const std::vector<std::string>& overrides) {
+  Node root;
+  try {
+    root = adapters::parse_document(text, file);
+  } catch (const adapters::SyntaxError& error) {
+    throw CaseError(error.place, fmt::format("this is not TOML: {}", error.what()));
+  }
+  for (const std::string& argument : overrides) apply_override(root, argument);
+  return root;
+}
+
+std::string complaint_of_set(const std::string& argument) {
+  if (argument.find('=') + 1 != argument.size()) return "";
+  return fmt::format("{} has no value; to take a key away: --unset {}", argument,
+                     argument.substr(0, argument.size() - 1));
+}
+
+std::string complaint_of_unset(const std::string& argument) {
+  const bool key = !argument.empty() && argument.find('=') == argument.npos;
+  return key ? "" : fmt::format("'{}' must be the path of a key, as in run.balance", argument);
+}
+
+std::string override_text(const std::string& argument) {
+  const bool taken_away = argument.find('=') + 1 == argument.size();
+  return taken_away ? "--unset " + argument.substr(0, argument.size() - 1) : "--set " + argument;
+}
 
 Case case_to_resume(const CaseOrigin& origin, CaseSource& source, const std::vector<std::string>& overrides) {
   auto all = origin.overrides;

@@ -39,30 +39,6 @@ double default_distance(const Case& setup) {
   return std::max(std::ceil(largest), least_default_distance);
 }
 
-}  // namespace
-
-std::vector<KeySection> coarsening_sections() {
-  return {section_of("coarsening", coarsening_keys), section_of("coarsening.fine", fine_keys)};
-}
-
-void read_coarsening(TableReader& root, Case& setup) {
-  TableReader table = root.table("coarsening");
-  if (!table.present()) return;
-  CoarseningSpec& spec = setup.coarsening.emplace();
-  spec.distance = default_distance(setup);
-  read_keys(table, spec, coarsening_keys);
-  for (const int side : read_names(table, "fine_sides", side_names.list(), "side"))
-    spec.fine_sides[side] = true;
-  for (TableReader& fine : table.tables("fine")) read_keys(fine, spec.fine.emplace_back(), fine_keys);
-}
-
-int least_margin(const Case& setup) {
-  constexpr int mapped_ahead = 1, filled = 2;
-  return lbm::link_reach(setup.coupling.wall_scheme) + mapped_ahead + filled;
-}
-
-namespace {
-
 std::string cells_text(const Case& setup, double n) {
   return setup.units.si ? fmt::format("{} ({} cells)", shown_length(setup, n), shown(n))
                         : shown(n) + " cells";
@@ -170,6 +146,26 @@ void check_layers(Findings& findings) {
 }
 
 }  // namespace
+
+std::vector<KeySection> coarsening_sections() {
+  return {section_of("coarsening", coarsening_keys), section_of("coarsening.fine", fine_keys)};
+}
+
+void read_coarsening(TableReader& root, Case& setup) {
+  TableReader table = root.table("coarsening");
+  if (!table.present()) return;
+  CoarseningSpec& spec = setup.coarsening.emplace();
+  spec.distance = default_distance(setup);
+  read_keys(table, spec, coarsening_keys);
+  for (const int side : read_names(table, "fine_sides", side_names.list(), "side"))
+    spec.fine_sides[side] = true;
+  for (TableReader& fine : table.tables("fine")) read_keys(fine, spec.fine.emplace_back(), fine_keys);
+}
+
+int least_margin(const Case& setup) {
+  constexpr int mapped_ahead = 1, filled = 2;
+  return lbm::link_reach(setup.coupling.wall_scheme) + mapped_ahead + filled;
+}
 
 void find_coarsening_faults(const Case& setup, Findings& findings) {
   if (!setup.coarsening) return;

@@ -165,46 +165,6 @@ void require_resolver(TableReader& table, const ContactSpec& contacts) {
     table.need("sleep_speed", "the speed below which bodies are at rest: sleep_time says how long");
 }
 
-}  // namespace
-
-std::vector<KeySection> contact_sections() {
-  KeySection pairs = section_of("material_pairs", between_keys, material_keys);
-  for (KeyText& key : pairs.keys)
-    if (key.fallback == "0") key.fallback = "of [contacts]";
-  return {section_of("contacts", contact_keys, material_keys, resolver_keys),
-          section_of("materials", name_keys), pairs};
-}
-
-void read_contacts(TableReader& root, Case& setup) {
-  rigid::Material standard;
-  TableReader table = root.table("contacts");
-  ContactSpec& c = setup.contacts;
-  read_keys(table, c, contact_keys);
-  read_keys(table, c.resolver_settings, resolver_keys);
-  c.backend = read_engine(table, "backend", adapters::backend_names()).value_or(c.backend);
-  c.broad_phase = read_engine(table, "broad_phase", adapters::broad_phase_names()).value_or(c.broad_phase);
-  std::vector<std::string> resolvers;
-  for (const rigid::ResolverModel& model : rigid::resolver_models()) resolvers.emplace_back(model.name);
-  c.resolver = table.choice("resolver", resolvers).value_or(c.resolver);
-  require_resolver(table, c);
-  read_material(table, standard, c);
-  read_materials(root, standard, setup);
-  if (!table.has("impact_sweeps")) collide_without_loss(setup);
-}
-
-std::optional<rigid::SleepRule> sleep_rule(const Case& setup) {
-  constexpr double share_of_gravity = 1e-3, longest = 1e9;
-  const ContactSpec& contacts = setup.contacts;
-  if (!contacts.sleep_speed) return std::nullopt;
-  const double gravity = setup.gravity.norm();
-  const double time = contacts.sleep_time ? *contacts.sleep_time
-                      : gravity > 0       ? *contacts.sleep_speed / (share_of_gravity * gravity)
-                                          : longest;
-  return rigid::SleepRule{*contacts.sleep_speed, int(std::clamp(std::ceil(time), 1.0, longest))};
-}
-
-namespace {
-
 constexpr double most_friction = 5;    // of dry matter it is up to about 1
 constexpr double steepest_angle = 89;  // degrees
 constexpr double usual_margin = 1;     // cells
@@ -287,6 +247,42 @@ void check_sleep(const Case& setup, Findings& findings) {
 }
 
 }  // namespace
+
+std::vector<KeySection> contact_sections() {
+  KeySection pairs = section_of("material_pairs", between_keys, material_keys);
+  for (KeyText& key : pairs.keys)
+    if (key.fallback == "0") key.fallback = "of [contacts]";
+  return {section_of("contacts", contact_keys, material_keys, resolver_keys),
+          section_of("materials", name_keys), pairs};
+}
+
+void read_contacts(TableReader& root, Case& setup) {
+  rigid::Material standard;
+  TableReader table = root.table("contacts");
+  ContactSpec& c = setup.contacts;
+  read_keys(table, c, contact_keys);
+  read_keys(table, c.resolver_settings, resolver_keys);
+  c.backend = read_engine(table, "backend", adapters::backend_names()).value_or(c.backend);
+  c.broad_phase = read_engine(table, "broad_phase", adapters::broad_phase_names()).value_or(c.broad_phase);
+  std::vector<std::string> resolvers;
+  for (const rigid::ResolverModel& model : rigid::resolver_models()) resolvers.emplace_back(model.name);
+  c.resolver = table.choice("resolver", resolvers).value_or(c.resolver);
+  require_resolver(table, c);
+  read_material(table, standard, c);
+  read_materials(root, standard, setup);
+  if (!table.has("impact_sweeps")) collide_without_loss(setup);
+}
+
+std::optional<rigid::SleepRule> sleep_rule(const Case& setup) {
+  constexpr double share_of_gravity = 1e-3, longest = 1e9;
+  const ContactSpec& contacts = setup.contacts;
+  if (!contacts.sleep_speed) return std::nullopt;
+  const double gravity = setup.gravity.norm();
+  const double time = contacts.sleep_time ? *contacts.sleep_time
+                      : gravity > 0       ? *contacts.sleep_speed / (share_of_gravity * gravity)
+                                          : longest;
+  return rigid::SleepRule{*contacts.sleep_speed, int(std::clamp(std::ceil(time), 1.0, longest))};
+}
 
 void find_contact_faults(const Case& setup, Findings& findings) {
   check_materials(setup, findings);

@@ -218,26 +218,6 @@ void read_blocks(TableReader& domain, Case& setup) {
     domain.refuse("blocks", "\"auto\" or three whole numbers of cells above 0, [x, y, z]");
 }
 
-}  // namespace
-
-std::vector<KeySection> domain_sections() {
-  return {section_of("units", system_keys, si_keys), section_of("domain", domain_keys),
-          section_of("domain.boundary", axis_keys),
-          section_of("domain.boundary.x", side_keys, velocity_keys, density_keys)};
-}
-
-void read_domain(TableReader& root, Case& setup) {
-  read_units(root, setup);  // everything after it converts
-  TableReader domain = root.table("domain");
-  if (!domain.present()) return;
-  read_keys(domain, setup, domain_keys);
-  read_cells(domain, setup);
-  read_boundary(domain, setup);
-  read_blocks(domain, setup);
-}
-
-namespace {
-
 void check_moving_wall(const Case& setup, Findings& findings, int side) {
   const BoundarySpec& wall = setup.boundary[side];
   const std::string key = fmt::format("{}.velocity", side_key(side));
@@ -305,6 +285,22 @@ void check_flows(const Case& setup, Findings& findings) {
 }
 
 }  // namespace
+
+std::vector<KeySection> domain_sections() {
+  return {section_of("units", system_keys, si_keys), section_of("domain", domain_keys),
+          section_of("domain.boundary", axis_keys),
+          section_of("domain.boundary.x", side_keys, velocity_keys, density_keys)};
+}
+
+void read_domain(TableReader& root, Case& setup) {
+  read_units(root, setup);  // everything after it converts
+  TableReader domain = root.table("domain");
+  if (!domain.present()) return;
+  read_keys(domain, setup, domain_keys);
+  read_cells(domain, setup);
+  read_boundary(domain, setup);
+  read_blocks(domain, setup);
+}
 
 const char* side_key(int side) {
   constexpr const char* keys[6] = {"domain.boundary.x[0]", "domain.boundary.x[1]", "domain.boundary.y[0]",

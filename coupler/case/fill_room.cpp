@@ -56,6 +56,19 @@ namespace {
           why));
 }
 
+constexpr double rounding = 1e-9;  // of a length that is a whole number of steps
+
+/// The distances of rows and of layers over that of neighbours; how many of them repeat the pattern.
+struct Pattern {
+  double rows, layers;
+  int repeat;
+};
+
+Pattern pattern_of(Arrangement arrangement) {
+  if (arrangement != Arrangement::hexagonal) return {1, 1, 1};
+  return {std::sqrt(0.75), std::sqrt(2. / 3), 2};  // closest: layers ABAB
+}
+
 }  // namespace
 
 std::int64_t FillApplication::count(const FillSpec& spec) const {
@@ -92,23 +105,6 @@ rigid::BoundingBox room_for_centres(const Case& setup, std::size_t index, double
   }
   return room;
 }
-
-namespace {
-
-constexpr double rounding = 1e-9;  // of a length that is a whole number of steps
-
-/// The distances of rows and of layers over that of neighbours; how many of them repeat the pattern.
-struct Pattern {
-  double rows, layers;
-  int repeat;
-};
-
-Pattern pattern_of(Arrangement arrangement) {
-  if (arrangement != Arrangement::hexagonal) return {1, 1, 1};
-  return {std::sqrt(0.75), std::sqrt(2. / 3), 2};  // closest: layers ABAB
-}
-
-}  // namespace
 
 Lattice::Lattice(const rigid::BoundingBox& room, const rigid::Extent& extent, Arrangement arrangement,
                  double spacing, std::uint64_t key)

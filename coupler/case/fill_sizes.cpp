@@ -129,6 +129,28 @@ std::vector<SizeShare> strips_of(const DiameterSpec& spec) {
   return sizes;
 }
 
+void add_shapes(Case& setup, FillSpec& fill, const std::vector<SizeShare>& sizes, bool may_replace) {
+  const int given = fill.shape;
+  const rigid::Shape form = setup.shapes[given];
+  const rigid::Vec3 origin = setup.shape_origins[given];
+  const double diameter = rigid::elementary::cbrt(6 / std::numbers::pi * rigid::mass_properties(form).volume);
+  double share = 0;
+  fill.sizes.clear();
+  for (std::size_t i = 0; i < sizes.size(); ++i) {
+    const double factor = sizes[i].diameter / diameter;
+    const bool replaces = may_replace && i + 1 == sizes.size();
+    if (!replaces) {
+      setup.shapes.push_back(form), setup.shape_origins.push_back(origin);
+      setup.shape_names.push_back(std::string(setup.shape_names[given]));
+    }
+    fill.shape = replaces ? given : static_cast<int>(setup.shapes.size()) - 1;
+    setup.shapes[fill.shape] = rigid::scaled(form, factor);
+    setup.shape_origins[fill.shape] = factor * origin;
+    fill.sizes.push_back({fill.shape, share += sizes[i].share});
+  }
+  fill.sizes.back().up_to = 1;
+}
+
 }  // namespace
 
 KeySection fill_size_section() {
@@ -158,32 +180,6 @@ std::vector<SizeShare> read_fill_sizes(TableReader& fill) {
   for (SizeShare& size : sizes) size.share /= all;
   return sizes;
 }
-
-namespace {
-
-void add_shapes(Case& setup, FillSpec& fill, const std::vector<SizeShare>& sizes, bool may_replace) {
-  const int given = fill.shape;
-  const rigid::Shape form = setup.shapes[given];
-  const rigid::Vec3 origin = setup.shape_origins[given];
-  const double diameter = rigid::elementary::cbrt(6 / std::numbers::pi * rigid::mass_properties(form).volume);
-  double share = 0;
-  fill.sizes.clear();
-  for (std::size_t i = 0; i < sizes.size(); ++i) {
-    const double factor = sizes[i].diameter / diameter;
-    const bool replaces = may_replace && i + 1 == sizes.size();
-    if (!replaces) {
-      setup.shapes.push_back(form), setup.shape_origins.push_back(origin);
-      setup.shape_names.push_back(std::string(setup.shape_names[given]));
-    }
-    fill.shape = replaces ? given : static_cast<int>(setup.shapes.size()) - 1;
-    setup.shapes[fill.shape] = rigid::scaled(form, factor);
-    setup.shape_origins[fill.shape] = factor * origin;
-    fill.sizes.push_back({fill.shape, share += sizes[i].share});
-  }
-  fill.sizes.back().up_to = 1;
-}
-
-}  // namespace
 
 void set_fill_sizes(Case& setup, const std::vector<std::vector<SizeShare>>& sizes) {
   std::vector<bool> used(setup.shapes.size());

@@ -168,36 +168,6 @@ void read_viscosity(TableReader& fluid, FluidSpec& spec) {
   }
 }
 
-}  // namespace
-
-std::vector<KeySection> fluid_sections() {
-  return {section_of("fluid", fluid_keys),
-          section_of("fluid.initial", initial_keys, stream_keys, layer_keys, vortex_keys),
-          section_of("gravity", gravity_keys), over_time_section(), section_of("coupling", coupling_keys)};
-}
-
-void read_fluid(TableReader& root, Case& setup) {
-  TableReader fluid = root.table("fluid"), gravity = root.table("gravity");
-  if (fluid.present()) {
-    FluidSpec& spec = setup.fluid.emplace();
-    read_keys(fluid, spec, fluid_keys);
-    read_viscosity(fluid, spec);
-    read_collision(fluid, spec);
-    read_initial(fluid.table("initial"), spec.initial);
-    spec.body_force_over_time = read_over_time(fluid, "body_force_over_time");
-  }
-  read_keys(gravity, setup, gravity_keys);
-  setup.gravity_over_time = read_over_time(gravity, "over_time");
-  read_coupling(root, setup);
-  if (!setup.fluid) return;
-  const bool surfaces = root.has("bodies") || root.has("fill") || root.has("walls");
-  const double best = surfaces ? lbm::best_magic(setup.coupling.wall_scheme, setup.fluid->relaxation_time)
-                               : setup.fluid->magic;
-  setup.fluid->magic = fluid.number("magic", range::above(0)).value_or(best);
-}
-
-namespace {
-
 // Limits of the method, in lattice units.
 constexpr double doubtful_relaxation_low = 0.51, doubtful_relaxation_high = 2, high_relaxation = 5;
 constexpr double most_relaxation = 1e4, usual_relaxation = 1;
@@ -287,6 +257,32 @@ void check_initial(const Case& setup, Findings& findings) {
 }
 
 }  // namespace
+
+std::vector<KeySection> fluid_sections() {
+  return {section_of("fluid", fluid_keys),
+          section_of("fluid.initial", initial_keys, stream_keys, layer_keys, vortex_keys),
+          section_of("gravity", gravity_keys), over_time_section(), section_of("coupling", coupling_keys)};
+}
+
+void read_fluid(TableReader& root, Case& setup) {
+  TableReader fluid = root.table("fluid"), gravity = root.table("gravity");
+  if (fluid.present()) {
+    FluidSpec& spec = setup.fluid.emplace();
+    read_keys(fluid, spec, fluid_keys);
+    read_viscosity(fluid, spec);
+    read_collision(fluid, spec);
+    read_initial(fluid.table("initial"), spec.initial);
+    spec.body_force_over_time = read_over_time(fluid, "body_force_over_time");
+  }
+  read_keys(gravity, setup, gravity_keys);
+  setup.gravity_over_time = read_over_time(gravity, "over_time");
+  read_coupling(root, setup);
+  if (!setup.fluid) return;
+  const bool surfaces = root.has("bodies") || root.has("fill") || root.has("walls");
+  const double best = surfaces ? lbm::best_magic(setup.coupling.wall_scheme, setup.fluid->relaxation_time)
+                               : setup.fluid->magic;
+  setup.fluid->magic = fluid.number("magic", range::above(0)).value_or(best);
+}
 
 void find_fluid_faults(const Case& setup, Findings& findings) {
   if (!setup.fluid) return;

@@ -224,47 +224,6 @@ void read_run(TableReader run, Case& setup) {
   read_keys(balance, setup, balance_keys);
 }
 
-}  // namespace
-
-std::vector<KeySection> output_sections() {
-  return {section_of("run", run_keys),
-          section_of("run.steady", steady_keys),
-          section_of("run.balance", balance_keys),
-          section_of("output", output_keys),
-          section_of("output.fields", series_keys, field_keys),
-          section_of("output.slices", slice_keys, plane_keys, series_keys, field_keys),
-          section_of("output.series", columns_keys),
-          section_of("output.probes", probe_keys),
-          section_of("output.mean", mean_keys),
-          section_of("output.bodies", series_keys, contact_output_keys),
-          section_of("output.checkpoint", series_keys, checkpoint_keys),
-          section_of("output.report", series_keys)};
-}
-
-void read_output(TableReader& root, Case& setup) {
-  read_run(root.table("run"), setup);
-  OutputSpec& output = setup.output;
-  TableReader table = root.table("output");
-  output.fields.upper = setup.cells;
-  read_keys(table, output, output_keys);
-  if (!table.present()) return;
-  TableReader fields = table.table("fields"), bodies = table.table("bodies");
-  TableReader checkpoint = table.table("checkpoint"), report = table.table("report");
-  read_fields(fields, output.fields);
-  read_slices(table, setup.cells, output.slices);
-  read_series(table, output.series);
-  read_probes(table, output.probes);
-  if (TableReader mean = table.table("mean"); mean.present())
-    read_keys(mean, output.mean.emplace(), mean_keys);
-  read_keys(bodies, output.bodies, series_keys);
-  read_keys(bodies, output, contact_output_keys);
-  read_keys(checkpoint, output.checkpoint, series_keys);
-  read_keys(checkpoint, output, checkpoint_keys);
-  read_keys(report, output.report, series_keys);
-}
-
-namespace {
-
 /// The quantity that a key names; none, reported, if there is none of the name.
 const QuantitySpec* named_quantity(Findings& findings, const std::string& key, const std::string& name) {
   std::vector<std::string> names;
@@ -332,6 +291,43 @@ void check_mean(const Case& setup, Findings& findings) {
 }
 
 }  // namespace
+
+std::vector<KeySection> output_sections() {
+  return {section_of("run", run_keys),
+          section_of("run.steady", steady_keys),
+          section_of("run.balance", balance_keys),
+          section_of("output", output_keys),
+          section_of("output.fields", series_keys, field_keys),
+          section_of("output.slices", slice_keys, plane_keys, series_keys, field_keys),
+          section_of("output.series", columns_keys),
+          section_of("output.probes", probe_keys),
+          section_of("output.mean", mean_keys),
+          section_of("output.bodies", series_keys, contact_output_keys),
+          section_of("output.checkpoint", series_keys, checkpoint_keys),
+          section_of("output.report", series_keys)};
+}
+
+void read_output(TableReader& root, Case& setup) {
+  read_run(root.table("run"), setup);
+  OutputSpec& output = setup.output;
+  TableReader table = root.table("output");
+  output.fields.upper = setup.cells;
+  read_keys(table, output, output_keys);
+  if (!table.present()) return;
+  TableReader fields = table.table("fields"), bodies = table.table("bodies");
+  TableReader checkpoint = table.table("checkpoint"), report = table.table("report");
+  read_fields(fields, output.fields);
+  read_slices(table, setup.cells, output.slices);
+  read_series(table, output.series);
+  read_probes(table, output.probes);
+  if (TableReader mean = table.table("mean"); mean.present())
+    read_keys(mean, output.mean.emplace(), mean_keys);
+  read_keys(bodies, output.bodies, series_keys);
+  read_keys(bodies, output, contact_output_keys);
+  read_keys(checkpoint, output.checkpoint, series_keys);
+  read_keys(checkpoint, output, checkpoint_keys);
+  read_keys(report, output.report, series_keys);
+}
 
 void find_run_faults(const Case& setup, Findings& findings) {
   if (setup.steps < 1)

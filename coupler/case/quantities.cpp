@@ -89,34 +89,6 @@ void read_quantity_keys(TableReader& table, const QuantityType& type, QuantitySp
   if (type.takes(Q::bearer)) read_bearer(table, type, quantity, setup);
 }
 
-}  // namespace
-
-std::vector<KeySection> quantity_sections() {
-  KeySection section = section_of("quantities", every_type_keys);
-  std::apply([&](const auto&... row) { (section.keys.push_back(text_of(row.key)), ...); }, type_keys);
-  return {section};
-}
-
-void read_quantities(TableReader& root, Case& setup) {
-  std::vector<std::string> names;
-  for (TableReader& table : root.tables("quantities")) {
-    QuantitySpec quantity;
-    quantity.box = box_of(setup);
-    read_keys(table, quantity, every_type_keys);
-    quantity.name = read_new_name(table, names, "quantity");
-    std::vector<std::string> types;
-    for (const QuantityType& known : quantity_types) types.emplace_back(known.name);
-    const auto type = table.choice("type", types);
-    if (!type) table.judge_no_keys();
-    if (!type) continue;
-    quantity.type = *type;
-    read_quantity_keys(table, quantity_type(*type), quantity, setup);
-    setup.quantities.push_back(quantity);
-  }
-}
-
-namespace {
-
 // Returns what a quantity needs and the case has not.
 std::string lacking(const Case& setup, const QuantityType& type) {
   if (type.asks_for(Q::fluid) && !setup.fluid) return "the case has no [fluid]";
@@ -185,6 +157,30 @@ void check_place(const Case& setup, Findings& findings, const QuantitySpec& quan
 }
 
 }  // namespace
+
+std::vector<KeySection> quantity_sections() {
+  KeySection section = section_of("quantities", every_type_keys);
+  std::apply([&](const auto&... row) { (section.keys.push_back(text_of(row.key)), ...); }, type_keys);
+  return {section};
+}
+
+void read_quantities(TableReader& root, Case& setup) {
+  std::vector<std::string> names;
+  for (TableReader& table : root.tables("quantities")) {
+    QuantitySpec quantity;
+    quantity.box = box_of(setup);
+    read_keys(table, quantity, every_type_keys);
+    quantity.name = read_new_name(table, names, "quantity");
+    std::vector<std::string> types;
+    for (const QuantityType& known : quantity_types) types.emplace_back(known.name);
+    const auto type = table.choice("type", types);
+    if (!type) table.judge_no_keys();
+    if (!type) continue;
+    quantity.type = *type;
+    read_quantity_keys(table, quantity_type(*type), quantity, setup);
+    setup.quantities.push_back(quantity);
+  }
+}
 
 void find_quantity_faults(const Case& setup, Findings& findings) {
   for (std::size_t i = 0; i < setup.quantities.size(); ++i) {

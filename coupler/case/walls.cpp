@@ -153,6 +153,21 @@ MeshWall read_mesh_wall(TableReader& table) {
   return wall;
 }
 
+std::string read_wall_name(TableReader& table, const std::vector<CurvedWall>& walls) {
+  const std::string name = table.string("name").value_or(table.path());
+  for (const CurvedWall& other : walls)
+    if (other.name == name) table.fail("name", "{}: there already is a wall '{}'", table.path("name"), name);
+  return name;
+}
+
+HollowWallSpec read_hollow_wall(TableReader& table, const std::string& type) {
+  HollowWallSpec wall{read_hollow(table, type)};
+  read_keys(table, wall, hollow_keys);
+  if (wall.shape.slides()) read_keys(table, wall, sliding_keys);
+  if (table.has("axis")) wall.axis = read_direction(table, "");
+  return wall;
+}
+
 }  // namespace
 
 ReadMotion read_motion(TableReader& table) {
@@ -199,25 +214,6 @@ std::shared_ptr<const rigid::PolyhedronMesh> read_polyhedron_file(TableReader& t
                [&](const adapters::ReadPolyhedron& read, const std::string&) { mesh = read.mesh; });
   return mesh;
 }
-
-namespace {
-
-std::string read_wall_name(TableReader& table, const std::vector<CurvedWall>& walls) {
-  const std::string name = table.string("name").value_or(table.path());
-  for (const CurvedWall& other : walls)
-    if (other.name == name) table.fail("name", "{}: there already is a wall '{}'", table.path("name"), name);
-  return name;
-}
-
-HollowWallSpec read_hollow_wall(TableReader& table, const std::string& type) {
-  HollowWallSpec wall{read_hollow(table, type)};
-  read_keys(table, wall, hollow_keys);
-  if (wall.shape.slides()) read_keys(table, wall, sliding_keys);
-  if (table.has("axis")) wall.axis = read_direction(table, "");
-  return wall;
-}
-
-}  // namespace
 
 std::vector<KeySection> wall_sections() {
   return {

@@ -27,6 +27,51 @@ int clamped(double x, int cells) {
   return x >= cells ? cells - 1 : static_cast<int>(x);
 }
 
+/// The widest gap of a film between two bodies.
+double film_reach(const rigid::World& world) {
+  return world.contact_margin + world.lubrication->reach();
+}
+
+/// Returns the largest radius of bodies: walls have none.
+double largest_radius_of(const rigid::World& world) {
+  double largest = 0;
+  for (const double radius : world.bounding_radii)
+    if (std::isfinite(radius)) largest = std::max(largest, radius);
+  return largest;
+}
+
+constexpr double furthest_in_a_step = 2;  // cells, at least
+constexpr double ahead = 0.5;             // steps that copies drift by themselves
+
+/// Half a cell more or less than a whole number, so that of two blocks each finds the other.
+double reach_of(const lbm::Domain& domain, const rigid::World& world, double rim) {
+  const double largest = largest_radius_of(world);
+  const double to_partner = world.lubrication ? largest + film_reach(world) : 0;
+  int thinnest = std::numeric_limits<int>::max();
+  domain.tree().for_leaves_meeting({{}, domain.cells()}, [&](const lbm::CutTree::Leaf& leaf) {
+    for (int d = 0; d < 3; ++d) thinnest = std::min(thinnest, leaf.box.size[d]);
+  });
+  return std::max(std::ceil(rim + largest + to_partner + (1 + ahead) * furthest_in_a_step) + 0.5,
+                  thinnest - 0.5);
+}
+
+std::vector<int> ranks_around(const lbm::Domain& domain, int rank, double reach) {
+  const Holders holders(domain, reach);
+  std::vector<int> all, of_block;
+  for (const lbm::BlockPlace& place : domain.blocks_of(rank)) {
+    rigid::BoundingBox bounds;
+    for (int d = 0; d < 3; ++d) {
+      bounds.lower[d] = place.box.lower[d];
+      bounds.upper[d] = place.box.lower[d] + place.box.size[d];
+    }
+    holders.ranks_of(bounds, of_block);
+    all.insert(all.end(), of_block.begin(), of_block.end());
+  }
+  sort_unique(all);
+  std::erase(all, rank);
+  return all;
+}
+
 }  // namespace
 
 Holders::Holders(const lbm::Domain& domain, double rim, int here) : domain_(&domain), rim_(rim), here_(here) {
@@ -78,55 +123,6 @@ void Holders::ranks_of(const rigid::BoundingBox& box, std::vector<int>& ranks) c
   });
   sort_unique(ranks);
 }
-
-namespace {
-
-/// The widest gap of a film between two bodies.
-double film_reach(const rigid::World& world) {
-  return world.contact_margin + world.lubrication->reach();
-}
-
-/// Returns the largest radius of bodies: walls have none.
-double largest_radius_of(const rigid::World& world) {
-  double largest = 0;
-  for (const double radius : world.bounding_radii)
-    if (std::isfinite(radius)) largest = std::max(largest, radius);
-  return largest;
-}
-
-constexpr double furthest_in_a_step = 2;  // cells, at least
-constexpr double ahead = 0.5;             // steps that copies drift by themselves
-
-/// Half a cell more or less than a whole number, so that of two blocks each finds the other.
-double reach_of(const lbm::Domain& domain, const rigid::World& world, double rim) {
-  const double largest = largest_radius_of(world);
-  const double to_partner = world.lubrication ? largest + film_reach(world) : 0;
-  int thinnest = std::numeric_limits<int>::max();
-  domain.tree().for_leaves_meeting({{}, domain.cells()}, [&](const lbm::CutTree::Leaf& leaf) {
-    for (int d = 0; d < 3; ++d) thinnest = std::min(thinnest, leaf.box.size[d]);
-  });
-  return std::max(std::ceil(rim + largest + to_partner + (1 + ahead) * furthest_in_a_step) + 0.5,
-                  thinnest - 0.5);
-}
-
-std::vector<int> ranks_around(const lbm::Domain& domain, int rank, double reach) {
-  const Holders holders(domain, reach);
-  std::vector<int> all, of_block;
-  for (const lbm::BlockPlace& place : domain.blocks_of(rank)) {
-    rigid::BoundingBox bounds;
-    for (int d = 0; d < 3; ++d) {
-      bounds.lower[d] = place.box.lower[d];
-      bounds.upper[d] = place.box.lower[d] + place.box.size[d];
-    }
-    holders.ranks_of(bounds, of_block);
-    all.insert(all.end(), of_block.begin(), of_block.end());
-  }
-  sort_unique(all);
-  std::erase(all, rank);
-  return all;
-}
-
-}  // namespace
 
 Neighbourhood::Neighbourhood(const lbm::Domain& domain, const rigid::World& world, double rim, int rank)
     : domain_(&domain),

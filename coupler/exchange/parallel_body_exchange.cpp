@@ -57,6 +57,26 @@ rigid::BodySet made_again(std::vector<OwnedBody>& own, const rigid::BodySet& bef
   return bodies;
 }
 
+/// Calls each(member) with all that a stored impulse is.
+template <class AnyImpulse, class Each>
+void for_impulse_members(AnyImpulse& s, Each&& each) {
+  each(s.partner), each(s.image), each(s.feature), each(s.held);
+  for (int d = 0; d < 3; ++d) each(s.impulse[d]);
+}
+
+void put_impulses(parallel::Bytes& to, const std::vector<rigid::StoredImpulse>& impulses) {
+  parallel::put(to, static_cast<std::uint64_t>(impulses.size()));
+  for (const rigid::StoredImpulse& s : impulses)
+    for_impulse_members(s, [&](const auto& member) { parallel::put(to, member); });
+}
+
+std::vector<rigid::StoredImpulse> take_impulses(parallel::ByteReader& from) {
+  std::vector<rigid::StoredImpulse> impulses(from.take<std::uint64_t>());
+  for (rigid::StoredImpulse& s : impulses)
+    for_impulse_members(s, [&](auto& member) { member = from.take<std::decay_t<decltype(member)>>(); });
+  return impulses;
+}
+
 }  // namespace
 
 ParallelBodyExchange::ParallelBodyExchange(MPI_Comm comm, const lbm::Domain& domain,
@@ -222,30 +242,6 @@ void ParallelBodyExchange::share_with_copies(const rigid::BodySet& bodies, std::
     for (const BodyId id : tie_with(m.rank).taken) reader.take(values_of(id));
   }
 }
-
-namespace {
-
-/// Calls each(member) with all that a stored impulse is.
-template <class AnyImpulse, class Each>
-void for_impulse_members(AnyImpulse& s, Each&& each) {
-  each(s.partner), each(s.image), each(s.feature), each(s.held);
-  for (int d = 0; d < 3; ++d) each(s.impulse[d]);
-}
-
-void put_impulses(parallel::Bytes& to, const std::vector<rigid::StoredImpulse>& impulses) {
-  parallel::put(to, static_cast<std::uint64_t>(impulses.size()));
-  for (const rigid::StoredImpulse& s : impulses)
-    for_impulse_members(s, [&](const auto& member) { parallel::put(to, member); });
-}
-
-std::vector<rigid::StoredImpulse> take_impulses(parallel::ByteReader& from) {
-  std::vector<rigid::StoredImpulse> impulses(from.take<std::uint64_t>());
-  for (rigid::StoredImpulse& s : impulses)
-    for_impulse_members(s, [&](auto& member) { member = from.take<std::decay_t<decltype(member)>>(); });
-  return impulses;
-}
-
-}  // namespace
 
 void put_body(parallel::Bytes& to, const OwnedBody& body) {
   parallel::put(to, body.record);

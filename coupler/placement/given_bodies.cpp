@@ -148,22 +148,6 @@ std::vector<BodyFault> faults_of_pairs(const Case& setup, const std::vector<Give
   return faults;
 }
 
-}  // namespace
-
-void require_sound_start(const Case& setup, const lbm::Domain& domain, MPI_Comm comm) {
-  Surroundings around(setup, domain, comm, 1);
-  const std::vector<GivenBody> bodies = given_bodies(setup, around);
-  std::vector<BodyFault> faults = first_faults(comm, faults_of_places(setup, bodies), most_messages);
-  if (faults.empty()) faults = first_faults(comm, faults_of_pairs(setup, bodies), most_messages);
-  std::vector<Diagnostic> list;
-  for (const BodyFault& fault : faults)
-    list.push_back({Diagnostic::Severity::error,
-                    setup.place(position_key(setup, entry_of(setup, fault.body))), fault.text});
-  if (!list.empty()) throw CaseError(std::move(list));
-}
-
-namespace {
-
 using rigid::Vec3;
 
 /// A body on its way; what else there is to know of it the case says.
@@ -252,6 +236,18 @@ void send(const Case& setup, const FiledBodies& filed, Surroundings& around, con
 }
 
 }  // namespace
+
+void require_sound_start(const Case& setup, const lbm::Domain& domain, MPI_Comm comm) {
+  Surroundings around(setup, domain, comm, 1);
+  const std::vector<GivenBody> bodies = given_bodies(setup, around);
+  std::vector<BodyFault> faults = first_faults(comm, faults_of_places(setup, bodies), most_messages);
+  if (faults.empty()) faults = first_faults(comm, faults_of_pairs(setup, bodies), most_messages);
+  std::vector<Diagnostic> list;
+  for (const BodyFault& fault : faults)
+    list.push_back({Diagnostic::Severity::error,
+                    setup.place(position_key(setup, entry_of(setup, fault.body))), fault.text});
+  if (!list.empty()) throw CaseError(std::move(list));
+}
 
 void add_filed_bodies(const Case& setup, Surroundings& around, std::vector<GivenBody>& bodies,
                       std::size_t at_once) {

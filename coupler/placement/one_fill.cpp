@@ -88,29 +88,6 @@ void add_to_obstacles(const std::vector<FilledBody>& bodies, Surroundings& aroun
   around.messages.for_received<Centre>([&](const Centre& x, int) { obstacles.add_ball({x[0], x[1], x[2]}); });
 }
 
-}  // namespace
-
-/// The first sites that are free, as many as asked for or all.
-Filling fill_sites(const OneFill& fill) {
-  const auto count = static_cast<std::uint64_t>(fill.count);
-  const std::size_t index = fill.application.fill;
-  const Lattice lattice = lattice_of(fill.setup, fill.application, fill.radius);
-  std::vector<FilledBody> bodies = on_free_sites(fill, lattice);
-  set_places(bodies, std::max<std::uint64_t>(1, lattice.total()), fill.around);
-  const std::uint64_t sites = fill.around.sum(bodies.size());
-  if (fill.application.is_first() && sites < std::max<std::uint64_t>(count, 1))
-    throw CaseError(fill.setup.place(fmt::format("fill[{}].count", index)),
-                    fmt::format("fill[{}].count is {}, but there are only {} free sites; lower count, gap or "
-                                "spacing, or enlarge box or domain",
-                                index, count, sites));
-  const std::uint64_t total = count > 0 ? std::min(count, sites) : sites;
-  std::erase_if(bodies, [&](const FilledBody& body) { return body.place >= total; });
-  add_to_obstacles(bodies, fill.around, fill.obstacles);
-  return {std::move(bodies), total};
-}
-
-namespace {
-
 using rigid::BoundingBox;
 using rigid::Vec3;
 
@@ -364,6 +341,25 @@ class RandomFill {
 };
 
 }  // namespace
+
+/// The first sites that are free, as many as asked for or all.
+Filling fill_sites(const OneFill& fill) {
+  const auto count = static_cast<std::uint64_t>(fill.count);
+  const std::size_t index = fill.application.fill;
+  const Lattice lattice = lattice_of(fill.setup, fill.application, fill.radius);
+  std::vector<FilledBody> bodies = on_free_sites(fill, lattice);
+  set_places(bodies, std::max<std::uint64_t>(1, lattice.total()), fill.around);
+  const std::uint64_t sites = fill.around.sum(bodies.size());
+  if (fill.application.is_first() && sites < std::max<std::uint64_t>(count, 1))
+    throw CaseError(fill.setup.place(fmt::format("fill[{}].count", index)),
+                    fmt::format("fill[{}].count is {}, but there are only {} free sites; lower count, gap or "
+                                "spacing, or enlarge box or domain",
+                                index, count, sites));
+  const std::uint64_t total = count > 0 ? std::min(count, sites) : sites;
+  std::erase_if(bodies, [&](const FilledBody& body) { return body.place >= total; });
+  add_to_obstacles(bodies, fill.around, fill.obstacles);
+  return {std::move(bodies), total};
+}
 
 Filling fill_at_random(const OneFill& fill) {
   return RandomFill(fill).placed();

@@ -151,6 +151,12 @@ std::vector<GivenBody> present_near(const Case& setup, const std::vector<FillApp
   return near;
 }
 
+using rigid::Vec3;
+
+void store(const Vec3& v, double* to) {
+  Eigen::Map<Vec3>{to} = v;
+}
+
 }  // namespace
 
 std::size_t PlacedBodies::size() const {
@@ -194,16 +200,6 @@ std::vector<AppliedFill> place_arrivals(const Case& setup, const std::vector<Fil
   const auto there = present_near(setup, applications, bodies, reach, around);
   return apply_fills(setup, applications, there, around, next_id);
 }
-
-namespace {
-
-using rigid::Vec3;
-
-void store(const Vec3& v, double* to) {
-  Eigen::Map<Vec3>{to} = v;
-}
-
-}  // namespace
 
 std::vector<CentredShape> centred_shapes(const Case& setup) {
   std::vector<CentredShape> shapes;

@@ -54,6 +54,19 @@ void sort_section(BodySet& b, std::size_t first, std::size_t last) {
   });
 }
 
+/// The inverse of the inertia between the axes about which the body may turn, else zero.
+Mat3 inverse_about_free_axes(const BodySet& bodies, std::size_t row) {
+  const Mat3 r = bodies.orientation[row].toRotationMatrix();
+  Mat3 inertia = r * bodies.inertia_B[row] * r.transpose();
+  const auto locked = [&](int d) { return (bodies.locked(row) & locked_about(d)) != 0; };
+  for (int d = 0; d < 3; ++d)
+    if (locked(d)) inertia.row(d).setZero(), inertia.col(d).setZero(), inertia(d, d) = 1;
+  Mat3 inverse = inertia.inverse();
+  for (int d = 0; d < 3; ++d)
+    if (locked(d)) inverse(d, d) = 0;
+  return inverse;
+}
+
 }  // namespace
 
 Kinematics BodySet::kinematics(std::size_t row) const {
@@ -148,23 +161,6 @@ bool BodySet::is_isotropic(std::size_t row) const {
                                std::abs(i(0, 0) - i(1, 1)), std::abs(i(0, 0) - i(2, 2))});
   return off <= tolerance * i(0, 0);
 }
-
-namespace {
-
-/// The inverse of the inertia between the axes about which the body may turn, else zero.
-Mat3 inverse_about_free_axes(const BodySet& bodies, std::size_t row) {
-  const Mat3 r = bodies.orientation[row].toRotationMatrix();
-  Mat3 inertia = r * bodies.inertia_B[row] * r.transpose();
-  const auto locked = [&](int d) { return (bodies.locked(row) & locked_about(d)) != 0; };
-  for (int d = 0; d < 3; ++d)
-    if (locked(d)) inertia.row(d).setZero(), inertia.col(d).setZero(), inertia(d, d) = 1;
-  Mat3 inverse = inertia.inverse();
-  for (int d = 0; d < 3; ++d)
-    if (locked(d)) inverse(d, d) = 0;
-  return inverse;
-}
-
-}  // namespace
 
 Mat3 BodySet::inverse_inertia_W(std::size_t row) const {
   if (!is_free(row)) return Mat3::Zero();

@@ -32,30 +32,6 @@ double from_first_row(const std::vector<OverTime::Row>& table, double time) {
   return sum;
 }
 
-}  // namespace
-
-double OverTime::at(double time) const {
-  const double share = table.empty() ? 1 : in_table(table, time);
-  return amplitude == 0 ? share
-                        : share + amplitude * elementary::sin(period_of_sine * frequency * time + phase);
-}
-
-double OverTime::integral(double time) const {
-  const double sum = table.empty() ? time : from_first_row(table, time) - from_first_row(table, 0);
-  if (amplitude == 0) return sum;
-  const double swing = period_of_sine * frequency;
-  if (swing == 0) return sum + amplitude * elementary::sin(phase) * time;
-  return sum + amplitude / swing * (elementary::cos(phase) - elementary::cos(swing * time + phase));
-}
-
-double OverTime::most() const {
-  double share = table.empty() ? 1 : 0;
-  for (const Row& row : table) share = std::max(share, std::abs(row.share));
-  return share + std::abs(amplitude);
-}
-
-namespace {
-
 constexpr double full_turn = 2 * std::numbers::pi;
 
 /// Displacement and rotation, and their rates.
@@ -119,6 +95,26 @@ Vec3 angular_velocity_of(const Vec3& rotation, const Vec3& rate) {
 }
 
 }  // namespace
+
+double OverTime::at(double time) const {
+  const double share = table.empty() ? 1 : in_table(table, time);
+  return amplitude == 0 ? share
+                        : share + amplitude * elementary::sin(period_of_sine * frequency * time + phase);
+}
+
+double OverTime::integral(double time) const {
+  const double sum = table.empty() ? time : from_first_row(table, time) - from_first_row(table, 0);
+  if (amplitude == 0) return sum;
+  const double swing = period_of_sine * frequency;
+  if (swing == 0) return sum + amplitude * elementary::sin(phase) * time;
+  return sum + amplitude / swing * (elementary::cos(phase) - elementary::cos(swing * time + phase));
+}
+
+double OverTime::most() const {
+  double share = table.empty() ? 1 : 0;
+  for (const Row& row : table) share = std::max(share, std::abs(row.share));
+  return share + std::abs(amplitude);
+}
 
 bool PrescribedMotion::moves() const {
   return !velocity.isZero(0) || !angular_velocity.isZero(0) || (!amplitude.isZero(0) && frequency != 0) ||

@@ -116,15 +116,6 @@ class Search {
   std::vector<DirectionTriangle> heap_;
 };
 
-}  // namespace
-
-std::optional<Peak> search_directions(const ConvexCore& a, const ConvexCore& b, const Peak& seed,
-                                      double enough) {
-  return Search(a, b, seed, enough).run();
-}
-
-namespace {
-
 constexpr double height_rounding = 2e-15;  // part of the pair's size: differences of height below it are none
 constexpr double parallel_sine = 1e-8;
 /// Radian, squared: after a step of Newton's method this small the next one is rounding; and so it is after
@@ -259,6 +250,11 @@ Peak step_up(const ConvexCore& a, const ConvexCore& b, const Vec3& n, double ang
 }
 
 }  // namespace
+
+std::optional<Peak> search_directions(const ConvexCore& a, const ConvexCore& b, const Peak& seed,
+                                      double enough) {
+  return Search(a, b, seed, enough).run();
+}
 
 Peak climb(const ConvexCore& a, const ConvexCore& b, const Vec3& n, double angle, int most_rounds) {
   const double handicap = height_rounding * length_scale(a, b);

@@ -63,6 +63,18 @@ class PairSearch {
   Vec3 shift_;
 };
 
+/// Two spheres, the pair that most scenes ask about most: without cores.
+void collide_spheres(double radius_a, const Vec3& centre_a, double radius_b, const Vec3& centre_b,
+                     double tolerance, std::vector<ContactPoint>& out) {
+  const Vec3 d = centre_b - centre_a;
+  const double distance = d.norm(), radii = radius_a + radius_b, gap = distance - radii;
+  if (gap > tolerance) return;
+  // concentric to rounding: any unit vector will do, the same one every time
+  const Vec3 normal = distance > 1e-13 * radii ? Vec3(d / distance) : Vec3(Vec3::UnitZ());
+  const Vec3 on_a = centre_a + radius_a * normal;
+  out.push_back({on_a, on_a + gap * normal, normal, gap, feature_id({}, {})});
+}
+
 }  // namespace
 
 bool CollisionBackend::supports(const ConvexShape& a, const ConvexShape& b) const {
@@ -94,22 +106,6 @@ void CollisionBackend::find_triangle_pairs(const SharedMesh& a, const Pose& pose
                                            std::vector<TrianglePair>& out) {
   PairSearch(*a, pose_a, *b, pose_b, margin, out).descend(0, 0);
 }
-
-namespace {
-
-/// Two spheres, the pair that most scenes ask about most: without cores.
-void collide_spheres(double radius_a, const Vec3& centre_a, double radius_b, const Vec3& centre_b,
-                     double tolerance, std::vector<ContactPoint>& out) {
-  const Vec3 d = centre_b - centre_a;
-  const double distance = d.norm(), radii = radius_a + radius_b, gap = distance - radii;
-  if (gap > tolerance) return;
-  // concentric to rounding: any unit vector will do, the same one every time
-  const Vec3 normal = distance > 1e-13 * radii ? Vec3(d / distance) : Vec3(Vec3::UnitZ());
-  const Vec3 on_a = centre_a + radius_a * normal;
-  out.push_back({on_a, on_a + gap * normal, normal, gap, feature_id({}, {})});
-}
-
-}  // namespace
 
 void AnalyticBackend::collide(const ConvexShape& a, const Pose& pose_a, const ConvexShape& b,
                               const Pose& pose_b, double tolerance, std::vector<ContactPoint>& out) {

@@ -85,40 +85,6 @@ bool is_nearest_around(const MeshFeatures& mesh, const Nearest& nearest, std::si
   return found >= (nearest.kind == Nearest::edge ? 2 : mesh.valence(nearest.index));
 }
 
-}  // namespace
-
-void append_ball_contacts(const Vec3& centre, double radius, const MeshFeatures& mesh,
-                          std::span<const std::uint32_t> near, double tolerance,
-                          std::vector<ContactPoint>& out) {
-  const double reach = radius + tolerance;
-  thread_local std::vector<Nearest> found;
-  found.clear();
-  for (const std::uint32_t t : near) {
-    const Nearest nearest = nearest_on_triangle(mesh, t, centre);
-    if (nearest.square <= reach * reach) found.push_back(nearest);
-  }
-  if (found.empty()) return;
-  std::sort(found.begin(), found.end(), [](const Nearest& a, const Nearest& b) { return a.key() < b.key(); });
-  const auto first =
-      std::ranges::min_element(found, [](const Nearest& a, const Nearest& b) { return a.square < b.square; });
-  const bool inside = in_solid(mesh, *first, centre);
-  out.push_back(contact_at(mesh, *first, centre, radius, inside));
-  if (inside) return;
-  const std::size_t begin = out.size() - 1;
-  for (auto group = found.begin(); group != found.end();) {
-    const auto end = std::find_if(group, found.end(), [&](const Nearest& n) { return !n.is_same(*group); });
-    if (is_nearest_around(mesh, *group, end - group, centre)) {
-      const ContactPoint p = contact_at(mesh, *group, centre, radius, false);
-      const bool known = std::any_of(out.begin() + begin, out.end(),
-                                     [&](const ContactPoint& q) { return q.feature == p.feature; });
-      if (!known) out.push_back(p);
-    }
-    group = end;
-  }
-}
-
-namespace {
-
 /// Part of the pair's size: what a normal that was searched for may be off.
 constexpr double normal_rounding = 1e-9;
 /// Part of a body's least width: deeper behind a triangle, the way out may be another one.
@@ -346,6 +312,36 @@ class OnTriangle {
 };
 
 }  // namespace
+
+void append_ball_contacts(const Vec3& centre, double radius, const MeshFeatures& mesh,
+                          std::span<const std::uint32_t> near, double tolerance,
+                          std::vector<ContactPoint>& out) {
+  const double reach = radius + tolerance;
+  thread_local std::vector<Nearest> found;
+  found.clear();
+  for (const std::uint32_t t : near) {
+    const Nearest nearest = nearest_on_triangle(mesh, t, centre);
+    if (nearest.square <= reach * reach) found.push_back(nearest);
+  }
+  if (found.empty()) return;
+  std::sort(found.begin(), found.end(), [](const Nearest& a, const Nearest& b) { return a.key() < b.key(); });
+  const auto first =
+      std::ranges::min_element(found, [](const Nearest& a, const Nearest& b) { return a.square < b.square; });
+  const bool inside = in_solid(mesh, *first, centre);
+  out.push_back(contact_at(mesh, *first, centre, radius, inside));
+  if (inside) return;
+  const std::size_t begin = out.size() - 1;
+  for (auto group = found.begin(); group != found.end();) {
+    const auto end = std::find_if(group, found.end(), [&](const Nearest& n) { return !n.is_same(*group); });
+    if (is_nearest_around(mesh, *group, end - group, centre)) {
+      const ContactPoint p = contact_at(mesh, *group, centre, radius, false);
+      const bool known = std::any_of(out.begin() + begin, out.end(),
+                                     [&](const ContactPoint& q) { return q.feature == p.feature; });
+      if (!known) out.push_back(p);
+    }
+    group = end;
+  }
+}
 
 double deep_behind_faces(const ConvexShape& body) {
   return deep * std::visit([](const auto& s) { return s.least_width(); }, body);

@@ -80,6 +80,46 @@ bool has_few_corners(const ConvexCore& core) {
   return !polyhedron || polyhedron->mesh->vertices.size() <= most;
 }
 
+constexpr double touching_slack = 1e-10;  // part of the pair's size: corners of an edge that touch
+
+/// Returns how far the line of the core that x is on, or the rim of its disc, continues from there, where
+/// unit n is an outward normal: as a form of the part of a direction across n (is_least_depth). If both are
+/// of one core half of each counts: the core has what lies in the middle between them.
+Mat3 reach_of_edges(const ConvexCore& core, const Vec3& x, const Vec3& n, double slack) {
+  Mat3 reach = Mat3::Zero();
+  thread_local ContactOutline outline;
+  core.touching_outline(n, slack, outline);
+  const double share = core.is_revolved() ? 0.5 : 1.0;
+  if (outline.size() == 2) {
+    const Vec3 to_ends[2] = {outline.corners[0].x - x, outline.corners[1].x - x};
+    const Vec3 along = (to_ends[1] - to_ends[0]).normalized();
+    reach += share * std::min(to_ends[0].norm(), to_ends[1].norm()) * along * along.transpose();
+  }
+  if (core.is_revolved()) {
+    const Vec3 round = core.axes.col(2).cross(x - core.centre);  // along the rim, as long as its radius
+    if (const double radius = round.norm(); radius > 0)
+      reach += share * round * round.transpose() / (2 * radius);
+  }
+  return reach;
+}
+
+/// The least value of a form of unit vectors across unit n.
+double least_across(const Mat3& form, const Vec3& n) {
+  const Vec3 t = n.unitOrthogonal(), u = n.cross(t);
+  const double tt = t.dot(form * t), tu = t.dot(form * u), uu = u.dot(form * u);
+  return 0.5 * (tt + uu - std::sqrt((tt - uu) * (tt - uu) + 4 * tu * tu));
+}
+
+/// Says whether balls inside the cores reach further than `depth` in all directions more than 90 degrees from
+/// n.
+bool reach_behind(const ConvexCore& a, const ConvexCore& b, const Vec3& n, double depth,
+                  const CommonPoint& where) {
+  const InnerBall in_a = a.inner_ball(where.on_a), in_b = b.inner_ball(where.on_b);
+  const Vec3 centres = in_b.centre - in_a.centre;
+  const double ahead = centres.dot(n), most = ahead > 0 ? (centres - ahead * n).norm() : centres.norm();
+  return in_a.radius + in_b.radius - most >= depth;
+}
+
 }  // namespace
 
 Vec3 between_centres(const ConvexCore& a, const ConvexCore& b) {
@@ -126,50 +166,6 @@ std::optional<Approach> proven_direction(const ConvexCore& a, const ConvexCore& 
   if (found.where.miss > slack) improve(a, b, found);
   return found;
 }
-
-namespace {
-
-constexpr double touching_slack = 1e-10;  // part of the pair's size: corners of an edge that touch
-
-/// Returns how far the line of the core that x is on, or the rim of its disc, continues from there, where
-/// unit n is an outward normal: as a form of the part of a direction across n (is_least_depth). If both are
-/// of one core half of each counts: the core has what lies in the middle between them.
-Mat3 reach_of_edges(const ConvexCore& core, const Vec3& x, const Vec3& n, double slack) {
-  Mat3 reach = Mat3::Zero();
-  thread_local ContactOutline outline;
-  core.touching_outline(n, slack, outline);
-  const double share = core.is_revolved() ? 0.5 : 1.0;
-  if (outline.size() == 2) {
-    const Vec3 to_ends[2] = {outline.corners[0].x - x, outline.corners[1].x - x};
-    const Vec3 along = (to_ends[1] - to_ends[0]).normalized();
-    reach += share * std::min(to_ends[0].norm(), to_ends[1].norm()) * along * along.transpose();
-  }
-  if (core.is_revolved()) {
-    const Vec3 round = core.axes.col(2).cross(x - core.centre);  // along the rim, as long as its radius
-    if (const double radius = round.norm(); radius > 0)
-      reach += share * round * round.transpose() / (2 * radius);
-  }
-  return reach;
-}
-
-/// The least value of a form of unit vectors across unit n.
-double least_across(const Mat3& form, const Vec3& n) {
-  const Vec3 t = n.unitOrthogonal(), u = n.cross(t);
-  const double tt = t.dot(form * t), tu = t.dot(form * u), uu = u.dot(form * u);
-  return 0.5 * (tt + uu - std::sqrt((tt - uu) * (tt - uu) + 4 * tu * tu));
-}
-
-/// Says whether balls inside the cores reach further than `depth` in all directions more than 90 degrees from
-/// n.
-bool reach_behind(const ConvexCore& a, const ConvexCore& b, const Vec3& n, double depth,
-                  const CommonPoint& where) {
-  const InnerBall in_a = a.inner_ball(where.on_a), in_b = b.inner_ball(where.on_b);
-  const Vec3 centres = in_b.centre - in_a.centre;
-  const double ahead = centres.dot(n), most = ahead > 0 ? (centres - ahead * n).norm() : centres.norm();
-  return in_a.radius + in_b.radius - most >= depth;
-}
-
-}  // namespace
 
 bool is_least_depth(const ConvexCore& a, const ConvexCore& b, const Vec3& n, double depth,
                     const CommonPoint& where) {

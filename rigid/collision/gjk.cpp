@@ -99,34 +99,6 @@ std::optional<Vec3> nearest_direction(const A& a, const B& b, const Vec3& shift,
   return n;
 }
 
-}  // namespace
-
-std::optional<Vec3> gjk_direction(const ConvexCore& a, const ConvexCore& b, const Vec3& shift,
-                                  const Vec3& start) {
-  return nearest_direction(a, b, shift, start, length_scale(a, b));
-}
-
-std::optional<Vec3> gjk_direction(const SweptCore& a, const ShrunkCore& b, const Vec3& start, double size) {
-  return nearest_direction(a, b, Vec3::Zero(), start, size);
-}
-
-Vec3 walk_uphill(const ConvexCore& a, const ConvexCore& b, const Vec3& from) {
-  constexpr double apart = 0.02;  // part of the pair's size
-  constexpr int most_rounds = 6;
-  Vec3 n = from;
-  for (int round = 0; round < most_rounds; ++round) {
-    const double away = std::max(0.0, apart * length_scale(a, b) - core_separation(a, b, n));
-    const auto next = gjk_direction(a, b, away * n, n);
-    if (!next) break;
-    const double moved = (*next - n).squaredNorm();
-    n = *next;
-    if (moved < 1e-6 || away == 0) break;
-  }
-  return n;
-}
-
-namespace {
-
 constexpr std::size_t most_edge_pairs = 10000;
 constexpr double tie = 1e-14;  // part of the pair's size: by less no edges beat a face
 
@@ -244,6 +216,30 @@ class FacesOfDifference {
 };
 
 }  // namespace
+
+std::optional<Vec3> gjk_direction(const ConvexCore& a, const ConvexCore& b, const Vec3& shift,
+                                  const Vec3& start) {
+  return nearest_direction(a, b, shift, start, length_scale(a, b));
+}
+
+std::optional<Vec3> gjk_direction(const SweptCore& a, const ShrunkCore& b, const Vec3& start, double size) {
+  return nearest_direction(a, b, Vec3::Zero(), start, size);
+}
+
+Vec3 walk_uphill(const ConvexCore& a, const ConvexCore& b, const Vec3& from) {
+  constexpr double apart = 0.02;  // part of the pair's size
+  constexpr int most_rounds = 6;
+  Vec3 n = from;
+  for (int round = 0; round < most_rounds; ++round) {
+    const double away = std::max(0.0, apart * length_scale(a, b) - core_separation(a, b, n));
+    const auto next = gjk_direction(a, b, away * n, n);
+    if (!next) break;
+    const double moved = (*next - n).squaredNorm();
+    n = *next;
+    if (moved < 1e-6 || away == 0) break;
+  }
+  return n;
+}
 
 bool has_few_edges(const ConvexCore& a, const ConvexCore& b) {
   const auto has_mesh = [](const ConvexCore& core) {

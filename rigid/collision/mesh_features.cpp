@@ -34,6 +34,13 @@ TriangleMesh surface_of(const Vec3& half) {
   return {std::move(corners), std::move(triangles)};
 }
 
+/// Returns the angle by which the outward normal turns across an edge; positive where the solid is convex.
+double turn_at(const MeshFeatures& mesh, const MeshFeatures::Edge& edge) {
+  const Vec3 n = mesh.normal(edge.triangles[0]), m = mesh.normal(edge.triangles[1]);
+  const double angle = elementary::atan2(n.cross(m).norm(), n.dot(m));
+  return n.dot(mesh.corner(edge.opposite[1]) - mesh.corner(edge.low)) < 0 ? angle : -angle;
+}
+
 }  // namespace
 
 MeshFeatures::MeshFeatures(const Mesh& mesh) : mesh_(mesh) {
@@ -178,17 +185,6 @@ std::shared_ptr<const MeshFeatures> features_of_polytope(const ConvexShape& shap
   if (const auto* p = std::get_if<Polyhedron>(&shape)) return made({p->mesh->vertices, fans_of(*p->mesh)});
   return nullptr;
 }
-
-namespace {
-
-/// Returns the angle by which the outward normal turns across an edge; positive where the solid is convex.
-double turn_at(const MeshFeatures& mesh, const MeshFeatures::Edge& edge) {
-  const Vec3 n = mesh.normal(edge.triangles[0]), m = mesh.normal(edge.triangles[1]);
-  const double angle = elementary::atan2(n.cross(m).norm(), n.dot(m));
-  return n.dot(mesh.corner(edge.opposite[1]) - mesh.corner(edge.low)) < 0 ? angle : -angle;
-}
-
-}  // namespace
 
 FacetCurvature::FacetCurvature(const MeshFeatures& mesh) {
   const auto triangles = mesh.surface().triangles();

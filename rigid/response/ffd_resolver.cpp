@@ -60,30 +60,6 @@ class ActiveSet {
   std::vector<double> multipliers_;
 };
 
-}  // namespace
-
-ClosestPoint closest_to_origin(std::span<const HalfSpace6> constraints) {
-  ActiveSet set(constraints);
-  for (std::size_t i = 0; i < steps_a_constraint * (constraints.size() + 1); ++i) {
-    std::size_t worst = constraints.size();
-    double most = 0;
-    for (std::size_t k = 0; k < constraints.size(); ++k) {
-      const HalfSpace6& c = constraints[k];
-      const double size = c.normal.norm();
-      const double missing = (c.offset - c.normal.dot(set.y)) / size;
-      if (missing > most && missing > violation * (set.y.norm() + std::abs(c.offset) / size)) {
-        most = missing;
-        worst = k;
-      }
-    }
-    if (worst == constraints.size()) return {true, set.y};
-    if (!set.enforce(worst)) return {false, set.y};
-  }
-  return {false, set.y};
-}
-
-namespace {
-
 constexpr int width = 6;             // doubles a body in the share: v, w
 constexpr int friction_samples = 4;  // tangents a contact
 constexpr double touching = 1e-9;    // gap relative to the lever arm: a contact
@@ -138,6 +114,26 @@ Vec6 full_stop(const std::vector<HalfSpace6>& directions, const Vec6& phi) {
 }
 
 }  // namespace
+
+ClosestPoint closest_to_origin(std::span<const HalfSpace6> constraints) {
+  ActiveSet set(constraints);
+  for (std::size_t i = 0; i < steps_a_constraint * (constraints.size() + 1); ++i) {
+    std::size_t worst = constraints.size();
+    double most = 0;
+    for (std::size_t k = 0; k < constraints.size(); ++k) {
+      const HalfSpace6& c = constraints[k];
+      const double size = c.normal.norm();
+      const double missing = (c.offset - c.normal.dot(set.y)) / size;
+      if (missing > most && missing > violation * (set.y.norm() + std::abs(c.offset) / size)) {
+        most = missing;
+        worst = k;
+      }
+    }
+    if (worst == constraints.size()) return {true, set.y};
+    if (!set.enforce(worst)) return {false, set.y};
+  }
+  return {false, set.y};
+}
 
 /// (F1): the common normal speed d of an inelastic collision of these two alone is all either body learns of
 /// the other.

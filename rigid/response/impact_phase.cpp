@@ -42,6 +42,19 @@ struct Sides {
   }
 };
 
+Twist read(const std::vector<double>& state, std::size_t row) {
+  const double* s = state.data() + row * share_width;
+  return {{s[0], s[1], s[2]}, {s[3], s[4], s[5]}};
+}
+
+void write(std::vector<double>& state, std::size_t row, const Twist& t) {
+  double* s = state.data() + row * share_width;
+  for (int d = 0; d < 3; ++d) {
+    s[d] = t.v[d];
+    s[3 + d] = t.w[d];
+  }
+}
+
 }  // namespace
 
 std::size_t ImpactPhase::involve(const BodySet& bodies, std::size_t row) {
@@ -79,23 +92,6 @@ void ImpactPhase::collect(const BodySet& bodies, const std::vector<Contact>& con
     pairs_.push_back({.first = from, .last = contacts_.size(), .a = a, .b = b, .restitution = c.restitution});
   });
 }
-
-namespace {
-
-Twist read(const std::vector<double>& state, std::size_t row) {
-  const double* s = state.data() + row * share_width;
-  return {{s[0], s[1], s[2]}, {s[3], s[4], s[5]}};
-}
-
-void write(std::vector<double>& state, std::size_t row, const Twist& t) {
-  double* s = state.data() + row * share_width;
-  for (int d = 0; d < 3; ++d) {
-    s[d] = t.v[d];
-    s[3 + d] = t.w[d];
-  }
-}
-
-}  // namespace
 
 /// Marks the contacts that approach and touch, or would within the step. Returns whether there are any.
 bool ImpactPhase::mark_approaching(double dt) {

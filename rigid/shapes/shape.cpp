@@ -69,6 +69,11 @@ S scaled_solid(const S& hollow, double) {
   return hollow;
 }
 
+template <class S>
+constexpr bool has_curvature = requires(const S& s, const Vec3& x) {
+  s.curvature(x, x);
+};
+
 }  // namespace
 
 Shape scaled(const Shape& shape, double factor) {
@@ -125,15 +130,6 @@ ShapeList::ShapeList(ShapeList&&) noexcept = default;
 ShapeList& ShapeList::operator=(const ShapeList&) = default;
 ShapeList& ShapeList::operator=(ShapeList&&) noexcept = default;
 ShapeList::~ShapeList() = default;
-
-namespace {
-
-template <class S>
-constexpr bool has_curvature = requires(const S& s, const Vec3& x) {
-  s.curvature(x, x);
-};
-
-}  // namespace
 
 Vec3 support(const ConvexShape& shape, const Vec3& direction) {
   const double length = direction.norm();
