@@ -3,13 +3,11 @@
 //
 // On the sites of a lattice each rank takes those of its blocks that are free.
 //
-// At random: random sequential addition on many ranks. Points rain on the room for the bodies' centres, a
-// Poisson process in space and time, and a body is placed where one falls unless it would meet what is there:
-// the first `count` that stay are the fill. As a point's time is a function of (seed, cell, draw), nobody
-// needs to know them all: whether one stays depends on earlier points less than a diameter away, and on those
-// in turn on which these depend. Ranks draw the points of their own blocks, tell those near a border to the
-// ranks there, and decide those of which all such points are decided, to and fro until none is left. Only how
-// many have stayed is asked of all ranks, and when the last one fell.
+// A fill at random is random sequential addition on many ranks (method-parallel.md): points rain on the room
+// for the bodies' centres, and a point stays by the earlier points less than a diameter away. Ranks draw the
+// points of their own blocks, tell those near a border to the ranks there, and decide points of which all
+// such points are decided, to and fro until none is left. All ranks learn only how many have stayed, and when
+// the last one fell.
 #include <vector>
 
 #include "coupler/case/fill_room.hpp"

@@ -106,14 +106,12 @@ class BodyExchange {
   std::vector<RankCluster::Word> heard_;  // scratch
 };
 
-/// Sweeps over contacts end by a common rest. Pairs that no longer change are not solved again, so a cluster
-/// of bodies in contact (an island) comes to rest by itself, wherever it lies, and further sweeps change no
-/// bit of it. Ranks that contacts connect have to agree only on the number of sweeps: each counts the sweeps
-/// for which it, and as far as it has heard the others, had nothing to solve again. The count of a rank is
-/// one more than the least of the counts it hears, 0 while it has something to do; above the number of
-/// messages that a word needs to come to all of them, all have been at rest in one and the same sweep, and
-/// each knows it in the same sweep (B. Szymanski, Y. Shi, N. Prywes, "Synchronized distributed termination",
-/// IEEE Trans. Softw. Eng. SE-11 (1985) 1136). Ranks without a common contact do not wait for each other.
+/// Sweeps over contacts end by a common rest (method-bodies.md, The end of the sweeps). Each rank counts the
+/// sweeps for which it, and as far as it has heard the others, had nothing to solve again: one more than the
+/// least of the counts it hears, 0 while it has something to do. Above the number of messages that a word
+/// needs to come to all ranks that contacts connect, all have been at rest in one sweep, and each knows it in
+/// the same sweep (B. Szymanski, Y. Shi, N. Prywes, "Synchronized distributed termination", IEEE Trans.
+/// Softw. Eng. SE-11 (1985) 1136).
 class CommonRest {
  public:
   explicit CommonRest(BodyExchange& exchange) : exchange_(exchange) {}

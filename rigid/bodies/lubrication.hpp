@@ -3,12 +3,9 @@
 // the coupler supplies a LubricationLaw, and the resolver takes its resistances as implicit in the velocity
 // at the end of the step, p = -resistance dt u+, however stiff they are (method.md, L1 and L2).
 //
-// Three motions of a gap resist without bound as it closes (Jeffrey, Onishi, J. Fluid Mech. 139 (1984) 261):
-// its width's change, the slip of one surface past the other, and their rolling, the sum of both surfaces'
-// velocities seen from the point where they are closest. For spheres of radii a, b at the gap (A, B their
-// arms to its middle, n from a to b) the last is
-//   r = alpha (v_a - v_b)_t + (A omega_a - B omega_b) x n,   alpha = (a - b) / (a + b), at a wall -1,
-// velocities there as seen from a wall that turns.
+// Three motions of a gap resist without bound as it closes: its width's change, the slip of one surface past
+// the other, and their rolling, the sum of both surfaces' velocities seen from the point where they are
+// closest.
 #include "rigid/math/types.hpp"
 
 namespace silt::rigid {

@@ -5,18 +5,11 @@
 
 namespace silt::rigid {
 
-/// Appends the points of a contact, ordered by feature, those with gap <= tolerance (lattice units).
-/// Requires: the approach is the deepest there is. The point that is deepest is always among the points.
-///
-/// Two boxes: the corners of the common patch of the two faces that face each other
-/// (Sutherland, Hodgman, CACM 17 (1974) 32, the face of b clipped by the planes through the edges of a's face
-/// along the normal); for a capsule the ends of its part over the face; for capsules nearly parallel the ends
-/// of their common length.
-///
-/// Other cores: where faces look at each other (ConvexCore::facing_outline) the
-/// corners of their common patch, a cylinder's end standing as the octagon of its rim points; where a line
-/// (of a capsule, of a cylinder's side) lies over a face the ends of its part over it; where two lines are
-/// nearly parallel the ends of their common length; where the cores meet, if none of the others is as deep.
+/// Appends the points of a contact, ordered by feature, those with gap <= tolerance (lattice units). The
+/// approach must be the deepest there is, and its point is always among them. Where faces look at each other
+/// (ConvexCore::facing_outline) the points are the corners of their common patch (Sutherland, Hodgman, CACM
+/// 17 (1974) 32), where a line lies over a face the ends of its part over it, where two lines are nearly
+/// parallel the ends of their common length (method-bodies.md, Contact points).
 void append_manifold(const ConvexCore& a, const ConvexCore& b, const Approach&, double tolerance,
                      std::vector<ContactPoint>& out);
 

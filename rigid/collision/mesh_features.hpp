@@ -74,11 +74,9 @@ class MeshFeatures {
 /// The surface of a box or a polyhedron; nothing for a shape that has none of triangles.
 std::shared_ptr<const MeshFeatures> features_of_polytope(const ConvexShape&);
 
-/// The curvature follows from the angles between neighbouring facets: it is the tensor sum theta l / (2 A) t
-/// t^T of a facet of area A with edges of length l at which the normal turns by theta, t being a unit vector
-/// across the edge (E. Grinspun, Y. Gingold, J. Reisman, D. Zorin, Comput. Graph. Forum 25 (2006) 547). An
-/// edge at which the normal turns by more than a crease's angle is an edge of the smooth surface too: nothing
-/// is known of the surface beyond.
+/// The curvature follows from the angles between neighbouring facets (method-bodies.md, L3). An edge at which
+/// the normal turns by more than a crease's angle is an edge of the smooth surface too: nothing is known of
+/// the surface beyond.
 class FacetCurvature {
  public:
   static constexpr double crease = 0.5;  // radian

@@ -1,5 +1,6 @@
 #pragma once
-// Bodies that pass each other: the direction in which they stay apart while they move.
+// Bodies that pass each other stay apart in some direction while they move (method-bodies.md, The normal of
+// an open contact).
 #include <optional>
 
 #include "rigid/collision/mesh_features.hpp"
@@ -24,18 +25,12 @@ struct Passing {
   double least = 0;         // the gap between these planes, before or after the step, the lesser
 };
 
-/// Returns the plane between two parts that pass each other; nothing where they meet. Two convex parts pass
-/// each other if some direction separates them at both poses: the one of closest approach after the step,
-/// else the one in which the hull of both poses of a is nearest to b (as seen from b; a turn by an angle
-/// theta bulges out of this hull by 1 - cos theta/2 of its arm). Parts that touch, up to 1e-7 of their size,
-/// do not meet.
-///
-/// That is by the motion before the kick, which bodies at rest on others have, and by that with the kick if
-/// they pass each other then as well, as bodies do that fall.
-///
-/// Of a mesh only what a contact lies on is looked at: the facets at the corner or edge of that code, or the
-/// facet, and those that go on from them at a small angle, no further than `reach` (lattice units) from the
-/// point `near` before the step.
+/// Returns the plane between two parts that pass each other; nothing where they meet. The direction is that
+/// of closest approach after the step, else the one in which the hull of both poses of a is nearest to b (as
+/// seen from b; a turn by an angle theta bulges out of this hull by 1 - cos theta/2 of its arm). The motion
+/// is that before the kick, and that with the kick if the parts pass each other then as well. Of a mesh only
+/// the facets at the contact's corner, edge or facet are looked at, and those that continue them at a small
+/// angle, no further than `reach` (lattice units) from the point `near` before the step.
 std::optional<Passing> passing(const MovingPart& a, const MovingPart& b, const Vec3& near, double reach);
 
 /// Part of a pair's size: a contact that is closed by less is not looked at.

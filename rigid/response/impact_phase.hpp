@@ -2,19 +2,11 @@
 // Impacts before the contacts of a step (method.md, C8): how one runs through bodies that touch, which
 // the simultaneous law of sFFD does not give (Newton's cradle).
 //
-// In rounds: of the pairs with e > 0 that approach now, those collide, all at once, whose e is the largest at
-// either of their bodies; so colliding pairs that have a body in common have the same e. Their normal
-// impulses are those of a plastic collision (the least kinetic energy without approach) times 1 + e; then
-// friction brakes with these normal impulses given. New approaches are the next round's business. The rounds
-// are the generalized reflections of Smith, Kaufman, Vouga, Tamstorf, Grinspun (2012), "Reflections on
-// simultaneous impact"; one e a cluster and round is ours, as is friction.
-//
-// Kinetic energy never grows. With plastic impulses p, velocities u of the colliding contacts and their
-// matrix K: p (u + K p) = 0, so that (1+e) p u + (1+e)^2 p K p / 2 = -(1 - e^2) p K p / 2. (With an e for
-// each contact the sum could be positive, hence one e a cluster.) Friction lowers it further. Momentum is
-// exact: both bodies take the same impulse.
-//
-// The plastic impulses come from sweeps as in sffd_resolver.hpp, masses split over the pairs of the round.
+// Impacts run in rounds: of the pairs with e > 0 that approach now, those collide, all at once, whose e is
+// the largest at either of their bodies; so colliding pairs that have a body in common have the same e. Their
+// normal impulses are those of a plastic collision (the least kinetic energy without approach) times 1 + e;
+// then friction brakes with these normal impulses given. New approaches are the next round's business. The
+// plastic impulses come from sweeps as in sffd_resolver.hpp, masses split over the pairs of the round.
 #include <cstdint>
 #include <vector>
 

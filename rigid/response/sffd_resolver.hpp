@@ -3,12 +3,8 @@
 // parallel form (SC10 section III), one exchange of neighbours a sweep, but solves pairs symmetrically, so
 // that momentum is exact and the law is Coulomb's. Own derivation: method.md, equations (C1) to (C7).
 //
-// In a sweep every pair is solved alone, from the same velocities, with the masses of its bodies divided by
-// their numbers of pairs; then each body takes the sum of its impulse changes with its true mass (Jacobi with
-// mass splitting: it descends for any number of pairs). A pair is solved wherever one of its free bodies is
-// owned, redundantly and bitwise equally; each owner moves its own bodies. Nothing depends on rows, only on
-// keys. Between two sweeps a pair's impulses are carried on along their last change (Nesterov's
-// acceleration).
+// A pair is solved wherever one of its free bodies is owned, redundantly and bitwise equally; each owner
+// moves its own bodies. Nothing depends on rows, only on keys.
 #include "rigid/response/contact_resolver.hpp"
 #include "rigid/response/pair_lanes.hpp"
 

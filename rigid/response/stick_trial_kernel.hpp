@@ -3,10 +3,8 @@
 // follow from one linear system for the pair's relative motion, however many contacts share the load, where
 // Gauss-Seidel needs many rounds (contacts close to one another, long levers). Only for *_kernel.cpp.
 //
-// (C6) of method.md. With J_k the map from relative motion (u, omega at a's centre) to the velocity at
-// contact k, G the mobility and e_k the velocity to be taken away: (J G J^T + s) dp = -e. The softness s
-// shares the load evenly where the contacts are more than needed; by Woodbury it takes a 6 x 6 system,
-//   (s G^-1 + J^T J) x = -J^T e,   dp = -(e + J x) / s.
+// The system is (C6) of method.md: J_k is the map from relative motion (u, omega at a's centre) to the
+// velocity at contact k, G the mobility, e_k the velocity to be taken away, s the softness.
 #include "rigid/response/lanes_kernel.hpp"
 
 namespace silt::rigid::SILT_ISA {
