@@ -50,8 +50,7 @@ class FlowSums {
   /// This rank's momentum (CellTotals::momentum_quantum), and how many finest cells are fluid.
   std::array<parallel::WideSum, 3> momentum() const { return {momentum_[0], momentum_[1], momentum_[2]}; }
   std::uint64_t cells() const { return count_; }
-  /// Collective.
-  FlowTotals over_ranks(MPI_Comm) const;
+  FlowTotals over_ranks(MPI_Comm) const;  // collective
 
  private:
   static constexpr std::int64_t none = std::numeric_limits<std::int64_t>::max();

@@ -89,7 +89,6 @@ void RigidStep::finish(BodySet& bodies, double dt, bool last) {
   drift(bodies, bodies.owned, 0.5 * dt);
 }
 
-/// Lists the rows that have a contact.
 void RigidStep::find_rows_in_contact(const BodySet& bodies) {
   std::vector<std::size_t>& rows = velocities_.rows;
   in_contact_.assign(bodies.size(), 0);

@@ -94,7 +94,6 @@ void check_speeds(const Case& setup, Findings& findings) {
 
 constexpr double digit_rounding = 1e-9;  // of what two digits give already
 
-/// One of the second digit of x.
 double second_digit(double x) {
   return std::pow(10, std::floor(std::log10(x)) - 1);
 }

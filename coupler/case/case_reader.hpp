@@ -103,8 +103,7 @@ class TableReader {
   }
 
   TableReader table(std::string_view key);
-  /// Returns the tables of an array of tables.
-  std::vector<TableReader> tables(std::string_view key);
+  std::vector<TableReader> tables(std::string_view key);  // of an array of tables
 
   /// Leaves open what the other keys mean (under an unknown type): none of them is called unknown.
   void judge_no_keys() { context_->unjudged.insert(table_); }

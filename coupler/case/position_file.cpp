@@ -82,7 +82,6 @@ std::ifstream opened(const fs::path& path) {
   return stream;
 }
 
-/// Returns what a line must be.
 std::string line_of(const std::vector<int>& columns) {
   std::vector<std::string> names;
   for (const int k : columns) names.push_back(column_name(k));

@@ -40,7 +40,7 @@ struct Surroundings {
       if (other != rank) parallel::put(messages.to(other), value), any = true;
     return any;
   }
-  /// Collective: the sum over all ranks.
+  /// Collective.
   std::uint64_t sum(std::uint64_t mine) const { return parallel::sum_over_ranks(comm(), mine); }
 
   const lbm::Domain& domain;

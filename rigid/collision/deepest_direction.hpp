@@ -125,8 +125,7 @@ Peak least_depth(const ConvexCore& a, const ConvexCore& b);
 bool is_least_depth(const ConvexCore& a, const ConvexCore& b, const Vec3& n, double depth,
                     const CommonPoint& where);
 
-/// Radian.
-inline constexpr double search_resolution = 0.02;
+inline constexpr double search_resolution = 0.02;  // radian
 
 /// Branch and bound over the sphere of directions, by its division into triangles. The supports' difference
 /// w = support_B(-m) - support_A(m) found at any m bounds the separation at all n: s(n) <= n.w. Over the

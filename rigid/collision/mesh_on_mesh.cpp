@@ -193,7 +193,6 @@ double length_behind(const EdgeSegment& s, const PlacedFeatures& placed, std::ui
   return std::max(0.0, last - first) * s.d.norm();
 }
 
-/// Two edges that cross.
 void cross_edges(const PlacedFeatures& a, std::uint32_t edge_a, const PlacedFeatures& b, std::uint32_t edge_b,
                  double tolerance, std::vector<ContactPoint>& out) {
   constexpr double parallel = 1e-3;  // sine

@@ -134,7 +134,6 @@ struct ContactSweep {
   double tolerance;  // a relative change above it marks both bodies as changed
 };
 
-/// This is what a sweep found.
 struct SweepOutcome {
   double residual = 0;   // largest relative change of a pair that is not final
   bool solved = false;   // any pair

@@ -34,18 +34,15 @@ class SffdResolver : public ContactResolver {
     const Material* material = nullptr;  // null: rolls freely, and does not pull
     PairLanes::Place place{};
   };
-  /// The limits of sweeps.
   struct Sweeps {
     int most, accelerated;
     double tolerance;
     bool push = false;  // position correction
   };
-  /// The end of sweeps.
   struct Rest {
     int sweeps = 0;  // the last that solved anything here
     double residual = 0;
   };
-  /// The arguments of resolve.
   struct Step {
     BodySet& bodies;
     std::span<const Contact> contacts;

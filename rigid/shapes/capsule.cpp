@@ -53,7 +53,6 @@ MassProperties Capsule::mass_properties() const {
   return {barrel + ends, Vec3::Zero(), Vec3(across, across, along).asDiagonal()};
 }
 
-/// A chain of balls.
 void Capsule::add_inner_balls(std::vector<InnerBall>& balls) const {
   constexpr int most = 64;  // balls half a radius apart, for a capsule up to 32 radii long
   const int gaps = std::clamp(static_cast<int>(std::ceil(4 * half_length / radius)), 1, most);

@@ -17,7 +17,6 @@ namespace silt::rigid {
 template <ConvexSolid... S>
 using ConvexShapes = std::variant<S...>;
 
-/// All convex shapes there are.
 struct ConvexShape : ConvexShapes<Sphere, Box, Capsule, Cylinder, Ellipsoid, Polyhedron, Cone, HalfSpace> {
   using variant::variant;
 };

@@ -43,7 +43,6 @@ concept HollowSolid = requires(const H& hollow, const Vec3& x, const Pose& pose)
 template <HollowSolid... H>
 using HollowShapes = std::variant<H...>;
 
-/// All hollows there are.
 struct HollowShape : HollowShapes<Tube> {
   using variant::variant;
   bool operator==(const HollowShape&) const = default;

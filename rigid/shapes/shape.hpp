@@ -71,7 +71,6 @@ Shape recentred(const Shape&, const Vec3& centre);
 Shape scaled(const Shape&, double factor);
 /// A half-space or a sphere looks the same from anywhere on an axis: where orientation cannot matter.
 bool is_sphere(const Shape&);
-/// The hollow that a shape is, if it is one.
 std::optional<HollowShape> hollow_of(const Shape&);
 /// Says whether the shape is a hollow or a hollow mesh: solid all around, without end.
 bool is_endless(const Shape&);
