@@ -103,7 +103,7 @@ Eight without_first_16_bytes(Eight set) {
   return Eight(_mm512_maskz_alignr_epi64(0xFF, __m512i(set), __m512i(set), 2));
 }
 
-/// The same, 16 bits at a time: the numbers of a word's set bits, compressed, then widened.
+/// Lists bits 16 at a time: the numbers of a word's set bits, compressed, then widened.
 __attribute__((target("avx512vbmi2,avx512vbmi,avx512bw"))) std::uint32_t list_bits_compressed(
     const BitFrame& frame, const PlaneWords& plane, const Words& words, unsigned filled,
     std::uint32_t direction, std::uint32_t* out) {
