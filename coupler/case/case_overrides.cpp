@@ -174,7 +174,9 @@ void require_same_values(const CaseOrigin& origin, const CaseSource& source) {
                            : now.back().line,
             1},
       fmt::format("the case has changed since the checkpoint was written: this line was \"{}\"; only [run], "
-                  "[output] and [[quantities]] may differ when a run continues; restore it, or start a new run",
+                  "[output] and [[quantities]] may differ when a run continues; restore it, or start another "
+                  "case from "
+                  "these results ([initial] from)",
                   i < before.size() ? line_at(origin.text, before[i].line) : ""));
 }
 
@@ -184,7 +186,7 @@ void require_same_files(const CaseOrigin& origin, const Case& now) {
     if (i < origin.files.size() && origin.files[i] == now.files[i]) continue;
     throw CaseError(now.place("shapes"),
                     fmt::format("a file has changed since the checkpoint was written: it was {}; it is {}; "
-                                "restore it, or start a new run",
+                                "restore it, or start another case from these results ([initial] from)",
                                 i < origin.files.size() ? origin.files[i] : "not there", now.files[i]));
   }
 }
@@ -226,8 +228,10 @@ Case case_to_resume(const CaseOrigin& origin, CaseSource& source, const std::vec
     if (!may_change(steps_of(key)[0]))
       throw CaseError(
           Place{override_text(o)},
-          fmt::format("{} cannot change when a run continues; only keys of run, output and quantities can",
-                      key));
+          fmt::format(
+              "{} cannot change when a run continues; only keys of run, output and quantities can: start "
+              "another case from these results ([initial] from)",
+              key));
     all.push_back(o);
   }
   Case setup = read_case(source, all);

@@ -146,14 +146,16 @@ std::optional<rigid::BoundingBox> TableReader::box(std::string_view key) {
   return {};
 }
 
-std::optional<std::int64_t> TableReader::integer(std::string_view key, std::int64_t low, std::int64_t high) {
+std::optional<std::int64_t> TableReader::integer(std::string_view key, std::int64_t low, std::int64_t high,
+                                                 std::string_view unit) {
   const Node* node = find(key);
   if (!node) return {};
   if (node->kind == Node::Kind::integer && node->integer >= low && node->integer <= high)
     return node->integer;
-  refuse(key, high == std::numeric_limits<std::int64_t>::max()
-                  ? fmt::format("a whole number of at least {}", low)
-                  : fmt::format("a whole number between {} and {}", low, high));
+  const std::string range = high == std::numeric_limits<std::int64_t>::max()
+                                ? fmt::format("of at least {}", low)
+                                : fmt::format("between {} and {}", low, high);
+  refuse(key, fmt::format("a whole number {}{}", range, unit.empty() ? "" : fmt::format(" ({})", unit)));
   return {};
 }
 

@@ -88,7 +88,8 @@ class TableReader {
   /// Returns a list of points in lattice units; none (reported) if one is wrong or there are fewer than that.
   std::vector<rigid::Vec3> points(std::string_view key, std::size_t least, std::string_view must);
   std::optional<std::int64_t> integer(std::string_view key, std::int64_t low,
-                                      std::int64_t high = std::numeric_limits<std::int64_t>::max());
+                                      std::int64_t high = std::numeric_limits<std::int64_t>::max(),
+                                      std::string_view unit = "");
   std::optional<bool> boolean(std::string_view key);
   std::optional<std::string> string(std::string_view key);
   /// Returns a string out of a list; the nearest is named if it is another.
@@ -169,7 +170,7 @@ struct Corners {
 struct Whole {
   std::int64_t low = 0, high = std::numeric_limits<std::int64_t>::max();
   const char* unit = "";
-  auto read(TableReader& table, const char* key) const { return table.integer(key, low, high); }
+  auto read(TableReader& table, const char* key) const { return table.integer(key, low, high, unit); }
   std::string type() const { return "integer"; }
   std::string unit_text() const { return unit; }
   static std::string text(std::int64_t n) { return std::to_string(n); }

@@ -1,6 +1,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -136,6 +137,8 @@ void add_fluid(const Case& setup, Table& table) {
   if (fluid.collision_by_scene) of += " (" + collision_reason(setup) + ")";
   table.line("collision", std::string(model.name) + of);
   table.line("storage", std::string(precision_names[fluid.precision]));
+  const double cells_of_longest_side = *std::ranges::max_element(setup.cells);
+  table.quantity("sound crosses it in", cells_of_longest_side * std::sqrt(3.), dimension::time);
   const double fastest = fastest_given(setup);
   if (fastest > 0) {
     table.quantity("largest given speed", fastest, dimension::velocity);

@@ -315,7 +315,7 @@ TEST(DerivedTable, GivesBothSystemsOfUnits) {
   c.rest = "[gravity]\nacceleration = [0, 0, -9.81]\n";
   const std::string table = derived_table(c.read());
   for (const char* part : {"0.032 x 0.032 x 0.032 m", "32 x 32 x 32 cells", "1e-05 m2/s", "0.1 cells2/step",
-                           "0.8", "8 cells", "terminal velocity", "2.5 MB"})
+                           "0.8", "8 cells", "terminal velocity", "2.5 MB", "55.4256 steps"})
     EXPECT_NE(table.find(part), std::string::npos) << part << " is not in\n" << table;
 }
 

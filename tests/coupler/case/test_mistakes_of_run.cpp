@@ -31,7 +31,7 @@ const std::vector<Mistake> mistakes_of_run = {
     {"FieldsMisspelt", "fields =", "field =", "", {"did you mean 'fields'?"}},
     {"BodiesIsANumber", "bodies = { every = 100 }", "bodies = 100", "", {"it must be a table"}},
     {"NoInterval", "bodies = { every = 100 }", "bodies = {}", "", {"output.bodies.every is missing"}},
-    {"IntervalInSeconds", "every = 500", "every = 0.05", "", {"a whole number of at least 0"}},
+    {"IntervalInSeconds", "every = 500", "every = 0.05", "", {"a whole number of at least 0 (steps)"}},
     {"IntervalNegative", "every = 500", "every = -1", "", {"a whole number of at least 0"}},
     {"FieldUnknown",
      "\"density\"]",
