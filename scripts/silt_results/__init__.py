@@ -16,6 +16,14 @@ import fcntl
 import functools
 import json
 import pathlib
+import sys
+
+try:
+    import h5py  # noqa: F401
+    import numpy  # noqa: F401
+except ImportError as error:
+    raise SystemExit(f"silt_results: {error} ({sys.executable}); use /usr/bin/python3, with Debian's python3-h5py, "
+                     "or install h5py and numpy for this one") from None
 
 from .body_series import COLUMNS, BodySeries, text
 from .field import Field

@@ -161,6 +161,36 @@ class Walls(SiltTest):
             self.assertLessEqual(opened(path).size[0], 840, path.name)  # 150 a inch, letters of 10 points: 9 pixels high on 358
 
 
+class Plots(SiltTest):
+    """Seven balls apart from the middle plane, and a kind far from theirs."""
+
+    def setUp(self):
+        super().setUp()
+        balls = TUBE[:TUBE.index("[[walls]]")] + TUBE[TUBE.index("[[shapes]]"):TUBE.index("[[bodies]]")]
+        balls += "".join(f"""[[bodies]]
+shape = "ball"
+name = "{name}"
+density = 1100
+positions = [{places}]
+""" for name, places in (("many", ", ".join(f"[{x}e-5, 5.2e-5, {z}e-5]" for x in (5, 19) for z in (5, 20, 35, 50)[:4 - (x > 5)])),
+                         ("lone", "[1.2e-4, 1.9e-4, 5e-4]")))
+        self.write(balls + TUBE[TUBE.index("[run]"):])
+        self.silt("run", self.case)
+
+    def test_slice_goes_through_most_bodies(self):
+        axes = plotted(self.case, "velocity_slice").axes[0]
+        self.assertIn("y = 65 µm", axes.get_title())
+        self.assertEqual([text.get_text() for text in axes.get_legend().get_texts()], ["many"])
+
+    def test_titles_say_what_is_drawn(self):
+        self.assertIn("6 of 8 bodies", plotted(self.case, "body_velocities").axes[0].get_title())
+        self.assertIn("box 240 × 240 × 600 µm", plotted(self.case, "bodies_picture")._suptitle.get_text())
+        figure = plotted(self.case, "stage_times")
+        self.assertIn("1 rank, 20 steps", figure._suptitle.get_text())
+        title, drawn = figure._suptitle.get_window_extent(), figure.axes[0].get_tightbbox()
+        self.assertAlmostEqual(title.x0 + title.x1, drawn.x0 + drawn.x1, delta=60)  # in the middle, names of the stages included
+
+
 class Pictures(SiltTest):
     def setUp(self):
         super().setUp()
@@ -184,6 +214,11 @@ class Pictures(SiltTest):
         self.assertAlmostEqual(longest, 5 * cell, delta=2)  # 5 cells: the largest of 1, 2, 5, 10 below a quarter of the width
         self.render("--time", "0", "--no-caption")
         self.assertLess(opened(self.out / "render.png").size[1], picture.size[1])
+
+    def test_times_that_are_not_there(self):
+        self.assertIn("render: --time 51: the bodies are there at 5 times from 0 to 40 steps", self.render("--time", "51", code=1))
+        self.assertFalse((self.out / "render.png").exists())
+        self.render("--time", "49")  # within an interval
 
     @unittest.skipUnless(shutil.which("ffmpeg"), "there is no ffmpeg")
     def test_film(self):

@@ -239,6 +239,11 @@ class Results(SiltTest):
         with self.assertRaisesRegex(FileNotFoundError, r"bodies.h5: not there; .*output.bodies = \{ every = N \}"):
             silt_results.open(self.out).bodies
 
+    def test_without_h5py(self):
+        done = subprocess.run(["/usr/bin/python3", "-S", "-c", "import silt_results"], cwd=ROOT / "scripts", capture_output=True, text=True)
+        self.assertEqual(done.returncode, 1)
+        self.assertRegex(done.stderr, r"^silt_results: No module named 'h5py' \(/usr/bin/python3\); use /usr/bin/python3, with Debian's python3-h5py")
+
     def test_the_program_of_the_page(self):
         self.silt("run", ROOT / "cases" / "segregation", "--out", self.case / "segregation", "--set", "run.steps=4",
                   "--set", "output.bodies.every=2")

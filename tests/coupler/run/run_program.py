@@ -365,6 +365,18 @@ class Launcher(unittest.TestCase):
             self.launch(case, "--steps", 2, "--out", "out", "--overwrite")
             self.assertTrue((self.root / "elsewhere/out/report.json").exists(), case)
 
+    def test_says_why_it_builds(self):
+        for room in ("coupler/python", "lbm"):
+            (self.root / room).mkdir(parents=True)
+        self.program("build/release/coupler/silt", "exit 0")
+        said = []
+        for source in ("coupler/python/module.cpp", "lbm/README.md", "lbm/cell.hpp"):
+            (self.root / source).touch()
+            said.append(self.launch("two-balls").stderr)
+        self.assertEqual(said[:2], ["", ""])
+        self.assertIn("lbm/cell.hpp is newer than what is built", said[2])
+        self.assertEqual(self.launch("two-balls", "--silt", "../build/release/coupler/silt").stderr, "")
+
     def test_says_which_cases_there_are(self):
         errors = self.launch("two-bals", code=2).stderr
         self.assertIn("no case two-bals", errors)
