@@ -1,7 +1,6 @@
 #include "coupler/load_balance.hpp"
 
 #include "coupler/balance/body_work.hpp"
-#include "coupler/balance/level_work.hpp"
 #include "coupler/case/case.hpp"
 #include "coupler/scene.hpp"
 

@@ -1,6 +1,6 @@
 #pragma once
-// Which build of the hot kernels runs here, of the fluid and of the bodies, and how. All builds round alike
-// (no contraction), so the choice never changes a result.
+// The choice of the build of hot kernels, of the fluid and of the bodies, that runs on this machine. All
+// builds round alike (no contraction), so the choice never changes a result.
 #include <array>
 #include <string_view>
 
@@ -10,22 +10,20 @@ namespace silt {
 enum class Isa { portable, avx2, avx512 };
 inline constexpr std::array<std::string_view, 3> isa_names = {"portable", "avx2", "avx512"};
 
-/// The widest one this machine has; the environment variable SILT_ISA may name a lesser one.
+/// Returns the widest one this machine has; the environment variable SILT_ISA may name a lesser one.
 Isa chosen_isa();
-/// The name of the chosen one.
 inline std::string_view instruction_set() {
   return isa_names[static_cast<std::size_t>(chosen_isa())];
 }
 
-/// The one that runs here of the three builds of a kernel (a pointer) or of a table of kernels (a struct of
-/// pointers).
+/// Returns the one that runs here of the three builds of a kernel (a pointer) or of a struct of kernels.
 template <class Build>
 Build chosen(Build portable, Build avx2, Build avx512) {
   const Isa isa = chosen_isa();
   return isa == Isa::avx512 ? avx512 : isa == Isa::avx2 ? avx2 : portable;
 }
 
-// What a kernel offers is declared once for all builds, and taken from the one that runs here.
+// SILT_BUILDS declares functions of a kernel for all builds; SILT_CHOSEN takes the one that runs here.
 #define SILT_BUILDS(...) \
   namespace portable {   \
   __VA_ARGS__            \
@@ -38,13 +36,12 @@ Build chosen(Build portable, Build avx2, Build avx512) {
   }
 #define SILT_CHOSEN(...) ::silt::chosen(portable::__VA_ARGS__, avx2::__VA_ARGS__, avx512::__VA_ARGS__)
 
-/// Whether the last cache answers so late that what lies there is worth fetching ahead of use: a choice that
-/// never changes a result either. On an Intel Xeon of 2023 it takes 18 to 30 % off a step with many bodies in
-/// a fluid, on an AMD EPYC of 2019 it adds 2 to 6 %. The environment variable SILT_LAST_CACHE, near or far,
-/// says otherwise.
+/// Returns whether the last cache answers so late that its data is worth fetching ahead of use, which never
+/// changes a result either. On an Intel Xeon of 2023 it takes 18 to 30 % off a step with many bodies in a
+/// fluid, on an AMD EPYC of 2019 it adds 2 to 6 %. SILT_LAST_CACHE=near or far overrules it.
 bool last_cache_is_far();
 
-/// For this thread, from now on, results too small for a normal number become zero (they are slow, and mean
+/// Makes results too small for a normal number zero, for this thread from now on (they are slow, and mean
 /// nothing in populations). Does nothing where the machine has no such mode.
 void flush_denormals_to_zero();
 

@@ -3,7 +3,7 @@
 // with them for which languages have no word (Lanes), and vectors of several registers (Registers). Compilers
 // take look-ups, gathers and the like apart where the hardware has an instruction for them. A vector may have
 // any number of lanes, one too: what is no register's goes lane by lane. Only for *_kernel.cpp files, which
-// are built once each (SILT_ISA). Builds for a device have plain numbers in the place of vectors (scalar.hpp).
+// are built once each (SILT_ISA). Builds for a device have plain numbers instead (scalar.hpp).
 #if defined(SILT_SCALAR)
 #include "cpu/scalar.hpp"
 #else
@@ -34,7 +34,7 @@ struct VectorOf {
   typedef E type __attribute__((vector_size(n * sizeof(E))));
 };
 
-/// What lies in memory from a number on.
+/// load and store read and write memory from a number on.
 template <class V, class U>
 [[gnu::always_inline]] inline V load(const U* from) {
   V v;
@@ -75,7 +75,7 @@ template <class Mask>
   return bits;
 }
 
-/// Whether it held in any lane.
+/// Returns whether the comparison held in any lane.
 template <class Mask>
 [[gnu::always_inline]] inline bool any_lane(const Mask& mask) {
 #if defined(SILT_ISA_avx512)
@@ -219,7 +219,7 @@ struct Registers {
   requires(sizeof...(Parts) == count && (std::is_same_v<Parts, Part> && ...)) Registers(Parts... parts)
       : part{parts...} {}
   Registers(E x) : Registers(each<Registers, count>([&](auto) { return x - Part{}; })) {}
-  /// What lies in memory: a struct of n elements.
+  /// Registers as they lie in memory: a struct of n elements.
   template <class Stored>
   requires std::is_same_v<decltype(Stored::lane), E[n]> Registers(const Stored& of)
       : Registers(each<Registers, count>([&](auto k) { return load<Part>(of.lane + k * lanes); })) {}
@@ -228,7 +228,7 @@ struct Registers {
           using L = Lanes<E, lanes>;
           return L::real(load<typename L::Whole>(whole + k * lanes));
         })) {}
-  /// What of(lane) returns, in each lane.
+  /// Returns a vector with of(lane) in each lane.
   template <class Of>
   [[gnu::always_inline]] static Registers gathered(Of of) {
     return each<Registers, count>(

@@ -33,7 +33,7 @@ template <class List, class... FetchesAndVisit>
                                                 FetchesAndVisit&&... distance_fetch_visit) {
   for (std::size_t k = begin; k < end; ++k) fetch_and_visit(list, k, distance_fetch_visit...);
 }
-/// Does so with the whole list.
+/// Calls the functions as above for the whole list.
 template <class List, class... FetchesAndVisit>
 [[gnu::always_inline]] inline void for_ahead(const List& list, FetchesAndVisit&&... distance_fetch_visit) {
   for_ahead_in(list, 0, list.size(), distance_fetch_visit...);

@@ -1,5 +1,5 @@
 #pragma once
-// Where the passes over cells of a run are done. All give the same bits.
+// Devices run the passes over cells. All give the same bits.
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -40,8 +40,7 @@ std::pmr::memory_resource* message_memory(Device);
 /// where they are used. Throws std::bad_alloc.
 std::shared_ptr<void> zeroed_on_gpu(std::size_t bytes);
 
-/// An array, mostly in such memory, whose new elements hold anything: the processor need not touch what a
-/// device is to write.
+/// An array, mostly in such memory, whose new elements hold anything: a device is to write them.
 template <class T>
 struct UnwrittenElements : std::pmr::polymorphic_allocator<T> {
   using Base = std::pmr::polymorphic_allocator<T>;
@@ -84,7 +83,6 @@ constexpr std::size_t bytes_of(const Value& value) {
     return sizeof value;
 }
 }  // namespace counting
-/// Returns the counts since the program began.
 inline const BusBytes& bus_bytes() {
   return counting::on_bus;
 }

@@ -21,8 +21,8 @@ struct Team {
 #endif
     return term;
   }
-  /// Adds the terms of all members to a sum that each of them has; returns what it was before the term of
-  /// this one was added.
+  /// Adds the terms of all members to a sum that each of them has; returns the sum before the term of this
+  /// one.
   SILT_DEVICE std::uint32_t before(std::uint32_t term, std::uint32_t& sum) const {
     std::uint32_t through = term, all = term;  // of the members up to this one; of all
 #if defined(__CUDA_ARCH__)

@@ -1,4 +1,4 @@
-// What is asked of CUDA besides passes.
+// The calls of CUDA besides passes.
 #include <cuda_runtime.h>
 
 #include <memory>

@@ -26,38 +26,6 @@ inline Parity flipped(Parity p) {
   return p == Parity::settled ? Parity::crossed : Parity::settled;
 }
 
-struct CellBox {  // cells lower <= x < lower + size
-  Int3 lower, size;
-  bool contains(Int3 x) const {
-    for (int d = 0; d < 3; ++d)
-      if (x[d] < lower[d] || x[d] >= lower[d] + size[d]) return false;
-    return true;
-  }
-  std::int64_t cells() const { return std::int64_t{size.x} * size.y * size.z; }
-};
-
-inline CellBox grown(CellBox box, int by) {
-  return {box.lower - Int3{by, by, by}, box.size + Int3{2 * by, 2 * by, 2 * by}};
-}
-
-/// The cells that both have.
-inline CellBox overlap(const CellBox& a, const CellBox& b) {
-  CellBox both;
-  for (int d = 0; d < 3; ++d) {
-    both.lower[d] = std::max(a.lower[d], b.lower[d]);
-    both.size[d] = std::max(0, std::min(a.lower[d] + a.size[d], b.lower[d] + b.size[d]) - both.lower[d]);
-  }
-  return both;
-}
-
-/// Calls visit(cell) for every cell with low <= cell < high, x fastest.
-template <class Visit>
-void for_cells(Int3 low, Int3 high, Visit&& visit) {
-  for (int z = low.z; z < high.z; ++z)
-    for (int y = low.y; y < high.y; ++y)
-      for (int x = low.x; x < high.x; ++x) visit(Int3{x, y, z});
-}
-
 /// Calls visit(g, j) for every ghost slot of a block: g local to the block, g - c_j inside it.
 template <class Visit>
 void for_ghost_slots(Int3 size, Visit&& visit) {
@@ -123,7 +91,6 @@ class Block {
   const CellBox& box() const { return box_; }
   Int3 size() const { return box_.size; }
   bool shares_array(const Block& other) const { return memory_ == other.memory_; }
-  /// Bytes of the array, ghosts included.
   std::size_t bytes() const { return std::size_t(direction_) * directions * sizeof(T); }
 
   /// The element offset of a cell (ghosts: -1 and size) within a direction, and of a step along c_i.
@@ -138,8 +105,8 @@ class Block {
   std::ptrdiff_t plane_stride() const { return plane_; }
 
   /// Slot (cell 0, i): add a cell's offset. Valid for every cell of the block and every ghost cell that
-  /// something crosses into along i; other ghost cells have no slot of their own. A direction's array begins
-  /// with the first of them.
+  /// something crosses into along i; no other ghost cell has a slot. A direction's array begins with the
+  /// first.
   std::ptrdiff_t slot(int i) const {
     return direction_ * i - cell(std::min(c[i].x, 0), std::min(c[i].y, 0), std::min(c[i].z, 0));
   }

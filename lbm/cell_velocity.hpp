@@ -1,14 +1,12 @@
 #pragma once
-// The velocity of a vector of cells that is about to collide. Only for *_kernel.cpp files, which are built
-// once an instruction set (SILT_ISA).
+// The velocity of a vector of cells that is about to collide. For *_kernel.cpp files only (SILT_ISA).
 #include "cpu/device_code.hpp"
-#include "lbm/collision.hpp"
+#include "lbm/collision_model.hpp"
 #include "lbm/lattice.hpp"
 
 namespace silt::lbm::SILT_ISA {
 
-/// Sets it from the differences of what arrives along and against the first direction of each pair, with half
-/// of the force if there is a source.
+/// Sets the velocity from the differences along and against each pair's first direction, and half the force.
 template <bool source, class V, class T>
 [[gnu::always_inline]] SILT_DEVICE inline void set_velocity(const V (&difference)[pairs],
                                                             const CollisionRates<T>& r, V& ux, V& uy, V& uz) {

@@ -11,15 +11,14 @@ namespace silt::lbm {
 
 namespace {
 
-/// Cells of a level, in the place of cells of another level that one rank has before and after. The box is in
-/// cells of the coarser of the two.
+/// Cells of a level in the place of cells of another level, on the same rank. The box is in the coarser
+/// cells.
 struct Changed {
   CellBox box;
   int rank, from_block, to_block;  // local ones, of that rank
 };
 
-/// This rank looks at the cells of its neighbours too, from coarser to finer: what lies beside theirs may be
-/// its own.
+/// Lists the changed cells of this rank and of its neighbours: coarser cells beside theirs may be its own.
 std::vector<Changed> changed_cells(const Domain& from, const Domain& to, int rank) {
   std::vector<Changed> all;
   const Domain& coarser = from.level() > to.level() ? from : to;
@@ -43,7 +42,7 @@ std::vector<Changed> changed_cells(const Domain& from, const Domain& to, int ran
   return all;
 }
 
-/// A part off equilibrium is as large as a step is long, and the longer it takes to relax.
+/// A part off equilibrium is proportional to the length of a step and to its relaxation time.
 struct Scales {
   double even, odd;
   Scales(const CollisionSpec& from, const CollisionSpec& to, double steps)
@@ -51,8 +50,7 @@ struct Scales {
         odd(to.odd_relaxation_time() / from.odd_relaxation_time() * steps) {}
 };
 
-/// Turns populations of one lattice into those that another has where density, velocity and their gradients
-/// are the same.
+/// Turns populations of one lattice into those of another with the same density, velocity and gradients.
 void rescale(double (&g)[directions], const CollisionSpec& from, const CollisionSpec& to,
              const Scales& scale) {
   double rho = 0, u[3] = {from.force[0] / 2, from.force[1] / 2, from.force[2] / 2}, off[directions];
@@ -96,7 +94,8 @@ class Change {
     }
   }
 
-  /// New fine cells have what arrived in the coarse one, changed as it changes between the cells beside that.
+  /// New fine cells have what arrived in the coarse one, plus its slope between the cells beside the coarse
+  /// one.
   void refine() {
     fetch();
     for (const Changed& part : changed_) {
@@ -166,12 +165,7 @@ class Change {
           from.array = std::uint32_t(domain.local_index(place, rank_));
           from.first = std::uint32_t(from_.blocks()[from.array].cell(Int3{x, y, z} - place.box.lower));
         }
-        if (ends.first == ends.second)
-          slots.copied().add(from, to);
-        else if (ends.first == rank_)
-          slots.received(ends.second).add(to);
-        else
-          slots.sent(ends.first).add(from);
+        slots.add(ends.second, from, ends.first, to, rank_);
       }
     std::vector<T> arrived(next);
     for (int i = 0; i < directions; ++i) {

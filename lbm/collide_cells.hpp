@@ -2,8 +2,8 @@
 // A collision of cells in place, for all builds: a vector of cells at a time, or one (SILT_SCALAR).
 //
 // The populations of a pair i, opposite i that arrive at a cell lie in two slots A and B; what leaves along i
-// goes to B and what leaves against it to A. Where A and B are is all that the parity decides, so one pass
-// serves the even and the odd step.
+// goes to B and what leaves against it to A. The parity decides nothing but A and B, so one pass serves the
+// even and the odd step.
 #include "cpu/lanes.hpp"
 #if !defined(SILT_SCALAR)
 #include "cpu/prefetch.hpp"
@@ -34,8 +34,7 @@ struct AllLanes {
   }
 };
 
-/// Fetches ahead of use, so that memory answers in time: the hardware's own streams are too few for nineteen
-/// arrays.
+/// Fetches ahead of use: the hardware's own streams are too few for nineteen arrays.
 struct Prefetch {
 #if defined(SILT_SCALAR)
   template <class T>

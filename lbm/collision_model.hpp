@@ -7,24 +7,23 @@
 
 namespace silt::lbm {
 
-/// `trt` relaxes the even half of each pair of populations with 1/tau and the odd half so that
-/// (tau - 1/2)(tau_odd - 1/2) = magic (Ginzburg, Verhaeghe, d'Humieres 2008); `bgk` relaxes both with 1/tau.
+/// `trt` relaxes the even half of each pair of populations with 1/tau and the odd half so that (tau -
+/// 1/2)(tau_odd - 1/2) = magic (Ginzburg, Verhaeghe, d'Humieres 2008); `bgk` relaxes both with 1/tau.
 /// `regularised` relaxes the stress with 1/tau, third moments as trt does but no slower than it may, and
 /// replaces all else but mass and momentum (method.md, equations 24 to 27): for flows that the others do not
-/// survive.
+/// bear.
 enum class Collision : std::uint8_t { trt, bgk, regularised };
 
-/// How fast the odd half of a pair is relaxed: as `magic` says, as the even half, or as `magic` says as long
-/// as that is stable.
+/// The relaxation of the odd half of a pair: by `magic`, as the even half, or by `magic` where that is
+/// stable.
 enum class OddRate : std::uint8_t { by_magic, as_even, by_magic_if_stable };
 
 struct CollisionModel {
   std::string_view name;
   OddRate odd;
   double lasts_to;  // u / nu of a cell up to which five small scenes last (scripts/bench stability)
-  /// Whether `magic` is free to choose.
   constexpr bool has_magic() const { return odd != OddRate::as_even; }
-  /// Whether `smagorinsky` is.
+  /// Returns whether `smagorinsky` is free to choose.
   constexpr bool has_eddies() const { return odd == OddRate::by_magic_if_stable; }
 };
 /// The models in the order of the enumerators.
@@ -44,15 +43,13 @@ struct CollisionSpec {
   double smagorinsky = 0;         // constant of the least viscosity of a cell (method.md, equation 28)
 
   constexpr double excess() const { return relaxation_time - 0.5; }
-  /// How much `regularised` relaxes third and fourth moments as trt does: not at all where that amplifies
-  /// (method.md, equation 26).
+  /// The share in which `regularised` relaxes third and fourth moments as trt does (method.md, equation 26).
   constexpr double ghosts_as_trt() const { return std::clamp((excess() - 0.05) / 0.05, 0.0, 1.0); }
-  /// tau_odd as `magic` says, as far as that is stable.
+  /// Returns tau_odd by `magic`, as far as that is stable.
   constexpr double stable_odd_relaxation_time() const {
     return 1 + std::min(magic / excess() - 0.5, 0.0) +
            ghosts_as_trt() * std::max(magic / excess() - 0.5, 0.0);
   }
-  /// tau_odd.
   constexpr double odd_relaxation_time() const {
     switch (model_of(model).odd) {
       case OddRate::by_magic:
@@ -67,6 +64,31 @@ struct CollisionSpec {
   /// (tau - 1/2)(tau_odd - 1/2).
   constexpr double magic_in_effect() const {
     return model_of(model).odd == OddRate::by_magic ? magic : excess() * (odd_relaxation_time() - 0.5);
+  }
+};
+
+/// The numbers are those of a diagonal direction (w = 1/36); along an axis they are twice that, at rest
+/// twelve times. Rounding a rate must not make or destroy mass or momentum, step after step the same way:
+/// density and momentum are multiples of a number so small that what is kept of the populations is exact.
+template <class T>
+struct CollisionRates {
+  Collision model;
+  T density;   // omega_even/36, of rho
+  T square;    // omega_even/24, of u_d u_d: a third of it in an even half, and less of it in all of them
+  T momentum;  // omega_odd/12, of u
+  T keep_even, keep_even_twice, keep_odd;  // (1 - omega)/2
+  T half_force[3], even_force[3], odd_force[3];
+  T keep_third,
+      keep_fourth;        // of regularised: what is left of moments beyond those that follow from the stress
+  T resolved_square;      // half the square of the stress off equilibrium up to which no eddy is more viscous
+  T eddy;                 // 9 C^2; 0: none
+  T mass_correction = 0;  // added to the density of every cell
+
+  /// Throws std::invalid_argument for a relaxation time of 1/2 or less.
+  explicit CollisionRates(const CollisionSpec&);
+  /// Returns whether there is a force or a mass correction.
+  bool has_source() const {
+    return half_force[0] != 0 || half_force[1] != 0 || half_force[2] != 0 || mass_correction != 0;
   }
 };
 

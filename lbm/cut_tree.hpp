@@ -1,15 +1,14 @@
 #pragma once
-// How a box of cells is cut into smaller ones: by a plane, then each part by a plane of its own, and so on.
-// The boxes that are left, the leaves, are numbered so that those of a part count on, the lower part's first.
-// A node of this binary tree is a plane; they are kept in preorder, 12 bytes each:
+// A box of cells is cut into smaller ones by a plane, then each part by a plane of its own, and so on. The
+// boxes that are left, the leaves, are numbered one part after the other, the lower part's first. A node of
+// this binary tree is a plane; they are kept in preorder, 12 bytes each:
 //
 //     node k: a part with n leaves;   its lower part with m leaves: node k + 1;   the upper one: node k + m
 //
-// Who knows the tree finds the leaf of a cell, or the leaves near a box, by descending it.
+// The leaf of a cell, and the leaves near a box, are found by descending the tree.
 //
 // Leaves may have a kind: the rank that has them and the level of their cells, whose edges are 2^level. Then
-// each rank has a tree of its own, which tells its own part of the box and those near it; any other part is
-// one leaf of no level.
+// each rank has a tree of its own part of the box and those near it; any other part is a leaf of no level.
 #include <memory>
 #include <span>
 #include <vector>
@@ -48,13 +47,12 @@ class CutTree {
   Int3 cells() const { return cells_; }
   int leaves() const { return static_cast<int>(nodes_->size()) + 1; }
   std::span<const Cut> nodes() const { return *nodes_; }
-  /// Those of the leaves; empty: they have none.
+  /// Returns the kinds of the leaves, or nothing if they have none.
   std::span<const LeafKind> kinds() const { return *kinds_; }
   bool operator==(const CutTree& other) const {
     return cells_ == other.cells_ && *nodes_ == *other.nodes_ && *kinds_ == *other.kinds_;
   }
   Leaf leaf(int index) const;
-  /// The leaf of a cell inside the box.
   Leaf leaf_at(Int3 cell) const;
   /// Calls visit(leaf) for every leaf that has a cell of this box, in order.
   template <class Visit>

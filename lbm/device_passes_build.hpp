@@ -113,8 +113,7 @@ struct MoveSlots {
   }
 };
 
-/// What is done with a part of a row at a border, in the words of BorderRows. (nvcc takes no pointer to a
-/// member.)
+/// These do a step of BorderRows with a part of a row at a border. (nvcc takes no pointer to a member.)
 struct Carry {
   SILT_DEVICE void operator()(const auto& rows, const auto&... part) const { rows.carry(part...); }
 };

@@ -26,21 +26,20 @@ struct BlockPlace {
   int rank;
 };
 
-/// Cells of an axis from `first` on, inside the domain; along a periodic axis they may go on at its
-/// beginning.
+/// Cells of an axis from `first` on; along a periodic axis they may continue at its beginning.
 struct CellRun {
   int first, count;
 };
 
 class Domain {
  public:
-  /// Sides are in the order x low, x high, y low, ... Each leaf of the tree is a block. Ranks have contiguous
-  /// runs of blocks, as many each but for one, or those that the kinds of the leaves say. Blocks are then the
-  /// leaves of the level; edges of the box are whole cells of it. Throws std::invalid_argument for fewer
-  /// blocks than ranks.
+  /// Sides are in the order x low, x high, y low, ... Each leaf of the tree is a block, and ranks have
+  /// contiguous runs of blocks whose lengths differ by one at most. If leaves have kinds, these say the
+  /// ranks, and only the leaves of the level are blocks; edges of the box are then whole cells of the level.
+  /// std::invalid_argument for fewer blocks than ranks.
   Domain(CutTree, const std::array<SideCondition, 6>& sides, int ranks, int level = 0);
-  /// The same, of blocks that have about so many cells along each axis; without that one a rank, all of about
-  /// the same size (equal_cut.hpp).
+  /// Makes blocks of about so many cells along each axis; without that, one of the same size a rank
+  /// (equal_cut.hpp).
   Domain(Int3 cells, const std::array<SideCondition, 6>& sides, std::optional<Int3> block_cells, int ranks);
 
   int level() const { return level_; }
@@ -59,7 +58,7 @@ class Domain {
   /// The place of a block among those of a rank, -1 for one of another rank.
   int local_index(const BlockPlace& block, int rank) const;
   int rank_of(int block) const;
-  /// The block of a cell inside the domain: of this level or not.
+  /// Returns the leaf of a cell inside the domain, which may be of another level.
   BlockPlace block_at(Int3 cell) const { return placed(tree_.leaf_at(refined(cell))); }
   bool is_of_level(const BlockPlace& block) const {
     return tree_.kinds().empty() || tree_.kinds()[block.index].level == level_;
@@ -88,11 +87,9 @@ class Domain {
   void for_leaves_meeting(const CellBox&, Visit&& visit) const;
   template <class Visit>
   void for_blocks_meeting(const std::array<CellRun, 3>& runs, Visit&& visit) const;
-  /// The blocks of the level that meet a box, which may reach beyond the domain (sorted, each once): also
-  /// through periods.
+  /// Returns the blocks of the level that meet a box, through periods too (sorted, each once).
   std::vector<int> blocks_meeting(const CellBox&) const;
-  /// The blocks that share a face, edge or corner, or a part of one, with block b, b itself included (sorted,
-  /// each once).
+  /// Returns the blocks that share a part of a face, edge or corner with block b, and b itself (sorted).
   std::vector<int> neighbourhood(int b) const;
   /// The neighbourhoods of all blocks of a rank together (sorted, each block once): ranks that walk them in
   /// this order agree on what messages between them hold.
@@ -102,7 +99,7 @@ class Domain {
   BlockPlace placed(const CutTree::Leaf& leaf) const {
     return {leaf.index, {coarsened(leaf.box.lower), coarsened(leaf.box.size)}, rank_of(leaf.index)};
   }
-  /// Between cells of the level and those of the tree.
+  /// refined() turns cells of the level into cells of the tree, coarsened() does the reverse.
   Int3 refined(Int3 x) const { return {x.x << level_, x.y << level_, x.z << level_}; }
   Int3 coarsened(Int3 x) const { return {x.x >> level_, x.y >> level_, x.z >> level_}; }
   int first_block(int rank) const { return int(std::int64_t(blocks()) * rank / ranks_); }

@@ -52,7 +52,7 @@ int first_cell(int cells, int blocks, int k) {
   return int(std::int64_t(cells) * k / blocks);
 }
 
-/// The same of a part of a grid of boxes, of which it has those from `first` on.
+/// Cuts a part of a grid of boxes, which has the boxes from `first` on.
 void cut_grid(Int3 cells, Int3 boxes, Int3 first, Int3 count, std::vector<Cut>& nodes) {
   const auto begin = [&](int d) { return first_cell(cells[d], boxes[d], first[d]); };
   const auto length = [&](int d) { return first_cell(cells[d], boxes[d], first[d] + count[d]) - begin(d); };

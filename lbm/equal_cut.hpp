@@ -18,20 +18,19 @@ struct CutRoom {
   Range along(int axis, Int3 size) const;
 };
 
-/// Half of the leaves below and half above, or as near to that as there is room: for leaves of at least so
-/// many cells an edge if so many of them fit, else of as many cells as do. std::invalid_argument for fewer
-/// than 2.
+/// Half of the leaves below and half above, or as near to that as there is room: for leaves of that edge, or
+/// of the largest that fits. std::invalid_argument for fewer than 2 cells.
 inline constexpr int usual_edge = 8;
 CutRoom room_to_cut(Int3 size, int leaves, int edge = usual_edge);
 
-/// How much a cut across an axis costs, per cell of its face: across x double, as short rows are slow.
+/// Returns what a cut across an axis costs, per cell of its face: across x double, as short rows are slow.
 double cost_of_face(int axis);
 
-/// So many leaves of about the same size, cut across the longest edge, and x last. std::invalid_argument
-/// where leaves would have fewer than 2 cells an edge.
+/// Makes so many leaves of about the same size, cut across the longest edge, and x last.
+/// std::invalid_argument where leaves would have fewer than 2 cells an edge.
 CutTree equal_cut(Int3 cells, int leaves);
 
-/// Leaves of about so many cells along each axis: a grid of boxes, the number of them given by rounding up.
+/// Makes a grid of leaves of about so many cells along each axis; their number is rounded up.
 CutTree grid_cut(Int3 cells, Int3 leaf_cells);
 
 }  // namespace silt::lbm

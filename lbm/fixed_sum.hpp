@@ -16,7 +16,7 @@ class FixedSum {
 
   [[gnu::always_inline]] SILT_DEVICE void add(const Real& x) { sum_ += rounded(x); }
   [[gnu::always_inline]] SILT_DEVICE void subtract(const Real& x) { sum_ -= rounded(x); }
-  /// `terms`: how many more were added than subtracted.
+  /// `terms` is the number of added terms less that of subtracted ones.
   SILT_DEVICE std::int64_t total(std::uint64_t terms) const {
     std::uint64_t all = 0;
 #if defined(SILT_SCALAR)

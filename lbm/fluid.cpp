@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "cpu/prefetch.hpp"
-#include "lbm/collision.hpp"
+#include "lbm/collision_model.hpp"
 #include "lbm/device_passes.hpp"
 #include "lbm/stream_collide.hpp"
 #include "parallel/communicator.hpp"
@@ -51,14 +51,14 @@ ShellFaces shell_of(const Domain& domain, const BlockPlace& place) {
   ShellFaces shell;
   for (int axis = 1; axis < 3; ++axis)
     for (int high = 0; high < 2; ++high) {
-      Int3 beyond = place.box.lower;
-      beyond[axis] += high ? place.box.size[axis] : -1;
-      beyond = domain.wrapped(beyond);
-      if (!domain.inside(beyond)) continue;
-      std::array<CellRun, 3> face;
-      for (int d = 0; d < 3; ++d) face[d] = {beyond[d], d == axis ? 1 : place.box.size[d]};
+      CellBox beyond = place.box;
+      beyond.lower[axis] += high ? beyond.size[axis] : -1;
+      beyond.size[axis] = 1;
+      beyond.lower = domain.wrapped(beyond.lower);
+      if (!domain.inside(beyond.lower)) continue;
       bool& of_face = (axis == 1 ? shell.y : shell.z)[high];
-      domain.for_blocks_meeting(face, [&](const BlockPlace& there) { of_face |= there.rank != place.rank; });
+      domain.for_blocks_meeting(beyond,
+                                [&](const BlockPlace& there) { of_face |= there.rank != place.rank; });
     }
   return shell;
 }

@@ -20,7 +20,6 @@ namespace silt::lbm {
 template <class T>
 struct CollisionRates;
 
-/// A cell of a local block.
 struct LocalCell {
   int block;
   Int3 cell;
@@ -53,14 +52,13 @@ class Fluid {
   /// Every cell of the blocks that are not idle collides; parity flips. Messages to other ranks set out as
   /// soon as what they carry is there. Call exchange() next.
   void stream_collide();
-  /// The same pass for who does something in between: it begins, the parts of each block (pass_order.hpp) are
-  /// collided in their order, and it ends.
+  /// These are the same pass in pieces, with something else in between: it begins, the parts of each block
+  /// (pass_order.hpp) are collided in their order, and it ends.
   void begin_pass();
   int parts(int b) const { return idle_[b] ? 0 : orders_[b].parts(); }
   void collide(int b, int part) { collide_rows(b, orders_[b].rows_of(part)); }
   void end_pass();
-  /// Each plane is looked at in one pass of WatchedPlanes::period, which one is a matter of how many were
-  /// done.
+  /// The number of passes decides which planes are watched in a pass (WatchedPlanes).
   std::int64_t passes() const { return passes_; }
   void set_passes(std::int64_t done) { passes_ = done; }
   /// The cells of the planes looked at that were faster than sound when the last pass began, or whose
@@ -82,7 +80,7 @@ class Fluid {
   T arriving(int b, Int3 local_cell, int i) const {
     return blocks_[b].data()[blocks_[b].arriving(i, parity_) + blocks_[b].cell(local_cell)];
   }
-  /// Population i arriving at the cells of a box of local cells, x fastest.
+  /// Read or write population i arriving at the cells of a box of local cells, x fastest.
   void read(int b, const CellBox&, int i, double* g) const;
   void write(int b, const CellBox&, int i, const double* g);
   /// The population that left a cell along i in the last pass (until the next one).
@@ -90,18 +88,17 @@ class Fluid {
     return blocks_[b].data()[blocks_[b].leaving(i, parity_) + blocks_[b].cell(local_cell)];
   }
   Moments moments(int b, Int3 local_cell) const;
-  /// Returns those of single cells, in their order; they are there until the next call.
+  /// Returns the moments of single cells, in their order; they are there until the next call.
   std::span<const Moments> moments(std::span<const LocalCell>);
-  /// Their density deviations alone: of all that moments are, a tenth need come from a device.
+  /// Returns the density deviations of single cells: a tenth of what moments bring from a device.
   std::span<const double> densities(std::span<const LocalCell>);
-  /// Returns where a pass over single cells finds them; it holds until the next call, of moments() too.
+  /// Returns where a pass finds single cells; the list holds until the next call of listed() or moments().
   ListedCells<T> listed(std::span<const LocalCell>);
-  /// Those of a box of local cells.
   void moments(int b, const CellBox&, MomentArrays&) const;
-  /// Returns what rows of cells hold together; of many such at once, all in memory that the device reaches.
+  /// Return the totals of rows of cells; those of many rows lie in memory that the device reaches.
   CellTotals totals(int b, const LocalRows&) const;
   void totals(int b, std::span<const LocalRows>, CellTotals*) const;
-  /// Their masses, of which each cell's is the sum of its populations in double, in quanta.
+  /// Gives the masses of rows, in quanta; a cell's is the sum of its populations in double.
   void masses(int b, std::span<const LocalRows>, std::int64_t* quanta) const;
   std::array<double, 3> velocity(const Moments& m) const { return velocity_of(m, spec_.force); }
   void set_equilibrium(int b, Int3 local_cell, double density_deviation,
@@ -142,8 +139,7 @@ class Fluid {
 template <class T>
 void move_populations(const Fluid<T>& from, Fluid<T>& to);
 
-/// Returns half of what an acceleration adds to population i in a step of fluid at rest, 3/2 w c.F (equation
-/// 6).
+/// Returns half of what an acceleration adds to population i of fluid at rest, 3/2 w c.F (equation 6).
 double half_push(const std::array<double, 3>& force, int i);
 
 }  // namespace silt::lbm

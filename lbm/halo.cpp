@@ -14,8 +14,7 @@ namespace {
 
 enum class RowEndKind { lists, round, wall };
 
-/// The rows of a block may by themselves go round to the other end, or meet a wall; else the lists of this
-/// file do what is to do there.
+/// A row of a block may go round to its other end or meet a wall by itself; else there are lists for its end.
 RowEndKind row_end_kind(const Domain& domain, const CellBox& box, bool upper) {
   const int cells = domain.cells().x;
   if (domain.periodic(0)) return box.size.x == cells ? RowEndKind::round : RowEndKind::lists;
@@ -23,8 +22,8 @@ RowEndKind row_end_kind(const Domain& domain, const CellBox& box, bool upper) {
   return at_side && domain.side(0, upper).kind == SideKind::bounce ? RowEndKind::wall : RowEndKind::lists;
 }
 
-/// Whether the dense pass moves this ghost slot (g local to the block) for good. At a wall it does as the
-/// face does; edges that do otherwise are listed, and put right after it.
+/// Returns whether the dense pass moves this ghost slot (g local to the block) for good. At a wall it moves
+/// slots as the face does; edges that need another move are listed, and put right after the pass.
 bool is_row_end(const Domain& domain, const CellBox& box, Int3 g, int j) {
   if (g.x >= 0 && g.x < box.size.x) return false;
   const RowEndKind kind = row_end_kind(domain, box, g.x > 0);
@@ -111,7 +110,7 @@ struct Halo<T>::Builder {
       add_peer(place.rank, orders[there], cell).sent(place.rank).add(slot(there, cell, home.direction));
   }
 
-  /// What the shell does not write leaves late.
+  /// Slots that the shell does not write leave late.
   SlotExchange<T>& add_peer(int other, const PassOrder& order, Int3 writer) {
     if (!order.in_shell(writer.y, writer.z)) halo.slots_.hold_back(other);
     return halo.slots_;

@@ -36,18 +36,16 @@ class Halo {
   /// gives the blocks their row ends. `force` is the uniform acceleration.
   Halo(const Domain&, MPI_Comm, std::span<Block<T>> blocks, std::span<const PassOrder> orders,
        const std::array<double, 3>& force, Device);
-  /// Call when the shells have collided: the messages that they alone write set out. `parity` is that of the
-  /// blocks after the dense pass.
+  /// Call when the shells have collided: sends the messages that they alone write. `parity` is that after the
+  /// pass.
   void start(Parity parity);
-  /// Gives the messages under way a chance to move.
   void progress() { slots_.progress(); }
-  /// Call when the pass is done. Nothing moves into an idle block: its slots mean nothing, and cut links
-  /// cover every way into it.
+  /// Call when the pass is done. Nothing moves into an idle block: cut links cover every way into it.
   void exchange(std::span<Block<T>> blocks, std::span<const char> idle, Parity parity);
   void set_force(const std::array<double, 3>& force) { force_ = force; }
   /// Takes the velocities that the sides of the domain have now.
   void take_side_velocities(const Domain&, std::span<Block<T>> blocks);
-  /// As SlotExchange has it.
+  /// message_bytes counts as that of SlotExchange does.
   std::size_t message_bytes(bool early_alone = false) const { return slots_.message_bytes(early_alone); }
 
  private:

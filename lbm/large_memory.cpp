@@ -20,8 +20,7 @@ void* mapped(std::size_t bytes) {
 
 void* zeroed_memory(std::size_t bytes) {
   if (bytes < large_page) return mapped(bytes);
-  // A large page begins at a multiple of its size: what lies before the first and behind the last is given
-  // back.
+  // A large page begins at a multiple of its size: memory before the first and behind the last is given back.
   char* const from = static_cast<char*>(mapped(bytes + large_page));
   const std::size_t before = (large_page - reinterpret_cast<std::uintptr_t>(from) % large_page) % large_page;
   char* const p = from + before;

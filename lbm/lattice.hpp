@@ -1,7 +1,10 @@
 #pragma once
-// D3Q19. Direction 0 rests; 2k+1 and 2k+2 are opposite: a pair. Weights w, sound speed c_s^2 = 1/3.
+// Cells and boxes of them, and the directions of D3Q19. Direction 0 rests; 2k+1 and 2k+2 are opposite: a
+// pair. Weights w, sound speed c_s^2 = 1/3.
+#include <algorithm>
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <utility>
 
 #include "cpu/device_code.hpp"
@@ -16,6 +19,38 @@ struct Int3 {
   friend constexpr Int3 operator-(Int3 a, Int3 b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
   constexpr bool operator==(const Int3&) const = default;
 };
+
+struct CellBox {  // cells lower <= x < lower + size
+  Int3 lower, size;
+  bool contains(Int3 x) const {
+    for (int d = 0; d < 3; ++d)
+      if (x[d] < lower[d] || x[d] >= lower[d] + size[d]) return false;
+    return true;
+  }
+  std::int64_t cells() const { return std::int64_t{size.x} * size.y * size.z; }
+};
+
+inline CellBox grown(CellBox box, int by) {
+  return {box.lower - Int3{by, by, by}, box.size + Int3{2 * by, 2 * by, 2 * by}};
+}
+
+/// Returns the cells that both have.
+inline CellBox overlap(const CellBox& a, const CellBox& b) {
+  CellBox both;
+  for (int d = 0; d < 3; ++d) {
+    both.lower[d] = std::max(a.lower[d], b.lower[d]);
+    both.size[d] = std::max(0, std::min(a.lower[d] + a.size[d], b.lower[d] + b.size[d]) - both.lower[d]);
+  }
+  return both;
+}
+
+/// Calls visit(cell) for every cell with low <= cell < high, x fastest.
+template <class Visit>
+void for_cells(Int3 low, Int3 high, Visit&& visit) {
+  for (int z = low.z; z < high.z; ++z)
+    for (int y = low.y; y < high.y; ++y)
+      for (int x = low.x; x < high.x; ++x) visit(Int3{x, y, z});
+}
 
 inline constexpr int directions = 19, pairs = 9;
 inline constexpr std::array<Int3, directions> c = {{{0, 0, 0},

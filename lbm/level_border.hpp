@@ -27,10 +27,10 @@ class LevelBorder {
   /// Call before the pass of the coarse fluid, and when its exchange is done.
   void before_coarse_pass();
   void after_coarse_pass();
-  /// Call around both passes of the fine fluid in a coarse step: when one begins, if you like when a part of
-  /// a block has collided, and when its exchange is done. What arrives in fine cells is given them; the
-  /// second time coarse cells too receive what the fine ones sent in this coarse step. After a part what is
-  /// there of it is still in a cache: at faces across x each population is in a cache line of its own.
+  /// Call around each of the two passes of the fine fluid in a coarse step: when the pass begins and when its
+  /// exchange is done. Fine cells then receive what arrives in them; after the second pass coarse cells
+  /// receive what the fine ones sent in both. A call of after_part, when a part of a block has collided, is
+  /// optional and saves time: its populations are still in a cache.
   void begin_fine_pass();
   void after_part(int block, int part);
   void end_fine_pass();
@@ -54,14 +54,13 @@ class LevelBorder {
   Fluid<T>&fine_, &coarse_;
   SlotExchange<T> before_, coarse_left_, fine_left_[2];
   std::pmr::vector<T> coarse_before_, coarse_fetched_, fine_fetched_[2], carried_, sums_;
-  /// The tables of rows, by parity: of the coarse fluid coarse_fetched_ and coarse_before_ follow, of the
-  /// fine one fine_fetched_.
+  /// The tables of rows, by parity, then coarse_fetched_ and coarse_before_, or fine_fetched_.
   std::pmr::vector<T*> coarse_arrays_[2], fine_arrays_[2];
   std::pmr::vector<typename Rows::Carried> carry_;
   std::pmr::vector<typename Rows::Passing> passing_;
-  /// The lists of what is ready after a part of a block, by block and part, on the processor alone; what
-  /// needs more than one block, or was fetched from other ranks, and what takes from what others read, comes
-  /// after the pass.
+  /// The lists for rows that are ready after a part of a block, by block and part, on the processor alone.
+  /// Rows that need more than one block, or another rank, or that take from what others read, come after the
+  /// pass.
   std::vector<std::vector<Lists>> ready_;
   std::vector<char> by_parts_;  // whether parts of a block were told of in this pass
   Lists late_;

@@ -1,7 +1,7 @@
 #pragma once
-// What crosses a border between levels, row by row of coarse cells whose surroundings are the same leaves of
-// the tree of cuts (level_border.hpp): the lists, and what is done with some elements of a row. The processor
-// does all of a row at once, a device one element.
+// Populations cross a border between levels by rows of coarse cells whose surroundings are the same leaves of
+// the tree of cuts (level_border.hpp). These are the lists of rows, and the steps for some elements of a row.
+// The processor does all of a row at once, a device one element.
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -24,7 +24,7 @@ struct BorderRows {
     std::uint32_t array = 0;
     std::int32_t first = 0, step = 0;
   };
-  /// What the packets carry that leave a row of coarse cells along one direction: rows beside one another.
+  /// Packets are the values that leave a row of coarse cells along one direction: rows beside one another.
   struct Carried {
     std::uint32_t length, first;  // first: in carried
     Row value;
@@ -60,7 +60,7 @@ struct BorderRows {
     Row from;
     bool paired = false;  // the next element is one more
   };
-  /// By packets that entered fine cells, beyond the value in the middle of their cell.
+  /// Taken is the difference of packets that entered fine cells from the value in the middle of their cell.
   struct Taken {
     Row above, below;
     T factor;
@@ -78,7 +78,7 @@ struct BorderRows {
   const T* coarse_before;
   T *carried, *sums;
   int sub_step;
-  /// Those that the entries at hand refer to.
+  /// The entries that are passed to the functions below refer to these rows.
   const Packet* packets;
   const Source* sources;
   const Taken* taken;
@@ -114,9 +114,8 @@ struct BorderRows {
     }
   }
 
-  /// A packet carries the population of its cell in its corner, and of what collision has just added to it a
-  /// fourth less in the first step or more in the second: as much as it would have had a fourth of a step
-  /// later or earlier.
+  /// A packet carries the population of its cell in its corner, with a fourth less of what collision has just
+  /// added in the first step and a fourth more in the second, as if a fourth of a step later or earlier.
   SILT_DEVICE void carry(const Carried& c, std::ptrdiff_t begin, std::ptrdiff_t end) const {
     T* row[carried_rows];
     for (int k = 0; k < carried_rows; ++k) row[k] = carried + c.first + k * c.length;

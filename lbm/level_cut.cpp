@@ -7,8 +7,8 @@ namespace silt::lbm {
 
 namespace {
 
-/// The boxes that make cells of a part finer than `level`, clipped to it; `level` becomes that of boxes which
-/// cover the part.
+/// Returns the boxes, clipped, that make cells of a part finer than `level`, which boxes that cover it lower
+/// first.
 std::vector<LevelBox> that_refine(const CellBox& part, std::span<const LevelBox> boxes, int& level) {
   std::vector<LevelBox> inside;
   for (const LevelBox& b : boxes) {
@@ -27,7 +27,7 @@ struct Plane {
   double worth = 0;
 };
 
-/// Of the planes through faces of boxes the one on which most of their faces lie, for what it cuts of boxes.
+/// Returns the best plane through faces of boxes: most of their faces lie on it, and it cuts few boxes.
 Plane best_plane(const CellBox& part, std::span<const LevelBox> boxes) {
   Plane best;
   for (int d = 2; d >= 0; --d) {  // of two planes alike the last axis: rows are long

@@ -23,8 +23,7 @@ struct LevelCut {
 /// a box in the middle. The same boxes give the same leaves.
 LevelCut level_cut(const CellBox& part, std::span<const LevelBox>, int coarsest);
 
-/// The view of a rank: a tree of one leaf a rank in which the parts of some ranks are cut further; the others
-/// are far.
+/// Returns the view of a rank: a tree of one leaf a rank, far but for the parts of some ranks, which are cut.
 CutTree view_of(const CutTree& parts, const std::map<int, LevelCut>& cuts);
 
 }  // namespace silt::lbm

@@ -15,7 +15,7 @@ CollisionSpec coarser(CollisionSpec, int levels);
 template <class T>
 class Levels {
  public:
-  /// The finest fluid, whose tree of cuts has leaves of so many coarser levels; all begin at rest. Refers to
+  /// The tree of cuts of the finest fluid has leaves of so many coarser levels; all begin at rest. Refers to
   /// it.
   Levels(Fluid<T>& finest, int coarser_levels);
 
@@ -23,7 +23,7 @@ class Levels {
   Fluid<T>& fluid(int level) { return level == 0 ? finest_ : *coarser_[level - 1]; }
   const Fluid<T>& fluid(int level) const { return level == 0 ? finest_ : *coarser_[level - 1]; }
 
-  /// Each is told by a finest step, as Fluid is.
+  /// Both count in finest steps, as those of Fluid do.
   void set_mass_correction(double density_per_cell);
   void set_passes(std::int64_t done);
 
@@ -36,7 +36,7 @@ class Levels {
   }
   /// The pass of the finest fluid, for who does nothing in between.
   void stream_collide() { pass_over(0); }
-  /// What passes of the coarser levels have taken here, by level.
+  /// Returns the seconds that passes of the coarser levels have taken on this rank, by level.
   const std::vector<double>& seconds() const { return seconds_; }
   void set_seconds(std::vector<double> seconds) { seconds_ = std::move(seconds); }
   /// Call after the exchange of the finest fluid.

@@ -24,8 +24,7 @@ SILT_DEVICE inline std::array<double, 3> velocity_of(const Moments& m, const std
   return {m.momentum[0] + 0.5 * force[0], m.momentum[1] + 0.5 * force[1], m.momentum[2] + 0.5 * force[2]};
 }
 
-/// The equilibrium along c_i, of weight w_i, of a density deviation and momentum (method.md, equation 2), in
-/// double.
+/// Returns the equilibrium along c_i of weight w_i (method.md, equation 2) of density deviation and momentum.
 SILT_DEVICE inline double equilibrium(Int3 c, double weight, double rho, const double (&j)[3]) {
   const double cj = c.x * j[0] + c.y * j[1] + c.z * j[2];
   return weight * (rho + 3 * cj + 4.5 * cj * cj - 1.5 * (j[0] * j[0] + j[1] * j[1] + j[2] * j[2]));
@@ -40,8 +39,8 @@ SILT_DEVICE inline std::int64_t mass_quanta(const Moments& m) {
   return std::llrint(m.density_deviation / mass_quantum);
 }
 
-/// What cells hold together, in whole quanta, so that sums depend on no order, and their extremes: mass (of
-/// the deviations of density), momentum (without the half force) and kinetic energy (with it).
+/// The sums over cells, in whole quanta, so that they depend on no order, and the extremes: mass (of the
+/// deviations of density), momentum (without the half force) and kinetic energy (with it).
 struct CellTotals {
   static constexpr double momentum_quantum = 0x1p-48, energy_quantum = 0x1p-47, energy_rest_quantum = 0x1p-96;
   static constexpr int most_cells = 1 << 14;  // at a time: the sums fit 64 bits
@@ -65,8 +64,7 @@ struct CellRows {
   std::ptrdiff_t stride = 0;
 };
 
-/// The kernels of rows of cells, as each build has them (moments_kernel.cpp): g[i][k] is population i that
-/// arrives at the k-th cell.
+/// The kernels of rows of cells (moments_kernel.cpp): g[i][k] is population i that arrives at the k-th cell.
 template <class T>
 struct MomentsKernels {
   /// Writes moment j of the k-th cell to moments[j * stride + k], in the order of MomentArrays.
@@ -81,8 +79,7 @@ const MomentsKernels<T>& moments_kernels() {
   return kernels;
 }
 
-/// The moments of the cells of a box, x fastest: an array a moment, so that vectors of cells can be summed at
-/// a time.
+/// The moments of the cells of a box, x fastest: an array a moment, for vectors of cells.
 class MomentArrays {
  public:
   Moments operator[](std::int64_t cell) const;

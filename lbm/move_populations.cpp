@@ -40,7 +40,7 @@ void for_shared_cells(const Fluid<T>& here, const Domain& there, Visit&& visit) 
   }
 }
 
-/// What arrives along i, from cell 0 of each block on.
+/// Returns the populations that arrive along i, from cell 0 of each block on.
 template <class T, class F>
 std::vector<T*> arriving(F& fluid, int i) {
   std::vector<T*> arrays;

@@ -6,8 +6,7 @@ namespace silt::lbm {
 
 namespace {
 
-/// Returns the index of the place in a block where the two populations of a pair along a direction are looked
-/// up (PairsAcross::exchange).
+/// Returns the first of the two arrays of a block in which exchange() finds pairs along a direction.
 std::uint32_t source(int block, int direction) {
   return 2 * std::uint32_t(block * directions + direction);
 }
@@ -26,8 +25,7 @@ struct PairsAcross<T>::Builder {
   };
   Entry last{-1, -1, 0, 0, {}, {}};
 
-  /// Returns whether the entry continues a line in both blocks: the two ends of a message have the same
-  /// lines.
+  /// Returns whether a pair is the next of a line: both ends of a message have the same lines.
   bool goes_on(const Entry& one) const {
     const Int3 along = one.axis == 0 ? Int3{0, 1, 0} : Int3{1, 0, 0};
     return one.block == last.block && one.behind_block == last.behind_block &&
@@ -86,12 +84,7 @@ void PairsAcross<T>::add(const Line& line, std::uint32_t n, std::uint32_t count)
   from.first += n * std::uint32_t(from.stride), to.first += n * std::uint32_t(to.stride);
   from.length = to.length = count;
   for (int half = 0; half < 2; ++half, ++from.array, ++to.first)  // away, toward
-    if (line.from_rank == line.to_rank)
-      slots_.copied().add(from, to);
-    else if (line.from_rank == rank_)
-      slots_.sent(line.to_rank).add(from);
-    else
-      slots_.received(line.from_rank).add(to);
+    slots_.add(line.from_rank, from, line.to_rank, to, rank_);
 }
 
 template <class T>

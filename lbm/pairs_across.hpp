@@ -57,8 +57,8 @@ class PlacesAcross {
 template <class T>
 class PairsAcross {
  public:
-  /// `blocks` are the local ones, in the order of domain.blocks_of(rank). All pairs are brought until some
-  /// are chosen.
+  /// `blocks` are the local ones, in the order of domain.blocks_of(rank). All pairs come until some are
+  /// chosen.
   PairsAcross(const Domain&, MPI_Comm, std::span<const Block<T>> blocks, Device = Device::cpu);
   /// Restricts the exchange to the pairs of cut links: of fluid cells x with x + c_i solid; other pairs hold
   /// no value. solid(block, cell, axis) returns 64 cells of a local block along x or y as bits, from `cell`
@@ -67,8 +67,7 @@ class PairsAcross {
   /// from them.
   template <class Solid>
   void choose(Solid&& solid);
-  /// Call after the halo exchange, with the parity of the blocks then. The pair of an idle block means
-  /// nothing.
+  /// Call after the halo exchange, with the parity of the blocks then. Pairs of an idle block mean nothing.
   void exchange(std::span<const Block<T>> blocks, Parity);
   /// The pairs of a local block lie in the order of its PlacesAcross.
   const BeyondPair<T>* of(int block) const { return pairs_[block].data(); }

@@ -49,7 +49,6 @@ class PassOrder {
             {all_.y0, inner_.y0, inner_.z0, inner_.z1},
             {inner_.y1, all_.y1, inner_.z0, inner_.z1}};
   }
-  /// The rows that are not of the shell.
   RowRange inner() const { return inner_; }
   int parts() const { return (all_.y1 + rows_ - 1) / rows_ * all_.z1; }
   /// The part of a row; -1 for one of the shell, which comes before all parts.
@@ -60,8 +59,7 @@ class PassOrder {
     const int y0 = std::max(strip * rows_, inner_.y0), y1 = std::min((strip + 1) * rows_, inner_.y1);
     return {y0, in_shell(y0, z) ? y0 : y1, z, z + 1};
   }
-  /// First row beyond those whose cells, with all up to `reach` away, have collided after the same part as
-  /// (y, z) has.
+  /// The first row whose cells, with all up to `reach` away, have not collided after the same part as row y.
   int next_row(int y, int reach) const { return ((y + reach) / rows_ + 1) * rows_ - reach; }
   /// The part after which a cell further than `reach` inside and all up to so far away have collided.
   int ready(int y, int z, int reach) const {

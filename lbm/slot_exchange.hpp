@@ -1,7 +1,6 @@
 #pragma once
 // Values go from slots of arrays to slots of others, on this rank or another: ghost layers, pairs of links,
-// the cells of another cut, moments of neighbours. Who makes the lists sees to it that both ends of a message
-// list its slots in one order.
+// the cells of another cut, moments of neighbours. Both ends of a message must list its slots in one order.
 #include <map>
 #include <memory_resource>
 #include <span>
@@ -26,9 +25,17 @@ class SlotExchange {
   SlotPairs& copied() { return copied_; }
   SlotList& sent(int rank) { return peer(rank).list[0]; }
   SlotList& received(int rank) { return peer(rank).list[1]; }
-  /// What this one sends that rank is not there yet at start(): it sets out in finish().
+  /// Lists a run that goes from a rank to a rank, one of which is `here`.
+  void add(int from_rank, const SlotRun& from, int to_rank, const SlotRun& to, int here) {
+    if (from_rank == to_rank)
+      copied_.add(from, to);
+    else if (from_rank == here)
+      sent(to_rank).add(from);
+    else
+      received(from_rank).add(to);
+  }
+  /// The slots for that rank are not there yet at start(): finish() sends them.
   void hold_back(int rank) { peer(rank).early = false; }
-  /// Empties all lists.
   void clear();
   /// Call when lists that change from step to step are complete: a device gets them (BusBytes).
   void count_lists() const;

@@ -1,6 +1,6 @@
 #pragma once
-// Lists of slots of arrays, in runs, and of slots to which the values of others go. What the arrays are is
-// said when something is to go, so that one list serves every array laid out alike.
+// Lists of slots of arrays, in runs, and of slots to which the values of others go. The arrays are named when
+// values move, so that one list serves every array laid out alike.
 #include <cstddef>
 #include <cstdint>
 #include <memory_resource>
@@ -16,14 +16,14 @@ struct SlotRun {
   std::int32_t stride = 1;
   std::uint32_t length = 1;
 
-  /// Whether `next` follows at this stride, which it has too.
+  /// Returns whether `next` follows at this stride, which it has too.
   bool goes_on_with(const SlotRun& next) const {
     return array == next.array && stride == next.stride &&
            first + std::int64_t{stride} * length == std::int64_t{next.first};
   }
 };
 
-/// Where values come from or go to: a table of arrays, or one array for all.
+/// The arrays that values come from or go to: a table of them, or one array for all.
 template <class T>
 struct SlotArrays {
   T* const* table = nullptr;

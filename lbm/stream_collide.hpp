@@ -16,15 +16,14 @@ struct CollisionRates;
 /// that fast for a while and come back.)
 inline constexpr double speed_of_sound = 0.57735026918962576;
 
-/// A cell that was faster when a pass began, by its offset (Block::cell), and its speed. A force adds to it
-/// what it does in a step.
+/// A cell that was faster when a pass began, by its offset (Block::cell), and its speed, with that of the
+/// force.
 struct FastCell {
   std::ptrdiff_t cell;
   double speed;
 };
 
-/// The planes whose speeds a pass looks at, each in one pass of `period`: to look costs 3 % of a plane's
-/// collision.
+/// The planes whose speeds a pass watches, each in one pass of `period`: it costs 3 % of a plane's collision.
 struct WatchedPlanes {
   static constexpr int period = 8;
   int first;                     // z of one, 0 to period - 1

@@ -1,5 +1,4 @@
-// The dense pass, built once an instruction set (SILT_ISA names the namespace). A cell takes 19 reads and 19
-// writes a step.
+// The dense pass, built once an instruction set (SILT_ISA). A cell takes 19 reads and 19 writes a step.
 #include <algorithm>
 #include <cmath>
 
@@ -49,7 +48,7 @@ inline void close_row(T* first, const std::vector<RowEnd<T>>& ends) {
   for (const RowEnd<T>& end : ends) first[end.to] = end.wall ? first[end.from] + end.addend : first[end.from];
 }
 
-/// What all rows of a pass need, copied into each run of planes: their loop keeps it at hand.
+/// All rows of a pass need these values; each run of planes has a copy, which its loop keeps at hand.
 template <class T>
 struct Pass {
   Block<T>& block;

@@ -1,6 +1,5 @@
 #pragma once
-// The wall schemes and the forms of the force on a surface, by name. What schemes return is in
-// wall_formula.hpp.
+// The wall schemes (wall_formula.hpp) and the forms of the force on a surface, by name.
 #include <algorithm>
 #include <array>
 #include <cstddef>
@@ -24,13 +23,12 @@ inline constexpr std::array<std::string_view, 4> wall_scheme_names = {"bounce-ba
                                                                       "multireflection"};
 static_assert(wall_scheme_names.size() == std::size_t(WallScheme::single_cell_gap), "a scheme has no name");
 
-/// How much of what a scheme has beyond linear interpolation is left where the fluid is hardly viscous
-/// (method.md, equation 20a).
+/// The share of a scheme beyond linear interpolation that is left at low viscosity (method.md, equation 20a).
 constexpr double curved_share(const CollisionSpec& collision) {
   constexpr double enough = 0.01;  // tau - 1/2
   return std::min(1.0, collision.excess() * collision.excess() / (enough * enough));
 }
-/// The part of `multireflection` that does not amplify (method.md, equation 20); `cli` is the rest of it, or
+/// The part of `multireflection` that does not amplify (method.md, equation 20); the rest is `cli` or
 /// `parabolic`.
 constexpr double stable_share(const CollisionSpec& collision) {
   constexpr double slope = 1.8;
@@ -45,29 +43,27 @@ constexpr double parabolic_share(const CollisionSpec& collision) {
   return (1 - collision.ghosts_as_trt()) * std::clamp((collision.excess() - none) / (all - none), 0.0, 1.0);
 }
 
-/// The Lambda at which the drag of spheres comes out best at a relaxation time (measurements.md, "Wall
-/// schemes").
+/// The Lambda with the best drag of spheres at a relaxation time (measurements.md, "Wall schemes").
 constexpr double best_magic(WallScheme scheme, double tau) {
   if (scheme == WallScheme::parabolic) return 1.0 / 16;
   if (scheme != WallScheme::multireflection) return 1.0 / 6;
   return 1.0 / 6 - stable_share({tau, 2.0 / 15}) / 30;
 }
 
-/// Returns whether the formula reads f*_opp(x) and f*_i(x - c_i).
+/// Returns whether the formula reads f*_opp(x) and f*_i(x - c_i) at all.
 constexpr bool reads_behind(WallScheme scheme) {
   return scheme == WallScheme::cli || scheme == WallScheme::parabolic ||
          scheme == WallScheme::multireflection;
 }
-/// Returns whether links of the scheme have a distance, and may be given another than the one they were built
-/// with.
+/// Returns whether links of the scheme have a distance, which may be changed after they were built.
 constexpr bool follows_distance(WallScheme scheme) {
   return scheme != WallScheme::bounce_back;
 }
-/// Returns whether links of a single-cell gap use the surface on its other side (method.md, equation 16).
+/// Returns whether links of a single-cell gap know the surface on its other side (method.md, equation 16).
 constexpr bool knows_opposite_wall(WallScheme scheme) {
   return scheme == WallScheme::parabolic || scheme == WallScheme::multireflection;
 }
-/// Returns whether the formula also reads f*_opp(x - c_i) and f*_i(x - 2 c_i).
+/// Returns whether the formula reads f*_opp(x - c_i) and f*_i(x - 2 c_i) too.
 constexpr bool reads_beyond(WallScheme scheme) {
   return scheme == WallScheme::multireflection;
 }

@@ -12,15 +12,13 @@ using counting::blocking_collective;
 namespace {
 
 void reduce(MPI_Comm comm, void* values, std::size_t n, MPI_Datatype type, MPI_Op op) {
-  blocking_collective(comm,
-                      [&] { MPI_Allreduce(MPI_IN_PLACE, values, static_cast<int>(n), type, op, comm); });
+  blocking_collective(comm, [&] { MPI_Allreduce(MPI_IN_PLACE, values, int(n), type, op, comm); });
 }
 
 }  // namespace
 
 WideSum::WideSum(__int128 sum) {
-  for (int k = 0; k < 4; ++k)
-    parts_[k] = static_cast<std::uint32_t>(static_cast<unsigned __int128>(sum) >> (32 * k));
+  for (int k = 0; k < 4; ++k) parts_[k] = std::uint32_t(static_cast<unsigned __int128>(sum) >> (32 * k));
 }
 
 __int128 WideSum::value() const {
@@ -36,9 +34,8 @@ void sum_words(MPI_Comm comm, std::span<std::int64_t> words) {
 void sum_words_before(MPI_Comm comm, std::span<std::int64_t> words) {
   const std::vector<std::int64_t> mine(words.begin(), words.end());
   std::fill(words.begin(), words.end(), 0);  // what the first rank keeps
-  blocking_collective(comm, [&] {
-    MPI_Exscan(mine.data(), words.data(), static_cast<int>(words.size()), MPI_INT64_T, MPI_SUM, comm);
-  });
+  blocking_collective(
+      comm, [&] { MPI_Exscan(mine.data(), words.data(), int(words.size()), MPI_INT64_T, MPI_SUM, comm); });
 }
 
 double sum_of_doubles(MPI_Comm comm, double sum) {
@@ -70,8 +67,7 @@ void broadcast_bytes(MPI_Comm comm, std::span<std::byte> bytes, int from) {
   constexpr std::size_t piece = 1 << 30;  // MPI counts in int
   do {
     const std::span<std::byte> next = bytes.first(std::min(piece, bytes.size()));
-    blocking_collective(comm,
-                        [&] { MPI_Bcast(next.data(), static_cast<int>(next.size()), MPI_BYTE, from, comm); });
+    blocking_collective(comm, [&] { MPI_Bcast(next.data(), int(next.size()), MPI_BYTE, from, comm); });
     bytes = bytes.subspan(next.size());
   } while (!bytes.empty());
 }
@@ -86,7 +82,7 @@ void broadcast(MPI_Comm comm, std::string& text, int from) {
 std::vector<std::size_t> gather_bytes(MPI_Comm comm, std::span<const std::byte> mine, Told told,
                                       std::vector<std::byte>& all) {
   const bool listens = told == Told::everybody || rank_of(comm) == 0;
-  const int size = static_cast<int>(mine.size());
+  const int size = int(mine.size());
   std::vector<int> sizes(listens ? ranks_of(comm) : 0), begins(sizes.size());
   blocking_collective(comm, [&] {
     told == Told::everybody ? MPI_Allgather(&size, 1, MPI_INT, sizes.data(), 1, MPI_INT, comm)

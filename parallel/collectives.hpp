@@ -1,6 +1,6 @@
 #pragma once
-// What all ranks do together and wait for: sums, extremes, what one tells all, what all tell one. Sums are of
-// integers, so that they are the same on any number of ranks and in any order. All is collective.
+// Collective operations that ranks wait for: sums, extremes, broadcasts and gathers. Sums are of integers, so
+// that they are the same on any number of ranks and in any order.
 #include <mpi.h>
 
 #include <array>
@@ -68,7 +68,7 @@ void sum_over_ranks(MPI_Comm comm, std::span<T, n> sums) {
   sum_words(comm, words_of(sums));
 }
 void sum_over_ranks(MPI_Comm, std::span<__int128>);
-/// The same of a record of nothing but integers of 128 bits.
+/// Returns the sums of a record of nothing but integers of 128 bits.
 template <class Record>
 requires(std::is_class_v<Record> && alignof(Record) == alignof(__int128)) Record
     sum_over_ranks(MPI_Comm comm, Record mine) {
@@ -95,7 +95,7 @@ requires(std::is_trivially_copyable_v<T> && !std::is_pointer_v<T> && alignof(T) 
 std::uint64_t least_over_ranks(MPI_Comm, std::uint64_t);
 std::uint64_t most_over_ranks(MPI_Comm, std::uint64_t);
 
-/// Tell all ranks what one has.
+/// Send the values of one rank to all.
 void broadcast_bytes(MPI_Comm, std::span<std::byte>, int from);
 template <class T>
 requires std::is_trivially_copyable_v<T>
@@ -109,7 +109,7 @@ void broadcast(MPI_Comm comm, T& value, int from = 0) {
 }
 void broadcast(MPI_Comm, std::string&, int from = 0);
 
-/// Who is told: every rank, or rank 0 alone.
+/// The ranks that receive gathered values: all of them, or rank 0 alone.
 enum class Told { everybody, rank_0 };
 /// Returns where the bytes of each rank begin in `all`, and their end; nothing on a rank that is not told.
 std::vector<std::size_t> gather_bytes(MPI_Comm, std::span<const std::byte> mine, Told,

@@ -15,7 +15,7 @@ inline int ranks_of(MPI_Comm comm) {
   return ranks;
 }
 
-/// The same ranks once more, for messages that no others can be taken for.
+/// A copy of a communicator, whose messages cannot be taken for others.
 class OwnCommunicator {
  public:
   explicit OwnCommunicator(MPI_Comm comm) { MPI_Comm_dup(comm, &comm_); }  // collective

@@ -55,8 +55,8 @@ void Messages::end_round() {
 
 void Messages::send(const Message& m, std::size_t first, std::size_t bytes, int tag, bool synchronous) {
   counting::count_message(bytes);
-  (synchronous ? MPI_Issend : MPI_Isend)(m.bytes.data() + first, static_cast<int>(bytes), MPI_BYTE, m.rank,
-                                         tag, comm_, &requests_.emplace_back());
+  (synchronous ? MPI_Issend : MPI_Isend)(m.bytes.data() + first, int(bytes), MPI_BYTE, m.rank, tag, comm_,
+                                         &requests_.emplace_back());
   ++messages_sent_;
   bytes_sent_ += bytes;
 }
@@ -79,7 +79,7 @@ void Messages::with_partners(std::span<const int> sources) {
     bytes.resize(size);
     waiting([&] { MPI_Mrecv(bytes.data(), size, MPI_BYTE, &matched, MPI_STATUS_IGNORE); });
   }
-  waiting([&] { MPI_Waitall(static_cast<int>(requests_.size()), requests_.data(), MPI_STATUSES_IGNORE); });
+  waiting([&] { MPI_Waitall(int(requests_.size()), requests_.data(), MPI_STATUSES_IGNORE); });
   end_round();
 }
 
@@ -111,9 +111,7 @@ void Messages::unannounced() {
       send(m, first, std::min(piece_bytes, m.bytes.size() - first), tag, true);
   for (int taken = 0; !taken;) {
     receive_piece(tag);
-    waiting([&] {
-      MPI_Testall(static_cast<int>(requests_.size()), requests_.data(), &taken, MPI_STATUSES_IGNORE);
-    });
+    waiting([&] { MPI_Testall(int(requests_.size()), requests_.data(), &taken, MPI_STATUSES_IGNORE); });
   }
   counting::CollectiveUnderWay barrier;
   barrier.begin(comm_, [&](MPI_Request* request) { MPI_Ibarrier(comm_, request); });

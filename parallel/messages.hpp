@@ -73,7 +73,7 @@ class Messages {
   explicit Messages(MPI_Comm comm) : comm_(comm) {}  // collective: they go over a communicator of their own
 
   MPI_Comm comm() const { return comm_; }
-  /// What is to be sent to a rank; at the start of a round nothing. To this one only in unannounced rounds.
+  /// Returns the message to a rank, empty at the start of a round; to itself in unannounced rounds only.
   Bytes& to(int rank);
   /// Sends what to() was called for, and receives one message, possibly empty, from each of the sources.
   void with_partners(std::span<const int> sources);

@@ -47,8 +47,7 @@ class ReductionUnderWay {
   counting::CollectiveUnderWay under_way_;
 };
 
-/// Sums is what sum_over_ranks takes: an integer, a record of sums, or a vector of either, of one length on
-/// every rank.
+/// Sums: an integer, a record of sums (sum_over_ranks), or a vector of either, of one length on every rank.
 template <class Sums>
 using SumsUnderWay = ReductionUnderWay<Sums, std::int64_t>;
 /// A record of doubles, or a vector of them of one length on every rank: of each the largest of all ranks.

@@ -26,7 +26,7 @@ namespace {
 std::optional<int> first_speaker(MPI_Comm comm, bool speaks) {
   const int ranks = ranks_of(comm);
   const std::uint64_t first = least_over_ranks(comm, std::uint64_t(speaks ? rank_of(comm) : ranks));
-  return first < std::uint64_t(ranks) ? std::optional(static_cast<int>(first)) : std::nullopt;
+  return first < std::uint64_t(ranks) ? std::optional(int(first)) : std::nullopt;
 }
 }  // namespace
 

@@ -12,16 +12,16 @@
 
 namespace silt::parallel {
 
-/// What one rank could not do, as every rank is told.
+/// An error of one rank, as every rank throws it.
 struct CommonError : std::runtime_error {
   CommonError(int of, const std::string& text) : std::runtime_error(text), rank(of) {}
   int rank;
 };
 
-/// Returns what an error says; of one of the memory, which limit to look at.
+/// Returns the text of an error; a lack of memory also names the limits to look at.
 std::string text_of(const std::exception&);
 
-/// Returns an error's text and rank; `mine` where the error does not tell.
+/// Returns an error's text and rank, `mine` for an error without a rank.
 CommonError common_error(const std::exception&, int mine);
 
 /// Collective. Returns the text of the first rank that has one; "" if none has.
@@ -70,8 +70,7 @@ void naming(const std::string& file, Work&& work) {
 class Reunion {
  public:
   explicit Reunion(MPI_Comm comm) : comm_(comm) {}  // collective
-  /// Returns whether all ranks call this within some seconds. If not, nothing is left to do but to end the
-  /// program.
+  /// Returns whether all ranks call this within some seconds. If not, the program has to end.
   bool all_here();
 
  private:

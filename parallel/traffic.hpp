@@ -1,6 +1,6 @@
 #pragma once
-// What goes between this rank and the others, counted by the calls of parallel/, through which all messages
-// go (tests/layering.py). It includes no MPI: the step of the bodies reads the counts, too.
+// Counts of the messages between this rank and the others, all of which go through parallel/
+// (tests/layering.py). It includes no MPI: the step of the bodies reads the counts, too.
 #include <cstdint>
 
 namespace silt::parallel {
@@ -40,7 +40,6 @@ inline Traffic so_far;
 inline std::uint64_t step = 0;
 }  // namespace counting
 
-/// Returns the counts since the program began.
 inline const Traffic& traffic() {
   return counting::so_far;
 }

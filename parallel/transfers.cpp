@@ -15,14 +15,14 @@ constexpr std::size_t most = std::numeric_limits<int>::max();  // MPI counts in 
 /// Calls act(count, type) for values of so many bytes each: as bytes, or if these are too many, as they are.
 template <class Act>
 void as_type(int rank, std::size_t count, std::size_t value_bytes, Act&& act) {
-  if (count * value_bytes <= most) return act(static_cast<int>(count * value_bytes), MPI_BYTE);
+  if (count * value_bytes <= most) return act(int(count * value_bytes), MPI_BYTE);
   if (count > most)
     throw std::length_error("a message of " + std::to_string(count) + " values between this rank and rank " +
                             std::to_string(rank) + " is longer than MPI can send: use more ranks");
   MPI_Datatype type;
-  MPI_Type_contiguous(static_cast<int>(value_bytes), MPI_BYTE, &type);
+  MPI_Type_contiguous(int(value_bytes), MPI_BYTE, &type);
   MPI_Type_commit(&type);
-  act(static_cast<int>(count), type);
+  act(int(count), type);
   MPI_Type_free(&type);  // once what uses it is over
 }
 
@@ -45,20 +45,19 @@ void Transfers::progress() {
   if (requests_.empty()) return;
   int done = 0;
   counting::waiting(
-      [&] { MPI_Testall(static_cast<int>(requests_.size()), requests_.data(), &done, MPI_STATUSES_IGNORE); });
+      [&] { MPI_Testall(int(requests_.size()), requests_.data(), &done, MPI_STATUSES_IGNORE); });
 }
 
 void Transfers::wait() {
   statuses_.resize(requests_.size());
-  counting::waiting(
-      [&] { MPI_Waitall(static_cast<int>(requests_.size()), requests_.data(), statuses_.data()); });
+  counting::waiting([&] { MPI_Waitall(int(requests_.size()), requests_.data(), statuses_.data()); });
   requests_.clear();
 }
 
 std::size_t Transfers::bytes_received(std::size_t k) const {
   int bytes = 0;
   MPI_Get_count(&statuses_[k], MPI_BYTE, &bytes);
-  return static_cast<std::size_t>(bytes);
+  return std::size_t(bytes);
 }
 
 void Transfers::reserve(std::size_t messages) {

@@ -1,5 +1,5 @@
 #pragma once
-// Messages whose two ends both know of them, and how long they may be: begun together, waited for together.
+// Messages that both ends expect, with their greatest lengths: begun together, waited for together.
 #include <mpi.h>
 
 #include <cstddef>
@@ -14,8 +14,8 @@ class Transfers {
   Transfers(MPI_Comm comm, int tag) : comm_(comm), tag_(tag) {}
   Transfers(Transfers&&) = default;
 
-  /// Begin a message to or from a rank, whose values stay where they are until wait(). What is received may
-  /// be shorter than there is room for.
+  /// Begin a message to or from a rank. Its values stay in place until wait(), and may be fewer than the
+  /// room.
   template <class T>
   void send(int to, std::span<T> values) {
     send(to, values.data(), values.size(), sizeof(T));
@@ -24,16 +24,14 @@ class Transfers {
   void receive(int from, std::span<T> room) {
     receive(from, room.data(), room.size(), sizeof(T));
   }
-  /// The same of values of so many bytes each. std::length_error if there are 2^31 of them.
+  /// Begin a message of values of so many bytes each. std::length_error if there are 2^31 of them.
   void send(int to, const void* values, std::size_t count, std::size_t value_bytes);
   void receive(int from, void* room, std::size_t count, std::size_t value_bytes);
 
-  /// Gives what is under way a chance to move.
   void progress();
-  /// Ends what was begun.
   void wait();
-  /// Returns the bytes of the k-th message begun before the last wait(), one received, if no progress() came
-  /// between.
+  /// Returns the bytes of the k-th message, one received, before the last wait(), if progress() was not
+  /// called.
   std::size_t bytes_received(std::size_t k) const;
   /// Makes room for so many messages, so that beginning them needs no memory.
   void reserve(std::size_t messages);

@@ -3,7 +3,7 @@ import numpy as np
 
 
 class NoMesh(ValueError):
-    """Is raised where the file does not say what the bodies look like."""
+    """Raised where the file does not say what the bodies look like."""
 
 
 class Mesh:

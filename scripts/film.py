@@ -10,7 +10,7 @@ import numpy as np
 
 
 class NoFilm(Exception):
-    """Is raised where a film cannot be made; says why."""
+    """Raised where a film cannot be made; says why."""
 
 
 def moments(times, most):
@@ -19,7 +19,7 @@ def moments(times, most):
 
 
 def write_film(path, count, draw, rate):
-    """Has draw(i, picture) draw so many pictures and makes them a film of `rate` a second (H.264, which browsers and
+    """Lets draw(i, picture) draw so many pictures and makes them a film of `rate` a second (H.264, which browsers and
     slides show). Says how far it is every ten seconds. NoFilm without ffmpeg, or where it fails."""
     if not shutil.which("ffmpeg"):
         raise NoFilm("a film needs ffmpeg (apt-get install ffmpeg)")

@@ -1,4 +1,4 @@
-"""What the pages of scripts share: their form, their tables, and curves of what runs have written over time."""
+"""The parts that the pages of scripts share: form, tables, and curves of what runs have written over time."""
 import html
 import io
 import os
@@ -54,7 +54,7 @@ def section(title, content):
 
 
 def document(title, body, refresh=None):
-    """Returns a page; with `refresh` it loads itself anew each so many seconds."""
+    """Returns a page; with `refresh` it loads itself again each so many seconds."""
     return ("<!doctype html><html lang=en><meta charset=utf-8><meta name=viewport content='width=device-width, initial-scale=1'>"
             + (f"<meta http-equiv=refresh content={max(1, round(refresh))}>" if refresh else "")
             + f"<title>{said(title)}</title><style>{STYLE}</style><body><h1>{said(title)}</h1>{body}</body></html>\n")

@@ -1,4 +1,4 @@
-"""What a case's reference.toml says (scripts/regress has its form), and how a run compares with it."""
+"""The content of a case's reference.toml (scripts/regress has its form), and its comparison with a run."""
 import math
 import tomllib
 
@@ -11,7 +11,7 @@ WITH_PREFIXES = ("m", "m/s", "s", "N", "N m", "J", "W")  # units of which there 
 
 
 class Fault(Exception):
-    """What is wrong with a reference.toml."""
+    """A fault in a reference.toml."""
 
 
 def references(case, short=False):

@@ -1,9 +1,11 @@
 #include "adapters/automatic/collision_factory.hpp"
 
+#include <algorithm>
 #include <cctype>
 #include <stdexcept>
 
-#include "adapters/automatic/automatic_backend.hpp"
+#include "adapters/common/engine_backend.hpp"
+#include "rigid/collision/collision_backend.hpp"
 #include "rigid/collision/uniform_grid.hpp"
 #ifdef SILT_WITH_BULLET
 #include "adapters/bullet/bullet.hpp"
@@ -14,12 +16,82 @@
 
 namespace silt::adapters {
 
+using namespace rigid;
+
 namespace {
+
+// ---- "auto": the best answer pair by pair ----
+
+/// Returns whether the deepest of the points from `first` on lies between the shapes' supporting planes.
+bool supported(const Query& q, const std::vector<ContactPoint>& points, std::size_t first) {
+  const auto deepest =
+      std::min_element(points.begin() + first, points.end(),
+                       [](const ContactPoint& p, const ContactPoint& r) { return p.gap < r.gap; });
+  const double size =
+      (q.pose_b.position - q.pose_a.position).norm() + (deepest->on_a - q.pose_a.position).norm();
+  return std::abs(support_gap(q, deepest->normal) - deepest->gap) <= answer_tolerance * size;
+}
+
+/// Returns whether the answer comes from a search: not for a half-space, nor for a sphere and a sphere,
+/// capsule or box.
+bool needs_search(const ConvexShape& a, const ConvexShape& b) {
+  if (std::holds_alternative<Sphere>(a) && std::holds_alternative<Sphere>(b)) return false;
+  if (std::holds_alternative<HalfSpace>(b)) return false;
+  const auto is_box = [](const ConvexShape& s) { return convex_core(s, Pose{}).is_box; };
+  const bool with_sphere = std::holds_alternative<Sphere>(a) || std::holds_alternative<Sphere>(b);
+  return !(with_sphere && is_box(a) && is_box(b));
+}
+
+/// The analytic backend's own methods are both the most exact (1e-12 of a cell) and the fastest of all for
+/// every pair (table in adapters/README.md), so they answer. Where the answer involves a search (no
+/// half-space, and no sphere among spheres, capsules and boxes) it is checked against the supporting planes;
+/// if it fails one engine after the other answers, and the fallback is counted. A shape that an engine knows
+/// better would go to it here.
+class AutomaticBackend : public AnalyticBackend {
+ public:
+  explicit AutomaticBackend(std::vector<std::unique_ptr<CollisionBackend>> engines)
+      : engines_(std::move(engines)) {
+    if (engines_.empty()) engines_.push_back(std::make_unique<AnalyticBackend>());  // for its trees
+  }
+  std::string_view name() const override { return "auto"; }
+  void collide(const ConvexShape& a, const Pose& pose_a, const ConvexShape& b, const Pose& pose_b,
+               double tolerance, std::vector<ContactPoint>& out) override {
+    const std::size_t first = out.size();
+    AnalyticBackend::collide(a, pose_a, b, pose_b, tolerance, out);
+    if (out.size() == first || !needs_search(a, b)) return;
+    const Query q{a, b, pose_a, pose_b, tolerance};
+    for (const auto& engine : engines_) {
+      if (supported(q, out, first)) return;
+      ++counters_.fallbacks;
+      out.resize(first);
+      engine->collide(a, pose_a, b, pose_b, tolerance, out);
+      if (out.size() == first) return;
+    }
+  }
+
+ protected:
+  /// The tree of the first engine, Bullet's, finds triangles: it is the fastest for small bodies, all give
+  /// the same.
+  bool finds_triangles() const override { return true; }
+  void find_triangles(const SharedMesh& mesh, const BoundingBox& near,
+                      std::vector<std::uint32_t>& out) override {
+    engines_[0]->triangles_near(mesh, near, out);
+  }
+  void find_triangle_pairs(const SharedMesh& a, const Pose& pose_a, const SharedMesh& b, const Pose& pose_b,
+                           double margin, std::vector<TrianglePair>& out) override {
+    engines_[0]->triangle_pairs_near(a, pose_a, b, pose_b, margin, out);
+  }
+
+ private:
+  std::vector<std::unique_ptr<CollisionBackend>> engines_;  // never empty
+};
+
+// ---- by name ----
 
 template <class Made>
 using Maker = std::unique_ptr<Made> (*)();
-using MakeBackend = Maker<rigid::CollisionBackend>;
-using MakeBroadPhase = Maker<rigid::BroadPhase>;
+using MakeBackend = Maker<CollisionBackend>;
+using MakeBroadPhase = Maker<BroadPhase>;
 
 #ifndef SILT_WITH_BULLET
 constexpr MakeBackend make_bullet_backend = nullptr;
@@ -30,8 +102,8 @@ constexpr MakeBackend make_fcl_backend = nullptr;
 constexpr MakeBroadPhase make_fcl_broad_phase = nullptr;
 #endif
 
-std::unique_ptr<rigid::CollisionBackend> make_automatic_backend() {
-  std::vector<std::unique_ptr<rigid::CollisionBackend>> engines;
+std::unique_ptr<CollisionBackend> make_automatic_backend() {
+  std::vector<std::unique_ptr<CollisionBackend>> engines;
   for (const MakeBackend make : {MakeBackend(make_bullet_backend), MakeBackend(make_fcl_backend)})
     if (make) engines.push_back(make());
   return std::make_unique<AutomaticBackend>(std::move(engines));
@@ -44,16 +116,16 @@ struct Entry {
 };
 
 /// A new backend is one line here; the conformance suite then runs on it by name.
-constexpr Entry<rigid::CollisionBackend> backends[] = {
+constexpr Entry<CollisionBackend> backends[] = {
     {"auto", make_automatic_backend},
-    {"analytic", [] { return std::unique_ptr<rigid::CollisionBackend>(new rigid::AnalyticBackend); }},
+    {"analytic", [] { return std::unique_ptr<CollisionBackend>(new AnalyticBackend); }},
     {"bullet", make_bullet_backend},
     {"fcl", make_fcl_backend},
 };
 
 /// A new broad phase is one line here; the tests of rigid/collision/broad_phase then run on it by name.
-constexpr Entry<rigid::BroadPhase> broad_phases[] = {
-    {"grid", [] { return std::unique_ptr<rigid::BroadPhase>(new rigid::UniformGrid); }},
+constexpr Entry<BroadPhase> broad_phases[] = {
+    {"grid", [] { return std::unique_ptr<BroadPhase>(new UniformGrid); }},
     {"bullet", make_bullet_broad_phase},
     {"fcl", make_fcl_broad_phase},
 };
@@ -101,16 +173,16 @@ std::string left_out_of_this_build(std::string_view name) {
   const auto* entry = entry_of(backends, name);
   if (!entry || entry->make) return "";
   std::string option(name);
-  for (char& c : option) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  for (char& c : option) c = char(std::toupper(static_cast<unsigned char>(c)));
   return "this build of silt has no " + option + ": use \"auto\", or configure it with -D SILT_WITH_" +
          option + "=ON";
 }
 
-std::unique_ptr<rigid::CollisionBackend> make_backend(std::string_view name) {
+std::unique_ptr<CollisionBackend> make_backend(std::string_view name) {
   return made(entry_of(backends, name), name, "collision backend", backend_names());
 }
 
-std::unique_ptr<rigid::BroadPhase> make_broad_phase(std::string_view name, std::string_view backend) {
+std::unique_ptr<BroadPhase> make_broad_phase(std::string_view name, std::string_view backend) {
   if (name == "auto") name = entry_of(broad_phases, backend) ? backend : "grid";
   return made(entry_of(broad_phases, name), name, "broad phase", broad_phase_names());
 }

@@ -10,24 +10,20 @@
 
 namespace silt::adapters {
 
-/// The names that make_backend and make_broad_phase know, the default ("auto") first; without engines left
-/// out of this build.
+/// Return the names that make_backend and make_broad_phase know in this build, the default ("auto") first.
 std::vector<std::string_view> backend_names();
 std::vector<std::string_view> broad_phase_names();
 
-/// Returns what to say of a backend, or the broad phase of its engine, that this build was configured
-/// without; "" for any other name.
+/// Returns the message about a backend that this build was configured without; "" for any other name.
 std::string left_out_of_this_build(std::string_view name);
 
 /// Makes a backend. "auto" is the best answer pair by pair, "analytic" closed forms, "bullet" and "fcl" that
 /// engine for every pair. Throws std::invalid_argument that lists the known names for any other name, and
-/// std::runtime_error where the engine found at run time is not the one built against. One object serves one
-/// thread.
+/// std::runtime_error for an engine other than the one built against. One object serves one thread.
 std::unique_ptr<rigid::CollisionBackend> make_backend(std::string_view name);
 
 /// Makes a broad phase; throws likewise. "grid" is uniform grids, "bullet" and "fcl" are that engine's tree;
-/// "auto" is the tree of the backend of that name if it has one, otherwise the grid. All give the same pairs
-/// to the bit.
+/// "auto" is the tree of that backend if it has one, otherwise the grid. All give the same pairs, bitwise.
 std::unique_ptr<rigid::BroadPhase> make_broad_phase(std::string_view name, std::string_view backend = "auto");
 
 }  // namespace silt::adapters

@@ -165,8 +165,7 @@ class BulletBackend : public EngineBackend {
   std::unique_ptr<MeshTree> make_tree(const SharedMesh& mesh) override { return make_bullet_tree(mesh); }
 
  private:
-  /// Gap (lattice units) below which the normal, a difference of two nearly equal points, is asked for again
-  /// with the shapes moved apart.
+  /// The gap (lattice units) below which the normal is asked for again with the shapes moved apart.
   static constexpr double touching = 1e-3;
 
   static bool has_margin(const ConvexShape& shape) {
@@ -230,7 +229,7 @@ class BulletBackend : public EngineBackend {
     return Answer{n, gap};
   }
 
-  /// With b moved off along the normal found so far, until the normal stays.
+  /// Asks with b moved off along the normal found so far, until the normal stays.
   static std::optional<Answer> gjk_apart(const Query& q) {
     constexpr double distance = 0.01;  // lattice units
     constexpr int rounds = 5;
@@ -268,8 +267,7 @@ void check_bullet_precision() {
   if (!right)
     throw std::runtime_error(
         "Bullet at run time is not the double-precision build (libBulletCollision-float64) this program was "
-        "built "
-        "against: install libbullet3.24 and remove other builds of Bullet from the library path");
+        "built against: install libbullet3.24 and remove other builds of Bullet from the library path");
 }
 
 std::unique_ptr<CollisionBackend> make_bullet_backend() {

@@ -1,5 +1,5 @@
 #pragma once
-// Every engine's backend does the same around its engine: it asks, checks, falls back, and builds the points.
+// The part that all backends share: to ask the engine, check the answer, fall back, and build the points.
 #include <map>
 #include <optional>
 
@@ -21,7 +21,6 @@ inline constexpr double snap_angle = 1e-7;
 /// of curved shapes to 1e-4 or worse, the gap to 1e-5.
 inline constexpr double curved_tolerance = 1e-5;
 
-/// A pair as asked.
 struct Query {
   const rigid::ConvexShape &a, &b;
   const rigid::Pose &pose_a, &pose_b;
@@ -32,7 +31,7 @@ struct Query {
 struct Answer {
   Vec3 normal;  // unit, from a to b
   double gap;   // lattice units, < 0: overlap
-  /// What the engine pads the gap by (lattice units), where that is known; the normal then has to do.
+  /// The engine pads the gap by this length (lattice units), if known; only the normal then counts.
   double padding = 0;
 };
 
@@ -44,19 +43,19 @@ double support_gap(const Query&, const Vec3& n);
 class MeshTree {
  public:
   virtual ~MeshTree() = default;
-  /// As CollisionBackend::triangles_near and triangle_pairs_near; `other` is a tree of the same engine.
+  /// See CollisionBackend::triangles_near and triangle_pairs_near; `other` is a tree of the same engine.
   virtual void append_near(const rigid::BoundingBox& near, std::vector<std::uint32_t>& out) = 0;
   virtual void append_pairs_near(MeshTree& other, const rigid::Pose& pose, const rigid::Pose& pose_of_other,
                                  double margin, std::vector<rigid::TrianglePair>& out) = 0;
 };
 
-/// From the engine come normal and gap of the deepest point. They are checked: the gap must be that of the
+/// The engine gives normal and gap of the deepest point. They are checked: the gap must be that of the
 /// supporting planes, n . (support_B(-n) - support_A(n)), which for overlap no direction may exceed by more
-/// than rounding. "No contact" is checked too. What fails is counted and asked by the engine's next method,
-/// at last by closed forms. With a cylinder, an ellipsoid or a polyhedron the engine's normal is where
-/// climb() starts from; what that arrives at is proven (proven_direction) and taken, and the engine's answer
-/// has failed if it is not that. The other points of a flat contact are built along the engine's normal by
-/// append_manifold, alike for every engine, because engines give between one and four.
+/// than rounding. "No contact" is checked too. A pair that fails is counted and asked by the engine's next
+/// method, at last by closed forms. With a cylinder, an ellipsoid or a polyhedron climb() starts from the
+/// engine's normal; the direction it arrives at is proven (proven_direction) and taken, and an engine's
+/// answer that differs from it has failed. The other points of a flat contact are built along the engine's
+/// normal by append_manifold, alike for every engine, because engines give between one and four.
 class EngineBackend : public rigid::CollisionBackend {
  public:
   void collide(const rigid::ConvexShape& a, const rigid::Pose& pose_a, const rigid::ConvexShape& b,

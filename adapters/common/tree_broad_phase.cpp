@@ -14,7 +14,6 @@ constexpr double slack = 0.05;
 /// The relative rounding of coordinates: a cube must not miss by it what `meet` finds.
 constexpr double rounding = 1e-14;
 
-/// The box around all cubes.
 struct Bounds {
   Vec3 lower = Vec3::Constant(1e300), upper = Vec3::Constant(-1e300);
 

@@ -1,6 +1,6 @@
 #pragma once
-// What every broad phase on an engine's tree of boxes does around the tree: a leaf for each body kept from
-// step to step, periodic images, and the exact choice of pairs.
+// The part that broad phases on an engine's tree of boxes share: a leaf for each body, kept from step to
+// step, periodic images, and the exact choice of pairs.
 #include <cstdint>
 #include <unordered_map>
 #include <utility>
@@ -28,8 +28,7 @@ class TreeBroadPhase : public rigid::BroadPhase {
   virtual void remove(Leaf) = 0;
   /// Called after the last of these in a step, before the tree is asked.
   virtual void refresh() = 0;
-  /// Append all pairs of leaves whose cubes overlap, and all leaves whose cubes overlap the one given. More
-  /// do no harm.
+  /// Append all pairs of leaves whose cubes overlap, and all leaves whose cubes overlap one. More do no harm.
   virtual void overlapping_pairs(std::vector<std::pair<Leaf, Leaf>>&) = 0;
   virtual void overlapping(const Cube&, std::vector<Leaf>&) = 0;
 

@@ -46,14 +46,13 @@ fcl::Convexd to_fcl(const PolyhedronMesh& mesh) {
   auto vertices = std::make_shared<std::vector<Vec3>>(mesh.vertices);
   auto faces = std::make_shared<std::vector<int>>();
   for (const auto& face : mesh.faces) {
-    faces->push_back(static_cast<int>(face.corners.size()));
+    faces->push_back(int(face.corners.size()));
     faces->insert(faces->end(), face.corners.begin(), face.corners.end());
   }
-  return fcl::Convexd(vertices, static_cast<int>(mesh.faces.size()), faces, true);
+  return fcl::Convexd(vertices, int(mesh.faces.size()), faces, true);
 }
 
-/// An FCL shape on the stack; of a sphere or capsule with `radius_share` of its radius. It refers to the
-/// shape.
+/// An FCL shape on the stack, a sphere or capsule with a share of its radius. It refers to the shape.
 class FclShape {
  public:
   explicit FclShape(const ConvexShape& shape, double radius_share = 1, double lift = 0)
@@ -125,7 +124,7 @@ double radius_of(const ConvexShape& shape) {
 
 constexpr double gjk_tolerance = 1e-12;  // lattice units; the default of 1e-6 leaves errors of 3e-3
 
-/// By MPR, as FCL asks it for shapes of its own.
+/// Finds the deepest overlap by MPR, as FCL does for shapes of its own.
 std::optional<Answer> deepest_overlap(SupportShape a, SupportShape b) {
   constexpr unsigned most_iterations = 500;
   constexpr double tolerance = 1e-6;
@@ -184,7 +183,6 @@ class FclBackend : public EngineBackend {
   std::string_view name() const override { return "fcl"; }
 
  protected:
-  /// Best first: see ask.
   int methods(const Query& q) const override {
     return is<HalfSpace>(q.b) || (is<Box>(q.a) && is<Box>(q.b)) ? 1 : 2;
   }
@@ -195,8 +193,8 @@ class FclBackend : public EngineBackend {
   /// boxes by separating axes (a face is preferred to crossed edges up to 5 % less deep: the check of the
   /// answer finds that out), a capsule's axis through a box by MPR (not always the least deep). 1: collide on
   /// the shapes themselves. With a cylinder, an ellipsoid or a polyhedron: the distance, or, of cores that
-  /// touch or overlap, that of cores moved apart along the normal that collide (MPR) gave, 1: along the line
-  /// of centres.
+  /// touch or overlap, that of cores moved apart along the normal of collide (MPR), 1: along the line of
+  /// centres.
   std::optional<Answer> ask(int method, const Query& q) override {
     if (is<HalfSpace>(q.b)) return plane(q);
     if (!is_swept_box(q.a) || !is_swept_box(q.b))
@@ -215,8 +213,7 @@ class FclBackend : public EngineBackend {
   std::unique_ptr<MeshTree> make_tree(const SharedMesh& mesh) override { return make_fcl_tree(mesh); }
 
  private:
-  /// Cores nearer than this (lattice units) are moved apart, along the normal found so far: the normal is the
-  /// difference of two points.
+  /// Cores nearer than this (lattice units) are moved apart along the normal, a difference of two points.
   static constexpr double touching = 1e-3;
 
   static std::optional<Answer> within(const Query& q, const std::optional<Answer>& answer) {

@@ -121,9 +121,9 @@ struct Surfaces : TriangleMesh {
   void add(std::size_t kind, const TriangleMesh& part) {
     const auto append = [](auto& all, const auto& more, std::vector<std::int64_t>& offset) {
       all.insert(all.end(), more.begin(), more.end());
-      offset.push_back(static_cast<std::int64_t>(all.size()));
+      offset.push_back(std::int64_t(all.size()));
     };
-    part_kind.push_back(static_cast<std::int32_t>(kind));
+    part_kind.push_back(std::int32_t(kind));
     append(vertices, part.vertices, vertex_offset);
     append(normals, part.normals, normal_offset);
     append(triangles, part.triangles, triangle_offset);
@@ -205,8 +205,7 @@ void require_columns(const File& file, BodyColumns with) {
     if (there(name) != wanted)
       file.refuse(std::string("its columns are not those of this run (") + name +
                   "); go on with output.bodies.contacts as the run began with, or move the files of the "
-                  "series away: a new "
-                  "one is then begun");
+                  "series away: a new one is then begun");
 }
 
 }  // namespace
@@ -238,7 +237,7 @@ struct BodySeries::Open {
     for (const Column& c : of_bodies) bodies.push_back(file.dataset_to_append("/bodies/" + c.name));
     for (const Column& c : of_times) times.push_back(file.dataset_to_append("/" + c.name));
   }
-  /// A file without rows has no space for any.
+  /// A file to which no rows were written has no space for any.
   bool has_room(hsize_t more) const {
     return n_times < file.room(times[0]) &&
            (more == 0 || (n_rows > 0 && n_rows + more <= file.room(bodies[0])));

@@ -1,21 +1,8 @@
 #pragma once
 // bodies.h5: where every body was at every output time, as a series that may be ragged (the number of bodies
-// may change). A file takes as many times as it has room for; bodies_STEP.h5 goes on from there, STEP being
-// that of its first time, without /kinds and /provenance. Layout of one, T times and R rows:
-//   /time [T]  /step [T]  /offset [T]  /count [T]     time t has the rows offset[t] .. offset[t] + count[t]
-//   /bodies/id [R]  kind [R]  position [R][3]  image [R][3]  orientation [R][4]  velocity [R][3]
-//           angular_velocity [R][3]  force [R][3]  torque [R][3]  mass [R]    sorted by id within a time
-//   and what BodyColumns says: buoyancy [R][3]; contact_force [R][3]  contact_torque [R][3]; scale [R]
-//   /kinds/bounding_radius [K]  density [K]    of the kinds, whose names are the attribute kind_names
-//   /kinds/part_kind [P]                       of the convex parts of all kinds, in their order
-//   /kinds/vertex_offset [P+1]  vertex [V][3]  part p has the vertices vertex_offset[p] .. vertex_offset[p+1]
-//   /kinds/normal_offset [P+1]  normal [N][3]  ... and normals and triangles alike
-//   /kinds/triangle_offset [P+1]  triangle [T][3]  triangle_normal [T][3]: vertices and normals of the same
-//                                              part, counted from its first
-//   /provenance
-// The attributes `unit` and `meaning` of a dataset say it again.
-// With a constant number n of bodies, position.reshape(T, n, 3) has the time axis first:
-// scripts/body_series.py
+// may change). A file takes as many times as it has room for; bodies_STEP.h5 continues it, STEP being that of
+// its first time, without /kinds and /provenance. cases/OUTPUT.md has the layout, and so do the attributes
+// `unit` and `meaning` of the datasets; rows are sorted by id within a time.
 #include <mpi.h>
 
 #include <array>
@@ -31,8 +18,7 @@
 
 namespace silt::adapters {
 
-/// TriangleMesh is the closed surface of a piece of a body, in the frame of the body (origin at the
-/// centre of mass).
+/// TriangleMesh is the closed surface of a piece of a body, about its centre of mass.
 struct TriangleMesh {
   std::vector<std::array<double, 3>> vertices;
   std::vector<std::array<double, 3>> normals;                 // unit, outward
@@ -74,8 +60,7 @@ struct BodySeriesInfo {
   BodyColumns columns;
 };
 
-/// Returns the files of a series in their order: the first one, bodies.h5, if it is there, and those that go
-/// on.
+/// Returns the files of a series in their order: the first, bodies.h5, if it is there, and the others.
 std::vector<std::filesystem::path> body_series_files(const std::filesystem::path& first);
 
 /// BodySeries is the open series. Every call is collective. The files can be read while the run goes on, and
@@ -93,8 +78,8 @@ class BodySeries {
 
   /// Appends one time: row(i) makes the row of the i-th of the n bodies that this rank owns, in any order,
   /// and is asked for it more than once. An id that two ranks hand over is an error. Steps must increase. The
-  /// ranks sort slices of the rows, a column at a time, and rank 0 writes them in pieces: it holds no more
-  /// than its own slice and a piece.
+  /// ranks sort slices of the rows, a column at a time; rank 0 writes them, and holds its own slice and a
+  /// piece.
   void append(std::int64_t step, double time, std::size_t n, const std::function<BodyRow(std::size_t)>& row);
 
   /// Returns the step of the last time (rank 0 knows it), -1 without any.

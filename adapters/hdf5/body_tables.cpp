@@ -54,11 +54,12 @@ std::vector<Column> record_columns(std::span<const rigid::HolderColumn> holder) 
     columns.push_back({c.name, offset(record.holder_state) + first + 8 * std::size_t(c.first),
                        whole ? Column::int64 : Column::float64, c.count});
   }
+  for (Column& c : columns) c.name = "/bodies/" + c.name;
   return columns;
 }
 
 /// The number of a body's impulses, in /bodies too.
-const Column count_column{"impulse_count", 0, Column::uint64};
+const Column count_column{"/bodies/impulse_count", 0, Column::uint64};
 
 /// ImpulseRow is a stored impulse as a plain row of /impulses, in the order of the bodies.
 struct ImpulseRow {
@@ -68,11 +69,12 @@ struct ImpulseRow {
   double impulse[3];
 };
 
-const std::vector<Column> impulse_columns{{"partner", offsetof(ImpulseRow, partner), Column::uint64},
-                                          {"image", offsetof(ImpulseRow, image), Column::int8, 3},
-                                          {"held", offsetof(ImpulseRow, held), Column::int8},
-                                          {"feature", offsetof(ImpulseRow, feature), Column::uint64},
-                                          {"impulse", offsetof(ImpulseRow, impulse), Column::float64, 3}};
+const std::vector<Column> impulse_columns{
+    {"/impulses/partner", offsetof(ImpulseRow, partner), Column::uint64},
+    {"/impulses/image", offsetof(ImpulseRow, image), Column::int8, 3},
+    {"/impulses/held", offsetof(ImpulseRow, held), Column::int8},
+    {"/impulses/feature", offsetof(ImpulseRow, feature), Column::uint64},
+    {"/impulses/impulse", offsetof(ImpulseRow, impulse), Column::float64, 3}};
 
 ImpulseRow row_of(const rigid::StoredImpulse& s) {
   return {s.partner,
@@ -88,13 +90,6 @@ rigid::StoredImpulse impulse_of(const ImpulseRow& r) {
           r.feature,
           rigid::Vec3(r.impulse[0], r.impulse[1], r.impulse[2]),
           r.held != 0};
-}
-
-std::string body_dataset(const Column& c) {
-  return "/bodies/" + c.name;
-}
-std::string impulse_dataset(const Column& c) {
-  return "/impulses/" + c.name;
 }
 
 Counts as_numbers(const Bytes& bytes) {
@@ -119,7 +114,7 @@ IdOrder order_of(MPI_Comm comm, const Path& path, const OwnedRows& owned) {
   return order;
 }
 
-/// Where the impulses of this rank's bodies go: before each body's come those of all smaller ids.
+/// The places of the impulses of this rank's bodies: before each body's come those of all smaller ids.
 struct ImpulseOrder {
   Counts counts;
   std::vector<SliceExchange::Run> places;
@@ -160,13 +155,13 @@ class ColumnWriter {
   }
   /// make(values) gives this rank's values.
   template <class Make>
-  void write(const std::string& dataset, const Column& c, const SliceExchange& slices, Make&& make) {
+  void write(const Column& c, const SliceExchange& slices, Make&& make) {
     Bytes values;
     parallel::together(comm_, [&] { make(values); });
     const Bytes slice = slices.to_slice(c.bytes(), std::move(values));
     parallel::together(comm_, [&] {
       file_->write(places_[names_.size()] + slices.slice_begin() * c.bytes(), slice);
-      names_.push_back(dataset);
+      names_.push_back(c.name);
       sums_.push_back(run_checksum(c.value_bytes(), slice.data(), slices.slice_size() * c.components,
                                    slices.slice_begin() * c.components));
     });
@@ -208,27 +203,26 @@ std::map<std::string, std::uint64_t> write_body_tables(MPI_Comm comm, const Path
     for (const Column& c : impulse_columns) of_impulse += c.bytes();
     File file = open(of_body * order.total + of_impulse * impulse_order.total);
     auto place = places.begin();
-    const auto create = [&](const std::string& name, const Column& c, std::uint64_t rows) {
-      *place++ = file.place_of(file.create_dataset(name, c.stored_type(), table_shape(rows, c.components)));
+    const auto create = [&](const Column& c, std::uint64_t rows) {
+      *place++ = file.place_of(file.create_dataset(c.name, c.stored_type(), table_shape(rows, c.components)));
     };
     file.create_group("/bodies");
-    for (const Column& c : columns) create(body_dataset(c), c, order.total);
-    create(body_dataset(count_column), count_column, order.total);
+    for (const Column& c : columns) create(c, order.total);
+    create(count_column, order.total);
     file.create_group("/impulses");
-    for (const Column& c : impulse_columns) create(impulse_dataset(c), c, impulse_order.total);
+    for (const Column& c : impulse_columns) create(c, impulse_order.total);
     file.close();
   });
   parallel::broadcast(comm, std::span(places));
   ColumnWriter writer(comm, path, std::move(places));
   for (const Column& c : columns)
-    writer.write(body_dataset(c), c, bodies, [&](Bytes& values) {
+    writer.write(c, bodies, [&](Bytes& values) {
       gather_column<rigid::BodyRecord>(
           c, owned.n, [&](std::size_t k) { return owned.record(order.rows[k]); }, values);
     });
-  writer.write(body_dataset(count_column), count_column, bodies,
-               [&](Bytes& values) { values = as_bytes(impulse_order.counts); });
+  writer.write(count_column, bodies, [&](Bytes& values) { values = as_bytes(impulse_order.counts); });
   for (const Column& c : impulse_columns)
-    writer.write(impulse_dataset(c), c, impulses, [&](Bytes& values) {
+    writer.write(c, impulses, [&](Bytes& values) {
       for (const std::size_t i : order.rows) {
         const auto& list = owned.impulses(i);
         gather_column<ImpulseRow>(
@@ -242,7 +236,6 @@ std::map<std::string, std::uint64_t> write_body_tables(MPI_Comm comm, const Path
 
 namespace {
 
-/// TableReader reads rows of the tables' columns.
 struct TableReader {
   const File& file;
   const RawFile raw;
@@ -250,9 +243,8 @@ struct TableReader {
   explicit TableReader(const File& f) : file(f), raw(f.path(), RawFile::to_read) {}
   std::uint64_t rows_in(const std::string& dataset) const { return file.place(dataset).shape[0]; }
   /// Reads the rows [first, first + n) of a column that shall have so many in all.
-  Bytes read(const std::string& dataset, const Column& c, std::uint64_t rows, std::uint64_t first,
-             std::uint64_t n) const {
-    const Place place = file.place(dataset, c.stored_type(), table_shape(rows, c.components));
+  Bytes read(const Column& c, std::uint64_t rows, std::uint64_t first, std::uint64_t n) const {
+    const Place place = file.place(c.name, c.stored_type(), table_shape(rows, c.components));
     return raw.read(place.at + first * c.bytes(), n * c.bytes());
   }
 };
@@ -261,8 +253,7 @@ struct TableReader {
 std::vector<std::vector<rigid::StoredImpulse>> read_impulses(const TableReader& reader, const Counts& counts,
                                                              std::uint64_t total, std::uint64_t first) {
   std::vector<ImpulseRow> rows(std::accumulate(counts.begin(), counts.end(), std::uint64_t{0}));
-  for (const Column& c : impulse_columns)
-    scatter_column(c, reader.read(impulse_dataset(c), c, total, first, rows.size()), rows);
+  for (const Column& c : impulse_columns) scatter_column(c, reader.read(c, total, first, rows.size()), rows);
   std::vector<std::vector<rigid::StoredImpulse>> lists(counts.size());
   auto row = rows.begin();
   for (std::size_t i = 0; i < counts.size(); row += counts[i++])
@@ -292,19 +283,17 @@ CheckpointReader::Bodies read_body_tables(MPI_Comm comm, const File& file,
   const auto do_not_fit = [&] { file.refuse("bodies and impulses do not fit together"); };
   parallel::together(comm, [&] {
     reader.emplace(file);
-    const std::uint64_t total = reader->rows_in(body_dataset(count_column));
+    const std::uint64_t total = reader->rows_in(count_column.name);
     const std::uint64_t first = total * rank / ranks, n = total * (rank + 1) / ranks - first;
-    all = reader->rows_in(impulse_dataset(impulse_columns[0]));
+    all = reader->rows_in(impulse_columns[0].name);
     found.first_body = first;
     found.records.resize(n);
     const std::vector<Column> columns = record_columns(holder);
-    for (const Column& c : columns)
-      scatter_column(c, reader->read(body_dataset(c), c, total, first, n), found.records);
+    for (const Column& c : columns) scatter_column(c, reader->read(c, total, first, n), found.records);
     const Column& id = columns[0];
-    require_rising_ids(
-        file, found.records,
-        first == 0 ? 0 : as_numbers(reader->read(body_dataset(id), id, total, first - 1, 1))[0]);
-    counts = as_numbers(reader->read(body_dataset(count_column), count_column, total, first, n));
+    require_rising_ids(file, found.records,
+                       first == 0 ? 0 : as_numbers(reader->read(id, total, first - 1, 1))[0]);
+    counts = as_numbers(reader->read(count_column, total, first, n));
     for (const std::uint64_t count : counts) {
       if (count > all - impulses) do_not_fit();
       impulses += count;

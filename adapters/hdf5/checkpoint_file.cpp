@@ -14,6 +14,44 @@ using hdf5::File;
 using hdf5::Handle;
 using hdf5::RawFile;
 using hdf5::SlabExchange;
+using hdf5::SliceExchange;
+
+// ---- the checkpoints of a folder ----
+
+namespace {
+std::filesystem::path folder_of(const std::filesystem::path& path) {
+  return path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
+}
+}  // namespace
+
+std::optional<std::int64_t> checkpoint_step(const std::filesystem::path& path) {
+  return step_of(path, "checkpoint", ".h5");
+}
+
+std::vector<StepFile> list_checkpoints(const std::filesystem::path& folder) {
+  return step_files(folder, "checkpoint", ".h5");
+}
+
+std::optional<std::filesystem::path> previous_checkpoint(const std::filesystem::path& path) {
+  const auto own = checkpoint_step(path);
+  for (const auto& c : list_checkpoints(folder_of(path)))
+    if (c.path.filename() != path.filename() && (!own || c.step < *own)) return c.path;
+  return {};
+}
+
+void drop_old_checkpoints(const std::filesystem::path& path, int keep) {
+  std::error_code ignored;
+  const auto own = checkpoint_step(path);
+  if (!own) return;
+  int kept = 0;
+  for (const auto& c : list_checkpoints(folder_of(path)))
+    if (c.step <= *own && kept++ >= keep && keep > 0) std::filesystem::remove(c.path, ignored);
+  for (const auto& entry : std::filesystem::directory_iterator(folder_of(path), ignored)) {
+    auto part = entry.path();
+    if (part.extension() == ".part" && checkpoint_step(part.replace_extension()))
+      std::filesystem::remove(entry.path(), ignored);
+  }
+}
 
 // ---- writing ----
 
@@ -38,20 +76,22 @@ struct CheckpointWriter::State {
       file.close();
     });
   }
-  template <class Pack, class Write>
-  void add_components(const std::string& name, Storage, const hdf5::Shape&, int components, Pack&&, Write&&);
+  template <class Pack>
+  void add_components(const std::string& name, Storage, const hdf5::Shape&, int components,
+                      const SliceExchange&, Pack&&);
 };
 
-/// Adds a dataset of this shape and writes it a component after the other: pack(q, checksum) returns what
-/// this rank has and adds to the checksum; write(file, place of the component, packed) is collective.
-template <class Pack, class Write>
+/// Collective. Adds a dataset of this shape and writes it a component after the other: pack(q) returns what
+/// this rank has of it.
+template <class Pack>
 void CheckpointWriter::State::add_components(const std::string& name, Storage storage,
-                                             const hdf5::Shape& shape, int components, Pack&& pack,
-                                             Write&& write) {
-  std::uint64_t bytes = H5Tget_size(hdf5::type_of(storage)), place = 0, mine = 0;
-  for (const hsize_t n : shape) bytes *= n;
+                                             const hdf5::Shape& shape, int components,
+                                             const SliceExchange& slices, Pack&& pack) {
+  const std::size_t value = H5Tget_size(hdf5::type_of(storage));
+  std::uint64_t values = 1, place = 0, checksum = 0;
+  for (const hsize_t n : shape) values *= n;
   parallel::on_rank_0(comm, [&] {
-    File file = open_to_add(bytes);
+    File file = open_to_add(values * value);
     place = file.place_of(file.create_dataset(name, hdf5::type_of(storage), shape));
     file.close();
   });
@@ -60,11 +100,16 @@ void CheckpointWriter::State::add_components(const std::string& name, Storage st
   parallel::together(comm, [&] { file.emplace(part(), RawFile::to_write); });
   for (int q = 0; q < components; ++q) {
     std::vector<std::byte> packed;
-    parallel::together(comm, [&] { packed = pack(q, mine); });
-    write(*file, place + bytes / components * q, std::move(packed));
+    parallel::together(comm, [&] { packed = pack(q); });
+    const auto slice = slices.to_slice(value, std::move(packed));
+    const std::uint64_t first = values / components * q + slices.slice_begin();
+    parallel::together(comm, [&] {
+      checksum += hdf5::run_checksum(value, slice.data(), slices.slice_size(), first);
+      file->write(place + first * value, slice);
+    });
   }
   parallel::together(comm, [&] { file->close(); });
-  checksums[name] = parallel::sum_over_ranks(comm, mine);
+  checksums[name] = parallel::sum_over_ranks(comm, checksum);
 }
 
 CheckpointWriter::CheckpointWriter(MPI_Comm comm, const std::filesystem::path& path,
@@ -106,20 +151,6 @@ hdf5::Shape shape_of(std::array<int, 3> lattice, int components) {
   return shape;
 }
 
-/// Returns the checksum of one component of this rank's cells, given in file order box by box.
-std::uint64_t box_checksum(const CellBox& box, std::array<int, 3> n, int q, std::size_t value,
-                           const void* data) {
-  const std::size_t length = box.upper[0] - box.lower[0];
-  const auto* row = static_cast<const std::byte*>(data);
-  std::uint64_t sum = 0;
-  for (int z = box.lower[2]; z < box.upper[2]; ++z)
-    for (int y = box.lower[1]; y < box.upper[1]; ++y, row += length * value) {
-      const std::uint64_t index = ((std::uint64_t(q) * n[2] + z) * n[1] + y) * n[0] + box.lower[0];
-      sum += hdf5::run_checksum(value, row, length, index);
-    }
-  return sum;
-}
-
 }  // namespace
 
 void CheckpointWriter::cells(const std::string& name, Storage storage, std::array<int, 3> n, int components,
@@ -127,40 +158,23 @@ void CheckpointWriter::cells(const std::string& name, Storage storage, std::arra
                              const std::function<void(int, std::size_t, void*)>& fill) {
   const std::size_t value = H5Tget_size(hdf5::type_of(storage));
   const SlabExchange slabs(state_->comm, n, boxes);
-  const auto pack = [&](int q, std::uint64_t& checksum) {
-    return slabs.pack(value, [&](std::size_t box, void* out) {
-      fill(q, box, out);
-      checksum += box_checksum(boxes[box], n, q, value, out);
-    });
-  };
-  const auto write = [&](RawFile& file, std::uint64_t place, std::vector<std::byte> packed) {
-    slabs.write(file, place, value, std::move(packed));
-  };
-  state_->add_components("/cells/" + name, storage, shape_of(n, components), components, pack, write);
+  state_->add_components(
+      "/cells/" + name, storage, shape_of(n, components), components, slabs.slices(),
+      [&](int q) { return slabs.pack(value, [&](std::size_t box, void* out) { fill(q, box, out); }); });
 }
 
 void CheckpointWriter::list(const std::string& name, Storage storage, std::array<int, 3> tiles,
                             int components, const CellBox& box, std::span<const std::uint32_t> counts,
                             const std::function<void(int, void*)>& fill) {
-  const std::size_t value = H5Tget_size(hdf5::type_of(storage));
   const hdf5::TileRuns runs = hdf5::runs_of_tiles(state_->comm, tiles, box, counts);
-  const hdf5::SliceExchange slices(state_->comm, runs.total, runs.mine);
-  const auto pack = [&](int q, std::uint64_t& checksum) {
-    std::vector<std::byte> packed(std::accumulate(counts.begin(), counts.end(), std::size_t{0}) * value);
-    fill(q, packed.data());
-    const std::byte* from = packed.data();
-    for (const auto& [first, length] : runs.mine) {
-      checksum += hdf5::run_checksum(value, from, length, q * runs.total + first);
-      from += length * value;
-    }
-    return packed;
-  };
-  const auto write = [&](RawFile& file, std::uint64_t place, std::vector<std::byte> packed) {
-    const auto slice = slices.to_slice(value, std::move(packed));
-    parallel::together(state_->comm, [&] { file.write(place + slices.slice_begin() * value, slice); });
-  };
-  state_->add_components("/cells/" + name, storage, {hsize_t(components), runs.total}, components, pack,
-                         write);
+  const SliceExchange slices(state_->comm, runs.total, runs.mine);
+  const std::size_t entries = std::accumulate(counts.begin(), counts.end(), std::size_t{0});
+  state_->add_components("/cells/" + name, storage, {hsize_t(components), runs.total}, components, slices,
+                         [&](int q) {
+                           std::vector<std::byte> packed(entries * H5Tget_size(hdf5::type_of(storage)));
+                           fill(q, packed.data());
+                           return packed;
+                         });
 }
 
 void CheckpointWriter::bodies(const OwnedRows& owned, std::span<const rigid::HolderColumn> holder) {
@@ -205,22 +219,36 @@ struct CheckpointReader::State {
   hdf5::Path path;
   std::optional<File> file;  // each rank reads what is small by itself
 
-  /// Opens the values of a dataset, which must be stored so, after look().
+  /// Collective. Returns the place of a dataset, which must be stored so, after look().
   template <class Look>
-  hdf5::Place open_cells(const CheckpointReader& reader, const std::string& name, Storage storage,
-                         std::optional<RawFile>& raw, Look&& look) const {
-    const std::string full = "/cells/" + name;
+  hdf5::Place place_of(const CheckpointReader& reader, const std::string& name, Storage storage,
+                       Look&& look) const {
     hdf5::Place place;
     parallel::together(comm, [&] {
       look();
-      place = file->place(full);
-      if (H5Tequal(file->type(file->dataset(full)), hdf5::type_of(storage)) <= 0)
-        reader.refuse(full + " was stored in another precision than asked for");
-      raw.emplace(path, RawFile::to_read);
+      place = file->place(name);
+      if (H5Tequal(file->type(file->dataset(name)), hdf5::type_of(storage)) <= 0)
+        reader.refuse(name + " was stored in another precision than asked for");
     });
     return place;
   }
-  /// What read(file, its group) gives, on every rank alike; errors say which checkpoint to use.
+  /// Collective. Calls take(q, values of this rank) for one component after the other.
+  template <class Take>
+  void read_components(const hdf5::Place& place, int components, const SliceExchange& slices,
+                       Take&& take) const {
+    std::optional<RawFile> raw;
+    parallel::together(comm, [&] { raw.emplace(path, RawFile::to_read); });
+    for (int q = 0; q < components; ++q) {
+      std::vector<std::byte> slice;
+      const std::uint64_t first = place.values() / components * q + slices.slice_begin();
+      parallel::together(comm, [&] {
+        slice = raw->read(place.at + first * place.value_bytes, slices.slice_size() * place.value_bytes);
+      });
+      const auto packed = slices.from_slice(place.value_bytes, slice);
+      parallel::together(comm, [&] { take(q, packed); });
+    }
+  }
+  /// Returns what read(file, its group) returns, on every rank alike; errors say which checkpoint to use.
   template <class Read>
   auto advised(const char* group, Read&& read) const {
     try {
@@ -294,45 +322,30 @@ int CheckpointReader::components(const std::string& name) const {
 
 void CheckpointReader::cells(const std::string& name, Storage storage, const std::vector<CellBox>& boxes,
                              const std::function<void(int, std::size_t, const void*)>& take) const {
-  const MPI_Comm comm = state_->comm;
   std::array<int, 3> cells{};
   int n = 0;
-  std::optional<RawFile> raw;
-  const hdf5::Place place = state_->open_cells(*this, name, storage, raw, [&] {
+  const hdf5::Place place = state_->place_of(*this, "/cells/" + name, storage, [&] {
     cells = lattice(name);
     n = components(name);
   });
-  const SlabExchange slabs(comm, cells, boxes);
-  for (int q = 0; q < n; ++q) {
-    const auto packed =
-        slabs.read(*raw, place.at + place.values() / n * q * place.value_bytes, place.value_bytes);
-    parallel::together(comm, [&] {
-      slabs.unpack(packed, place.value_bytes, [&](std::size_t box, const void* in) { take(q, box, in); });
-    });
-  }
+  const SlabExchange slabs(state_->comm, cells, boxes);
+  state_->read_components(place, n, slabs.slices(), [&](int q, const std::vector<std::byte>& packed) {
+    slabs.unpack(packed, place.value_bytes, [&](std::size_t box, const void* in) { take(q, box, in); });
+  });
 }
 
 void CheckpointReader::list(const std::string& name, Storage storage, std::array<int, 3> tiles,
                             int components, const CellBox& box, std::span<const std::uint32_t> counts,
                             const std::function<void(int, const void*)>& take) const {
-  const MPI_Comm comm = state_->comm;
-  const hdf5::TileRuns runs = hdf5::runs_of_tiles(comm, tiles, box, counts);
-  std::optional<RawFile> raw;
-  const hdf5::Place place = state_->open_cells(*this, name, storage, raw, [&] {
-    if (state_->file->shape(state_->file->dataset("/cells/" + name)) !=
-        hdf5::Shape{hsize_t(components), runs.total})
-      refuse("/cells/" + name + " has another shape than its levels say");
+  const hdf5::TileRuns runs = hdf5::runs_of_tiles(state_->comm, tiles, box, counts);
+  const std::string full = "/cells/" + name;
+  const hdf5::Place place = state_->place_of(*this, full, storage, [&] {
+    if (state_->file->shape(state_->file->dataset(full)) != hdf5::Shape{hsize_t(components), runs.total})
+      refuse(full + " has another shape than its levels say");
   });
-  const hdf5::SliceExchange slices(comm, runs.total, runs.mine);
-  for (int q = 0; q < components; ++q) {
-    std::vector<std::byte> slice;
-    parallel::together(comm, [&] {
-      slice = raw->read(place.at + (q * runs.total + slices.slice_begin()) * place.value_bytes,
-                        slices.slice_size() * place.value_bytes);
-    });
-    const auto packed = slices.from_slice(place.value_bytes, slice);
-    parallel::together(comm, [&] { take(q, packed.data()); });
-  }
+  const SliceExchange slices(state_->comm, runs.total, runs.mine);
+  state_->read_components(place, components, slices,
+                          [&](int q, const std::vector<std::byte>& packed) { take(q, packed.data()); });
 }
 
 bool CheckpointReader::has_cells(const std::string& name) const {

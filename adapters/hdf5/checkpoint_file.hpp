@@ -1,5 +1,5 @@
 #pragma once
-// A checkpoint: everything a run needs to go on, to the bit, on any number of ranks:
+// A checkpoint holds all that a run needs to go on, bitwise, on any number of ranks:
 //   /              format, format_version, complete
 //   /state         the caller's named numbers and texts
 //   /cells/NAME    [z][y][x] or [q][z][y][x] of float, double or bytes, or a list [q][entry], with a checksum
@@ -7,7 +7,7 @@
 //   /impulses/...  the columns of StoredImpulse, body after body
 //   /provenance
 // HDF5 guards its own metadata with checksums in this file; each dataset carries one of its content. The file
-// is the same, to the byte, from any number of ranks that are given the same provenance.
+// has the same bytes from any number of ranks that are given the same provenance.
 #include <mpi.h>
 
 #include <array>
@@ -29,15 +29,10 @@ inline constexpr std::int64_t checkpoint_format_version = 14;
 
 // ---- the checkpoints of a folder: checkpoint_000000005000.h5, the number being the step ----
 
-inline std::filesystem::path checkpoint_path(const std::filesystem::path& folder, std::int64_t step) {
-  return step_path(folder, "checkpoint", step, ".h5");
-}
-
 /// Returns the step in a checkpoint's name, if the name is one.
 std::optional<std::int64_t> checkpoint_step(const std::filesystem::path&);
 
-/// Lists the checkpoints of a folder by their names, newest (largest step) first; empty for a folder that is
-/// not there.
+/// Lists the checkpoints of a folder by name, newest (largest step) first; none if there is no folder.
 std::vector<StepFile> list_checkpoints(const std::filesystem::path& folder);
 
 /// Returns the newest checkpoint in the same folder whose step is smaller than that of `path`.
@@ -49,8 +44,7 @@ void drop_old_checkpoints(const std::filesystem::path& path, int keep);
 
 // ---- one of them ----
 
-/// The bodies that a rank owns, in any order. Rows are made when they are asked for, more than once: no
-/// second list of all is needed.
+/// The bodies that a rank owns, in any order. Rows are made when they are asked for, more than once.
 struct OwnedRows {
   std::size_t n;
   std::function<rigid::BodyRecord(std::size_t)> record;
@@ -115,7 +109,6 @@ class CheckpointReader {
   std::int64_t integer(const std::string& name) const;
   double number(const std::string& name) const;
   std::string text(const std::string& name) const;
-  /// Returns the provenance of the run that wrote it.
   std::string provenance(const std::string& name) const;
   std::string case_text() const;
 
@@ -138,8 +131,7 @@ class CheckpointReader {
     std::vector<rigid::BodyRecord> records;           // sorted by id
     std::vector<std::vector<rigid::StoredImpulse>> impulses;
   };
-  /// Returns this rank's slice of the bodies: of n, those from n r / ranks on. Bytes of the holder state that
-  /// no column names are zero.
+  /// Returns this rank's slice of the bodies, n r / ranks on. The rest of the holder state is zero.
   Bodies bodies(std::span<const rigid::HolderColumn> = {}) const;
 
  private:

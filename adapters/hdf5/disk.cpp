@@ -25,8 +25,7 @@ std::string system_reason(int error) {
 namespace silt::adapters::hdf5 {
 namespace {
 
-/// Opens (or creates, by the flags), acts, closes; throws with the system's reason if act returns other than
-/// 0.
+/// Opens the file (or creates it, by the flags), acts and closes; throws if act does not return 0.
 template <class Act>
 void with_descriptor(const Path& path, int flags, const std::string& what, Act&& act) {
   const int file = ::open(path.c_str(), flags | O_CLOEXEC, 0666);
@@ -40,7 +39,7 @@ void with_descriptor(const Path& path, int flags, const std::string& what, Act&&
 /// Returns 0 if so many bytes are free where the file lies, else -1 with errno as for a full disk.
 int room_for(int file, std::uint64_t bytes) {
   struct statvfs disk;
-  if (::fstatvfs(file, &disk) != 0 || static_cast<std::int64_t>(bytes) <= 0) return 0;
+  if (::fstatvfs(file, &disk) != 0 || std::int64_t(bytes) <= 0) return 0;
   if (disk.f_bavail * disk.f_frsize >= bytes) return 0;
   errno = ENOSPC;
   return -1;

@@ -1,7 +1,6 @@
 #pragma once
-// Files as the system has them, without HDF5: room on the disk, what has come to the disk itself, names that
-// files get when they are whole, files of which each rank reads or writes its part; and why the system
-// refused.
+// Files without HDF5: room on the disk, flushing, names that files get when they are whole, files of which
+// each rank reads or writes its part; and the reasons of the system.
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>

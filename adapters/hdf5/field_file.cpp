@@ -2,10 +2,11 @@
 
 #include <zlib.h>
 
+#include <nlohmann/json.hpp>
+
 #include <algorithm>
 #include <bit>
 #include <cerrno>
-#include <charconv>
 #include <fstream>
 #include <new>
 #include <optional>
@@ -26,8 +27,7 @@ using hdf5::SlabExchange;
 
 constexpr std::uint64_t box_bytes = 6 * sizeof(std::int32_t);
 
-/// The datasets of one group: the quantities of the cells of these boxes. The cells have this shape, in
-/// chunks where they are packed.
+/// The datasets of one group: quantities of the cells of these boxes, of this shape, in chunks if packed.
 struct Group {
   std::string name;
   const std::vector<CellBox>& boxes;
@@ -66,7 +66,7 @@ Group image_group(const FieldSnapshot& snapshot, const std::vector<CellBox>& box
   return image;
 }
 
-/// Those levels of which any rank has a cell, in VTK's order, which begins with the coarsest. Collective.
+/// Collective. Returns the levels that have a cell on any rank, in VTK's order, the coarsest first.
 std::vector<Group> level_groups(MPI_Comm comm, const std::vector<FieldLevel>& levels, int compression) {
   std::vector<Group> groups;
   for (auto level = levels.rbegin(); level != levels.rend(); ++level) {
@@ -88,7 +88,6 @@ std::vector<Group> level_groups(MPI_Comm comm, const std::vector<FieldLevel>& le
   return groups;
 }
 
-/// Writes where the lattice lies and what it is of.
 void write_head(File& file, const FieldSnapshot& snapshot, const std::vector<Group>& groups,
                 const Provenance& provenance) {
   const ImageGrid& grid = snapshot.grid;
@@ -175,13 +174,13 @@ SlabExchange exchange_of(MPI_Comm comm, const Group& group) {
   return SlabExchange(comm, {int(n[2]), int(n[1]), int(n[0])}, group.boxes, int(grain));
 }
 
-/// Some planes at a time: what is narrowed is still in cache.
+/// Narrows some planes at a time, while they are still in cache.
 std::vector<std::byte> values_here(const SlabExchange& slabs, const FieldQuantity& q) {
   constexpr std::size_t wide_values = 1 << 12;  // at a time, if a plane has no more
   std::vector<double> wide;
   return slabs.pack(cell_bytes(q), [&](std::size_t k, void* out) {
     const CellBox& box = slabs.boxes()[k];
-    const int planes = box.upper[2] - box.lower[2];
+    const int planes = box.size.z;
     if (q.storage == Storage::double_) return q.values(k, 0, planes, static_cast<double*>(out));
     const std::size_t plane = box.cells() / planes * q.components;
     const int at_once = int(std::max<std::size_t>(1, wide_values / plane));
@@ -198,14 +197,14 @@ std::vector<std::byte> values_here(const SlabExchange& slabs, const FieldQuantit
   });
 }
 
-/// The boxes of the ranks one after the other, as VTK has them: from the first cell to the last, axis by
-/// axis.
+/// Writes the boxes of the ranks one after the other, as VTK has them: first and last cell, axis by axis.
 void write_boxes(MPI_Comm comm, hdf5::RawFile& file, const std::vector<CellBox>& boxes, std::uint64_t place) {
   const std::uint64_t first = parallel::sum_of_ranks_before(comm, std::uint64_t(boxes.size()));
   parallel::together(comm, [&] {
     std::vector<std::int32_t> numbers;
     for (const CellBox& box : boxes)
-      for (int d = 0; d < 3; ++d) numbers.insert(numbers.end(), {box.lower[d], box.upper[d] - 1});
+      for (int d = 0; d < 3; ++d)
+        numbers.insert(numbers.end(), {box.lower[d], box.lower[d] + box.size[d] - 1});
     const auto bytes = std::as_bytes(std::span(numbers));
     file.write(place + first * box_bytes, {bytes.begin(), bytes.end()});
   });
@@ -226,7 +225,9 @@ void write_values(MPI_Comm comm, const Path& path, const std::vector<Group>& gro
     for (const FieldQuantity& q : group.quantities) {
       std::vector<std::byte> values;
       parallel::together(comm, [&] { values = values_here(slabs, q); });
-      slabs.write(*file, *place++, cell_bytes(q), std::move(values));
+      const auto slab = slabs.slices().to_slice(cell_bytes(q), std::move(values));
+      const std::uint64_t begin = *place++ + slabs.slices().slice_begin() * cell_bytes(q);
+      parallel::together(comm, [&] { file->write(begin, slab); });
     }
   }
   parallel::together(comm, [&] { file->close(); });
@@ -234,8 +235,8 @@ void write_values(MPI_Comm comm, const Path& path, const std::vector<Group>& gro
 
 // ---- packed values ----
 
-/// Returns a chunk as HDF5's filters "shuffle" and "deflate" make it: first bytes of all values, then second
-/// ones, and so on, packed.
+/// Returns a chunk as HDF5's filters "shuffle" and "deflate" make it: bytes of values sorted by place,
+/// packed.
 std::vector<std::byte> packed_chunk(std::span<const std::byte> values, std::size_t value_bytes, int level) {
   const std::size_t n = values.size() / value_bytes;
   std::vector<std::byte> shuffled(values.size()), packed(compressBound(values.size()));
@@ -259,7 +260,7 @@ void write_packed_values(MPI_Comm comm, std::optional<File>& file, const Group& 
     std::vector<std::byte> slab;
     std::vector<std::vector<std::byte>> chunks;
     parallel::together(comm, [&] { slab = values_here(slabs, q); });
-    slab = slabs.slab(cell_bytes(q), std::move(slab));
+    slab = slabs.slices().to_slice(cell_bytes(q), std::move(slab));
     const std::size_t chunk_bytes = chunk_cells * cell_bytes(q);
     Handle dataset;
     parallel::together(comm, [&] {
@@ -271,7 +272,7 @@ void write_packed_values(MPI_Comm comm, std::optional<File>& file, const Group& 
     });
     hsize_t at[4] = {};  // of the chunk that comes next, the last axis first
     hdf5::hand_to_rank_0(
-        slabs.comm(), chunks, compressBound(chunk_bytes), [&](std::span<const std::byte> chunk) {
+        slabs.slices().comm(), chunks, compressBound(chunk_bytes), [&](std::span<const std::byte> chunk) {
           file->check(H5Dwrite_chunk(dataset, H5P_DEFAULT, 0, at, chunk.size(), chunk.data()),
                       "cannot write (is the disk full?)");
           for (std::size_t d = group.chunk.size(); d-- > 0;) {
@@ -294,35 +295,19 @@ Path series_path(const Path& path) {
   return path.parent_path() / (stem + path.extension().string() + ".series");
 }
 
-/// Returns the time in a line, if update_series wrote that line.
-bool entry_time(const std::string& line, double& time) {
-  const std::string mark = "\"time\": ";
-  const auto at = line.rfind(mark);
-  if (at == std::string::npos) return false;
-  const char* from = line.c_str() + at + mark.size();
-  return std::from_chars(from, line.c_str() + line.size(), time).ec == std::errc{};
-}
-
+/// Adds a file to the list, in which it replaces those at its time and later.
 void update_series(const Path& field_path, double time) {
-  const Path path = series_path(field_path);
-  std::vector<std::string> entries;
-  if (std::ifstream in(path); in)
-    for (std::string line; std::getline(in, line);) {
-      double old = 0;
-      if (!entry_time(line, old) || !(old < time)) continue;
-      while (!line.empty() && line.back() == ',') line.pop_back();
-      entries.push_back(line);
-    }
-  char number[32];
-  const auto end = std::to_chars(number, number + sizeof number, time).ptr;
-  entries.push_back("    {\"name\": \"" + field_path.filename().string() +
-                    "\", \"time\": " + std::string(number, end) + "}");
-  const Path part = path.string() + ".part";
+  using Json = nlohmann::ordered_json;
+  const Path path = series_path(field_path), part = path.string() + ".part";
+  Json series = {{"file-series-version", "1.0"}, {"files", Json::array()}};
+  std::ifstream in(path);
+  const Json before = Json::parse(in, nullptr, false);  // discarded where there is none
+  if (before.is_object())
+    for (const Json& entry : before.value("files", Json::array()))
+      if (entry.value("time", time) < time) series["files"].push_back(entry);
+  series["files"].push_back({{"name", field_path.filename().string()}, {"time", time}});
   std::ofstream out(part);
-  out << "{\n  \"file-series-version\": \"1.0\",\n  \"files\": [\n";
-  for (std::size_t i = 0; i < entries.size(); ++i)
-    out << entries[i] << (i + 1 < entries.size() ? ",\n" : "\n");
-  out << "  ]\n}\n";
+  out << series.dump(2) << '\n';
   out.close();
   if (!out) hdf5::fail_in_system(path, "cannot write the list of times (is the disk full?)", errno);
   std::filesystem::rename(part, path);

@@ -14,8 +14,7 @@
 
 namespace silt::adapters {
 
-/// ImageGrid is the lattice in the units of the case. origin: the lower corner of cell (0, 0, 0), not its
-/// centre.
+/// ImageGrid is the lattice in the units of the case. origin: the lower corner of cell (0, 0, 0).
 struct ImageGrid {
   std::array<int, 3> cells;
   std::array<double, 3> origin{0, 0, 0}, spacing{1, 1, 1};
@@ -26,8 +25,8 @@ struct ImageGrid {
 struct FieldQuantity {
   std::string name, unit;
   int components = 1;  // 1 or 3
-  /// Writes the cells of one of this rank's boxes in its planes [first, last), which count from its lowest: x
-  /// fastest, components innermost.
+  /// Writes planes [first, last) of one of this rank's boxes, counted from its lowest: x fastest, then
+  /// components.
   std::function<void(std::size_t box, int first, int last, double* out)> values;
   Storage storage = Storage::single;
 };
@@ -53,8 +52,7 @@ struct FieldLevel {
 /// list. Names, units and the number of quantities must be the same on every rank. Cells no rank holds are
 /// zero. Also keeps NAME.hdf.series, the list of times next to the file (fields_000100.hdf:
 /// fields.hdf.series), in which entries at or after this time are replaced. The file appears under its name
-/// only when it is whole. Throws std::runtime_error on every rank, naming the file and the reason (a full
-/// disk, a missing folder).
+/// only when it is whole. Throws std::runtime_error on every rank, naming the file and the reason.
 void write_fields(MPI_Comm, const std::filesystem::path&, const std::vector<CellBox>& boxes,
                   const FieldSnapshot&, const Provenance&);
 /// Writes levels instead, the finest first: all but the quantities of the snapshot. Levels without a cell on

@@ -29,8 +29,7 @@ std::string innermost_reason() {
 
 constexpr unsigned most_in_header = 65535;  // as many as HDF5 allows
 
-/// Throws std::bad_alloc where there is no room for what HDF5 has of itself and of an open file: it follows
-/// null pointers there.
+/// Throws std::bad_alloc where there is no room for HDF5 and an open file: it follows null pointers there.
 void expect_memory() {
   constexpr std::size_t of_a_file = 8 << 20;  // bytes
   void* const room = mmap(nullptr, of_a_file, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
@@ -38,7 +37,7 @@ void expect_memory() {
   munmap(room, of_a_file);
 }
 
-/// Call before anything else of HDF5: it has its memory, and prints nothing by itself from now on.
+/// Call before anything else of HDF5: makes sure of its memory, and keeps it from printing.
 void quiet() {
   expect_memory();
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
@@ -53,8 +52,7 @@ Handle access_list(const Path& file) {
   return list;
 }
 
-/// Makes a creation list of an object that does not remember when it was made or changed: the same data is
-/// the same file, to the byte.
+/// Makes a creation list of an object without times, so that the same data makes a file of the same bytes.
 Handle without_times(hid_t kind, const Path& file) {
   quiet();
   Handle list(H5Pcreate(kind), H5Pclose, file, "creation list");
@@ -157,7 +155,7 @@ Handle File::dataset_to_append(const std::string& name) const {
 }
 
 Handle File::create_dataset(const std::string& name, hid_t type, const Shape& shape, const Layout& layout) {
-  const int rank = static_cast<int>(shape.size());
+  const int rank = int(shape.size());
   Shape most = shape;
   if (layout.grows) most[0] = layout.chunk[0];
   const Handle space(H5Screate_simple(rank, shape.data(), most.data()), H5Sclose, path_, "shape of " + name);
@@ -227,9 +225,9 @@ Place File::place(const std::string& name, hid_t wanted, const Shape& wanted_sha
 }
 
 void File::attribute(hid_t owner, const std::string& name, hid_t type, const Shape& shape, const void* data) {
-  const Handle space(shape.empty() ? H5Screate(H5S_SCALAR)
-                                   : H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr),
-                     H5Sclose, path_, "shape of attribute " + name);
+  const Handle space(
+      shape.empty() ? H5Screate(H5S_SCALAR) : H5Screate_simple(int(shape.size()), shape.data(), nullptr),
+      H5Sclose, path_, "shape of attribute " + name);
   if (H5Aexists(owner, name.c_str()) > 0) H5Adelete(owner, name.c_str());
   const Handle attribute(H5Acreate2(owner, name.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose,
                          path_, "cannot create attribute " + name);

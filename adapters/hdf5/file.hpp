@@ -54,17 +54,16 @@ inline Shape table_shape(hsize_t rows, hsize_t columns) {
   return columns > 1 ? Shape{rows, columns} : Shape{rows};
 }
 
-/// How a dataset lies in its file: in one piece, whose space is taken at once and not filled (a fresh file
-/// reads as zeros where nothing is written), or in chunks, which are packed by gzip of a level, after a
-/// shuffle of bytes; one that grows along its first axis has a single chunk, whose space is taken at once
-/// too.
+/// The layout of a dataset: in one piece, whose space is taken at once and not filled (a fresh file reads as
+/// zeros), or in chunks, packed by gzip of a level after a shuffle of bytes. A dataset that grows along its
+/// first axis has a single chunk, whose space is taken at once too.
 struct Layout {
   Shape chunk = {};
   bool grows = false;
   int level = 0;
 };
 
-/// Where the values of a dataset in one piece lie in its file.
+/// The place in its file of the values of a dataset in one piece.
 struct Place {
   std::uint64_t at = 0;  // byte
   std::size_t value_bytes = 1;
@@ -168,8 +167,7 @@ class File {
   std::shared_ptr<OutputFile> output_;  // of a writable one
 };
 
-/// metadata_room is the number of bytes that HDF5 itself may need each time datasets, attributes or chunks
-/// are added.
+/// metadata_room is the bytes that HDF5 may need each time datasets, attributes or chunks are added.
 inline constexpr std::uint64_t metadata_room = 1 << 17;
 
 }  // namespace silt::adapters::hdf5

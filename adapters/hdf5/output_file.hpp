@@ -6,9 +6,8 @@
 
 namespace silt::adapters::hdf5 {
 
-/// OutputFile is the system's file under one that HDF5 has open. HDF5 is told of no error in writing: it
-/// would leave an id behind that it closes once more, and crashes, in MPI_Finalize. Whoever flushes or closes
-/// looks here.
+/// OutputFile is the system's file under one that HDF5 has open. HDF5 never sees an error in writing: it
+/// would leave an id that it closes again, and crashes, in MPI_Finalize. Calls that flush or close look here.
 struct OutputFile {
   int file = -1;
   int error = 0;  // of the first call that failed, errno; nothing is written any more
@@ -17,7 +16,7 @@ struct OutputFile {
   /// Closes the file. Returns 0, or errno.
   int close();
 
-  /// Returns that of a file which HDF5 has open; it stays open as long as anybody holds it.
+  /// Returns the OutputFile of a file that HDF5 has open; it stays open as long as anybody holds it.
   static std::shared_ptr<OutputFile> of(hid_t file);
   /// Returns the driver, for H5Pset_driver.
   static hid_t driver();

@@ -11,8 +11,7 @@ namespace silt::adapters {
 /// file and dataset and says what is wrong.
 std::uint64_t count_points(const std::filesystem::path&, const std::string& dataset);
 
-/// Reads the points [first, first + n), three numbers each. Local; any number of ranks may read at once.
-/// Errors as above.
+/// Reads the points [first, first + n), three numbers each. Local; ranks may read at once. Errors as above.
 std::vector<double> read_points(const std::filesystem::path&, const std::string& dataset, std::uint64_t first,
                                 std::uint64_t n);
 

@@ -12,21 +12,17 @@ namespace silt::adapters::hdf5 {
 
 SlabExchange::SlabExchange(MPI_Comm comm, std::array<int, 3> cells, std::vector<CellBox> boxes,
                            int group_rows)
-    : comm_(comm),
-      lattice_(cells),
+    : lattice_(cells),
       plane_rows_((cells[1] + group_rows - 1) / group_rows * group_rows),
       boxes_(std::move(boxes)) {
   std::vector<SliceExchange::Run> mine;
-  parallel::together(comm, [&] {
-    list_rows();
-    mine = runs();
-  });
+  parallel::together(comm, [&] { mine = list_rows(); });
   const std::uint64_t row = lattice_[0];
   slices_.emplace(comm, row * plane_rows_ * lattice_[2], mine, row * group_rows);
 }
 
 SlabExchange::SlabExchange(MPI_Comm comm, std::vector<CellBox> boxes, std::uint64_t group_cells)
-    : comm_(comm), boxes_(std::move(boxes)) {
+    : boxes_(std::move(boxes)) {
   for (const CellBox& box : boxes_) cells_ += box.cells();
   const std::uint64_t first = parallel::sum_of_ranks_before(comm, std::uint64_t(cells_)),
                       all = parallel::sum_over_ranks(comm, std::uint64_t(cells_));
@@ -35,30 +31,31 @@ SlabExchange::SlabExchange(MPI_Comm comm, std::vector<CellBox> boxes, std::uint6
   slices_.emplace(comm, (all + group_cells - 1) / group_cells * group_cells, mine, group_cells);
 }
 
-void SlabExchange::list_rows() {
+/// Lists the rows of the boxes in file order; returns where they are among all of the lattice.
+std::vector<SliceExchange::Run> SlabExchange::list_rows() {
   for (std::size_t b = 0; b < boxes_.size(); ++b) {
     const CellBox& box = boxes_[b];
     for (int d = 0; d < 3; ++d)
-      if (box.lower[d] < 0 || box.upper[d] > lattice_[d] || box.lower[d] > box.upper[d])
+      if (box.lower[d] < 0 || box.size[d] < 0 || box.lower[d] + box.size[d] > lattice_[d])
         throw std::invalid_argument("box " + std::to_string(b) + " reaches outside the lattice of " +
                                     std::to_string(lattice_[0]) + " x " + std::to_string(lattice_[1]) +
                                     " x " + std::to_string(lattice_[2]) + " cells");
     if (box.cells() == 0) continue;
-    const std::size_t length = box.upper[0] - box.lower[0];
+    const std::size_t length = box.size.x;
     std::size_t offset = 0;
-    for (int z = box.lower[2]; z < box.upper[2]; ++z)
-      for (int y = box.lower[1]; y < box.upper[1]; ++y, offset += length)
-        rows_.push_back({z, y, box.lower[0], length, b, offset});
+    for_cells(box.lower, box.lower + lbm::Int3{1, box.size.y, box.size.z}, [&](lbm::Int3 first) {
+      rows_.push_back({first, length, b, offset});
+      offset += length;
+    });
     cells_ += box.cells();
   }
-  std::sort(rows_.begin(), rows_.end(),
-            [](const Row& a, const Row& b) { return std::tie(a.z, a.y, a.x) < std::tie(b.z, b.y, b.x); });
-}
-
-std::vector<SliceExchange::Run> SlabExchange::runs() const {
+  std::sort(rows_.begin(), rows_.end(), [](const Row& a, const Row& b) {
+    return std::tie(a.first.z, a.first.y, a.first.x) < std::tie(b.first.z, b.first.y, b.first.x);
+  });
   std::vector<SliceExchange::Run> runs;
   for (const Row& row : rows_)
-    append_run(runs, {(std::uint64_t(row.z) * plane_rows_ + row.y) * lattice_[0] + row.x, row.length});
+    append_run(runs, {(std::uint64_t(row.first.z) * plane_rows_ + row.first.y) * lattice_[0] + row.first.x,
+                      row.length});
   return runs;
 }
 
@@ -96,26 +93,11 @@ void SlabExchange::unpack(const std::vector<std::byte>& packed, std::size_t elem
     if (!of_box[b].empty()) take(b, of_box[b].data());
 }
 
-void SlabExchange::write(RawFile& file, std::uint64_t place, std::size_t element,
-                         std::vector<std::byte> packed) const {
-  const auto values = slab(element, std::move(packed));
-  parallel::together(comm_, [&] { file.write(place + slices_->slice_begin() * element, values); });
-}
-
-std::vector<std::byte> SlabExchange::read(const RawFile& file, std::uint64_t place,
-                                          std::size_t element) const {
-  std::vector<std::byte> slab;
-  parallel::together(comm_, [&] {
-    slab = file.read(place + slices_->slice_begin() * element, slices_->slice_size() * element);
-  });
-  return from_slab(element, slab);
-}
-
 TileRuns runs_of_tiles(MPI_Comm comm, std::array<int, 3> tiles, const CellBox& box,
                        std::span<const std::uint32_t> counts) {
   const SlabExchange slabs(comm, tiles, {box});
   const auto bytes = std::as_bytes(counts);
-  const auto slab = slabs.slab(sizeof(std::uint32_t), {bytes.begin(), bytes.end()});
+  const auto slab = slabs.slices().to_slice(sizeof(std::uint32_t), {bytes.begin(), bytes.end()});
   std::vector<std::uint32_t> counts_here(slab.size() / sizeof(std::uint32_t));
   std::memcpy(counts_here.data(), slab.data(), slab.size());
   const std::uint64_t sum = std::accumulate(counts_here.begin(), counts_here.end(), std::uint64_t{0});
@@ -124,7 +106,7 @@ TileRuns runs_of_tiles(MPI_Comm comm, std::array<int, 3> tiles, const CellBox& b
   std::vector<std::byte> firsts(counts_here.size() * sizeof first);
   for (std::size_t tile = 0; tile < counts_here.size(); first += counts_here[tile++])
     std::memcpy(&firsts[tile * sizeof first], &first, sizeof first);
-  firsts = slabs.from_slab(sizeof first, firsts);
+  firsts = slabs.slices().from_slice(sizeof first, firsts);
   for (std::size_t tile = 0; tile < counts.size(); ++tile) {
     std::memcpy(&first, &firsts[tile * sizeof first], sizeof first);
     if (counts[tile] > 0) append_run(runs.mine, {first, counts[tile]});

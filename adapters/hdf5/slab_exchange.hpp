@@ -5,14 +5,13 @@
 // Blocks are scattered over the file in short rows. So the ranks first swap rows such that each holds a slab
 // of whole rows of the lattice, one after the other, and then each writes or reads its slab in one piece:
 //
-//   boxes  --pack-->  rows by z, y, x  --SliceExchange-->  lattice rows ny nz r / ranks .. ny nz (r + 1) /
-//   ranks
+//   boxes  --pack-->  rows by z, y, x  --SliceExchange-->  lattice rows ny nz r / ranks to
+//                                                          ny nz (r + 1) / ranks
 #include <functional>
 #include <optional>
 #include <span>
 #include <vector>
 
-#include "adapters/hdf5/disk.hpp"
 #include "adapters/hdf5/result_file.hpp"
 #include "adapters/hdf5/slice_exchange.hpp"
 
@@ -21,49 +20,32 @@ namespace silt::adapters::hdf5 {
 class SlabExchange {
  public:
   /// Plans the exchange; collective. `cells` are those of the whole lattice. Slabs are cut between groups of
-  /// rows of a plane; zeros fill the last group of a plane. Throws on every rank if any has a box outside the
-  /// lattice.
+  /// rows of a plane; zeros fill the last group of a plane. A box outside the lattice throws on every rank.
   SlabExchange(MPI_Comm, std::array<int, 3> cells, std::vector<CellBox> boxes, int group_rows = 1);
-  /// The same of a list: the boxes of the ranks one after the other, in slabs of whole groups of cells.
+  /// Plans the exchange of a list: the boxes of the ranks one after the other, in slabs of whole groups of
+  /// cells.
   SlabExchange(MPI_Comm, std::vector<CellBox> boxes, std::uint64_t group_cells);
 
   const std::vector<CellBox>& boxes() const { return boxes_; }
 
   /// Packs this rank's cells (local): calls fill(box, buffer) for every box that is not empty, a box's cells
-  /// with x fastest, and returns all cells by z, y, x (of a list, box after box). `element` is the number of
-  /// bytes a cell.
+  /// with x fastest, and returns all cells by z, y, x (of a list, box after box). `element`: bytes a cell.
   std::vector<std::byte> pack(std::size_t element, const std::function<void(std::size_t, void*)>& fill) const;
   /// Reverses pack (local): hands each box its cells.
   void unpack(const std::vector<std::byte>& packed, std::size_t element,
               const std::function<void(std::size_t, const void*)>& take) const;
 
-  /// Returns this rank's slab of the packed cells of all, whole groups of rows; zero where no rank holds a
-  /// cell. Collective.
-  std::vector<std::byte> slab(std::size_t element, std::vector<std::byte> packed) const {
-    return slices_->to_slice(element, std::move(packed));
-  }
-  /// Reverses slab.
-  std::vector<std::byte> from_slab(std::size_t element, const std::vector<std::byte>& slab) const {
-    return slices_->from_slice(element, slab);
-  }
-  /// Returns the communicator of the exchange.
-  MPI_Comm comm() const { return slices_->comm(); }
-
-  /// Writes the packed cells of an array whose values begin at the byte `place`; collective, and an error is
-  /// every rank's.
-  void write(RawFile&, std::uint64_t place, std::size_t element, std::vector<std::byte> packed) const;
-  /// Reads what unpack takes; collective.
-  std::vector<std::byte> read(const RawFile&, std::uint64_t place, std::size_t element) const;
+  /// Returns the exchange of the packed cells. A slice is a slab, whole groups of rows; zero where no rank
+  /// holds a cell.
+  const SliceExchange& slices() const { return *slices_; }
 
  private:
   struct Row {
-    int z, y, x;
+    lbm::Int3 first;
     std::size_t length, box, offset;  // offset: in cells, within the box
   };
-  void list_rows();
-  std::vector<SliceExchange::Run> runs() const;
+  std::vector<SliceExchange::Run> list_rows();
 
-  MPI_Comm comm_;
   std::array<int, 3> lattice_{};
   int plane_rows_ = 0;  // of a plane with its last group filled up
   std::vector<CellBox> boxes_;
@@ -72,7 +54,7 @@ class SlabExchange {
   std::optional<SliceExchange> slices_;
 };
 
-/// Where the entries of this rank's tiles lie in a list of those of all tiles, by z, y, x of the tile.
+/// The places of the entries of this rank's tiles in a list of those of all tiles, by z, y, x of the tile.
 struct TileRuns {
   std::uint64_t total = 0;  // entries of all tiles
   std::vector<SliceExchange::Run> mine;

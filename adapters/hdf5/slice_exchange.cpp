@@ -18,11 +18,11 @@ constexpr int values_tag = 0, pieces_tag = 1;
 }
 
 int SliceExchange::slice_of(std::uint64_t element) const {
-  return static_cast<int>(((element / grain_ + 1) * ranks_ - 1) / groups_);
+  return int(((element / grain_ + 1) * ranks_ - 1) / groups_);
 }
 
 std::uint64_t SliceExchange::begin_of(int rank) const {
-  return groups_ * static_cast<std::uint64_t>(rank) / ranks_ * grain_;
+  return groups_ * std::uint64_t(rank) / ranks_ * grain_;
 }
 
 SliceExchange::SliceExchange(MPI_Comm comm, std::uint64_t elements, const std::vector<Run>& runs,
@@ -90,7 +90,7 @@ std::vector<std::byte> SliceExchange::swap(std::size_t element, const std::vecto
   return swapped;
 }
 
-/// Whether what this rank has is its slice, and no other rank has a part in either.
+/// Returns whether this rank's values are its whole slice: no other rank has a part in either.
 bool SliceExchange::is_alone() const {
   return ranks_ == 1 && pieces_.size() == 1 && pieces_[0].first == 0 && pieces_[0].length == size_;
 }
@@ -229,9 +229,7 @@ IdOrder order_by_id(MPI_Comm comm, std::span<const std::uint64_t> ids) {
     std::sort(result.rows.begin(), result.rows.end(),
               [&](std::size_t a, std::size_t b) { return ids[a] < ids[b]; });
     for (const std::size_t i : result.rows)
-      parallel::put(
-          messages.to(static_cast<int>(static_cast<unsigned __int128>(ids[i] - least) * ranks / range)),
-          ids[i]);
+      parallel::put(messages.to(int(static_cast<unsigned __int128>(ids[i] - least) * ranks / range)), ids[i]);
     messages.make_room();
   });
   std::vector<Asked> asked;

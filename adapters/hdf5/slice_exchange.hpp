@@ -1,7 +1,6 @@
 #pragma once
 // Private to adapters/hdf5: values of a long array, scattered over the ranks, on the ranks that write or read
-// its slices: rank r has the r-th of equal slices in one piece. And the order of rows by their ids, in which
-// they make such an array.
+// its slices: rank r has the r-th of equal slices in one piece. And the order of rows by their ids.
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -20,9 +19,8 @@ class SliceExchange {
 
   /// Plans the exchange; collective. The runs are those of which this rank has (or wants) the values, in
   /// ascending order; to write, no element may be in the runs of two ranks. Slices are cut between groups of
-  /// `grain` elements. A rank remembers its runs, those of its slice, and the ranks they are on.
-  /// Throws on every rank where two ranks share 2^31 elements or more. No call leaves a rank waiting for one
-  /// that has no memory: all throw.
+  /// `grain` elements. A rank remembers its runs, those of its slice, and the ranks they are on. Throws on
+  /// every rank where two ranks share 2^31 elements or more. Lack of memory throws on all ranks, too.
   SliceExchange(MPI_Comm, std::uint64_t elements, const std::vector<Run>& runs, std::uint64_t grain = 1);
 
   MPI_Comm comm() const { return comm_; }

@@ -7,8 +7,7 @@
 
 namespace silt::adapters::hdf5 {
 
-/// Column describes a member of a row: dataset name, offset and type in memory, numbers a row, unit and
-/// meaning.
+/// Column describes a member of a row: dataset, offset and type in memory, numbers a row, unit, meaning.
 struct Column {
   std::string name;
   std::size_t offset;

@@ -14,8 +14,7 @@ namespace silt::adapters::hdf5 {
 
 namespace {
 
-/// Mixes the bits of x by splitmix64's finaliser (Steele, Lea, Flood 2014): every bit of x acts on every bit
-/// of the result.
+/// Mixes the bits of x by splitmix64's finaliser (Steele, Lea, Flood 2014): every bit acts on every other.
 std::uint64_t mixed(std::uint64_t x) {
   x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
   x = (x ^ (x >> 27)) * 0x94d049bb133111ebu;
@@ -76,8 +75,7 @@ void verify_head(const File& file) {
   if (!file.has_attribute(root, "complete")) file.refuse("was not written to its end");
 }
 
-/// Throws for a link that HDF5 would follow to another place or file: that may be anything, a pipe too. A
-/// checkpoint has none.
+/// Throws for a link that HDF5 would follow to another place or file, which may be anything, a pipe too.
 void verify_links(const File& file) {
   const auto look = [](hid_t, const char* name, const H5L_info_t* link, void* found) -> herr_t {
     if (link->type == H5L_TYPE_HARD) return 0;
@@ -91,7 +89,7 @@ void verify_links(const File& file) {
                 " is a link to another place or file; a checkpoint holds all of its data itself");
 }
 
-/// What verify_metadata has come to.
+/// The state of verify_metadata on its way through the file.
 struct Visit {
   std::string elsewhere;  // a dataset whose values are in other files
 
@@ -124,8 +122,7 @@ struct Visit {
   }
 };
 
-/// Reads every header and every attribute of the file: HDF5 compares their checksums, and nothing can fail
-/// later.
+/// Reads every header and attribute of the file: HDF5 compares their checksums, and nothing can fail later.
 void verify_metadata(const File& file) {
   Visit visit;
   file.check(H5Ovisit(file, H5_INDEX_NAME, H5_ITER_INC, Visit::object, &visit),
@@ -147,7 +144,7 @@ std::vector<std::uint64_t> shares_of_checksums(const File& file, const std::vect
     const std::uint64_t values = place.values(), step = piece_bytes / place.value_bytes;
     std::uint64_t& sum = sums.emplace_back(0);
     for (std::uint64_t first = 0; first < values; first += step) {
-      if (piece++ % ranks != static_cast<std::uint64_t>(rank)) continue;
+      if (piece++ % ranks != std::uint64_t(rank)) continue;
       const std::uint64_t n = std::min(step, values - first);
       const auto data = raw.read(place.at + first * place.value_bytes, n * place.value_bytes);
       sum += run_checksum(place.value_bytes, data.data(), n, first);

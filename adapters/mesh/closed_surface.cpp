@@ -22,7 +22,7 @@ std::string shown(const Vec3& x) {
   return text;
 }
 
-/// The triangles beyond the sides of each.
+/// Neighbours lists the triangles beyond the sides of each triangle.
 class Neighbours {
  public:
   Neighbours(const Soup& soup, double scale) : beyond_(soup.triangles.size(), {none, none, none}) {
@@ -74,7 +74,7 @@ void turn(Triangle& t) {
   std::swap(t[1], t[2]);
 }
 
-/// Makes each shell of one mind, that of its first triangle; returns the shell of each triangle.
+/// Turns the triangles of each shell as its first one is turned; returns the shell of each triangle.
 std::vector<std::uint32_t> find_shells(Soup& soup, const Neighbours& neighbours, std::size_t& shells,
                                        double scale) {
   std::vector<std::uint32_t> shell(soup.triangles.size(), none), waiting;
@@ -83,7 +83,7 @@ std::vector<std::uint32_t> find_shells(Soup& soup, const Neighbours& neighbours,
   const std::vector<Triangle> given = soup.triangles;
   for (std::uint32_t start = 0; start < shell.size(); ++start) {
     if (shell[start] != none) continue;
-    const auto number = static_cast<std::uint32_t>(shells++);
+    const auto number = std::uint32_t(shells++);
     shell[start] = number;
     waiting.push_back(start);
     while (!waiting.empty()) {
@@ -157,7 +157,7 @@ std::size_t turn_hollows(Soup& soup, const std::vector<std::uint32_t>& shell, st
   }
   for (std::size_t t = 0; t < shell.size(); ++t)
     if (is_hollow[shell[t]] == 1) turn(soup.triangles[t]);
-  return static_cast<std::size_t>(std::count(is_hollow.begin(), is_hollow.end(), 1));
+  return std::size_t(std::count(is_hollow.begin(), is_hollow.end(), 1));
 }
 
 }  // namespace

@@ -5,7 +5,6 @@
 #include <string>
 
 #include "adapters/mesh/soup.hpp"
-#include "adapters/mesh/words.hpp"
 
 namespace silt::adapters {
 
@@ -33,7 +32,7 @@ class ObjReader {
   [[noreturn]] void fail(const std::string& text) const {
     throw std::invalid_argument("line " + std::to_string(number_) + ": " + text);
   }
-  /// Without its end: a line feed, a carriage return, or both.
+  /// Takes a line without its end: a line feed, a carriage return, or both.
   std::string_view next_piece() {
     ++end_;
     const std::size_t end = std::min(rest_.find_first_of("\r\n"), rest_.size());
@@ -42,7 +41,7 @@ class ObjReader {
     rest_.remove_prefix(rest_.starts_with("\r\n") ? 2 : std::min<std::size_t>(1, rest_.size()));
     return piece;
   }
-  /// With those that it goes on in, where it ends with a backslash; until the next call.
+  /// Takes a line with those that continue it, where it ends with a backslash; valid until the next call.
   std::string_view next_line() {
     std::string_view line = next_piece();
     number_ = end_;
@@ -70,13 +69,13 @@ class ObjReader {
     for (std::string_view word = next_word(line); !word.empty() && word[0] != '#'; word = next_word(line)) {
       std::int64_t n = 0;
       const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), n);
-      const auto points = static_cast<std::int64_t>(soup_.points.size());
+      const auto points = std::int64_t(soup_.points.size());
       const bool ended = end == word.data() + word.size() || *end == '/';
       if (error != std::errc() || !ended || n == 0 || n > std::numeric_limits<std::uint32_t>::max() ||
           n < -points)
         fail("expected the number of one of the points, or one of the " + std::to_string(points) +
              " so far, negative, counted back from here; found '" + std::string(word) + "'");
-      corners_.push_back(static_cast<std::uint32_t>(n > 0 ? n - 1 : points + n));
+      corners_.push_back(std::uint32_t(n > 0 ? n - 1 : points + n));
     }
     polygons_.add(corners_, number_);
   }

@@ -8,7 +8,6 @@
 #include <string>
 
 #include "adapters/mesh/soup.hpp"
-#include "adapters/mesh/words.hpp"
 
 namespace silt::adapters {
 
@@ -64,7 +63,7 @@ struct Element {
   bool is_strips() const { return name == "tristrips"; }
 };
 
-/// What follows the header, value by value; in any form.
+/// The values behind the header, one by one, in any form.
 class Values {
  public:
   Values(std::string_view bytes, Form form) : bytes_(bytes), form_(form) {}
@@ -96,7 +95,7 @@ class Values {
   static std::uint32_t index_of(double x) {
     if (!(x >= 0 && x <= 4294967295.0) || x != std::floor(x))
       throw std::invalid_argument("a count or the number of a vertex is not a whole number from 0 on");
-    return static_cast<std::uint32_t>(x);
+    return std::uint32_t(x);
   }
 
  private:
@@ -110,7 +109,7 @@ class Values {
     std::copy_n(bytes_.begin(), stored.size(), stored.begin());
     bytes_.remove_prefix(stored.size());
     if (form_ == Form::big_endian) std::reverse(stored.begin(), stored.end());
-    return static_cast<double>(std::bit_cast<Number>(stored));
+    return double(std::bit_cast<Number>(stored));
   }
   double word() {
     const std::string_view word = next_word(bytes_);

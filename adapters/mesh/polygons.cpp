@@ -58,7 +58,7 @@ class Ears {
         for (k = 0; k < left_.size() && !(std::abs(area(k)) <= least_ && is_empty(k));) ++k;
       if (k == left_.size()) return false;
       cut(before(k), left_[k], after(k));
-      left_.erase(left_.begin() + static_cast<std::ptrdiff_t>(k));
+      left_.erase(left_.begin() + std::ptrdiff_t(k));
     }
     if (area(1) < -least_) return false;
     cut(left_[0], left_[1], left_[2]);
@@ -69,7 +69,7 @@ class Ears {
   std::size_t before(std::size_t k) const { return left_[k == 0 ? left_.size() - 1 : k - 1]; }
   std::size_t after(std::size_t k) const { return left_[k + 1 == left_.size() ? 0 : k + 1]; }
   double area(std::size_t k) const { return turn(at_[before(k)], at_[left_[k]], at_[after(k)]); }
-  /// Whether no other corner is in the triangle or on its new side; corners at the same place do not count.
+  /// Returns whether no other corner, unless at the same place, is in the triangle or on its new side.
   bool is_empty(std::size_t k) const {
     const Point &a = at_[before(k)], &b = at_[left_[k]], &c = at_[after(k)];
     for (const std::size_t other : left_) {

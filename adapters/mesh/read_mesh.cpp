@@ -7,7 +7,6 @@
 #include <limits>
 #include <stdexcept>
 
-#include "adapters/mesh/words.hpp"
 #include "adapters/qhull/convex_hull.hpp"
 
 namespace silt::adapters {
@@ -21,7 +20,7 @@ constexpr double same_corner = 5e-7;  // of the size: a few roundings to single 
 Soup soup_of(std::string_view name, std::string_view bytes) {
   std::string ending(name.substr(std::min(name.rfind('.'), name.size())));
   std::transform(ending.begin(), ending.end(), ending.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+                 [](unsigned char c) { return char(std::tolower(c)); });
   if (ending != ".stl" && ending != ".obj" && ending != ".ply")
     throw std::invalid_argument("its name must end in .stl, .obj or .ply");
   refuse_foreign(bytes);
@@ -36,11 +35,11 @@ double size_of(const std::vector<Vec3>& points) {
   return (upper - lower).maxCoeff();
 }
 
-/// Of two coordinates in single precision, the largest there are.
+/// Returns the distance between the largest coordinates in single precision.
 double single_step(const std::vector<Vec3>& points) {
   double largest = 0;
   for (const Vec3& x : points) largest = std::max(largest, x.cwiseAbs().maxCoeff());
-  const auto single = static_cast<float>(largest);
+  const auto single = float(largest);
   return std::nextafter(single, std::numeric_limits<float>::infinity()) - single;
 }
 
@@ -100,8 +99,7 @@ ReadPolyhedron read_polyhedron(std::string_view name, std::string_view bytes, do
     std::snprintf(shown, sizeof shown, "%.6g", volume / whole);
     throw std::invalid_argument("the surface is not convex: it encloses " + std::string(shown) +
                                 " of the volume of its hull; make the shape a mesh, or cut the body into "
-                                "convex pieces, one file each, and "
-                                "put them together as a compound");
+                                "convex pieces, one file each, and put them together as a compound");
   }
   return {hull, read.coordinate_step};
 }

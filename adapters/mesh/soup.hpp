@@ -3,6 +3,7 @@
 // closed surface that knows its outside, step by step. What is wrong is said by std::invalid_argument.
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -66,13 +67,6 @@ struct WeldCounts {  // triangles left out
 /// comes out does not depend on the order of the points.
 WeldCounts weld(Soup&, double distance);
 
-/// Leaves one of the triangles with the same three corners (doubled ones, and the two sides of fins and
-/// membranes of no thickness), or none, so that every edge has an even number of triangles: none where they
-/// stand out from a closed surface or part a solid, one where the surface would have a hole without. Where
-/// both would do, as of a surface each triangle of which is there twice, one. What comes out does not depend
-/// on the order of the triangles.
-void leave_out_coincident(std::vector<Triangle>& triangles, WeldCounts&);
-
 struct SurfaceCounts {
   std::size_t turned = 0;   // triangles that were the other way about
   std::size_t shells = 0;   // pieces that hang together by edges
@@ -82,8 +76,26 @@ struct SurfaceCounts {
 /// Turns triangles so that the whole is counter-clockwise seen from outside: within a shell as its neighbours
 /// are, shells outward, but inward where an odd number of others is around them. Shells must not cut one
 /// another, which is not looked for. Refuses an edge that belongs to one triangle only or to more than two,
-/// and a shell that has one side only or no volume; `scale` is that of the points to those of the file, for
-/// messages.
+/// and a shell that has one side only or no volume; messages tell points over `scale`.
 SurfaceCounts close(Soup&, double scale);
+
+// ---- the words and numbers of the texts that programs of all kinds write ----
+
+/// Takes the next word, which ends at white space, off a text; "" at its end.
+std::string_view next_word(std::string_view& text);
+
+/// Reads the number that a word is: decimal, with an exponent after E or D (Fortran), or hexadecimal with 0x.
+/// Words for no number ("nan", "-1.#IND") give NaN, those for infinity that, all others nothing.
+std::optional<double> number_in(std::string_view word);
+
+/// Returns what to say of a word that is no finite number: "'1,5' (a decimal comma: write a point)".
+std::string shown_word(std::string_view word);
+
+/// Takes the byte order mark of UTF-8 off.
+std::string_view without_mark(std::string_view bytes);
+
+/// Throws std::invalid_argument for bytes that are none of a surface: none at all, a page of the web, a
+/// pointer of Git LFS, an archive, text in UTF-16. It says what they are and what to do.
+void refuse_foreign(std::string_view bytes);
 
 }  // namespace silt::adapters

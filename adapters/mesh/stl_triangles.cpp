@@ -6,7 +6,6 @@
 #include <stdexcept>
 
 #include "adapters/mesh/soup.hpp"
-#include "adapters/mesh/words.hpp"
 
 namespace silt::adapters {
 
@@ -33,7 +32,7 @@ std::size_t binary_length(std::uint32_t count) {
 
 /// Adds a triangle of the three points that were added last.
 void close_triangle(Soup& soup) {
-  const auto end = static_cast<std::uint32_t>(soup.points.size());
+  const auto end = std::uint32_t(soup.points.size());
   soup.triangles.push_back({end - 3, end - 2, end - 1});
 }
 
@@ -56,14 +55,14 @@ Soup from_binary(std::string_view bytes, bool is_swapped) {
   return soup;
 }
 
-/// Of a binary file whose length is not what its count says.
+/// Refuses a binary file whose length is not what its count says.
 [[noreturn]] void refuse_length(std::string_view bytes) {
   const std::uint32_t count = triangle_count(bytes);
   const std::size_t room = (bytes.size() - first_triangle) / triangle_bytes;
   const std::string is = "as a binary file of " + std::to_string(count) + " triangles it would have " +
                          std::to_string(binary_length(count)) + " bytes, it has " +
                          std::to_string(bytes.size());
-  if (room > 0 && bytes.size() == binary_length(static_cast<std::uint32_t>(room)))
+  if (room > 0 && bytes.size() == binary_length(std::uint32_t(room)))
     throw std::invalid_argument("its count of triangles is wrong, or it is cut off: " + is + ", as of " +
                                 std::to_string(room) + "; save it again");
   if (bytes.size() > binary_length(count))
@@ -78,7 +77,7 @@ class Words {
 
   std::string next() {
     std::string word(next_word(rest_));
-    for (char& c : word) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    for (char& c : word) c = char(std::tolower(static_cast<unsigned char>(c)));
     return word;
   }
   /// Goes to the end of the line, or where in it a facet begins: all may stand in one line.
@@ -97,7 +96,7 @@ class Words {
     const std::string word = next();
     if (word != wanted) fail(std::string("'") + wanted + "'", word);
   }
-  /// Of a normal or a colour: what stands for no number is taken.
+  /// Skips a number of a normal or a colour, "nan" too.
   void skip_number() {
     const std::string word = next();
     if (!number_in(word)) fail("a number", word);

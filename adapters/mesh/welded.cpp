@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numeric>
+#include <tuple>
 #include <unordered_map>
 #include <utility>
 
@@ -16,8 +18,7 @@ bool is_before(const Vec3& a, const Vec3& b) {
   return std::lexicographical_compare(a.data(), a.data() + 3, b.data(), b.data() + 3);
 }
 
-/// Finds points near one another: each in a cell of a grid much coarser than the distance, so that few have
-/// to look into the next cell too.
+/// Finds points near one another by a grid much coarser than the distance: few look into the next cell too.
 class Grid {
  public:
   Grid(const Vec3& low, double distance, std::size_t points) : low_(low), distance_(distance) {
@@ -47,7 +48,7 @@ class Grid {
 
  private:
   static constexpr std::uint32_t none = ~std::uint32_t{0};
-  std::int64_t cell_of(double y) const { return static_cast<std::int64_t>(std::floor(y / (64 * distance_))); }
+  std::int64_t cell_of(double y) const { return std::int64_t(std::floor(y / (64 * distance_))); }
   static std::uint64_t key(std::int64_t i, std::int64_t j, std::int64_t k) {
     return (std::uint64_t(i) * 0x9E3779B97F4A7C15 ^ std::uint64_t(j)) * 0xC2B2AE3D27D4EB4F ^ std::uint64_t(k);
   }
@@ -66,7 +67,7 @@ std::vector<std::uint32_t> welded_numbers(std::vector<Vec3>& points, double dist
   std::vector<Vec3> sorted;  // the different ones
   for (const std::uint32_t k : order) {
     if (sorted.empty() || sorted.back() != points[k]) sorted.push_back(points[k]);
-    number[k] = static_cast<std::uint32_t>(sorted.size() - 1);
+    number[k] = std::uint32_t(sorted.size() - 1);
   }
   std::vector<std::uint32_t> first(sorted.size());  // of those it is welded to
   if (!sorted.empty()) {
@@ -105,6 +106,106 @@ void leave_out_unused(Soup& soup) {
   for (Triangle& t : soup.triangles)
     for (std::uint32_t& k : t) k = number[k];
 }
+
+namespace {
+
+Triangle sorted(Triangle t) {
+  std::sort(t.begin(), t.end());
+  return t;
+}
+
+/// Triangles [begin, end) have the same corners.
+struct Group {
+  std::size_t begin, end;
+  enum { undecided, stays, goes } verdict = undecided;
+};
+
+/// An edge of groups: a triangle that stands alone counts once and for all.
+struct Edge {
+  std::vector<std::size_t> undecided;  // groups
+  bool is_odd = false;                 // by what stays
+};
+
+/// Decides for each group of several whether one of it stays.
+class Verdicts {
+ public:
+  Verdicts(const std::vector<Triangle>& triangles, std::vector<Group>& groups)
+      : triangles_(triangles), groups_(groups) {
+    for (std::size_t g = 0; g < groups.size(); ++g)
+      if (groups[g].verdict == Group::undecided)
+        for_edges(g, [&](const Key& key) { edges_[key].undecided.push_back(g); });
+    for (std::size_t g = 0; g < groups.size(); ++g)
+      if (groups[g].verdict == Group::stays)
+        for_edges(g, [&](const Key& key) {
+          if (const auto edge = edges_.find(key); edge != edges_.end()) edge->second.is_odd ^= true;
+        });
+    for (const auto& [key, edge] : edges_) follow(key);
+    for (std::size_t g = 0; g < groups.size(); ++g)
+      if (groups[g].verdict == Group::undecided) decide(g, Group::stays);
+  }
+
+ private:
+  using Key = std::array<std::uint32_t, 2>;
+
+  template <class Use>
+  void for_edges(std::size_t group, Use&& use) const {
+    const Triangle t = sorted(triangles_[groups_[group].begin]);
+    use(Key{t[0], t[1]}), use(Key{t[1], t[2]}), use(Key{t[0], t[2]});
+  }
+  /// An edge decides for a group that is the only undecided one at it.
+  void follow(const Key& key) {
+    const Edge& edge = edges_.at(key);
+    if (edge.undecided.size() == 1) decide(edge.undecided[0], edge.is_odd ? Group::stays : Group::goes);
+  }
+  void decide(std::size_t group, decltype(Group::verdict) verdict) {
+    std::vector<std::pair<std::size_t, decltype(Group::verdict)>> waiting{{group, verdict}};
+    while (!waiting.empty()) {
+      const auto [g, how] = waiting.back();
+      waiting.pop_back();
+      if (groups_[g].verdict != Group::undecided) continue;
+      groups_[g].verdict = how;
+      for_edges(g, [&](const Key& key) {
+        Edge& edge = edges_.at(key);
+        edge.is_odd ^= how == Group::stays;
+        std::erase(edge.undecided, g);
+        if (edge.undecided.size() == 1)
+          waiting.emplace_back(edge.undecided[0], edge.is_odd ? Group::stays : Group::goes);
+      });
+    }
+  }
+
+  const std::vector<Triangle>& triangles_;
+  std::vector<Group>& groups_;
+  std::map<Key, Edge> edges_;  // of groups of several only
+};
+
+/// Leaves one of the triangles with the same three corners (doubled ones, and the two sides of fins and
+/// membranes of no thickness), or none, so that every edge has an even number of triangles: none where they
+/// stand out from a closed surface or part a solid, one where the surface would have a hole without. Where
+/// both would do, as of a doubled surface, one. The result does not depend on the order of the triangles.
+void leave_out_coincident(std::vector<Triangle>& triangles, WeldCounts& counts) {
+  for (Triangle& t : triangles) std::rotate(t.begin(), std::min_element(t.begin(), t.end()), t.end());
+  std::sort(triangles.begin(), triangles.end(), [&](const Triangle& a, const Triangle& b) {
+    return std::tuple(sorted(a), a) < std::tuple(sorted(b), b);
+  });
+  std::vector<Group> groups;
+  for (std::size_t i = 0; i < triangles.size(); i = groups.back().end) {
+    std::size_t end = i + 1;
+    while (end < triangles.size() && sorted(triangles[end]) == sorted(triangles[i])) ++end;
+    groups.push_back({i, end, end - i == 1 ? Group::stays : Group::undecided});
+  }
+  if (groups.size() == triangles.size()) return;
+  Verdicts(triangles, groups);
+  std::vector<Triangle> left;
+  for (const Group& group : groups) {
+    const bool stays = group.verdict == Group::stays;
+    if (stays) left.push_back(triangles[group.begin]);
+    (stays ? counts.duplicate : counts.thin) += group.end - group.begin - stays;
+  }
+  triangles.swap(left);
+}
+
+}  // namespace
 
 WeldCounts weld(Soup& soup, double distance) {
   const std::vector<std::uint32_t> number = welded_numbers(soup.points, distance);

@@ -1,4 +1,4 @@
-#include "adapters/mesh/words.hpp"
+#include "adapters/mesh/soup.hpp"
 
 #include <algorithm>
 #include <cctype>
@@ -93,7 +93,7 @@ void refuse_foreign(std::string_view bytes) {
   if (bytes.empty()) throw std::invalid_argument("it is empty");
   std::string start(without_mark(bytes).substr(0, longest));
   start.erase(0, std::min(start.find_first_not_of(" \t\r\n"), start.size()));
-  for (char& c : start) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  for (char& c : start) c = char(std::tolower(static_cast<unsigned char>(c)));
   for (const Foreign& format : formats)
     if (start.starts_with(format.start)) throw std::invalid_argument(format.what);
 }

@@ -10,9 +10,9 @@
 
 extern "C" {
 #include <libqhull_r/qhull_ra.h>
+}
 
 #include "rigid/math/elementary.hpp"
-}
 
 namespace silt::adapters {
 
@@ -21,7 +21,7 @@ namespace {
 using rigid::Mat3;
 using rigid::Vec3;
 
-/// In its own coordinates the points are of size about 1.
+/// Coordinates in which the points are of size about 1.
 struct Frame {
   Vec3 centre = Vec3::Zero();
   Mat3 to_frame = Mat3::Identity();
@@ -137,7 +137,7 @@ std::vector<HullFace> hull_faces(std::span<const Vec3> points, double flatness) 
   const Frame frame = frame_of(points);
   std::vector<Vec3> scaled;
   for (const Vec3& p : points) scaled.push_back(frame.to_frame * (p - frame.centre));
-  Qhull qhull(scaled[0].data(), static_cast<int>(scaled.size()), flatness);
+  Qhull qhull(scaled[0].data(), int(scaled.size()), flatness);
   qhull.require_success();
   std::vector<HullFace> faces;
   const bool is_mirrored = frame.to_frame.determinant() < 0;
@@ -159,7 +159,7 @@ ConvexHull convex_hull(std::span<const Vec3> points) {
   ConvexHull hull;
   std::vector<Vec3> vertices;
   for (auto& [point, vertex] : vertex_of) {
-    vertex = static_cast<int>(vertices.size());
+    vertex = int(vertices.size());
     vertices.push_back(points[point]);
     hull.corners.push_back(point);
   }

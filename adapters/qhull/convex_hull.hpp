@@ -29,8 +29,8 @@ struct HullFace {
   rigid::Vec3 normal;        // outward
 };
 
-/// Returns the faces of the hull of points, for what need not be a PolyhedronMesh; `flatness` is as above.
-/// Throws likewise.
+/// Returns the faces of the hull of points, without a PolyhedronMesh; `flatness` is as above. Throws
+/// likewise.
 std::vector<HullFace> hull_faces(std::span<const rigid::Vec3> points, double flatness);
 
 }  // namespace silt::adapters

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <stdexcept>
 
-// toml++ 3.3 asserts where it meets a header such as "[.a]", and without assertions goes on undefined: so
-// they stay on, and throw.
+// toml++ 3.3 asserts at a header such as "[.a]", and is undefined without assertions: they stay on, and
+// throw.
 namespace {
 struct TomlAssertion : std::logic_error {
   using std::logic_error::logic_error;
@@ -23,7 +23,7 @@ namespace silt::adapters {
 namespace {
 
 Place place_of(const ::toml::source_region& region, const std::string& file) {
-  return {file, static_cast<int>(region.begin.line), static_cast<int>(region.begin.column)};
+  return {file, int(region.begin.line), int(region.begin.column)};
 }
 
 bool stands_before(const Node& a, const Node& b) {
@@ -100,7 +100,7 @@ std::optional<std::vector<std::string>> Node::strings() const {
 std::string_view kind_name(Node::Kind kind) {
   constexpr std::string_view names[] = {"a table",  "an array",  "a string",      "an integer",
                                         "a number", "a boolean", "a date or time"};
-  return names[static_cast<std::size_t>(kind)];
+  return names[std::size_t(kind)];
 }
 
 std::string written(const Node& node) {

@@ -9,8 +9,7 @@
 
 namespace silt::adapters {
 
-/// Where something stands: "case.toml:12:5". Line 0 is the whole file, or no file at all (a command line
-/// option).
+/// A place in a document: "case.toml:12:5". Line 0 is the whole file, or a command line option.
 struct Place {
   std::string file;
   int line = 0, column = 0;  // from 1
@@ -36,7 +35,7 @@ struct Node {
   const Node* find(std::string_view key) const;
   Node* find(std::string_view key);
   bool is_number() const { return kind == Kind::integer || kind == Kind::floating; }
-  double number() const { return kind == Kind::integer ? static_cast<double>(integer) : floating; }
+  double number() const { return kind == Kind::integer ? double(integer) : floating; }
   /// The numbers of an array of so many, all finite; none of anything else.
   std::optional<std::vector<double>> numbers(std::size_t count) const;
   /// The strings of an array of nothing else, one at least; none of anything else.

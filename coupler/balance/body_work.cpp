@@ -47,7 +47,7 @@ int links_from(const BlockMap& map, Int3 x, int n) {
   return links;
 }
 
-/// Whether a solid cell is in or next to these rows of a plane.
+/// Returns whether a solid cell is in or next to these rows of a plane.
 bool any_solid(const BlockMap& map, int y, int z) {
   for (int dz = -1; dz <= 1; ++dz)
     for (int dy = -1; dy <= 1; ++dy)
@@ -57,8 +57,8 @@ bool any_solid(const BlockMap& map, int y, int z) {
 }
 
 /// The contacts of a body that are solved, in halves: one whose partner remembers it as well is a half of
-/// each, one with a wall or another body that does not move by itself is the body's alone. Those held while
-/// a body is at rest are not solved.
+/// each, one with a wall or another body that does not move by itself is the body's alone. Held ones are not
+/// solved.
 std::int64_t half_contacts(const rigid::BodySet& bodies, std::size_t row) {
   std::int64_t halves = 0;
   for (const rigid::StoredImpulse& s : bodies.stored_impulses[row]) {
@@ -70,13 +70,12 @@ std::int64_t half_contacts(const rigid::BodySet& bodies, std::size_t row) {
   return halves;
 }
 
-/// Is mapped anew now and then.
+/// Returns whether a body is mapped again now and then.
 bool is_mapped(const rigid::BodySet& bodies, std::size_t row) {
   return bodies.motion[row] != Motion::fixed && !bodies.is_at_rest(row);
 }
 
-/// Steps from one mapping to the next of a body that moves at 0.01 cells a step, and of one that has not
-/// moved yet.
+/// Steps from one mapping to the next of a body that moves at 0.01 cells a step, or has not moved yet.
 constexpr std::int64_t usual_steps = 9;
 
 std::int64_t steps_mapped(const rigid::BodySet& bodies, std::size_t row) {
@@ -84,8 +83,7 @@ std::int64_t steps_mapped(const rigid::BodySet& bodies, std::size_t row) {
   return mapped.end > mapped.first ? mapped.end - mapped.first : usual_steps;
 }
 
-/// Cut links over cells of a shape whose surface is 6 times its volume over its least width, as of spheres
-/// and cubes.
+/// Cut links over cells of a shape whose surface is 6 times its volume over its least width (spheres, cubes).
 double links_a_cell(const rigid::Shape& shape) {
   return links_of_a_surface * 6 / rigid::least_width(shape);
 }
@@ -108,7 +106,7 @@ void add_surfaces(const rigid::BodySet& bodies, const rigid::World& world, const
     if (links < 0) links = links_a_cell(shape) * rigid::mass_properties(shape).volume;
     const std::int64_t mapping = is_mapped(bodies, row) ? costs.mapping / usual_steps : 0;
     work.add(rigid::bounding_box(shape, bodies.pose(row)),
-             std::llround(links * static_cast<double>(costs.link + mapping)));
+             std::llround(links * double(costs.link + mapping)));
   }
 }
 
@@ -125,8 +123,8 @@ void add_mapped(const BlockMap& map, const rigid::BodySet& bodies, const rigid::
     if (mask.row >= bodies.first_wall() || !is_mapped(bodies, mask.row)) continue;
     double& links = links_of[bodies.shape[mask.row]];
     if (links < 0) links = links_a_cell(world.shapes[bodies.shape[mask.row]]);
-    const std::int64_t of_a_cell = std::llround(links * static_cast<double>(costs.mapping) /
-                                                static_cast<double>(steps_mapped(bodies, mask.row)));
+    const std::int64_t of_a_cell =
+        std::llround(links * double(costs.mapping) / double(steps_mapped(bodies, mask.row)));
     const BitFrame& f = mask.frame();
     for (int z = std::max(f.low.z, 0); z < std::min(f.low.z + f.size.z, size.z); ++z)
       for (int y = std::max(f.low.y, 0); y < std::min(f.low.y + f.size.y, size.y); ++y)

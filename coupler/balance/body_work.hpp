@@ -1,6 +1,6 @@
 #pragma once
-// What the parts of a step cost, and the work that bodies make, from what a rank knows of its own: where the
-// parts that were not counted are, estimated.
+// The costs of the parts of a step, and the work that bodies make, from the bodies that a rank owns: counted,
+// or estimated where nothing was counted.
 #include "coupler/balance/work_map.hpp"
 #include "coupler/mapping/solid_map.hpp"
 #include "rigid/bodies/body_set.hpp"

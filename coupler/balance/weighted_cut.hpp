@@ -22,13 +22,12 @@ struct WeightedCut : WorkShares {
 /// Collective. Cuts a box of cells into one leaf a rank, of about the same work each: that of its cells, so
 /// much each, and of the items, which may lie anywhere on any rank. Of planes that balance as well, or nearly
 /// so, that with the least face is taken, where a face across x counts double. Parts have so many cells an
-/// edge if there is room. No clock has a say: the same items on the same ranks give the same tree.
+/// edge if there is room. No clock is read: the same items on the same ranks give the same tree.
 /// std::invalid_argument as equal_cut.
 WeightedCut weighted_cut(MPI_Comm, lbm::Int3 cells, std::int64_t work_of_a_cell, std::vector<WorkItem>,
                          int edge = lbm::usual_edge);
 
-/// Collective. The work of the ranks under the cut that a domain has, if each has the items that are its own
-/// to do.
+/// Collective. Returns the work of the ranks under the cut that a domain has, if each has its own items.
 WeightedCut present_cut(MPI_Comm, const lbm::Domain&, std::int64_t work_of_a_cell,
                         const std::vector<WorkItem>&);
 

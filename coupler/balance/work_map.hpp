@@ -1,6 +1,6 @@
 #pragma once
-// Where work is besides that of the fluid's cells, which is the same everywhere: by tiles of 8 cells an edge,
-// of which only those with any work are kept.
+// The places of work besides that of the fluid's cells, by tiles, of which only those with any work are kept;
+// and the work of cells of several levels.
 #include <cstdint>
 #include <unordered_map>
 #include <vector>
@@ -36,5 +36,11 @@ class WorkMap {
   bool periodic_[3];
   std::unordered_map<std::int64_t, std::int64_t> work_;  // of tiles by their number, x fastest
 };
+
+/// Returns the work of one finest step in a leaf of known level, where the update of a cell in its own step
+/// is so much work: a cell of level l stands for 8^l finest ones and is updated in one of 2^l steps. To it
+/// comes what crosses the leaf's faces to cells of the next level, the more the shorter the rows are that lie
+/// in a face (lbm/method-fluid.md, "Levels").
+std::int64_t work_of_leaf(const lbm::Domain& view, int leaf, std::int64_t work_of_a_cell);
 
 }  // namespace silt::coupler

@@ -16,7 +16,7 @@
 
 namespace silt::coupler {
 
-/// For as long as it lives, numbers are computed as in `silt run`; then as they were before.
+/// While this lives, numbers are computed as in `silt run`; afterwards as they were before.
 class RunArithmetic {
  public:
   RunArithmetic() {

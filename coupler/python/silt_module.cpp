@@ -15,7 +15,7 @@
 #include "coupler/python/live_simulation.hpp"
 #include "coupler/results/build_info.hpp"
 #include "coupler/results/flow_fields.hpp"
-#include "coupler/run/start_mpi.hpp"
+#include "coupler/run/run.hpp"
 #include "coupler/state_hash.hpp"
 #include "parallel/communicator.hpp"
 
@@ -108,10 +108,9 @@ void bind_bodies(py::module_& module) {
   };
   py::class_<Bodies>(
       module, "Bodies",
-      "The bodies whose centre this rank has, sorted by id, as read-only arrays of a row each, in "
-      "lattice units.\nWhat is not said to be a copy is a view of the simulation's own numbers: it "
-      "follows them, and is valid until the next\ncall that changes the simulation; to keep "
-      "values, copy them.")
+      "The bodies whose centre this rank has, sorted by id, as read-only arrays of a row each, in lattice "
+      "units.\nWhat is not said to be a copy is a view of the simulation's own numbers: it follows them, "
+      "and is valid until the next\ncall that changes the simulation; to keep values, copy them.")
       .def("__len__", &Bodies::count)
       .def_property_readonly("id", [](const Bodies& b) { return b.numbers(b.get().bodies().id); })
       .def_property_readonly(
@@ -201,7 +200,7 @@ py::array field(LiveSimulation& live, const std::string& name) {
   std::vector<py::ssize_t> shape, strides;
   py::ssize_t stride = sizeof(double) * here->components;
   for (int d = 0; d < 3; ++d) {
-    shape.push_back(here->box.upper[d] - here->box.lower[d]);
+    shape.push_back(here->box.size[d]);
     strides.push_back(stride);
     stride *= shape.back();
   }
@@ -211,8 +210,9 @@ py::array field(LiveSimulation& live, const std::string& name) {
 
 py::tuple box(const Simulation& simulation) {
   const Flow* const flow = simulation.scene().flow.get();
-  const adapters::CellBox here = flow ? box_of(*flow) : adapters::CellBox{};
-  return py::make_tuple(py::tuple(py::cast(here.lower)), py::tuple(py::cast(here.upper)));
+  const lbm::CellBox here = flow ? box_of(*flow) : lbm::CellBox{};
+  const auto corner = [](lbm::Int3 x) { return py::make_tuple(x.x, x.y, x.z); };
+  return py::make_tuple(corner(here.lower), corner(here.lower + here.size));
 }
 
 py::dict units(const Simulation& simulation) {
@@ -363,9 +363,8 @@ PYBIND11_MODULE(silt, module) {
   using namespace silt::coupler;
   module.doc() =
       "Runs cases of Silt: read case -> step -> look at bodies and fields -> add force.\n"
-      "Importing it starts MPI, unless somebody has; then it also ends it when the interpreter does. On "
-      "several "
-      "ranks an error\nthat nobody catches ends all ranks.";
+      "Importing it starts MPI, unless somebody has; then it also ends it when the interpreter does.\n"
+      "On several ranks an error that nobody catches ends all ranks.";
   module.attr("__version__") = build_info().version;
   py::register_exception<UnfitCase>(module, "CaseError", PyExc_ValueError);
   py::register_exception<GuardStop>(module, "GuardStop", PyExc_RuntimeError);

@@ -26,7 +26,7 @@ Int3 ceil_of(const Vec3& x) {
   return {-cell.x, -cell.y, -cell.z};
 }
 
-/// Of whole numbers, towards minus infinity.
+/// Divides whole numbers, rounding towards minus infinity.
 int floor_div(int x, int n) {
   return x >= 0 ? x / n : -((n - 1 - x) / n);
 }
@@ -133,7 +133,7 @@ bool FineBoxes::is_near(const CellBox& box, const CellBox& part) const {
   return true;
 }
 
-/// Whether all cells of a box of tiles are finest; appends the tiles that are if some are not.
+/// Returns whether all cells of a box of tiles are finest; if only some are, appends their tiles.
 bool FineBoxes::is_fine(const CellBox& tiles, const rigid::Shape& shape, const rigid::Pose& pose,
                         const CellBox& part, std::vector<LevelBox>& boxes) const {
   if (!is_near(tiles, part)) return false;

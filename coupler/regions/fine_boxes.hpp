@@ -1,6 +1,6 @@
 #pragma once
-// Where cells have to be fine, as boxes of cells by level: around bodies and curved walls, at sides and in
-// boxes that a case names. What they say of a cell depends on the case and on poses alone.
+// The regions in which cells have to be fine, as boxes of cells by level: around bodies and curved walls, at
+// sides and in boxes that a case names. What they say of a cell depends on the case and on poses alone.
 //
 // Faces of boxes of level l lie on planes 4 2^l finest cells apart, two cells of the next level; where the
 // last two of an axis are nearer they are one. Each box is within one of the next level, four of its cells
@@ -26,7 +26,7 @@ class FineBoxes {
   /// How far at most, in cells, cells of a level below the coarsest are from a box as given to around().
   int reach() const;
 
-  /// Whether the cells of a box, if they are finest, may have a say in a part of the domain.
+  /// Returns whether the cells of a box, if they are finest, may matter to a part of the domain.
   bool is_near(const lbm::CellBox&, const lbm::CellBox& part) const;
 
   /// Appends a box of cells and those of the next levels around it, as they lie in the domain.

@@ -77,8 +77,7 @@ CutTree cut_for_levels(const Case& setup, int ranks) {
   } catch (const std::invalid_argument&) {
     throw std::invalid_argument(
         fmt::format("the domain of {} x {} x {} cells cannot be cut into {} parts of at least {} cells an "
-                    "edge, four of the "
-                    "coarsest; use fewer ranks, or fewer coarsening.levels",
+                    "edge, four of the coarsest; use fewer ranks, or fewer coarsening.levels",
                     setup.cells[0], setup.cells[1], setup.cells[2], ranks, 2 * coarsest_tile(setup)));
   }
 }
@@ -93,7 +92,7 @@ LevelViews::LevelViews(const Case& setup, CutTree parts, const rigid::World& wor
   for (const int rank : in_reach_) parts_in_reach_.push_back(parts_.leaf(rank).box);
 }
 
-/// What decides the levels of this rank's part.
+/// Returns the boxes that decide the levels of this rank's part.
 std::vector<lbm::LevelBox> LevelViews::boxes_here(const rigid::BodySet& bodies) {
   std::vector<lbm::LevelBox> boxes;
   fine_.add_named(boxes);

@@ -24,8 +24,8 @@ class LevelViews {
   /// Collective. Parts: as cut_for_levels. Keeps references to the case and the world.
   LevelViews(const Case&, lbm::CutTree parts, const rigid::World&, MPI_Comm);
 
-  /// Collective: the view that follows from where bodies and walls are. The leaves of a part that is not
-  /// beside this rank's are far.
+  /// Collective: the view that follows from bodies and walls. Leaves of a part not beside this rank's are
+  /// far.
   lbm::CutTree view(const rigid::BodySet& bodies) { return view(boxes_here(bodies)); }
   /// Collective: that of given levels of the cells of this rank's part.
   lbm::CutTree view(std::span<const lbm::LevelBox>);
@@ -43,7 +43,7 @@ class LevelViews {
   lbm::CutTree parts_;
   lbm::CellBox part_;
   int rank_;
-  std::vector<int> beside_, in_reach_;  // in_reach_: whose bodies may have a say here
+  std::vector<int> beside_, in_reach_;  // in_reach_: whose bodies may matter here
   std::vector<lbm::CellBox> parts_in_reach_;
   parallel::Messages messages_;
 };

@@ -23,16 +23,14 @@ adapters::BodySeriesInfo series_info(const Simulation& simulation) {
   info.columns = {setup.fluid && !simulation.scene().world.gravity.isZero(0), setup.output.body_contacts,
                   setup.has_sizes()};
   for (int d = 0; d < 3; ++d) info.domain_upper[d] = setup.cells[d] * setup.units.cell_size;
-  if (setup.units.si) {
-    info.length = std::string("m");
-    info.time = std::string("s");
-    info.mass = std::string("kg");
-  }
+  info.length = setup.units.unit_text(dimension::length);
+  info.time = setup.units.unit_text(dimension::time);
+  if (setup.units.si) info.mass = setup.units.unit_text(dimension::mass);
   info.kinds = drawn_kinds(setup);
   return info;
 }
 
-/// What contacts do to a body that is not free is not known here.
+/// The load of contacts on a body that is not free is not known here: nan.
 std::array<double, 3> known_of_free(bool free, const Vec3& v, double scale) {
   return free ? scaled(v, scale) : scaled(Vec3::Ones(), std::numeric_limits<double>::quiet_NaN());
 }
@@ -94,7 +92,7 @@ void BodyOutput::append(const Simulation& simulation) {
   const std::vector<int>& kind_shapes = simulation.setup().kind_shapes;
   const std::int64_t step = simulation.steps_done();
   parallel::naming(path_.string(), [&] {
-    series_.append(step, static_cast<double>(step) * units.time_step, bodies.owned, [&](std::size_t row) {
+    series_.append(step, double(step) * units.time_step, bodies.owned, [&](std::size_t row) {
       adapters::BodyRow r = body_row(bodies, row, loads[row], contacts[row], gravity, units);
       r.scale = radii[bodies.shape[row]] / radii[kind_shapes[r.kind]];
       return r;

@@ -1,5 +1,4 @@
-// Quantities that look at the bodies; sums are exact. Positions at the start come from the case, not from
-// memory.
+// Quantities that look at the bodies; sums are exact. Positions at the start come from the case.
 #include <algorithm>
 #include <numbers>
 
@@ -20,7 +19,7 @@ using rigid::ExactSum;
 using rigid::Mat3;
 using rigid::Vec3;
 
-/// Adds what terms(row) gives of each of them.
+/// Adds terms(row) of each owned body that the quantity is about.
 template <class Terms>
 void add_terms(const BodySet& bodies, const QuantitySpec& q, Terms&& terms, std::span<ExactSum> sums) {
   for_bodies_of(bodies, q, [&](std::size_t row) {
@@ -89,8 +88,7 @@ struct Totals {
   }
 };
 
-/// A free body's part of the totals; nothing of another. The potential is zero at the corner of the domain
-/// that is lowest against gravity.
+/// Returns a free body's part of the totals. The potential is zero at the lowest corner of the domain.
 std::array<double, 8> totals_of_body(const Case& setup, const BodySet& bodies, std::size_t row) {
   if (!bodies.is_dynamic(row)) return {};
   const Vec3 period = extent_of(setup).size, g = setup.gravity;
@@ -107,13 +105,14 @@ Totals totals_of(const Scene& scene, const BodySet& bodies, const QuantitySpec& 
       scene.comm, bodies, q, [&](std::size_t row) { return totals_of_body(scene.setup, bodies, row); }));
 }
 
-bool add_totals_at_start(const Simulation& simulation, const QuantitySpec& q, const QuantityHistory&,
-                         std::span<ExactSum> sums) {
-  if (simulation.steps_done() > 0) return false;
+void add_totals(const Simulation& simulation, const QuantitySpec& q, std::span<ExactSum> sums) {
   const BodySet& bodies = simulation.bodies();
   add_terms(
       bodies, q, [&](std::size_t row) { return totals_of_body(simulation.setup(), bodies, row); }, sums);
-  return true;
+}
+
+bool is_at_start(const Simulation& simulation, const QuantitySpec&, const QuantityHistory&) {
+  return simulation.steps_done() == 0;
 }
 
 /// The bodies of the case as they are at the start, not wrapped, on the ranks where they were then.
@@ -131,7 +130,7 @@ BodySet bodies_at_start(const Scene& scene) {
 }
 
 /// change(what is kept now, what was at the start), where kept(totals, spec) is the history that remembers
-/// the start; of a quantity that was not there then, the bodies of the case are placed anew.
+/// the start; for a quantity that was not there then, the bodies of the case are placed again.
 template <auto kept, auto change>
 constexpr Computation since_start(std::string_view type) {
   return {type,
@@ -142,9 +141,9 @@ constexpr Computation since_start(std::string_view type) {
                 history != no_history ? history : kept(totals_of(scene, bodies_at_start(scene), q), q);
             return change(kept(totals_of(scene, simulation.bodies(), q), q), start);
           },
-          {8, add_totals_at_start,
-           [](const Case&, const QuantitySpec& q, std::int64_t, std::span<const double> sums,
-              QuantityHistory& start) { start = kept(Totals::from(sums), q); }}};
+          {8, add_totals, is_at_start},
+          [](const Case&, const QuantitySpec& q, std::int64_t, std::span<const double> sums,
+             QuantityHistory& start) { start = kept(Totals::from(sums), q); }};
 }
 
 QuantityHistory kept_momentum(const Totals& t, const QuantitySpec& q) {
@@ -176,7 +175,7 @@ template <auto value>
 constexpr Computation largest(std::string_view type) {
   return {type,
           [](const Simulation& simulation, const QuantitySpec& q, QuantityHistory& h) {
-            if (static_cast<double>(simulation.steps_done()) < q.time) return;
+            if (double(simulation.steps_done()) < q.time) return;
             for_bodies_of(simulation.bodies(), q,
                           [&](std::size_t row) { h[0] = std::max(h[0], value(simulation, q, row)); });
           },
@@ -207,14 +206,12 @@ double rebound_ratio(const Simulation&, const QuantitySpec&, const QuantityHisto
   return against > 0 ? std::max(along, 0.0) / against : no_value;
 }
 
-bool add_energy(const Simulation& simulation, const QuantitySpec& q, const QuantityHistory&,
-                std::span<ExactSum> energy) {
+void add_energy(const Simulation& simulation, const QuantitySpec& q, std::span<ExactSum> energy) {
   const BodySet& bodies = simulation.bodies();
   const auto of_body = [&](std::size_t row) {
     return std::array{totals_of_body(simulation.setup(), bodies, row)[6]};
   };
   add_terms(bodies, q, of_body, energy);
-  return true;
 }
 
 void keep_first_and_largest(const Case&, const QuantitySpec&, std::int64_t, std::span<const double> now,
@@ -231,7 +228,7 @@ double energy_growth(const Simulation&, const QuantitySpec&, const QuantityHisto
 
 /// The change of `now` since the history's first number, over the steps since its second.
 double rate_since(const Simulation& simulation, const QuantityHistory& start, double now) {
-  const double duration = static_cast<double>(simulation.steps_done()) - start[1];
+  const double duration = double(simulation.steps_done()) - start[1];
   return start[0] == not_yet ? no_value : ratio(now - start[0], duration);
 }
 
@@ -239,18 +236,19 @@ std::array<double, 1> mass_below(const BodySet& bodies, const QuantitySpec& q, s
   return {bodies.position[row][q.axis] < q.height ? bodies.mass[row] : 0};
 }
 
-bool add_mass_below(const Simulation& simulation, const QuantitySpec& q, const QuantityHistory& start,
-                    std::span<ExactSum> mass) {
-  if (start[0] != not_yet || static_cast<double>(simulation.steps_done()) < q.time) return false;
+bool begins(const Simulation& simulation, const QuantitySpec& q, const QuantityHistory& start) {
+  return start[0] == not_yet && double(simulation.steps_done()) >= q.time;
+}
+
+void add_mass_below(const Simulation& simulation, const QuantitySpec& q, std::span<ExactSum> mass) {
   const BodySet& bodies = simulation.bodies();
   add_terms(
       bodies, q, [&](std::size_t row) { return mass_below(bodies, q, row); }, mass);
-  return true;
 }
 
 void keep_first_mass(const Case&, const QuantitySpec&, std::int64_t step, std::span<const double> mass,
                      QuantityHistory& start) {
-  if (start[0] == not_yet) start = {mass[0], static_cast<double>(step), 0};
+  if (start[0] == not_yet) start = {mass[0], double(step), 0};
 }
 
 double discharge_rate(const Simulation& simulation, const QuantitySpec& q, const QuantityHistory& start) {
@@ -261,12 +259,12 @@ double discharge_rate(const Simulation& simulation, const QuantitySpec& q, const
 }
 
 void observe_outflow(const Simulation& simulation, const QuantitySpec& q, QuantityHistory& start) {
-  const double now = static_cast<double>(simulation.steps_done());
-  if (start[0] == not_yet && now >= q.time) start = {static_cast<double>(simulation.counters().left), now};
+  if (begins(simulation, q, start))
+    start = {double(simulation.counters().left), double(simulation.steps_done())};
 }
 
 double outflow_rate(const Simulation& simulation, const QuantitySpec&, const QuantityHistory& start) {
-  return rate_since(simulation, start, static_cast<double>(simulation.counters().left));
+  return rate_since(simulation, start, double(simulation.counters().left));
 }
 
 // ---- a bed in a round container ----
@@ -274,21 +272,19 @@ double outflow_rate(const Simulation& simulation, const QuantitySpec&, const Qua
 /// Adds the bodies' mass times their place from the quantity's centre; of `weighing` the mass less that of
 /// the fluid displaced, and of free bodies only.
 template <bool weighing>
-bool add_moment(const Simulation& simulation, const QuantitySpec& q, const QuantityHistory&,
-                std::span<ExactSum> moment) {
+void add_moment(const Simulation& simulation, const QuantitySpec& q, std::span<ExactSum> moment) {
   const BodySet& bodies = simulation.bodies();
   const auto of_body = [&](std::size_t row) -> Vec3 {
     const double share = !weighing ? 1 : bodies.is_dynamic(row) ? bodies.weight_in_fluid[row] : 0;
     return bodies.mass[row] * share * (bodies.position[row] - q.centre);
   };
   add_terms(bodies, q, of_body, moment);
-  return true;
 }
 
 /// The angle by which the line from the centre to the bodies' centre of mass is turned from gravity about the
 /// axis: that of the surface, where it is flat and the container round.
 double bed_angle(const Case& setup, const QuantitySpec& q, std::int64_t step, std::span<const double> sums) {
-  const Vec3 g = setup.gravity_at(static_cast<double>(step)), moment(sums[0], sums[1], sums[2]);
+  const Vec3 g = setup.gravity_at(double(step)), moment(sums[0], sums[1], sums[2]);
   const Vec3 axis = Vec3::Unit(q.axis), across = moment - moment.dot(axis) * axis;
   return rigid::elementary::atan2(axis.dot(g.cross(across)), g.dot(across)) * 180 / std::numbers::pi;
 }
@@ -296,7 +292,7 @@ double bed_angle(const Case& setup, const QuantitySpec& q, std::int64_t step, st
 /// The sum of r x (m g) along the axis.
 double weight_torque(const Case& setup, const QuantitySpec& q, std::int64_t step,
                      std::span<const double> moment) {
-  return Vec3(moment[0], moment[1], moment[2]).cross(setup.gravity_at(static_cast<double>(step)))[q.axis];
+  return Vec3(moment[0], moment[1], moment[2]).cross(setup.gravity_at(double(step)))[q.axis];
 }
 
 // ---- counts ----
@@ -307,7 +303,7 @@ double bodies_in_box(const Simulation& simulation, const QuantitySpec& q) {
     const auto x = simulation.bodies().position[row].array();
     inside += (x >= q.box.lower.array()).all() && (x <= q.box.upper.array()).all();
   });
-  return static_cast<double>(parallel::sum_over_ranks(simulation.scene().comm, inside));
+  return double(parallel::sum_over_ranks(simulation.scene().comm, inside));
 }
 
 double max_penetration(const Simulation& simulation) {
@@ -323,11 +319,11 @@ constexpr Computation of_bodies[] = {
     largest<speed>("max-speed"),
     largest<height>("max-height-after"),
     {"rebound-ratio", observe_rebound, rebound_ratio},
-    {"energy-growth", nullptr, energy_growth, {1, add_energy, keep_first_and_largest}},
-    {"discharge-rate", nullptr, discharge_rate, {1, add_mass_below, keep_first_mass}},
+    {"energy-growth", nullptr, energy_growth, {1, add_energy}, keep_first_and_largest},
+    {"discharge-rate", nullptr, discharge_rate, {1, add_mass_below, begins}, keep_first_mass},
     {"outflow-rate", observe_outflow, outflow_rate},
-    mean_of<3, add_moment<false>, bed_angle>("bed-angle"),
-    mean_of<3, add_moment<true>, weight_torque>("weight-torque"),
+    mean_of<bed_angle>("bed-angle", {3, add_moment<false>}),
+    mean_of<weight_torque>("weight-torque", {3, add_moment<true>}),
     at_end<bodies_in_box>("body-count"),
     at_end<packing_fraction>("packing-fraction"),
     at_end<max_penetration>("max-penetration"),

@@ -1,5 +1,5 @@
 #pragma once
-// What this program was built from, and where the files of a run come from.
+// The origin of this program, and of the files of a run.
 #include <string>
 
 #include "adapters/hdf5/result_file.hpp"
@@ -8,10 +8,10 @@ namespace silt::coupler {
 
 struct Case;
 
-/// Returns what the build knows of it: version, commit, compiler, flags, and libraries with their versions.
+/// Returns version, commit, compiler, flags, and libraries with their versions.
 const adapters::Provenance& build_info();
 
-/// Returns where the files of a run that starts now come from.
+/// Returns the origin of the files of a run that starts now.
 adapters::Provenance provenance_of(const Case&, int ranks, const std::string& backend);
 
 }  // namespace silt::coupler

@@ -1,4 +1,4 @@
-// What a checkpoint holds of the bodies, and whether it can be the state of a run of its case.
+// Checks that the bodies of a checkpoint can be the state of a run of its case.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -30,7 +30,7 @@ class Row {
   Row(std::string table, std::uint64_t row, std::string body)
       : table_(std::move(table)), row_(row), body_(std::move(body)) {}
 
-  /// Found, where this is no number from low to high: not what is not a number either.
+  /// Refuses a number that is not from low to high, and one that is not a number.
   template <class T, class Bound>
   void within(const char* column, const T& x, Bound low, Bound high) const {
     if (!(x >= low && x <= high))
@@ -84,7 +84,7 @@ void require_place(const Row& row, const char* column, const Case& setup, std::s
 
 template <class List>
 std::int64_t last_of(const List& list) {
-  return static_cast<std::int64_t>(list.size()) - 1;
+  return std::int64_t(list.size()) - 1;
 }
 
 void require_body(const Row& row, const Case& setup, const BodyRecord& r, rigid::BodyId next_id) {
@@ -92,8 +92,8 @@ void require_body(const Row& row, const Case& setup, const BodyRecord& r, rigid:
   row.within("shape", r.shape, std::int64_t{0}, last_of(setup.shapes));
   row.within("material", r.material, std::int64_t{0}, last_of(setup.material_names));
   row.within("kind", r.kind, std::int64_t{0}, last_of(setup.kind_names));
-  row.within("motion", static_cast<int>(r.motion), 0, static_cast<int>(rigid::Motion::prescribed));
-  row.within("wakefulness", static_cast<int>(r.wakefulness), 0, static_cast<int>(rigid::Wakefulness::waking));
+  row.within("motion", int(r.motion), 0, int(rigid::Motion::prescribed));
+  row.within("wakefulness", int(r.wakefulness), 0, int(rigid::Wakefulness::waking));
   row.within("mass", r.mass, std::numeric_limits<double>::min(), greatest);
   row.within("weight_in_fluid", r.weight_in_fluid, -greatest, 1.0);
   require_inertia(row, r);

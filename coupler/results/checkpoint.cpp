@@ -11,7 +11,6 @@
 #include "adapters/hdf5/body_series.hpp"
 #include "coupler/case/case.hpp"
 #include "coupler/exchange/coupling_state.hpp"
-#include "coupler/results/populations.hpp"
 #include "parallel/together.hpp"
 
 namespace silt::coupler {
@@ -75,11 +74,11 @@ struct Write {
   void operator()(const std::string& name, double x, double = 0) const { writer.set(name, x); }
   template <std::integral T>
   void operator()(const std::string& name, T x, std::int64_t, std::int64_t) const {
-    writer.set(name, static_cast<std::int64_t>(x));
+    writer.set(name, std::int64_t(x));
   }
   void operator()(const std::string& name, rigid::FixedSum sum) const {
-    writer.set(name + ".low", static_cast<std::int64_t>(sum));
-    writer.set(name + ".high", static_cast<std::int64_t>(sum >> 64));
+    writer.set(name + ".low", std::int64_t(sum));
+    writer.set(name + ".high", std::int64_t(sum >> 64));
   }
   void operator()(const CounterName& name, double x) const { writer.set(name.checkpoint, x); }
   void operator()(const CounterName& name, std::uint64_t x) const { (*this)(name.checkpoint, x, 0, most); }
@@ -104,7 +103,7 @@ struct Read {
   void operator()(const std::string& name, rigid::FixedSum& sum) const {
     std::int64_t high = 0;
     (*this)(name + ".high", high, -(most / 2), most / 2);
-    sum = (rigid::FixedSum(high) << 64) | static_cast<std::uint64_t>(reader.integer(name + ".low"));
+    sum = (rigid::FixedSum(high) << 64) | std::uint64_t(reader.integer(name + ".low"));
   }
   void operator()(const CounterName& name, double& x) const { (*this)(name.checkpoint, x, 0); }
   void operator()(const CounterName& name, std::uint64_t& x) const { (*this)(name.checkpoint, x, 0, most); }
@@ -114,7 +113,7 @@ std::string history_name(const QuantitySpec& q, std::size_t k) {
   return fmt::format("quantity.{}#{}", q.name, k);
 }
 
-/// Whether it has the watch that the case asks for: one that began with another rule has seen nothing.
+/// Returns whether the checkpoint has the watch that the case asks for, not one with another rule.
 bool has_watch_of(const CheckpointReader& reader, const SteadySpec& spec) {
   return reader.has("steady.quantity") && reader.text("steady.quantity") == spec.quantity &&
          reader.number("steady.change") == spec.change && reader.integer("steady.every") == spec.every;
@@ -158,16 +157,12 @@ SavedState numbers_of(const Simulation& simulation) {
   return state;
 }
 
-std::int64_t cells_of(const Case& setup) {
-  return std::int64_t{1} * setup.cells[0] * setup.cells[1] * setup.cells[2];
-}
-
 void write_state(CheckpointWriter& writer, const Simulation& simulation, const Quantities& quantities,
                  const std::optional<SteadyWatch>& steady) {
   const Case& setup = simulation.setup();
   SavedState state = numbers_of(simulation);
   const auto history = quantities.history(simulation);
-  writer.set("time", static_cast<double>(state.step) * setup.units.time_step);
+  writer.set("time", double(state.step) * setup.units.time_step);
   writer.set("overrides", joined_lines(setup.overrides));
   writer.set("files", joined_lines(setup.files));
   visit_state(state, Write{writer});
@@ -183,7 +178,7 @@ void write_state(CheckpointWriter& writer, const Simulation& simulation, const Q
     visit_steady_watch(watch, Write{writer});
   }
   if (const Flow* flow = simulation.scene().flow.get()) {
-    visit_mass_correction(state.mass_correction, cells_of(setup), Write{writer});
+    visit_mass_correction(state.mass_correction, std::int64_t(setup.volume()), Write{writer});
     if (FlowControl* const control = simulation.scene().flow->control()) {
       FlowControl::State of_control = control->state();
       visit_flow_control(of_control, Write{writer});
@@ -233,7 +228,7 @@ SavedState read_state(const CheckpointReader& reader, const Case& setup) {
   }
   state.bodies = {std::move(bodies.records), std::move(bodies.impulses)};
   if (!setup.fluid) return state;
-  visit_mass_correction(state.mass_correction, cells_of(setup), Read{reader});
+  visit_mass_correction(state.mass_correction, std::int64_t(setup.volume()), Read{reader});
   if (!setup.fluid->superficial_velocity.isZero(0)) visit_flow_control(state.flow_control, Read{reader});
   require_populations(reader, setup);
   if (setup.coarsening)

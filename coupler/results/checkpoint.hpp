@@ -1,24 +1,25 @@
 #pragma once
-// Leaving a run and coming back to it, to the bit, on any number of ranks; and the start of a run from the
-// end of another one: its bodies and its fluid, with other parameters (`[initial]` of a case; cases/README.md
-// says what may differ).
+// Leaving a run and coming back to it, bitwise, on any number of ranks; and the start of a run from the end
+// of another one, with other parameters (`[initial]` of a case, cases/README.md).
 #include <filesystem>
 #include <optional>
 #include <string>
 
 #include "adapters/hdf5/checkpoint_file.hpp"
 #include "coupler/case/case_file.hpp"
+#include "coupler/flow.hpp"
 #include "coupler/results/flow_mean.hpp"
 #include "coupler/results/quantities.hpp"
 #include "coupler/results/steady_watch.hpp"
 #include "coupler/simulation.hpp"
+#include "lbm/level_cut.hpp"
 
 namespace silt::coupler {
 
-/// Collective. Writes FOLDER/checkpoint_STEP.h5 and keeps the case's number of them. Under another name it is
-/// one that no run goes on from unless told to (silt resume --checkpoint), and that does not count among
-/// those kept: stopped_STEP.h5 is the state in which a guard has stopped a run. Returns its path.
-/// std::runtime_error on every rank; earlier checkpoints are then untouched.
+/// Collective. Writes FOLDER/checkpoint_STEP.h5 and keeps the case's number of them. Under another name no
+/// run goes on from it but by silt resume --checkpoint, and it does not count among those kept:
+/// stopped_STEP.h5 is the state in which a guard has stopped a run. Returns its path. std::runtime_error on
+/// every rank; earlier checkpoints are then untouched.
 std::filesystem::path write_checkpoint(const Simulation&, const Quantities&,
                                        const std::filesystem::path& folder, const adapters::Provenance&,
                                        const std::optional<SteadyWatch>& = {},
@@ -36,14 +37,27 @@ std::unique_ptr<Simulation> resumed_simulation(const adapters::CheckpointReader&
 /// Returns what Quantities had gathered, for its set_history.
 std::vector<QuantityHistory> read_history(const adapters::CheckpointReader&, const Case&);
 
-/// Returns the watch a case asks for, as it was; fresh where the run watched something else; none without
-/// run.steady.
+/// Returns the watch of a case, as it was; fresh if the run watched something else; none without run.steady.
 std::optional<SteadyWatch> read_steady_watch(const adapters::CheckpointReader&, const Case&);
 
 /// Throws std::runtime_error for the first number of this rank's slice of the bodies and of their stored
 /// impulses that no run can go on from: the dataset, the row, what was found and what may be. A file may have
 /// every checksum right and still not be one that a run wrote. next_id: the first that no body has had.
 void require_possible(const Case&, const adapters::CheckpointReader::Bodies&, rigid::BodyId next_id);
+
+// ---- the populations of the fluid (populations.cpp) ----
+
+void write_populations(adapters::CheckpointWriter&, const Case&, const Flow&);
+
+/// Reads the populations into a flow whose cells are of the levels that the file says (saved_levels).
+void read_populations(const adapters::CheckpointReader&, const Case&, Flow&);
+
+/// Refuses a file that is of another lattice than the case's, or has other levels.
+void require_populations(const adapters::CheckpointReader&, const Case&);
+
+/// Collective. Returns the levels of the cells in a box of finest ones, whose faces are faces of cells of the
+/// widest level: as boxes that do not overlap. `coarsest`: that of the case.
+std::vector<lbm::LevelBox> saved_levels(const adapters::CheckpointReader&, int coarsest, const lbm::CellBox&);
 
 // ---- another run's start (start_from.cpp) ----
 

@@ -16,6 +16,7 @@ namespace silt::coupler {
 
 namespace {
 
+using lbm::CellBox;
 using lbm::Int3;
 using rigid::Vec3;
 
@@ -23,19 +24,25 @@ Int3 int3(const std::array<int, 3>& x) {
   return {x[0], x[1], x[2]};
 }
 
-/// What of this rank's blocks is in a box of cells.
-std::vector<Piece> pieces_of(const FluidFields& fields, const adapters::CellBox& within) {
+struct FieldForm {
+  Dimension dimension;
+  const char *si, *lattice;  // units
+};
+constexpr FieldForm forms[] = {{dimension::velocity, "m/s", "cells/step"},
+                               {dimension::density, "kg/m3", "reference densities"},
+                               {dimension::pressure, "Pa", "cells2/step2 reference densities"},
+                               {dimension::angular_velocity, "1/s", "1/step"},
+                               {dimension::none, "1", "1"},
+                               {dimension::angular_velocity, "1/s", "1/step"},
+                               {dimension::none, "1", "1"}};
+
+/// Returns the pieces of this rank's blocks that are in a box of cells.
+std::vector<Piece> pieces_of(const FluidFields& fields, const CellBox& within) {
   std::vector<Piece> pieces;
   for (int b = 0; b < fields.blocks(); ++b) {
-    const lbm::CellBox& box = fields.block(b);
-    Piece piece{b, {}, {}};
-    bool any = true;
-    for (int d = 0; d < 3; ++d) {
-      piece.first[d] = std::max(within.lower[d] - box.lower[d], 0);
-      piece.last[d] = std::min(within.upper[d] - box.lower[d], box.size[d]);
-      any &= piece.first[d] < piece.last[d];
-    }
-    if (any) pieces.push_back(piece);
+    const CellBox here = overlap(within, fields.block(b));
+    const Int3 first = here.lower - fields.block(b).lower;
+    if (here.cells() > 0) pieces.push_back({b, first, first + here.size});
   }
   return pieces;
 }
@@ -43,8 +50,8 @@ std::vector<Piece> pieces_of(const FluidFields& fields, const adapters::CellBox&
 /// Makes the fields of a level of a simulation for the pieces of a box.
 class Fields {
  public:
-  /// Their values are in these units, the box in cells of the level.
-  Fields(const Simulation& simulation, int level, const FieldsSpec& spec, const adapters::CellBox& within,
+  /// The values of the fields are in these units; the box counts in cells of the level.
+  Fields(const Simulation& simulation, int level, const FieldsSpec& spec, const CellBox& within,
          const Units& units)
       : simulation_(simulation),
         fields_(simulation.scene().flow->fields(level)),
@@ -53,17 +60,14 @@ class Fields {
         solid_cells_(simulation, fields_),
         storage_(spec.double_precision ? adapters::Storage::double_ : adapters::Storage::single) {
     if (std::count(spec.quantities.begin(), spec.quantities.end(), Field::vorticity))
-      velocities_.emplace(fields_, simulation.scene().comm, int3(within.lower), int3(within.upper));
+      velocities_.emplace(fields_, simulation.scene().comm, within.lower, within.lower + within.size);
   }
 
   /// The pieces as boxes of cells of the level.
   LevelBoxes boxes() const {
     LevelBoxes all{fields_.width(), {}};
-    for (const Piece& piece : pieces_) {
-      const Int3 corner = fields_.block(piece.block).lower, low = corner + piece.first,
-                 high = corner + piece.last;
-      all.boxes.push_back({{low.x, low.y, low.z}, {high.x, high.y, high.z}});
-    }
+    for (const Piece& piece : pieces_)
+      all.boxes.push_back({fields_.block(piece.block).lower + piece.first, piece.last - piece.first});
     return all;
   }
 
@@ -71,26 +75,24 @@ class Fields {
     switch (field) {
       case Field::velocity:
         return velocity();
-      case Field::density:
-        return scalar(field, units_.si ? "kg/m3" : "reference densities", 1);
-      case Field::pressure:
-        return scalar(field, units_.si ? "Pa" : "cells2/step2 reference densities", 0);
-      case Field::shear_rate:
-        return scalar(field, units_.si ? "1/s" : "1/step", 0);
       case Field::body_id:
         return body_id();
       case Field::vorticity:
         return vorticity();
       case Field::solid:
         return solid();
+      default:
+        return scalar(field, field == Field::density ? 1 : 0);
     }
-    __builtin_unreachable();
   }
 
  private:
-  /// A function of the moments of fluid cells; solid ones have a value of their
-  /// own.
-  adapters::FieldQuantity scalar(Field field, const char* unit, double solid) const {
+  const char* unit(Field field) const {
+    const FieldForm& form = forms[int(field)];
+    return units_.si ? form.si : form.lattice;
+  }
+  /// Makes a function of the moments of fluid cells; solid ones have a value of their own.
+  adapters::FieldQuantity scalar(Field field, double solid) const {
     const double scale = units_.scale(dimension_of(field));
     const auto values = [this, scale, solid, field](std::size_t k, int begin, int end, double* out) {
       const Piece piece = pieces_[k].planes(begin, end);
@@ -100,15 +102,14 @@ class Fields {
         out[i] = scale * (is_solid.test(cell) ? solid : scalar_of(fields_, field, moments(cell)));
       });
     };
-    return {std::string(field_names[field]), unit, 1, values, storage_};
+    return {std::string(field_names[field]), unit(field), 1, values, storage_};
   }
 
-  /// of_fluid(piece) returns a function of the fluid cells of a piece;
-  /// of_body(row, r) is that of cells in bodies, where r is from the body's
-  /// centre to that of the cell; zero in walls.
+  /// of_fluid(piece) returns a function of the fluid cells of a piece; of_body(row, r) is that of cells in
+  /// bodies, where r is from the body's centre to that of the cell; zero in walls.
   template <class OfFluid, class OfBody>
-  adapters::FieldQuantity vector(const char* name, const char* unit, double scale, OfFluid of_fluid,
-                                 OfBody of_body) const {
+  adapters::FieldQuantity vector(Field field, int width, OfFluid of_fluid, OfBody of_body) const {
+    const double scale = units_.scale(dimension_of(field)) / width;
     const auto values = [this, scale, of_fluid, of_body](std::size_t k, int begin, int end, double* out) {
       const Piece piece = pieces_[k].planes(begin, end);
       const CellBits& is_solid = fields_.solid(piece.block);
@@ -122,12 +123,12 @@ class Fields {
         std::copy_n(v.data(), 3, out + 3 * piece.index(cell));
       });
     };
-    return {name, unit, 3, values, storage_};
+    return {std::string(field_names[field]), unit(field), 3, values, storage_};
   }
 
   adapters::FieldQuantity velocity() const {
     return vector(
-        "velocity", units_.si ? "m/s" : "cells/step", units_.scale(dimension_of(Field::velocity)),
+        Field::velocity, 1,
         [this](const Piece& piece) {
           lbm::MomentsByRow moments(fields_, piece.block, piece.first.x, piece.last.x);
           return [this, moments](Int3 cell) mutable {
@@ -140,8 +141,7 @@ class Fields {
 
   adapters::FieldQuantity vorticity() const {
     return vector(
-        "vorticity", units_.si ? "1/s" : "1/step",
-        units_.scale(dimension::angular_velocity) / fields_.width(),
+        Field::vorticity, fields_.width(),
         [this](const Piece& piece) {
           return [around = VelocitiesAround(fields_, *velocities_, piece.block, piece.first, piece.last)](
                      Int3 cell) mutable { return coupler::vorticity(around, cell); };
@@ -151,8 +151,7 @@ class Fields {
         });
   }
 
-  /// 0 in fluid and in walls. In double precision ids are exact to 2^53, in
-  /// single to 2^24.
+  /// Ids are 0 in fluid and in walls, and exact to 2^53.
   adapters::FieldQuantity body_id() const {
     const auto values = [this](std::size_t k, int begin, int end, double* out) {
       const Piece piece = pieces_[k].planes(begin, end);
@@ -195,42 +194,23 @@ double scalar_of(const FluidFields& fields, Field field, const lbm::Moments& m) 
 }
 
 Dimension dimension_of(Field field) {
-  switch (field) {
-    case Field::velocity:
-      return dimension::velocity;
-    case Field::density:
-      return dimension::density;
-    case Field::pressure:
-      return dimension::pressure;
-    case Field::shear_rate:
-    case Field::vorticity:
-      return dimension::angular_velocity;
-    case Field::body_id:
-    case Field::solid:
-      return dimension::none;
-  }
-  __builtin_unreachable();
+  return forms[int(field)].dimension;
 }
 
-std::vector<adapters::CellBox> boxes_of(const FluidFields& fields) {
-  std::vector<adapters::CellBox> boxes;
-  for (int b = 0; b < fields.blocks(); ++b) {
-    const lbm::CellBox& box = fields.block(b);
-    const Int3 upper = box.lower + box.size;
-    boxes.push_back({{box.lower.x, box.lower.y, box.lower.z}, {upper.x, upper.y, upper.z}});
-  }
+std::vector<CellBox> boxes_of(const FluidFields& fields) {
+  std::vector<CellBox> boxes;
+  for (int b = 0; b < fields.blocks(); ++b) boxes.push_back(fields.block(b));
   return boxes;
 }
 
-adapters::CellBox box_of(const Flow& flow) {
-  adapters::CellBox all{};
+CellBox box_of(const Flow& flow) {
+  CellBox all;
   flow.for_levels([&](const FluidFields& fields) {
-    for (const adapters::CellBox& box : boxes_of(fields)) {
-      const bool first = all.cells() == 0;
+    for (const CellBox& block : boxes_of(fields)) {
+      const CellBox box = in_cells_of(1, block, fields.width()), before = all.cells() > 0 ? all : box;
       for (int d = 0; d < 3; ++d) {
-        const int lower = box.lower[d] * fields.width(), upper = box.upper[d] * fields.width();
-        all.lower[d] = first ? lower : std::min(all.lower[d], lower);
-        all.upper[d] = first ? upper : std::max(all.upper[d], upper);
+        all.lower[d] = std::min(before.lower[d], box.lower[d]);
+        all.size[d] = std::max(before.lower[d] + before.size[d], box.lower[d] + box.size[d]) - all.lower[d];
       }
     }
   });
@@ -242,7 +222,7 @@ namespace {
 /// The fields of all levels in a box of finest cells.
 class LevelledFields {
  public:
-  LevelledFields(const Simulation& simulation, const FieldsSpec& spec, const adapters::CellBox& within,
+  LevelledFields(const Simulation& simulation, const FieldsSpec& spec, const CellBox& within,
                  const Units& units)
       : within_(within) {
     simulation.scene().flow->for_levels([&](const FluidFields& fields) {
@@ -254,8 +234,7 @@ class LevelledFields {
   }
 
   int levels() const { return int(levels_.size()); }
-  /// What the levels up to one have, on a lattice of cells so many times as
-  /// wide as finest ones.
+  /// Returns the boxes of the levels up to one, on a lattice of cells so many times as wide as finest ones.
   LatticeOfLevels lattice(int up_to, int width) const {
     return {{boxes_.begin(), boxes_.begin() + up_to + 1}, width, in_cells_of(width, within_, 1)};
   }
@@ -266,7 +245,7 @@ class LevelledFields {
   }
 
  private:
-  adapters::CellBox within_;
+  CellBox within_;
   std::deque<Fields> levels_;  // to which quantities refer
   std::vector<LevelBoxes> boxes_;
 };
@@ -276,16 +255,16 @@ class LevelledFields {
 FieldHere field_here(const Simulation& simulation, Field field) {
   FieldsSpec all;
   all.quantities = {field};
-  const LevelledFields fields(simulation, all, {{}, simulation.setup().cells}, Units{});
+  const LevelledFields fields(simulation, all, {{}, int3(simulation.setup().cells)}, Units{});
   const LatticeOfLevels lattice = fields.lattice(fields.levels() - 1, 1);
   const adapters::FieldQuantity quantity = fields.quantity(lattice, field);
   const std::size_t components = quantity.components;
   FieldHere here{box_of(*simulation.scene().flow), quantity.components, {}};
   here.values.assign(here.box.cells() * components, std::numeric_limits<double>::quiet_NaN());
-  const Piece whole{0, int3(here.box.lower), int3(here.box.upper)};
+  const Piece whole{0, here.box.lower, here.box.lower + here.box.size};
   std::vector<double> plane;
   for (std::size_t k = 0; k < lattice.boxes().size(); ++k) {
-    const Int3 low = int3(lattice.boxes()[k].lower), size = int3(lattice.boxes()[k].upper) - low;
+    const auto& [low, size] = lattice.boxes()[k];
     const std::size_t row = size.x * components;
     plane.resize(row * size.y);
     for (int z = 0; z < size.z; ++z) {
@@ -306,13 +285,11 @@ adapters::FieldSnapshot snapshot_of(const Simulation& simulation, const FieldsSp
     snapshot.grid.origin[d] = by_level ? 0 : spec.lower[d] * units.cell_size;
     snapshot.grid.spacing[d] = units.cell_size;
   }
-  if (units.si) {
-    snapshot.grid.length_unit = std::string("m");
-    snapshot.grid.time_unit = std::string("s");
-  }
+  snapshot.grid.length_unit = units.unit_text(dimension::length);
+  snapshot.grid.time_unit = units.unit_text(dimension::time);
   snapshot.compression = spec.compression;
   snapshot.step = simulation.steps_done();
-  snapshot.time = static_cast<double>(snapshot.step) * units.time_step;
+  snapshot.time = double(snapshot.step) * units.time_step;
   return snapshot;
 }
 
@@ -320,7 +297,8 @@ void write_flow_fields(const Simulation& simulation, const FieldsSpec& spec,
                        const std::filesystem::path& folder, const adapters::Provenance& provenance) {
   const int levels = simulation.scene().flow->levels(), widest = 1 << (levels - 1);
   const bool by_level = levels > 1 && !spec.finest;
-  adapters::CellBox within{spec.lower, spec.upper};
+  const Int3 lower = int3(spec.lower);
+  CellBox within{lower, int3(spec.upper) - lower};
   if (by_level) within = in_cells_of(1, in_cells_of(widest, within, 1), widest);
   adapters::FieldSnapshot snapshot = snapshot_of(simulation, spec, by_level);
   const auto path = adapters::step_path(folder, spec.name, snapshot.step, ".hdf");
@@ -332,8 +310,7 @@ void write_flow_fields(const Simulation& simulation, const FieldsSpec& spec,
     for (const Field field : spec.quantities) level.quantities.push_back(fields.quantity(lattice, field));
     return level;
   };
-  if (by_level) {  // under the cells of each, as VTK wants it, there are those
-                   // of the next
+  if (by_level) {  // VTK wants the cells of the next level under those of each
     std::vector<adapters::FieldLevel> written;
     for (int level = 0; level < levels; ++level) written.push_back(level_of(level, 1 << level));
     return parallel::naming(path.string(), [&] {
@@ -341,8 +318,7 @@ void write_flow_fields(const Simulation& simulation, const FieldsSpec& spec,
     });
   }
   adapters::FieldLevel image = level_of(levels - 1, 1);
-  for (adapters::CellBox& box : image.boxes)
-    for (int d = 0; d < 3; ++d) box.lower[d] -= spec.lower[d], box.upper[d] -= spec.lower[d];
+  for (CellBox& box : image.boxes) box.lower = box.lower - lower;
   snapshot.quantities = std::move(image.quantities);
   parallel::naming(path.string(), [&] {
     adapters::write_fields(simulation.scene().comm, path, image.boxes, snapshot, provenance);

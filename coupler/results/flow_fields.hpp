@@ -16,8 +16,8 @@ std::vector<adapters::CellBox> boxes_of(const FluidFields&);
 /// Returns the smallest box around those of all levels, in finest cells; an empty one without.
 adapters::CellBox box_of(const Flow&);
 
-/// FieldHere is a field on that box, in lattice units; a coarse cell's value is that of the finest ones that
-/// fill it.
+/// FieldHere is a field on that box, in lattice units; finest cells have the value of the coarse one they
+/// fill.
 struct FieldHere {
   adapters::CellBox box;
   int components = 1;          // or 3
@@ -31,8 +31,7 @@ FieldHere field_here(const Simulation&, Field);
 double scalar_of(const FluidFields&, Field, const lbm::Moments&);
 Dimension dimension_of(Field);
 
-/// Returns a snapshot of the box of a part of [output], without quantities; in a file of levels boxes count
-/// from the corner of the domain.
+/// Returns a snapshot of the box of a part of [output], without quantities; by level, of the whole domain.
 adapters::FieldSnapshot snapshot_of(const Simulation&, const FieldsSpec&, bool by_level);
 
 /// Writes the fields that a part of [output] asks for, in its box, in the units of the case. A solid cell has

@@ -24,7 +24,7 @@ FlowMean::FlowMean(const Simulation& simulation) : spec_(*simulation.setup().out
 }
 
 void FlowMean::observe(const Simulation& simulation) {
-  const auto step = static_cast<double>(simulation.steps_done());
+  const auto step = double(simulation.steps_done());
   if (step < spec_.from || simulation.steps_done() % spec_.every != 0) return;
   ++samples_;
   const FluidFields& fields = simulation.scene().flow->fields();
@@ -58,7 +58,7 @@ void FlowMean::observe(const Simulation& simulation) {
     solid.for_each(all, [&](std::size_t row, Int3 x, const rigid::Vec3& r) {
       double* const of = block + all.index(x);
       const rigid::Vec3 u = simulation.bodies().velocity_at(row, r);
-      const double times = static_cast<double>(samples_) - of[count * cells];
+      const double times = double(samples_) - of[count * cells];
       for (int d = 0; d < 3; ++d)
         of[(body_velocity + d) * cells] += (u[d] - of[(body_velocity + d) * cells]) / times;
     });
@@ -102,7 +102,7 @@ void FlowMean::write(const Simulation& simulation, const std::filesystem::path& 
        [this](std::size_t b, int begin, int end, double* out) {
          const std::int64_t plane = blocks_[b].of_a_plane;
          for (std::int64_t n = begin * plane; n < end * plane; ++n)
-           *out++ = 1 - blocks_[b].array(count)[n] / static_cast<double>(samples_);
+           *out++ = 1 - blocks_[b].array(count)[n] / double(samples_);
        },
        adapters::Storage::double_}};
   const auto path = adapters::step_path(folder, "mean", snapshot.step, ".hdf");
@@ -135,8 +135,7 @@ void FlowMean::restore(const adapters::CheckpointReader& reader, const Simulatio
                [&](int q, std::size_t b, const void* in) {
                  const auto* const found = static_cast<const double*>(in);
                  std::copy_n(found, blocks_[b].cells, blocks_[b].array(q));
-                 const double most = q == count ? static_cast<double>(samples_) : 1e300,
-                              least = q == count ? 0 : -most;
+                 const double most = q == count ? double(samples_) : 1e300, least = q == count ? 0 : -most;
                  for (std::int64_t n = 0; n < blocks_[b].cells; ++n)
                    if (!(found[n] >= least && found[n] <= most))
                      fault = fmt::format("/cells/mean, number {}, has {}; no samples give that", q, found[n]);

@@ -1,9 +1,8 @@
 #pragma once
 // Means of the fluid over samples in time, for [output.mean]: of each cell, over the samples in which it was
 // fluid, velocity, its covariance, and pressure, over the others the velocity of bodies; and the share of
-// samples in which it was solid. They go
-// through checkpoints, so that a run that goes on comes to the same numbers to the bit (Welford,
-// Technometrics 4 (1962) 419: each sample changes the mean and the sum of squares about it).
+// samples in which it was solid. They go through checkpoints, so that a resumed run comes to the same numbers
+// bitwise (Welford, Technometrics 4 (1962) 419).
 #include <cstdint>
 #include <filesystem>
 #include <vector>
@@ -16,7 +15,7 @@ namespace silt::coupler {
 
 class FlowMean {
  public:
-  /// For a case with output.mean, whose cells stay on their ranks; nothing has been sampled.
+  /// Begins without a sample, for a case with output.mean, whose cells stay on their ranks.
   explicit FlowMean(const Simulation&);
 
   /// Takes a sample, if the step is one of those to be sampled. Local.
@@ -24,14 +23,14 @@ class FlowMean {
   /// Collective. Writes mean_STEP.hdf, in the units of the case; not without a sample.
   void write(const Simulation&, const std::filesystem::path& folder, const adapters::Provenance&) const;
 
-  /// Collective. What has been sampled goes to a checkpoint and comes back from it, if its samples were taken
-  /// as the case asks for; std::runtime_error for numbers that no samples give.
+  /// Collective. Writes the samples to a checkpoint, and reads them from one whose samples were taken as the
+  /// case asks for; std::runtime_error for numbers that no samples give.
   void save(adapters::CheckpointWriter&, const Simulation&) const;
   void restore(const adapters::CheckpointReader&, const Simulation&);
 
  private:
-  /// What a cell has, one array after the other: how often it was fluid, mean velocity, sums of the products
-  /// of deviations (xx yy zz xy xz yz), mean density deviation, mean velocity of bodies.
+  /// The numbers of a cell, one array after the other: how often it was fluid, mean velocity, sums of the
+  /// products of deviations (xx yy zz xy xz yz), mean density deviation, mean velocity of bodies.
   enum Number { count, velocity = 1, products = 4, density = 10, body_velocity = 11, numbers = 14 };
   struct Block {
     std::int64_t cells, of_a_plane;

@@ -1,4 +1,3 @@
-// Quantities that look at the fluid.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -23,9 +22,8 @@ using rigid::to_fixed;
 double superficial_velocity(const Simulation& simulation, int axis, double frame) {
   const Flow& flow = *simulation.scene().flow;
   const FlowTotals totals = flow.account().totals();
-  const auto& n = simulation.setup().cells;
-  return (flow.fields().velocity_sum(totals)[axis] - static_cast<double>(totals.fluid_cells) * frame) /
-         (double(n[0]) * n[1] * n[2]);
+  return (flow.fields().velocity_sum(totals)[axis] - double(totals.fluid_cells) * frame) /
+         simulation.setup().volume();
 }
 
 /// Calls visit(fields of its level, cell, moments) for every fluid cell of all levels.
@@ -66,7 +64,7 @@ double drag_coefficient(const Simulation& simulation, const QuantitySpec& q) {
 
 double kinetic_energy(const Simulation& simulation) {
   const FlowTotals totals = simulation.scene().flow->account().totals();
-  return totals.fluid_cells > 0 ? totals.energy / static_cast<double>(totals.fluid_cells) : no_value;
+  return totals.fluid_cells > 0 ? totals.energy / double(totals.fluid_cells) : no_value;
 }
 
 double dissipation(const Simulation& simulation) {
@@ -90,16 +88,13 @@ double velocity_past_bodies(const Simulation& simulation, const QuantitySpec& q)
   return superficial_velocity(simulation, q.axis, bodies);
 }
 
-/// Adds what goes through the layer of cells that a plane across the axis lies in; on a side of the domain,
-/// the layer beside it.
-bool add_flow_rate(const Simulation& simulation, const QuantitySpec& q, const QuantityHistory&,
-                   std::span<rigid::ExactSum> rate) {
+/// Adds the flow through the layer of cells in which a plane across the axis lies, or beside which.
+void add_flow_rate(const Simulation& simulation, const QuantitySpec& q, std::span<rigid::ExactSum> rate) {
   simulation.scene().flow->for_levels([&](const FluidFields& fields) {
     const int last = fields.domain().cells()[q.axis] - 1;
     const int layer = std::min(int(q.height) / fields.width(), last);
     rate[0].add(fields.flow_through(q.axis, layer), FluidFields::flow_quantum);
   });
-  return true;
 }
 
 /// The sum over the cells is the value.
@@ -116,8 +111,8 @@ constexpr Computation of_flow[] = {
     at_end<velocity_past_bodies>("superficial-velocity"),
     at_instant<kinetic_energy>("kinetic-energy"),
     at_instant<dissipation>("dissipation"),
-    in_step("flow-rate", {1, 0, add_flow_rate, nullptr, flow_rate}),
-    in_step("body-force", {0, 1, nullptr, see_body_force, flow_rate}),
+    in_step("flow-rate", {1, add_flow_rate}, {flow_rate}),
+    in_step("body-force", {}, {flow_rate, false, 1, see_body_force}),
 };
 
 }  // namespace

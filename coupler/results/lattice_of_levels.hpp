@@ -18,12 +18,13 @@ adapters::CellBox in_cells_of(int width, const adapters::CellBox&, int other_wid
 
 class LatticeOfLevels {
  public:
-  /// A lattice of cells of this width; of each box, what is in the box `within`, which is in these cells.
+  /// Makes a lattice of cells of this width from the parts of the boxes in `within`, which counts in such
+  /// cells.
   LatticeOfLevels(const std::vector<LevelBoxes>&, int width, const adapters::CellBox& within);
 
   /// Returns the boxes of the lattice, level by level.
   const std::vector<adapters::CellBox>& boxes() const { return boxes_; }
-  /// Returns a quantity on them from the same on the boxes of each level.
+  /// Returns a quantity on the boxes of the lattice from the same quantity on the boxes of each level.
   adapters::FieldQuantity quantity(std::vector<adapters::FieldQuantity> of_levels) const;
 
  private:

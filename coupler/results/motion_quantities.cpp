@@ -17,15 +17,13 @@ using Vectors = std::vector<Vec3> rigid::BodyMotions::*;
 
 /// Adds the three components, their squares, and 1 a body.
 template <Vectors vectors>
-bool add_moments(const Simulation& simulation, const QuantitySpec& q, const QuantityHistory&,
-                 std::span<ExactSum> sums) {
+void add_moments(const Simulation& simulation, const QuantitySpec& q, std::span<ExactSum> sums) {
   const BodySet& bodies = simulation.bodies();
   for_bodies_of(bodies, q, [&](std::size_t row) {
     const Vec3& x = (bodies.*vectors)[row];
     for (int d = 0; d < 3; ++d) sums[d].add(x[d]), sums[3 + d].add(x[d] * x[d]);
     sums[6].add(1);
   });
-  return true;
 }
 
 /// The three components and their opposites.
@@ -59,30 +57,30 @@ double least(const Case&, const QuantitySpec& q, std::int64_t, std::span<const d
 }
 
 template <Vectors vectors>
-constexpr StepValue of_sums(decltype(StepValue::of) of) {
-  return {7, 0, add_moments<vectors>, nullptr, of, true};
+constexpr Computation of_sums(std::string_view type, decltype(StepValue::of) of) {
+  return in_step(type, {7, add_moments<vectors>}, {of, true});
 }
 template <Vectors vectors>
-constexpr StepValue of_extremes(decltype(StepValue::of) of) {
-  return {0, 6, nullptr, see_extremes<vectors>, of, true};
+constexpr Computation of_extremes(std::string_view type, decltype(StepValue::of) of) {
+  return in_step(type, {}, {of, true, 6, see_extremes<vectors>});
 }
 
 constexpr auto heights = &BodySet::position, velocities = &BodySet::velocity,
                angular_velocities = &BodySet::angular_velocity;
 
 constexpr Computation of_motions[] = {
-    in_step("mean-height", of_sums<heights>(mean)),
-    in_step("height-deviation", of_sums<heights>(deviation)),
-    in_step("least-height", of_extremes<heights>(least)),
-    in_step("largest-height", of_extremes<heights>(largest)),
-    in_step("mean-velocity", of_sums<velocities>(mean)),
-    in_step("velocity-deviation", of_sums<velocities>(deviation)),
-    in_step("least-velocity", of_extremes<velocities>(least)),
-    in_step("largest-velocity", of_extremes<velocities>(largest)),
-    in_step("mean-angular-velocity", of_sums<angular_velocities>(mean)),
-    in_step("angular-velocity-deviation", of_sums<angular_velocities>(deviation)),
-    in_step("least-angular-velocity", of_extremes<angular_velocities>(least)),
-    in_step("largest-angular-velocity", of_extremes<angular_velocities>(largest)),
+    of_sums<heights>("mean-height", mean),
+    of_sums<heights>("height-deviation", deviation),
+    of_extremes<heights>("least-height", least),
+    of_extremes<heights>("largest-height", largest),
+    of_sums<velocities>("mean-velocity", mean),
+    of_sums<velocities>("velocity-deviation", deviation),
+    of_extremes<velocities>("least-velocity", least),
+    of_extremes<velocities>("largest-velocity", largest),
+    of_sums<angular_velocities>("mean-angular-velocity", mean),
+    of_sums<angular_velocities>("angular-velocity-deviation", deviation),
+    of_extremes<angular_velocities>("least-angular-velocity", least),
+    of_extremes<angular_velocities>("largest-angular-velocity", largest),
 };
 
 }  // namespace

@@ -15,8 +15,7 @@ using rigid::Vec3;
 constexpr int samples_per_radius = 8;
 
 /// A point in each of the equal cells of a box, on a sheared lattice, so that none of its rows lies along the
-/// surface of a body that is aligned with the axes. Along an axis on which it has the whole of a period it
-/// has no end.
+/// surface of a body that is aligned with the axes. Along a whole period it has no end.
 struct SampledBox {
   Vec3 lower, upper, spacing;
   std::array<std::int64_t, 3> count;
@@ -27,7 +26,7 @@ struct SampledBox {
     for (int d = 0; d < 3; ++d) {
       const double edge = upper[d] - lower[d];
       count[d] = std::max<std::int64_t>(1, std::llround(std::ceil(edge / widest)));
-      spacing[d] = edge / static_cast<double>(count[d]);
+      spacing[d] = edge / double(count[d]);
       endless[d] = extent.periodic[d] && edge >= extent.size[d];
     }
   }
@@ -48,15 +47,14 @@ struct SampledBox {
   }
   Vec3 point(std::int64_t i, std::int64_t j, std::int64_t k) const {
     constexpr double shear_x = 0.6180339887498949, shear_y = 0.7548776662466927;  // badly approximable
-    const double x = static_cast<double>(i), y = static_cast<double>(j), z = static_cast<double>(k);
+    const double x = double(i), y = double(j), z = double(k);
     const double shift_y = shear_x * x, shift_z = shear_y * y + shear_x * x;
     return lower + spacing.cwiseProduct(
                        Vec3(x + 0.5, y + shift_y - std::floor(shift_y), z + shift_z - std::floor(shift_z)));
   }
 };
 
-/// Returns how much of a line along z, from x to `length` above it, is inside any of the parts (lattice
-/// units).
+/// Returns how much of a line along z, from x to `length` above it, is inside any of the parts (cells).
 double length_inside(const Vec3& x, double length, std::span<const rigid::Part> parts,
                      const rigid::Pose& pose) {
   const Vec3 first = pose.to_body(x), up = pose.orientation.conjugate() * Vec3::UnitZ();

@@ -1,5 +1,7 @@
-#include "coupler/results/populations.hpp"
-
+// The populations of the fluid in a checkpoint. Cells of one level are a field, [q][z][y][x]. Of several,
+// each level has a list of its cells, [q][cell], and /cells/levels says where they lie: the level of each
+// tile of the domain, a cube of finest cells within which all cells are of one level. The lists go through
+// the tiles, and the cells of each, in the order z, y, x, whatever the cut of the domain.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,6 +9,7 @@
 #include <tuple>
 
 #include "coupler/case/case.hpp"
+#include "coupler/results/checkpoint.hpp"
 #include "coupler/results/flow_fields.hpp"
 #include "coupler/results/lattice_of_levels.hpp"
 #include "parallel/together.hpp"
@@ -20,24 +23,21 @@ using lbm::Int3;
 
 namespace {
 
-/// No population that a run can go on from is above it, in the mass of a cell
-/// at its reference density.
+/// A run can go on from no larger population, in the mass of a cell at its reference density.
 constexpr double largest_population = 1024;
 
 Storage storage_of(const Case& setup) {
   return setup.fluid->precision == Precision::double_ ? Storage::double_ : Storage::single;
 }
 
-/// Calls visit(local cells, offset in the block's cells) for the planes of a
-/// block.
+/// Calls visit(local cells, offset in the block's cells) for the planes of a block.
 template <class Visit>
 void for_planes(const lbm::CellBox& block, Visit&& visit) {
   lbm::CellBox plane{{}, {block.size.x, block.size.y, 1}};
   for (; plane.lower.z < block.size.z; ++plane.lower.z) visit(plane, plane.lower.z * plane.cells());
 }
 
-/// Takes population q of a block to where at(cell of the block, x fastest)
-/// says.
+/// Takes population q of a block to the places at(cell of the block, x fastest).
 template <class T, class At>
 void take(const FluidFields& fields, int b, int q, T* out, At&& at) {
   std::vector<double> g;
@@ -48,7 +48,7 @@ void take(const FluidFields& fields, int b, int q, T* out, At&& at) {
   });
 }
 
-/// Gives a block population q from there.
+/// Gives a block population q from the places at(cell of the block, x fastest).
 template <class T, class At>
 void give(const CheckpointReader& reader, FluidFields& fields, int b, int q, const T* in, At&& at) {
   std::vector<double> g;
@@ -60,10 +60,8 @@ void give(const CheckpointReader& reader, FluidFields& fields, int b, int q, con
       if (std::abs(g[n]) <= largest_population) continue;
       const auto [x, y, z] =
           fields.finest(block.lower + plane.lower + Int3{int(n) % block.size.x, int(n) / block.size.x, 0});
-      reader.refuse(
-          fmt::format("/cells/populations, population {} of the cell "
-                      "[{}, {}, {}]: it is {}",
-                      q, x, y, z, in[at(first + n)]));
+      reader.refuse(fmt::format("/cells/populations, population {} of the cell [{}, {}, {}]: it is {}", q, x,
+                                y, z, in[at(first + n)]));
     }
     fields.write(b, plane, q, g.data());
   });
@@ -77,18 +75,16 @@ std::size_t same(std::size_t cell) {
 
 /// The tiles of the domain, and the level of those in a box of them.
 struct Tiles {
-  int edge;  // in finest cells: all faces between levels, and between ranks, are
-             // faces of tiles
+  int edge;  // in finest cells; all faces between levels, and between ranks, are faces of tiles
   std::array<int, 3> lattice;
-  adapters::CellBox box;
+  lbm::CellBox box;
   std::vector<std::uint8_t> levels;
 
   /// Calls visit(tile, its place in the box) in the order of the lists.
   template <class Visit>
   void for_each(Visit&& visit) const {
     std::size_t i = 0;
-    for_cells({box.lower[0], box.lower[1], box.lower[2]}, {box.upper[0], box.upper[1], box.upper[2]},
-              [&](Int3 tile) { visit(tile, i++); });
+    for_cells(box.lower, box.lower + box.size, [&](Int3 tile) { visit(tile, i++); });
   }
 };
 
@@ -102,22 +98,19 @@ Tiles tiling_of(const Case& setup) {
   return tiles;
 }
 
-/// With the levels of those of this rank.
+/// Returns the tiles with the levels of those of this rank.
 Tiles tiling_of(const Case& setup, const Flow& flow) {
   Tiles tiles = tiling_of(setup);
   tiles.box = in_cells_of(tiles.edge, box_of(flow), 1);
   tiles.levels.resize(tiles.box.cells());
-  const adapters::CellBox& all = tiles.box;
+  const lbm::CellBox& all = tiles.box;
   flow.for_levels([&](const FluidFields& fields) {
-    for (const adapters::CellBox& block : boxes_of(fields)) {
-      const adapters::CellBox here = in_cells_of(tiles.edge, block, fields.width());
-      for (int z = here.lower[2]; z < here.upper[2]; ++z)
-        for (int y = here.lower[1]; y < here.upper[1]; ++y) {
-          const std::size_t row =
-              (z - all.lower[2]) * std::size_t(all.upper[1] - all.lower[1]) + y - all.lower[1];
-          std::fill_n(&tiles.levels[row * (all.upper[0] - all.lower[0]) + here.lower[0] - all.lower[0]],
-                      here.upper[0] - here.lower[0], std::uint8_t(fields.level()));
-        }
+    for (const lbm::CellBox& block : boxes_of(fields)) {
+      const lbm::CellBox here = in_cells_of(tiles.edge, block, fields.width());
+      for_cells(here.lower, here.lower + here.size, [&](Int3 tile) {
+        const Int3 x = tile - all.lower;
+        tiles.levels[(std::size_t(x.z) * all.size.y + x.y) * all.size.x + x.x] = std::uint8_t(fields.level());
+      });
     }
   });
   return tiles;
@@ -154,7 +147,7 @@ CellList list_of(const Tiles& tiles, const FluidFields& fields) {
   return list;
 }
 
-/// Boxes that go on in each other along an axis as one.
+/// Joins boxes that continue each other along an axis.
 std::vector<lbm::LevelBox> merged(std::vector<lbm::LevelBox> boxes, int axis) {
   const int b = (axis + 1) % 3, c = (axis + 2) % 3;
   const auto across = [=](const lbm::LevelBox& s) {
@@ -245,9 +238,8 @@ void require_populations(const CheckpointReader& reader, const Case& setup) {
 
 std::vector<lbm::LevelBox> saved_levels(const CheckpointReader& reader, int coarsest,
                                         const lbm::CellBox& box) {
-  const Int3 low = box.lower, high = box.lower + box.size;
   Tiles tiles{edge_of_tiles(coarsest), {}, {}, {}};
-  tiles.box = in_cells_of(tiles.edge, {{low.x, low.y, low.z}, {high.x, high.y, high.z}}, 1);
+  tiles.box = in_cells_of(tiles.edge, box, 1);
   std::vector<lbm::LevelBox> found;
   reader.cells("levels", Storage::byte, {tiles.box}, [&](int, std::size_t, const void* in) {
     const auto* level = static_cast<const std::uint8_t*>(in);

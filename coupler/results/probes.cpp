@@ -15,19 +15,12 @@ using rigid::Vec3;
 
 namespace {
 
-/// Calls visit(block, local cell) where this rank has a cell of the domain; one beyond a periodic side is
-/// that on the other side.
+/// Calls visit(block, local cell) where this rank has a cell, which may be beyond a periodic side.
 template <class Visit>
 void with_cell(const FluidFields& fields, Int3 cell, Visit&& visit) {
-  const Int3 n = fields.domain().cells();
-  for (int d = 0; d < 3; ++d)
-    if (fields.domain().periodic(d)) cell[d] = (cell[d] + n[d]) % n[d];
-  for (int b = 0; b < fields.blocks(); ++b) {
-    const Int3 local = cell - fields.block(b).lower, size = fields.block(b).size;
-    if (local.x >= 0 && local.x < size.x && local.y >= 0 && local.y < size.y && local.z >= 0 &&
-        local.z < size.z)
-      return visit(b, local);
-  }
+  cell = fields.domain().wrapped(cell);
+  for (int b = 0; b < fields.blocks(); ++b)
+    if (fields.block(b).contains(cell)) return visit(b, cell - fields.block(b).lower);
 }
 
 }  // namespace
@@ -52,7 +45,7 @@ void Probes::add_cell(const FluidFields& fields, int block, Int3 cell, double we
       sums[k++].add(weight * scalar_of(fields, field, m));
 }
 
-/// Adds what this rank has of a point and a level.
+/// Adds this rank's terms of a point from the cells of a level.
 void Probes::add(const FluidFields& fields, const Vec3& point, std::span<ExactSum> sums) const {
   const Vec3 x = point / fields.width();
   Int3 own, low;
@@ -99,7 +92,7 @@ TableRows Probes::take_rows(const Case& setup) {
   return std::exchange(rows_, {});
 }
 
-/// Makes rows of what was begun.
+/// Makes rows of the last look, if one is not finished.
 void Probes::finish(const Case& setup) {
   if (levels_ == 0) return;
   const std::vector<ExactSum>& sums = sums_.finish();
@@ -108,10 +101,10 @@ void Probes::finish(const Case& setup) {
   std::string& text = rows_.text;
   for (std::size_t p = 0; p < spec_.points.size(); ++p) {
     const ExactSum* at = &sums[p * width];
-    const auto level = static_cast<std::size_t>(at->value()) - 1;
+    const auto level = std::size_t(at->value()) - 1;
     at += 1 + level * terms();
     const double weight = (at++)->value();
-    text += fmt::format("{},{},{}", step_, static_cast<double>(step_) * units.time_step, p);
+    text += fmt::format("{},{},{}", step_, double(step_) * units.time_step, p);
     for (const double x : spec_.points[p]) text += ',' + csv_number(units.physical(x, dimension::length));
     for (const Field field : spec_.quantities)
       for (int k = 0; k < numbers_of(field); ++k)

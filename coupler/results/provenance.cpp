@@ -12,7 +12,7 @@ namespace silt::coupler {
 
 namespace {
 
-/// What Linux calls the processor, or "".
+/// Returns the name that Linux has for the processor, or "".
 std::string processor_name() {
   std::ifstream file("/proc/cpuinfo");
   for (std::string line; std::getline(file, line);)

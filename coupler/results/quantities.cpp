@@ -18,11 +18,13 @@ const Computation& computation_of(std::string_view type) {
 }
 
 double value_in_last_step(const Simulation& simulation, const QuantitySpec& q) {
+  const auto& [count, add, counts] = computation_of(q.type).sums;
   const StepValue& in_step = computation_of(q.type).in_step;
-  std::vector<rigid::ExactSum> sums(in_step.sums);
-  std::vector<double> values(in_step.sums + in_step.largest, not_yet);
-  if (in_step.add && !in_step.add(simulation, q, no_history, sums)) return no_value;
-  const auto largest = std::span(values).subspan(sums.size());
+  if (counts && !counts(simulation, q, no_history)) return no_value;
+  std::vector<rigid::ExactSum> sums(count);
+  std::vector<double> values(count + in_step.largest, not_yet);
+  const auto largest = std::span(values).subspan(count);
+  if (add) add(simulation, q, sums);
   if (in_step.see) in_step.see(simulation, q, largest);
   const MPI_Comm comm = simulation.scene().comm;
   parallel::sum_over_ranks(comm, std::span(sums));
@@ -33,13 +35,14 @@ double value_in_last_step(const Simulation& simulation, const QuantitySpec& q) {
 
 namespace {
 
-/// Whether two quantities have the same terms in a step.
+/// Returns whether two quantities have the same terms in a step.
 bool have_same_terms(QuantitySpec a, QuantitySpec b) {
-  const StepValue &x = computation_of(a.type).in_step, &y = computation_of(b.type).in_step;
-  if (!x.of || !y.of || x.add != y.add || x.see != y.see) return false;
+  const Computation &x = computation_of(a.type), &y = computation_of(b.type);
+  const StepValue &u = x.in_step, &v = y.in_step;
+  if (!u.of || !v.of || x.sums.add != y.sums.add || u.see != v.see) return false;
   for (QuantitySpec* q : {&a, &b}) {
     q->name = q->type = "", q->time = 0;
-    if (x.of_all_axes) q->axis = 0;
+    if (u.of_all_axes) q->axis = 0;
   }
   return a == b;
 }
@@ -78,7 +81,7 @@ bool Quantities::is_in_row(std::size_t quantity, std::int64_t step) const {
 /// Adds the terms of a quantity to those that wait, unless another has added the same in this step.
 Quantities::Look Quantities::look(const Simulation& simulation, std::size_t i, bool in_row) const {
   const QuantitySpec& q = specs_[i];
-  const StepSums& sums = computations_[i]->sums;
+  const auto& [count, add, counts] = computations_[i]->sums;
   const StepValue& in_step = computations_[i]->in_step;
   const std::int64_t step = simulation.steps_done();
   for (auto other = waiting_.rbegin(); as_[i] != none && other != waiting_.rend() && other->step == step;
@@ -88,12 +91,12 @@ Quantities::Look Quantities::look(const Simulation& simulation, std::size_t i, b
       same.quantity = i, same.in_row = in_row;
       return same;
     }
-  Look look{i, step, sums_.size(), largest_.size(), true, in_row};
-  sums_.resize(sums_.size() + (sums.add ? sums.count : in_step.sums));
+  Look look{i, step, sums_.size(), largest_.size(), !counts || counts(simulation, q, history_[i]), in_row};
   largest_.resize(largest_.size() + in_step.largest, not_yet);
-  const auto add = sums.add ? sums.add : in_step.add;
-  if (add) look.counts = add(simulation, q, history_[i], std::span(sums_).subspan(look.first_sum));
-  if (!look.counts) sums_.resize(look.first_sum);
+  if (add && look.counts) {
+    sums_.resize(sums_.size() + count);
+    add(simulation, q, std::span(sums_).subspan(look.first_sum));
+  }
   if (in_step.see) in_step.see(simulation, q, std::span(largest_).subspan(look.first_largest));
   return look;
 }
@@ -104,7 +107,7 @@ void Quantities::observe(const Simulation& simulation) {
     const Computation& c = *computations_[i];
     if (c.observe) c.observe(simulation, specs_[i], history_[i]);
     const bool in_row = is_in_row(i, step);
-    if (!c.sums.add && !in_row) continue;
+    if (!c.fold && !in_row) continue;
     const Look found = look(simulation, i, in_row);
     if (found.counts || in_row) waiting_.push_back(found);
   }
@@ -119,7 +122,7 @@ void Quantities::start_sums(MPI_Comm comm) const {
   if (!largest_.empty()) largest_under_way_.start(comm, std::exchange(largest_, {}));
 }
 
-/// Takes what was started last into the history and into rows, in the order in which it was observed.
+/// Takes the sums that were started last into the history and into rows, in the order of observation.
 void Quantities::fold_started(const Case& setup) const {
   std::vector<double> in_step(specs_.size(), no_value);
   for (std::size_t k = 0; k < started_.size(); ++k) {
@@ -136,9 +139,9 @@ void Quantities::fold(const Case& setup, const Look& look, std::vector<double>& 
   const QuantitySpec& q = specs_[look.quantity];
   const Computation& c = *computations_[look.quantity];
   std::vector<double> values;
-  for (int k = 0; k < (c.sums.add ? c.sums.count : c.in_step.sums); ++k)
+  for (int k = 0; k < c.sums.count; ++k)
     values.push_back(sums_under_way_.finish()[look.first_sum + k].value());
-  if (c.sums.fold) c.sums.fold(setup, q, look.step, values, history_[look.quantity]);
+  if (c.fold) c.fold(setup, q, look.step, values, history_[look.quantity]);
   for (int k = 0; k < c.in_step.largest; ++k)
     values.push_back(largest_under_way_.finish()[look.first_largest + k]);
   if (look.in_row) in_step[look.quantity] = physical(q, c.in_step.of(setup, q, look.step, values));
@@ -148,7 +151,7 @@ void Quantities::add_rows(std::int64_t step, const std::vector<double>& in_step)
   for (std::size_t s = 0; s < series_.size(); ++s) {
     if (step % series_[s].every != 0) continue;
     rows_[s].last_step = step;
-    rows_[s].text += fmt::format("{},{}", step, static_cast<double>(step) * units_.time_step);
+    rows_[s].text += fmt::format("{},{}", step, double(step) * units_.time_step);
     for (const std::size_t column : columns_[s]) rows_[s].text += ',' + csv_number(in_step[column]);
     rows_[s].text += '\n';
   }

@@ -15,7 +15,7 @@ namespace silt::coupler {
 
 class Quantities {
  public:
-  /// So many steps wait at most before their sums over the ranks are started; as many are then under way.
+  /// The sums over the ranks are started when this many steps wait for them.
   static constexpr std::int64_t most_steps = 64;
 
   explicit Quantities(const Case&);
@@ -26,7 +26,7 @@ class Quantities {
   /// Collective: waits for all that has been observed.
   void settle(const Simulation&) const;
   /// Returns the rows that have become known since the last call, of each series; the same on every rank.
-  /// Those of all steps so far after settle, else some may still be under way.
+  /// After settle these are the rows of all steps so far, else some may still be under way.
   std::vector<TableRows> take_rows();
   static std::string columns(const ColumnsSpec&);
   /// Collective. Returns names and values in the order of the case, the same on every rank and any number of
@@ -34,8 +34,7 @@ class Quantities {
   std::vector<std::pair<std::string, double>> evaluate(const Simulation&) const;
   /// Collective. Returns the value of one quantity; std::out_of_range for a name the case does not give.
   double evaluate(const Simulation&, const std::string& name) const;
-  /// Returns the values in the last step of those that are means over steps, by name, as evaluate has brought
-  /// them up to date.
+  /// Returns the values in the last step of means over steps, by name, as of the last evaluate().
   std::vector<std::pair<std::string, double>> in_last_step() const;
 
   /// Collective. Returns what observe has gathered, for checkpoints.
@@ -65,7 +64,7 @@ class Quantities {
   std::vector<const Computation*> computations_;   // of each quantity
   std::vector<std::vector<std::size_t>> columns_;  // of each series: its quantities
   std::vector<std::size_t> as_;                    // of each quantity: the first with the same terms, or none
-  // On this rank; what has been observed and not yet been summed joins the history when somebody asks for it.
+  // The history on this rank. Observations that are not yet summed join it when somebody asks for it.
   mutable std::vector<QuantityHistory> history_;
   mutable std::vector<Look> waiting_, started_;
   mutable std::vector<rigid::ExactSum> sums_;  // of the looks that wait

@@ -16,36 +16,30 @@
 
 namespace silt::coupler {
 
-/// What a quantity that looks at the whole run has gathered so far: numbers of which the largest over the
-/// ranks counts.
+/// The numbers that a quantity of the whole run has gathered so far; the largest over the ranks counts.
 using QuantityHistory = std::array<double, 3>;
 inline constexpr double not_yet = -std::numeric_limits<double>::infinity();
 inline constexpr QuantityHistory no_history{not_yet, not_yet, not_yet};
 inline constexpr double no_value = std::numeric_limits<double>::quiet_NaN();
 
 /// Sums over the ranks that a quantity needs of a step. They are put together many steps at a time, so none
-/// waits for another rank: `add` gives this rank's terms after a step, and `fold`, later and on every rank,
-/// takes the sums of one step after the other into the history.
+/// waits for another rank.
 struct StepSums {
   int count = 0;  // 0: none
-  /// Returns whether the step counts, which every rank must find alike.
-  bool (*add)(const Simulation&, const QuantitySpec&, const QuantityHistory&,
-              std::span<rigid::ExactSum>) = nullptr;
-  void (*fold)(const Case&, const QuantitySpec&, std::int64_t step, std::span<const double>,
-               QuantityHistory&) = nullptr;
+  /// Adds this rank's terms after a step.
+  void (*add)(const Simulation&, const QuantitySpec&, std::span<rigid::ExactSum>) = nullptr;
+  /// Returns whether the step counts, which every rank must find alike; null: every step does.
+  bool (*counts)(const Simulation&, const QuantitySpec&, const QuantityHistory&) = nullptr;
 };
 
-/// The value of a quantity in a step, from sums over the ranks and from numbers of which the largest of the
-/// ranks counts: for a series, and for the report.
+/// The value of a quantity in a step, from its sums and from numbers of which the largest of the ranks
+/// counts: for a series, and for the report.
 struct StepValue {
-  int sums = 0, largest = 0;
-  /// As in StepSums; null: there are no sums, and the step counts.
-  bool (*add)(const Simulation&, const QuantitySpec&, const QuantityHistory&,
-              std::span<rigid::ExactSum>) = nullptr;
-  void (*see)(const Simulation&, const QuantitySpec&, std::span<double> largest) = nullptr;
-  /// Of the sums and then the largest.
+  /// Returns the value from the sums and then the largest.
   double (*of)(const Case&, const QuantitySpec&, std::int64_t step, std::span<const double>) = nullptr;
   bool of_all_axes = false;  // the terms are the same whatever the spec's axis
+  int largest = 0;
+  void (*see)(const Simulation&, const QuantitySpec&, std::span<double> largest) = nullptr;
 };
 
 /// Computation is how the quantities of a row of quantity_types are computed.
@@ -54,7 +48,10 @@ struct Computation {
   void (*observe)(const Simulation&, const QuantitySpec&, QuantityHistory&);  // after every step; or null
   double (*value)(const Simulation&, const QuantitySpec&, const QuantityHistory&);
   StepSums sums = {};
-  /// Of a mean over steps: its value in the last one; else null.
+  /// Takes the sums of one step after the other into the history, on every rank; null: only series need sums.
+  void (*fold)(const Case&, const QuantitySpec&, std::int64_t step, std::span<const double>,
+               QuantityHistory&) = nullptr;
+  /// Returns the value in the last step of a mean over steps; null for others.
   double (*in_last_step)(const QuantityHistory&) = nullptr;
   StepValue in_step = {};  // of those that have a value in every step
 };
@@ -99,7 +96,7 @@ constexpr Computation at_end(std::string_view type) {
           }};
 }
 
-/// What has been observed: the first number of the history.
+/// Returns the observation: the first number of the history.
 inline double value_seen(const Simulation&, const QuantitySpec&, const QuantityHistory& h) {
   return h[0] == not_yet ? no_value : h[0];
 }
@@ -113,49 +110,54 @@ double of_step(const Case& setup, const QuantitySpec& q, std::int64_t step, std:
     return f(setup, q, sums);
 }
 
-/// What is of the last step, or of the moment, at the end.
-constexpr Computation in_step(std::string_view type, const StepValue& value) {
+/// Returns whether forces have acted, as they have from the first step on.
+inline bool has_acted(const Simulation& simulation, const QuantitySpec&, const QuantityHistory&) {
+  return simulation.steps_done() > 0;
+}
+
+/// A value of the last step, or of the moment, at the end.
+constexpr Computation in_step(std::string_view type, const StepSums& sums, const StepValue& value) {
   return {type,
           nullptr,
           [](const Simulation& simulation, const QuantitySpec& q, const QuantityHistory&) {
             return value_in_last_step(simulation, q);
           },
-          {},
+          sums,
+          nullptr,
           nullptr,
           value};
 }
 
-/// The mean over the steps from the spec's time on: their sum, their number, and the value in the last step,
-/// which may be before that time.
+/// The mean over the steps from the spec's time on: sum, number, and the value in the last step, even an
+/// earlier one.
 template <auto f>
 void fold_into_mean(const Case& setup, const QuantitySpec& q, std::int64_t step, std::span<const double> sums,
                     QuantityHistory& h) {
   h[2] = of_step<f>(setup, q, step, sums);
-  if (static_cast<double>(step) < q.time) return;
+  if (double(step) < q.time) return;
   if (h[0] == not_yet) h[0] = h[1] = 0;
   h[0] += h[2];
   h[1] += 1;
 }
-template <int count, auto add, auto f>
-constexpr Computation mean_of(std::string_view type) {
+template <auto f>
+constexpr Computation mean_of(std::string_view type, const StepSums& sums) {
   return {type,
           nullptr,
           [](const Simulation&, const QuantitySpec&, const QuantityHistory& h) {
             return h[0] == not_yet ? no_value : h[0] / h[1];
           },
-          {count, add, fold_into_mean<f>},
+          sums,
+          fold_into_mean<f>,
           [](const QuantityHistory& h) { return h[2] == not_yet ? no_value : h[2]; },
-          {count, 0, add, nullptr, of_step<f>}};
+          {of_step<f>}};
 }
 
-/// f(simulation) at the first step within half a step of the spec's time or after it; without a time, at the
-/// end.
+/// f(simulation) at the first step from half a step before the spec's time; without a time, at the end.
 template <auto f>
 constexpr Computation at_instant(std::string_view type) {
   return {type,
           [](const Simulation& simulation, const QuantitySpec& q, QuantityHistory& h) {
-            if (h[0] == not_yet && static_cast<double>(simulation.steps_done()) >= q.time - 0.5)
-              h[0] = f(simulation);
+            if (h[0] == not_yet && double(simulation.steps_done()) >= q.time - 0.5) h[0] = f(simulation);
           },
           [](const Simulation& simulation, const QuantitySpec& q, const QuantityHistory& h) {
             return std::isfinite(q.time) ? value_seen(simulation, q, h) : f(simulation);

@@ -5,10 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
-#include <fstream>
-#include <iterator>
 #include <limits>
-#include <numeric>
 
 #include "coupler/body_turnover.hpp"
 #include "coupler/case/case.hpp"
@@ -31,7 +28,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();  // null in the file
 
-/// Over the ranks.
+/// The spread of a number over the ranks.
 struct Spread {
   double least, mean, most;
   Json json() const { return Json::object({{"min", least}, {"avg", mean}, {"max", most}}); }
@@ -46,27 +43,14 @@ Spread spread(const Simulation& simulation, double mine) {
 
 // ---- what there is, and what there is not ----
 
-/// Whether the scene's step has this stage at all.
 bool has_stage(const Scene& scene, Stage stage) {
-  switch (stage) {
-    case Stage::object_mapping:
-    case Stage::force_evaluation:
-      return scene.flow && scene.setup.has_surfaces();
-    case Stage::lbm_communication:
-    case Stage::stream_collide:
-      return scene.flow != nullptr;
-    case Stage::integrate:
-    case Stage::collision_detection:
-    case Stage::contact_response:
-    case Stage::body_synchronisation:
-      return scene.rigid_step != nullptr;
-    case Stage::count:
-      break;
-  }
-  return false;
+  const bool flow = scene.flow != nullptr;
+  if (stage == Stage::lbm_communication || stage == Stage::stream_collide) return flow;
+  const bool couples = stage == Stage::object_mapping || stage == Stage::force_evaluation;
+  return couples ? flow && scene.setup.has_surfaces() : scene.rigid_step != nullptr;
 }
 
-/// The stages, forces and outputs that the scene does without.
+/// Returns the stages, forces and outputs that the scene does without.
 Json skipped_passes(const Scene& scene) {
   const OutputSpec& output = scene.setup.output;
   Json skipped = Json::array();
@@ -91,7 +75,7 @@ Json skipped_passes(const Scene& scene) {
   return skipped;
 }
 
-/// What of(stage) gives for each stage of the scene's step.
+/// Makes an object of of(stage) for each stage of the scene's step.
 template <class Of>
 Json by_stage(const Scene& scene, Of&& of) {
   Json stages = Json::object();
@@ -100,18 +84,16 @@ Json by_stage(const Scene& scene, Of&& of) {
   return stages;
 }
 
-/// Momentum is a constant only where nothing outside the box acts.
+/// Returns whether momentum is a constant: nothing outside the box acts.
 bool keeps_momentum(const Scene& scene) {
   const Case& c = scene.setup;
-  if (!c.walls.empty() || !c.springs.empty()) return false;
-  if (!c.gravity.isZero(0) || (c.fluid && c.fluid->has_body_force())) return false;
-  for (int d = 0; d < 3; ++d)
-    if (!c.periodic(d)) return false;
-  return std::all_of(c.bodies.begin(), c.bodies.end(),
-                     [](const BodySpec& b) { return b.motion == rigid::Motion::free && !b.locked; });
+  const auto is_free = [](const BodySpec& b) { return b.motion == rigid::Motion::free && !b.locked; };
+  return c.walls.empty() && c.springs.empty() && c.gravity.isZero(0) &&
+         !(c.fluid && c.fluid->has_body_force()) && c.periodic(0) && c.periodic(1) && c.periodic(2) &&
+         std::all_of(c.bodies.begin(), c.bodies.end(), is_free);
 }
 
-/// Shapes that have flat faces or edges, and so no lubrication anywhere on them.
+/// Returns the shapes that have flat faces or edges, and so no lubrication anywhere on them.
 Json unlubricated_shapes(const Case& setup) {
   Json names = Json::array();
   for (std::size_t s = 0; s < setup.shapes.size(); ++s) {
@@ -124,8 +106,8 @@ Json unlubricated_shapes(const Case& setup) {
   return names;
 }
 
-/// Of the kinds whose bodies differ in size: pairs of a diameter, of the sphere of a body's volume, and how
-/// many bodies have it now.
+/// Returns pairs of a diameter (of a sphere of its volume) and a count of bodies for each kind of several
+/// sizes.
 Json sizes_of(const Simulation& simulation) {
   const Scene& scene = simulation.scene();
   const Case& setup = scene.setup;
@@ -144,19 +126,13 @@ Json sizes_of(const Simulation& simulation) {
   return sizes;
 }
 
-Json lubrication_of(const Scene& scene) {
-  if (!scene.world.lubrication) return Json();
-  return Json::object({{"reach_cells", scene.world.lubrication->reach()},
-                       {"shapes_without", unlubricated_shapes(scene.setup)}});
-}
-
 void add_scene(const Simulation& simulation, Json& report) {
   const Scene& scene = simulation.scene();
   const Case& c = scene.setup;
   report["title"] = c.title;
   report["ranks"] = scene.ranks;
   report["blocks"] = scene.domain.blocks();
-  report["cells"] = std::uint64_t(c.cells[0]) * c.cells[1] * c.cells[2];
+  report["cells"] = std::uint64_t(c.volume());
   report["bodies"] = simulation.body_count();
   if (c.has_sizes()) report["sizes"] = sizes_of(simulation);
   report["backend"] = scene.backend_name();
@@ -169,7 +145,9 @@ void add_scene(const Simulation& simulation, Json& report) {
     report["wall_scheme"] = std::string(wall_scheme_names[c.coupling.wall_scheme]);
     report["time_coupling"] = std::string(time_coupling_names[c.coupling.time]);
     report["refill"] = std::string(refill_names[c.coupling.refill]);
-    report["lubrication"] = lubrication_of(scene);
+    report["lubrication"] = nullptr;
+    if (const auto& films = scene.world.lubrication)
+      report["lubrication"] = {{"reach_cells", films->reach()}, {"shapes_without", unlubricated_shapes(c)}};
     report["force"] = std::string(force_form_names[c.coupling.force]);
   }
 }
@@ -177,56 +155,41 @@ void add_scene(const Simulation& simulation, Json& report) {
 void add_balance(Simulation& simulation, Json& report) {
   const Balance& before = simulation.initial_balance();
   const Balance now = simulation.balance();
-  // of the whole mass of the fluid at the start
-  report["mass_drift"] =
-      before.fluid_cells > 0 ? (now.mass_deviation - before.mass_deviation) / before.fluid_cells : unknown;
+  const auto of_fluid = [&](double mass) {  // of its whole mass at the start
+    return before.fluid_cells > 0 ? mass / before.fluid_cells : unknown;
+  };
+  const Flow* flow = simulation.scene().flow.get();
+  const double surplus = flow ? double(flow->account().mass_correction().surplus) : 0;
+  report["mass_drift"] = of_fluid(now.mass_deviation - before.mass_deviation);
   // what of it the mass correction knows of and takes out in the next step
-  report["mass_surplus"] = before.fluid_cells > 0
-                               ? double(simulation.scene().flow->account().mass_correction().surplus) *
-                                     lbm::mass_quantum / before.fluid_cells
-                               : unknown;
-  // |p - p(0)| / (|p of the fluid| + sum |p of a body|), the larger of then and now; null where something
-  // acts from outside
+  report["mass_surplus"] = of_fluid(surplus * lbm::mass_quantum);
+  // |p - p(0)| / (|p of the fluid| + sum |p of a body|), the larger of then and now
   const double scale = std::max(before.momentum_scale, now.momentum_scale);
   report["momentum_drift"] = keeps_momentum(simulation.scene()) && scale > 0
                                  ? (now.momentum - before.momentum).norm() / scale
                                  : unknown;
 }
 
-/// Sums over the free bodies: momentum, and kinetic energy with rotation.
-struct MotionSums {
-  std::array<rigid::ExactSum, 3> momentum;
-  rigid::ExactSum energy;
-  void carry() {
-    for (rigid::ExactSum& component : momentum) component.carry();
-    energy.carry();
-  }
-};
-
-MotionSums motion_of_bodies(const Scene& scene) {
+/// Returns the momentum of the free bodies and their kinetic energy with rotation.
+std::array<rigid::ExactSum, 4> motion_of_bodies(const Scene& scene) {
   const rigid::BodySet& rows = scene.bodies;
-  MotionSums mine;
+  std::array<rigid::ExactSum, 4> sums;
   for (std::size_t row = 0; row < rows.owned; ++row) {
     if (!rows.is_dynamic(row)) continue;
-    for (int d = 0; d < 3; ++d) mine.momentum[d].add(rows.mass[row] * rows.velocity[row][d]);
-    mine.energy.add(rows.kinetic_energy(row));
+    for (int d = 0; d < 3; ++d) sums[d].add(rows.mass[row] * rows.velocity[row][d]);
+    sums[3].add(rows.kinetic_energy(row));
   }
-  return parallel::sum_over_ranks(scene.comm, mine);
+  parallel::sum_over_ranks(scene.comm, std::span(sums));
+  return sums;
 }
 
-/// Momentum and kinetic energy of the free bodies, and of the cells that are fluid.
 void add_motion(const Simulation& simulation, Json& report) {
   const Units& units = simulation.setup().units;
   const Scene& scene = simulation.scene();
-  const MotionSums bodies = motion_of_bodies(scene);
   const auto energy = [&](double x) { return units.physical(x, dimension::energy); };
-  const auto momentum = [&](double x, double y, double z) {
-    std::array<double, 3> p{x, y, z};
-    for (double& component : p) component = units.physical(component, dimension::momentum);
-    return Json(p);
-  };
-  const auto& [x, y, z] = bodies.momentum;
-  report["energy"] = Json::object({{"bodies", energy(bodies.energy.value())}});
+  const auto momentum = [&](auto... p) { return Json::array({units.physical(p, dimension::momentum)...}); };
+  const auto [x, y, z, of_bodies] = motion_of_bodies(scene);
+  report["energy"] = Json::object({{"bodies", energy(of_bodies.value())}});
   report["momentum"] = Json::object({{"bodies", momentum(x.value(), y.value(), z.value())}});
   if (!scene.flow) return;
   const FlowTotals flow = scene.flow->account().totals();
@@ -235,18 +198,7 @@ void add_motion(const Simulation& simulation, Json& report) {
   report["momentum"]["fluid"] = momentum(p[0], p[1], p[2]);
 }
 
-struct PutCounter {
-  const Units& units;
-  Json& report;
-  void operator()(const CounterName& name, std::uint64_t x) {
-    if (name.report) report[name.report] = x;
-  }
-  void operator()(const CounterName& name, double x) {
-    report[name.report] = units.physical(x, name.dimension);
-  }
-};
-
-/// By the ways that are open.
+/// Returns how many bodies left by each way that is open.
 Json left_by(const Case& setup, const RunCounters& counters) {
   Json ways = Json::object();
   for (int side = 0; side < first_outflow; ++side)
@@ -255,26 +207,32 @@ Json left_by(const Case& setup, const RunCounters& counters) {
   return ways;
 }
 
-void add_counters(const Simulation& simulation, const FlowTotals* totals, Json& report) {
+void add_counters(const Simulation& simulation, Json& report) {
   const Units& units = simulation.setup().units;
   const RunCounters c = simulation.counters();
-  const double fluid = std::max(simulation.fluid_speed(), totals ? totals->max_speed : 0);
-  const double fastest = std::max(c.body_speed, fluid);
+  double fastest = std::max(c.body_speed, simulation.fluid_speed());
+  if (const Flow* flow = simulation.scene().flow.get()) {
+    const FlowTotals totals = flow->account().totals();
+    fastest = std::max(fastest, totals.max_speed);
+    report["min_density"] = totals.min_density;
+    report["max_density"] = totals.max_density;
+    report["fluid_cells"] = totals.fluid_cells;
+  }
   report["max_velocity"] = units.physical(fastest, dimension::velocity);
   report["max_velocity_lattice"] = fastest;
-  if (totals) {
-    report["min_density"] = totals->min_density;
-    report["max_density"] = totals->max_density;
-    report["fluid_cells"] = totals->fluid_cells;
-  }
-  visit_counters(c, PutCounter{units, report});
+  visit_counters(c, [&](const CounterName& name, auto x) {
+    if constexpr (std::is_same_v<decltype(x), double>)
+      report[name.report] = units.physical(x, name.dimension);
+    else if (name.report)
+      report[name.report] = x;
+  });
   report["bodies_left_by"] = left_by(simulation.setup(), c);
   report["bodies_asleep"] = simulation.bodies_asleep();
   report["contacts_now"] = simulation.contacts_now();
   report["links"] = simulation.links();
 }
 
-/// Of each level, the finest first: its cells, and the time of its passes.
+/// Returns the cells of each level, the finest first, and the time of its passes.
 Json levels_of(const Simulation& simulation) {
   const Flow& flow = *simulation.scene().flow;
   const StageSeconds stages = simulation.stage_seconds();
@@ -297,8 +255,8 @@ void add_times(const Simulation& simulation, const RunStatus& status, Json& repo
   const Scene& scene = simulation.scene();
   const double in_steps = parallel::max_over_ranks(scene.comm, simulation.step_seconds());
   const double steps = double(simulation.steps_done() - status.first_step);
-  const double cells = double(scene.setup.cells[0]) * scene.setup.cells[1] * scene.setup.cells[2];
-  report["mlups"] = scene.flow && in_steps > 0 ? steps * cells / in_steps * 1e-6 : scene.flow ? 0.0 : unknown;
+  const double done = steps * scene.setup.volume() * 1e-6;
+  report["mlups"] = !scene.flow ? unknown : in_steps > 0 ? done / in_steps : 0;
   report["wall_seconds"] = status.wall_seconds;
   report["step_seconds"] = in_steps;
   report["stage_seconds"] =
@@ -306,7 +264,7 @@ void add_times(const Simulation& simulation, const RunStatus& status, Json& repo
   if (scene.flow && scene.flow->levels() > 1) report["levels"] = levels_of(simulation);
 }
 
-/// A rank and step, since this start: the mean over the ranks, of the collectives the most.
+/// Returns what a rank sends in a step: the mean over the ranks, of the collectives the most.
 Json traffic_of(const Simulation& simulation, const parallel::Traffic& mine, double steps) {
   const auto a_step = [&](std::uint64_t n) { return spread(simulation, steps > 0 ? double(n) / steps : 0); };
   return Json::object({{"blocking_collectives_per_step", a_step(mine.blocking_collectives).most},
@@ -315,7 +273,7 @@ Json traffic_of(const Simulation& simulation, const parallel::Traffic& mine, dou
                        {"bytes_per_step", a_step(mine.bytes).mean}});
 }
 
-/// A step, since this start, of all ranks; and of both ways, over the bodies there are now.
+/// Returns the bytes of all ranks in a step; both ways together also over the bodies there are now.
 Json bus_of(const Simulation& simulation, double steps) {
   const auto a_step = [&](std::uint64_t bytes) {
     return parallel::sum_over_ranks(simulation.scene().comm, steps > 0 ? double(bytes) / steps : 0);
@@ -328,26 +286,21 @@ Json bus_of(const Simulation& simulation, double steps) {
                        {"bytes_per_body_and_step", bodies > 0 ? (to + from) / bodies : unknown}});
 }
 
-/// What the ranks do in the stages without their waits: how evenly it is shared.
+/// Returns how evenly the ranks share what they do in the stages without their waits.
 Json work_of(const Simulation& simulation) {
-  const StageSeconds seconds = simulation.stage_seconds();
-  const StageTraffic traffic = simulation.stage_traffic();
-  const double waits =
-      std::accumulate(traffic.begin(), traffic.end(), parallel::Traffic{},
-                      [](parallel::Traffic sum, const parallel::Traffic& t) { return sum += t; })
-          .waited;
-  const Spread work = spread(simulation, std::accumulate(seconds.begin(), seconds.end(), 0.0) - waits);
+  double seconds = 0, waits = 0;
+  for (const double stage : simulation.stage_seconds()) seconds += stage;
+  for (const parallel::Traffic& stage : simulation.stage_traffic()) waits += stage.waited;
+  const Spread work = spread(simulation, seconds - waits);
   return Json::object({{"max_over_mean", work.mean > 0 ? work.most / work.mean : unknown},
                        {"seconds", work.json()},
                        {"wait_seconds", spread(simulation, waits).json()}});
 }
 
-/// Predicted work: largest over mean of the ranks.
+/// Returns what became of balancing the predicted work: largest over mean of the ranks.
 Json balance_of(const Simulation& simulation) {
   const BalanceRecord record = simulation.balance_record();
-  const auto evenness = [](const Evenness& e) {
-    return Json::object({{"before", e.before}, {"after", e.after}});
-  };
+  const auto evenness = [](const Evenness& e) { return Json{{"before", e.before}, {"after", e.after}}; };
   return Json::object({{"every", simulation.setup().balance_every},
                        {"looks", record.looks},
                        {"moves", record.moves},
@@ -376,7 +329,6 @@ void add_quantities(const Simulation& simulation, const Quantities& quantities, 
   for (const auto& [name, value] : quantities.in_last_step()) report["quantities_in_last_step"][name] = value;
 }
 
-/// What each quantity is, and in which unit.
 Json quantity_types_of(const Case& setup) {
   Json types = Json::object();
   for (const QuantitySpec& q : setup.quantities) {
@@ -388,17 +340,6 @@ Json quantity_types_of(const Case& setup) {
   return types;
 }
 
-void list_numbers(const Json& value, const std::string& path, Report& report) {
-  for (const auto& [key, member] : value.items()) {
-    const bool is_vector = value.is_array() && value.size() == 3;
-    const std::string name = path + (is_vector ? std::string(1, "xyz"[std::stoi(key)]) : key);
-    if (member.is_structured())
-      list_numbers(member, name + '.', report);
-    else if (member.is_number() || member.is_null())
-      report.numbers.emplace_back(name, member.dump() == "null" ? "" : member.dump());
-  }
-}
-
 /// Bytes of a text that are not valid UTF-8 become U+FFFD.
 std::string text_of(const Json& report) {
   return report.dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
@@ -406,7 +347,7 @@ std::string text_of(const Json& report) {
 
 }  // namespace
 
-Report report_of(Simulation& simulation, const Quantities& quantities, const RunStatus& status) {
+std::string report_of(Simulation& simulation, const Quantities& quantities, const RunStatus& status) {
   const Scene& scene = simulation.scene();
   Json report = Json::object();
   report["exit_reason"] = status.exit_reason;
@@ -426,24 +367,21 @@ Report report_of(Simulation& simulation, const Quantities& quantities, const Run
     add_balance(simulation, report);
     add_motion(simulation, report);
   }
-  FlowTotals totals;
-  if (scene.flow) totals = scene.flow->account().totals();
-  add_counters(simulation, scene.flow ? &totals : nullptr, report);
+  add_counters(simulation, report);
   report["quantities"] = Json::object();
   report["quantity_types"] = quantity_types_of(scene.setup);
   if (status.state_is_sound) add_quantities(simulation, quantities, report);
-  report["version"] = build_info().version;
-  report["commit"] = build_info().commit;
-  report["compiler"] = build_info().compiler;
-  report["flags"] = build_info().flags;
-  report["libraries"] = build_info().libraries;
+  const adapters::Provenance& build = build_info();
+  report["version"] = build.version;
+  report["commit"] = build.commit;
+  report["compiler"] = build.compiler;
+  report["flags"] = build.flags;
+  report["libraries"] = build.libraries;
   report["instruction_set"] = std::string(instruction_set());
   const Device device = simulation.setup().device;
   report["device"] = std::string(device_names[std::size_t(device)]);
   if (const std::string card = description(device); !card.empty()) report["card"] = card;
-  Report made{text_of(report), {}};
-  list_numbers(report, "", made);
-  return made;
+  return text_of(report);
 }
 
 std::string last_report(const RunStatus& status, std::int64_t steps, int ranks) {
@@ -451,14 +389,6 @@ std::string last_report(const RunStatus& status, std::int64_t steps, int ranks) 
                   {"exit_text", status.exit_text},
                   {"steps", steps},
                   {"ranks", ranks}});
-}
-
-bool is_final_report(const std::filesystem::path& path, std::int64_t step) {
-  std::ifstream file(path);
-  const std::string text{std::istreambuf_iterator<char>(file), {}};
-  const auto says = [&](const std::string& member) { return text.find(member) != std::string::npos; };
-  return says("\"steps\": " + std::to_string(step) + ",") &&
-         (says("\"exit_reason\": \"completed\"") || says("\"exit_reason\": \"steady\""));
 }
 
 }  // namespace silt::coupler

@@ -1,17 +1,14 @@
 #pragma once
 // report.json: the figures of a run that other programs read.
 #include <cstdint>
-#include <filesystem>
 #include <string>
-#include <utility>
-#include <vector>
 
 #include "coupler/results/quantities.hpp"
 #include "coupler/simulation.hpp"
 
 namespace silt::coupler {
 
-/// How a run stands, beside what its simulation knows.
+/// The state of a run, besides that of its simulation.
 struct RunStatus {
   std::string exit_reason = "running";  // "completed", "steady", "interrupted", "guard", "error"
   std::string exit_text;                // for the last three: what happened
@@ -21,21 +18,11 @@ struct RunStatus {
   bool at_end = true;                   // false: no hash, which takes as long as some steps
 };
 
-struct Report {
-  std::string text;  // of report.json
-  /// Its numbers, each with its path, "member.key", and as printed; of an array of three "member.x" and so
-  /// on. A null is one, with no text: what is not known now.
-  std::vector<std::pair<std::string, std::string>> numbers;
-};
-
-/// Collective. Times are those since this start; counters and largest values since step 0. Speeds, lengths
-/// and quantities in the units of the case.
-Report report_of(Simulation&, const Quantities&, const RunStatus&);
+/// Collective. Returns the text of report.json. Times are those since this start; counters and largest values
+/// since step 0. Speeds, lengths and quantities in the units of the case.
+std::string report_of(Simulation&, const Quantities&, const RunStatus&);
 
 /// Returns the short report of a run that this rank ends alone.
 std::string last_report(const RunStatus&, std::int64_t steps, int ranks);
-
-/// Whether a file is the report of a run that came to its end at that step.
-bool is_final_report(const std::filesystem::path&, std::int64_t step);
 
 }  // namespace silt::coupler

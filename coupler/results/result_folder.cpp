@@ -32,13 +32,13 @@ fs::path first_free(const fs::path& folder) {
   }
 }
 
-/// Whether it is a file under the temporary name of one to come, or one that MPI keeps beside such.
+/// Returns whether a file has the temporary name of one to come, or is one that MPI keeps beside such.
 bool is_unfinished(const fs::path& path) {
   const std::string name = path.filename().string();
   return name.ends_with(".part") || name.find(".part.") != std::string::npos;
 }
 
-/// The text of a lock that another run holds.
+/// Throws the message about a lock that another run holds.
 [[noreturn]] void refuse_lock(const fs::path& path) {
   std::ifstream in(path);
   std::string holder{std::istreambuf_iterator<char>(in), {}};
@@ -93,13 +93,13 @@ bool is_result(const fs::path& path) {
   return std::count(names.begin(), names.end(), name) > 0 || is("fields_", ".hdf") || is("mean_", ".hdf") ||
          is("mean", ".hdf.series") || is("slice_", ".hdf") || is("slice_", ".hdf.series") ||
          is("fields", ".hdf.series") || is("bodies_", ".h5") || is("bodies_", ".vtp") ||
-         is("walls_", ".vtp") ||  is("series", ".csv") ||
-         is("probes_", ".csv") || is("checkpoint_", ".h5") || is("stopped_", ".h5") || is_unfinished(path);
+         is("walls_", ".vtp") || is("series", ".csv") || is("probes_", ".csv") || is("checkpoint_", ".h5") ||
+         is("stopped_", ".h5") || is_unfinished(path);
 }
 
 namespace {
 
-/// Whether it is a folder that stays where it is: a link's, or of another disk than what it lies in.
+/// Returns whether a folder stays where it is: a link, or on another disk than the folder it lies in.
 bool stays(const fs::path& folder) {
   struct stat own, parent;
   return fs::is_symlink(folder) ||

@@ -27,7 +27,7 @@ class ResultLock {
   ResultLock(const ResultLock&) = delete;
   ResultLock& operator=(const ResultLock&) = delete;
 
-  /// Whether the folder's lock is still this one: not if the folder has been renamed and made anew.
+  /// Returns whether the folder's lock is still this one: not if the folder has been renamed and made again.
   bool is_in_place() const;
 
  private:
@@ -35,22 +35,21 @@ class ResultLock {
   int file_ = -1;
 };
 
-/// Whether this is a file that a run, or the pictures made of it, leaves.
+/// Returns whether a run, or a picture made of it, leaves a file of this name.
 bool is_result(const std::filesystem::path&);
 
 /// Makes `folder` ready for a new run. Results of an earlier run are never overwritten silently: the folder
 /// is renamed to FOLDER.1 (or .2, ... the first that is free), unless `overwrite`, which deletes the earlier
 /// results (only those). A link to a folder, a mount point and a folder that the system does not let be
 /// renamed stay: the earlier results move to a folder of that name inside. FileError if nothing can be made
-/// or moved there; std::runtime_error if a folder that would be renamed also holds files that are no results,
-/// or if a run is writing there.
+/// or moved there; std::runtime_error if a folder to be renamed also holds other files, or if a run is
+/// writing there.
 struct ReadyFolder {
   std::unique_ptr<ResultLock> lock;
   std::string note;  // what was done, for the user, or ""
 };
 ReadyFolder prepare_result_folder(const std::filesystem::path& folder, bool overwrite);
-/// Makes a folder ready for a run that goes on: what a killed run left unfinished is removed. Errors as
-/// above.
+/// Makes a folder ready for a resumed run: removes unfinished files of a killed one. Errors as above.
 ReadyFolder return_to_result_folder(const std::filesystem::path& folder);
 
 /// FileError for a file, a link to one, and a link that leads nowhere.

@@ -9,9 +9,10 @@
 #include <fstream>
 #include <map>
 
+#include <nlohmann/json.hpp>
+
 #include "adapters/hdf5/disk.hpp"
 #include "coupler/case/case_error.hpp"
-#include "coupler/results/report.hpp"
 #include "coupler/results/result_folder.hpp"
 
 namespace silt::coupler {
@@ -22,8 +23,7 @@ namespace {
 
 // ---- any such file ----
 
-/// Reads the names of the columns; a name in quotes may go on over ends of lines. Returns whether they are
-/// whole.
+/// Reads the names of the columns, which may have ends of lines in quotes. Returns whether they are whole.
 bool take_columns(std::istream& file, std::string& columns) {
   std::getline(file, columns);
   for (std::string more;
@@ -32,8 +32,7 @@ bool take_columns(std::istream& file, std::string& columns) {
   return !file.eof();
 }
 
-/// What is left of a file: the names of the columns as they stand ("": there is no file, or not all of them),
-/// and the step of its last row.
+/// The columns of a file ("": there is no file, or not all of them), and the step of its last row.
 struct RowsLeft {
   std::string columns;
   std::int64_t last_step = -1;
@@ -57,7 +56,7 @@ RowsLeft remove_rows_after(const fs::path& path, std::int64_t step) {
   return left;
 }
 
-/// Adds text to a file, or begins it anew with the names of the columns.
+/// Adds text to a file, or begins it again with the names of the columns.
 void add_rows(const fs::path& path, bool fresh, const std::string& columns, const std::string& rows) {
   std::ofstream file(path, fresh ? std::ios::trunc : std::ios::app);
   if (fresh) file << columns << '\n';
@@ -68,33 +67,30 @@ void add_rows(const fs::path& path, bool fresh, const std::string& columns, cons
 
 // ---- series.csv ----
 
-/// What of a report changes while a run goes on; of objects all numbers in them.
+/// These members of a report change while a run goes on; all numbers in an object are columns.
 constexpr std::array series_columns = {"steps",        "time",           "wall_seconds", "mlups",
                                        "bodies",       "bodies_arrived", "bodies_left",  "bodies_left_by",
                                        "energy",       "momentum",       "max_velocity", "min_density",
                                        "max_density",  "mass_drift",     "mass_surplus", "bodies_asleep",
                                        "contacts_now", "momentum_drift", "links",        "max_penetration",
-                                       "quantities",   "stage_seconds"};
+                                       "quantities",   "means",          "stage_seconds"};
 
-/// The numbers of a member of the report. Of a quantity that is a mean over steps that of the last step, and
-/// then the mean under a name that says so; of what each rank has the mean is enough.
-decltype(Report::numbers) values_now(const Report& report, const std::string& member) {
-  decltype(Report::numbers) numbers, means;
-  for (const auto& number : report.numbers)
-    if (number.first == member || number.first.starts_with(member + '.')) numbers.push_back(number);
-  if (member == "stage_seconds")
-    std::erase_if(numbers, [](const auto& number) { return !number.first.ends_with(".avg"); });
-  if (member != "quantities") return numbers;
-  const std::string in_last_step = "quantities_in_last_step.", mean = "means.";
-  for (const auto& [path, now] : report.numbers) {
-    if (!path.starts_with(in_last_step)) continue;
-    const std::string name = path.substr(in_last_step.size());
-    for (auto& [other, number] : numbers)
-      if (other == "quantities." + name) means.emplace_back(mean + name, std::exchange(number, now));
+using Json = nlohmann::ordered_json;
+
+struct SeriesRow {
+  std::string names, numbers;
+
+  /// Adds a number, or those in an object, "name.key", or a vector, "name.x". A null has no text.
+  void add(const std::string& name, const Json& value) {
+    if (!value.is_structured()) {
+      (names += names.empty() ? "" : ",") += csv_field(name);
+      (numbers += numbers.empty() ? "" : ",") += value.is_null() ? "" : value.dump();
+    } else {
+      for (const auto& [key, member] : value.items())
+        add(name + '.' + (value.is_array() ? std::string(1, "xyz"[std::stoi(key)]) : key), member);
+    }
   }
-  numbers.insert(numbers.end(), means.begin(), means.end());
-  return numbers;
-}
+};
 
 /// Moves a table away, so that another can begin in its place.
 void set_aside(const fs::path& path) {
@@ -135,14 +131,19 @@ void StepTable::append(const std::string& columns, const TableRows& rows) {
   columns_ = columns, last_step_ = rows.last_step;
 }
 
-void append_report(StepTable& series, std::int64_t step, const Report& report) {
-  std::string names, row;
+/// A quantity that is a mean over steps has its value in the last step, and then the mean under a name that
+/// says so; of a time that each rank has the mean is enough.
+void append_report(StepTable& series, std::int64_t step, const std::string& text) {
+  Json report = Json::parse(text), means = Json::object();
+  const Json in_last_step = report.value("quantities_in_last_step", Json::object());
+  for (const auto& [name, now] : in_last_step.items())
+    means[name] = std::exchange(report["quantities"][name], now);
+  report["means"] = means;
+  for (Json& seconds : report["stage_seconds"]) seconds = Json{{"avg", seconds["avg"]}};
+  SeriesRow row;
   for (const char* column : series_columns)
-    for (const auto& [name, number] : values_now(report, column)) {
-      (names += names.empty() ? "" : ",") += csv_field(name);
-      (row += row.empty() ? "" : ",") += number;
-    }
-  series.append(names, {step, row + '\n'});
+    if (report.contains(column)) row.add(column, report[column]);
+  series.append(row.names, {step, row.numbers + '\n'});
 }
 
 DepartureLog::DepartureLog(const fs::path& folder, std::int64_t resumed_at, const Units& units)
@@ -155,9 +156,9 @@ void DepartureLog::append(std::span<const Departure> departures) {
   const double cell = units_.cell_size;
   std::string rows;
   for (const Departure& d : departures)
-    rows += fmt::format("{},{},{},{},{},{},{}\n", d.step, static_cast<double>(d.step) * units_.time_step,
-                        d.id, way_text(static_cast<int>(d.way)), d.position[0] * cell, d.position[1] * cell,
-                        d.position[2] * cell);
+    rows +=
+        fmt::format("{},{},{},{},{},{},{}\n", d.step, double(d.step) * units_.time_step, d.id,
+                    way_text(int(d.way)), d.position[0] * cell, d.position[1] * cell, d.position[2] * cell);
   add_rows(path_, !fs::exists(path_), "step,time,id,by,x,y,z", rows);
 }
 
@@ -172,8 +173,7 @@ std::string departures_text(std::span<const Departure> departures) {
     list.resize(std::min(count, most_ids));
     if (way != ids.begin()->first) text += "; ";
     text += fmt::format("{}{} by {}", joined(list),
-                        count > most_ids ? fmt::format(", ... ({} in all)", count) : "",
-                        way_text(static_cast<int>(way)));
+                        count > most_ids ? fmt::format(", ... ({} in all)", count) : "", way_text(int(way)));
   }
   return text;
 }

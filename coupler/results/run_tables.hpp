@@ -12,8 +12,6 @@
 
 namespace silt::coupler {
 
-struct Report;
-
 /// Rows of a table as text, and the step of the last.
 struct TableRows {
   std::int64_t last_step = -1;
@@ -22,8 +20,8 @@ struct TableRows {
 
 class StepTable {
  public:
-  /// Starts a table; with a step, goes on with the one there: rows of later steps, and one that a killed run
-  /// left incomplete, are removed.
+  /// Starts a table; with a step, goes on with the one there, without rows of later steps and an incomplete
+  /// one.
   explicit StepTable(const std::filesystem::path&, std::int64_t resumed_at = -1);
   /// Appends rows, unless the last one is of the same step. If their columns are not those of the file (a
   /// quantity more, say), the file is renamed to series.1.csv (or .2, ...) and a new one begun.
@@ -35,8 +33,8 @@ class StepTable {
   std::int64_t last_step_ = -1;
 };
 
-/// Appends a report's row to series.csv.
-void append_report(StepTable&, std::int64_t step, const Report&);
+/// Appends the row of a report, which is given as its text, to series.csv.
+void append_report(StepTable&, std::int64_t step, const std::string& report);
 
 /// A number of a row; an empty field for what has no value.
 std::string csv_number(double);
@@ -45,7 +43,7 @@ std::string csv_field(const std::string& text);
 
 class DepartureLog {
  public:
-  /// resumed_at: the step at which a run goes on, whose departures come anew; -1 for a new run.
+  /// resumed_at: the step at which a run goes on, whose departures come again; -1 for a new run.
   DepartureLog(const std::filesystem::path& folder, std::int64_t resumed_at, const Units&);
   /// Adds lines; the file is there from the first one on.
   void append(std::span<const Departure>);

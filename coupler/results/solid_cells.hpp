@@ -45,8 +45,8 @@ class SolidCells {
       reach_.push_back(rigid::bounding_box(world_.shapes[bodies_.shape[row]], mapping_pose(bodies_, row)));
   }
 
-  /// Calls visit(row, cell, r) for the solid cells of a piece and the bodies they lie in, r from the body's
-  /// centre to that of the cell.
+  /// Calls visit(row, cell, r) for the solid cells of a piece in bodies, r from the body's centre to the
+  /// cell's.
   template <class Visit>
   void for_each(const Piece& piece, Visit&& visit) const {
     for (std::size_t row = 0; row < reach_.size(); ++row)

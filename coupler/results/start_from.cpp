@@ -9,7 +9,6 @@
 #include "coupler/exchange/coupling_state.hpp"
 #include "coupler/placement/place_bodies.hpp"
 #include "coupler/results/checkpoint.hpp"
-#include "coupler/results/populations.hpp"
 #include "lbm/fluid.hpp"
 #include "parallel/together.hpp"
 
@@ -25,7 +24,7 @@ using rigid::Vec3;
 std::string walls_after(const Case& setup, std::int64_t step) {
   std::string text;
   const auto add = [&](const auto& wall) {
-    const rigid::Pose pose = wall.pose(static_cast<double>(step));
+    const rigid::Pose pose = wall.pose(double(step));
     const Vec3 x = pose.position, turn = pose.orientation.vec();
     text += fmt::format("{:.9g} {:.9g} {:.9g} {:.9g} {:.9g} {:.9g}\n", x[0], x[1], x[2], turn[0], turn[1],
                         turn[2]);

@@ -1,13 +1,13 @@
 #pragma once
-// When a flow has become steady: by a quantity that is looked at every so many steps.
+// Finds when a flow has become steady, by a quantity that is looked at every so many steps.
 //
 // Three values in a row, v0, v1, v2, and the ratio r = |v2 - v1| / |v1 - v0| of their changes tell how much
 // an approach that dies away geometrically still has before it: |v2 - v1| r / (1 - r). The flow is steady
 // when this, or the last change itself if that is more, is at most `change` times |v2| at two looks in a row:
 // a small change alone proves nothing, for a slow approach changes little from look to look, and one that
 // swings stands still where it turns. A ratio above `highest_ratio` cannot be told from rounding and is taken
-// for that: what needs more than 1 / (1 - highest_ratio) looks to fade wants looks further apart; a swing of
-// more than ten looks, closer ones.
+// for that: a flow that needs more than 1 / (1 - highest_ratio) looks to fade wants looks further apart; a
+// swing of ten, closer.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -18,7 +18,7 @@ class SteadyWatch {
  public:
   static constexpr double highest_ratio = 0.99;
 
-  /// What it remembers from look to look.
+  /// The memory of a watch from look to look.
   struct State {
     std::int64_t looks = 0;             // with a value that is a number
     double value = 0, last_change = 0;  // of the latest look; of the one before it to that
@@ -28,7 +28,7 @@ class SteadyWatch {
   /// Watches until at most the share `change` of the value is left.
   explicit SteadyWatch(double change) : change_(change) {}
 
-  /// Takes the value of a look; one that is not a number begins everything anew.
+  /// Takes the value of a look; one that is not a number makes the watch begin again.
   void look(double value) {
     if (!std::isfinite(value)) {
       state_ = State{};

@@ -18,18 +18,18 @@ bool is_in(const QuantitySpec& q, const Vec3& x) {
   return (x.array() >= q.box.lower.array()).all() && (x.array() < q.box.upper.array()).all();
 }
 
-void viscous_stress(const Simulation& simulation, const QuantitySpec& q, ExactSum& stress) {
+void add_viscous_stress(const Simulation& simulation, const QuantitySpec& q, std::span<ExactSum> stress) {
   simulation.scene().flow->for_levels([&](const FluidFields& fields) {
     const double share = 2 * simulation.setup().fluid->kinematic_viscosity * double(fields.volume());
     for_each_fluid_cell(fields, [&](Int3 cell, const lbm::Moments& m) {
-      if (is_in(q, fields.centre(cell))) stress.add(share * strain_rate(fields, m)[q.component]);
+      if (is_in(q, fields.centre(cell))) stress[0].add(share * strain_rate(fields, m)[q.component]);
     });
   });
 }
 
 /// Force of the links of each body, as (22) and (33) of method.md have it, times the way from its centre to
 /// where they are cut, taken to be half-way between cells.
-void particle_stress(const Simulation& simulation, const QuantitySpec& q, ExactSum& stress) {
+void add_particle_stress(const Simulation& simulation, const QuantitySpec& q, std::span<ExactSum> stress) {
   const FluidFields& fields = simulation.scene().flow->fields();
   const rigid::BodySet& bodies = simulation.bodies();
   const SolidCells solid(simulation, fields);
@@ -45,38 +45,27 @@ void particle_stress(const Simulation& simulation, const QuantitySpec& q, ExactS
         const auto [out, back] = fields.link(b, x, i);
         Vec3 force = (out + back) * along;
         if (galilean) force -= (out - back) * bodies.velocity_at(row, arm);
-        stress.add(symmetric_product(arm, force)[q.component]);
+        stress[0].add(symmetric_product(arm, force)[q.component]);
       }
     });
   }
 }
 
-void contact_stress(const Simulation& simulation, const QuantitySpec& q, ExactSum& stress) {
+void add_contact_stress(const Simulation& simulation, const QuantitySpec& q, std::span<ExactSum> stress) {
   const double steps = simulation.setup().contacts.substeps;
   for (const ContactMoment& of : simulation.contact_moments())
-    if (q.is_about(of.kind) && is_in(q, of.position)) stress.add(steps * of.moment[q.component]);
-}
-
-template <auto add_to>
-bool add(const Simulation& simulation, const QuantitySpec& q, const QuantityHistory&,
-         std::span<ExactSum> sums) {
-  if (simulation.steps_done() == 0 && add_to != viscous_stress) return false;  // nothing has acted
-  add_to(simulation, q, sums[0]);
-  return true;
+    if (q.is_about(of.kind) && is_in(q, of.position)) stress[0].add(steps * of.moment[q.component]);
 }
 
 double over_volume(const Case&, const QuantitySpec& q, std::int64_t, std::span<const double> sum) {
   return sum[0] / (q.box.upper - q.box.lower).prod();
 }
 
-template <auto add_to>
-constexpr Computation part(std::string_view type) {
-  return in_step(type, {1, 0, add<add_to>, nullptr, over_volume});
-}
-
-constexpr Computation of_stress[] = {part<viscous_stress>("viscous-stress"),
-                                     part<particle_stress>("particle-stress"),
-                                     part<contact_stress>("contact-stress")};
+constexpr Computation of_stress[] = {
+    in_step("viscous-stress", {1, add_viscous_stress}, {over_volume}),
+    in_step("particle-stress", {1, add_particle_stress, has_acted}, {over_volume}),
+    in_step("contact-stress", {1, add_contact_stress, has_acted}, {over_volume}),
+};
 
 }  // namespace
 

@@ -85,8 +85,7 @@ void leave_out_unused(Surface& surface) {
 }
 
 /// Returns the hull of points of the surface: where the surface stands off from a face, its furthest point
-/// there is added, until it does so nowhere (the estimate refinement method: Kamenev, Comput. Math. Math.
-/// Phys. 32 (1992) 114).
+/// there is added, until it does so nowhere (Kamenev, Comput. Math. Math. Phys. 32 (1992) 114).
 Surface inscribed_surface(const ConvexShape& shape) {
   if (const auto* polyhedron = std::get_if<rigid::Polyhedron>(&shape)) {
     Surface surface{polyhedron->mesh->vertices, {}};
@@ -135,7 +134,7 @@ Vec3 normal_at(const ConvexShape& shape, const Vec3& half, const Vec3& vertex, c
 int index_of_normal(const Vec3& normal, std::vector<int>& of_vertex, std::vector<Vec3>& normals) {
   for (const int known : of_vertex)
     if ((normals[known] - normal).norm() < 1e-2) return known;
-  of_vertex.push_back(static_cast<int>(normals.size()));
+  of_vertex.push_back(int(normals.size()));
   normals.push_back(normal);
   return of_vertex.back();
 }
@@ -172,11 +171,10 @@ adapters::TriangleMesh tessellation(const rigid::Part& part, double unit) {
 adapters::TriangleMesh tessellation(const rigid::TriangleMesh& surface, double unit) {
   adapters::TriangleMesh mesh;
   for (const Vec3& v : surface.vertices()) mesh.vertices.push_back(array_of(unit * v));
-  const auto count = static_cast<std::int32_t>(surface.triangles().size());
+  const auto count = std::int32_t(surface.triangles().size());
   for (std::int32_t t = 0; t < count; ++t) {
     const auto& [a, b, c] = surface.triangles()[t];
-    mesh.triangles.push_back(
-        {static_cast<std::int32_t>(a), static_cast<std::int32_t>(b), static_cast<std::int32_t>(c)});
+    mesh.triangles.push_back({std::int32_t(a), std::int32_t(b), std::int32_t(c)});
     mesh.normals.push_back(array_of(surface.area_normal(t).normalized()));
     mesh.triangle_normals.push_back({t, t, t});
   }

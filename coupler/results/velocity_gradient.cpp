@@ -1,7 +1,6 @@
 #include "coupler/results/velocity_gradient.hpp"
 
 #include <algorithm>
-#include <set>
 #include <stdexcept>
 
 #include "coupler/case/case.hpp"
@@ -14,36 +13,13 @@ using lbm::CellBox;
 using lbm::Int3;
 using rigid::Vec3;
 
-namespace {
-
-/// The blocks that have a cell within reach of a box.
-std::vector<lbm::BlockPlace> blocks_near(const lbm::Domain& domain, const CellBox& box) {
-  std::array<lbm::CellRun, 3> runs;
-  for (int d = 0; d < 3; ++d) {
-    constexpr int reach = CellVelocities::reach;
-    const int n = domain.cells()[d];
-    const int low = box.lower[d] - reach, high = box.lower[d] + box.size[d] + reach;
-    if (domain.periodic(d))
-      runs[d] = {(low + n) % n, std::min(high - low, n)};
-    else
-      runs[d] = {std::max(low, 0), std::min(high, n) - std::max(low, 0)};
-  }
-  std::set<int> found;
-  domain.for_blocks_meeting(runs, [&](const lbm::BlockPlace& place) { found.insert(place.index); });
-  std::vector<lbm::BlockPlace> places;
-  for (const int b : found) places.push_back(domain.block(b));
-  return places;
-}
-
-}  // namespace
-
 CellVelocities::CellVelocities(const FluidFields& fields, MPI_Comm comm, Int3 lower, Int3 upper)
     : fields_(fields), box_{lower, upper - lower} {
   rank_ = parallel::rank_of(comm);
   parallel::Messages messages(comm);
   for (int b = 0; b < fields.blocks(); ++b)
-    for (const lbm::BlockPlace& place : blocks_near(fields.domain(), fields.block(b)))
-      tell(b, place, messages);
+    for (const int near : fields.domain().blocks_meeting(grown(fields.block(b), reach)))
+      tell(b, fields.domain().block(near), messages);
   messages.unannounced();
   for (const parallel::Messages::Message& message : messages.received())
     for (parallel::ByteReader reader(message.bytes); !reader.done();) known_.push_back(reader.take<Known>());

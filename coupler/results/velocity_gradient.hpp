@@ -28,8 +28,7 @@ class CellVelocities {
   CellVelocities(const FluidFields&, MPI_Comm, lbm::Int3 lower, lbm::Int3 upper);
 
   /// Returns the velocity in a cell beyond a block of this rank, up to `reach` cells along an axis from one
-  /// of the box and of the block; nothing where there is no fluid, or cells are of another level. Lattice
-  /// units.
+  /// of the box and of the block; nothing where there is no fluid, or another level.
   std::optional<rigid::Vec3> at(int block, lbm::Int3 local_cell) const;
 
  private:
@@ -56,8 +55,7 @@ class VelocitiesAround {
   VelocitiesAround(const FluidFields&, const CellVelocities& others, int block, lbm::Int3 first,
                    lbm::Int3 last);
 
-  /// Returns the velocity in one of these cells, of the block's coordinates; nothing where there is no fluid.
-  /// Lattice units.
+  /// Returns the velocity in one of these cells of the block; nothing where there is no fluid.
   std::optional<rigid::Vec3> at(lbm::Int3 cell);
 
  private:
@@ -74,14 +72,12 @@ class VelocitiesAround {
 };
 
 /// Returns the vorticity in a fluid cell, in units of the cell's level. Differences are central; beside what
-/// is not fluid, or of another level, they are taken from the other side, exact for velocities that are
-/// quadratic along the axis where two cells there are fluid, else of the first order; 0 between walls on both
-/// sides.
+/// is not fluid, or of another level, they are taken from the other side, of the second order where two cells
+/// there are fluid, else of the first; 0 between walls on both sides.
 rigid::Vec3 vorticity(VelocitiesAround&, lbm::Int3 cell);
 
 /// S of what arrives at a cell, xx yy zz xy xz yz: S = -3/(2 tau) [sum_i c_i c_i (g_i - g_i^eq) + (u F + F u)
-/// / 2] (Chapman-Enskog with the force of Guo, Zheng, Shi 2002; reference density 1), in units of the finest
-/// lattice.
+/// / 2] (Chapman-Enskog with the force of Guo, Zheng, Shi 2002), in units of the finest lattice.
 std::array<double, 6> strain_rate(const FluidFields&, const lbm::Moments&);
 /// S : S.
 double strain_rate_squared(const FluidFields&, const lbm::Moments&);

@@ -14,6 +14,10 @@ using rigid::BodySet;
 using rigid::ExactSum;
 using rigid::Vec3;
 
+void add(const Vec3& v, std::span<ExactSum> sums) {
+  for (int d = 0; d < 3; ++d) sums[d].add(v[d]);
+}
+
 /// Calls visit(force) for what this rank's bodies did to a wall in the last step.
 template <class Visit>
 void for_contacts(const Simulation& simulation, rigid::BodyId wall, Visit&& visit) {
@@ -30,11 +34,9 @@ void for_contacts(const Simulation& simulation, rigid::BodyId wall, Visit&& visi
 void add_contact_torque(const Simulation& simulation, int wall, std::span<ExactSum> torque) {
   const double steps = simulation.setup().contacts.substeps;
   for (const ContactLoad& contact : simulation.contact_loads())
-    if (contact.on == rigid::first_tube_id + wall)
-      for (int d = 0; d < 3; ++d) torque[d].add(steps * contact.torque[d]);
+    if (contact.on == rigid::first_tube_id + wall) add(steps * contact.torque, torque);
   for (const WallImpulse& other : simulation.wall_impulses())
-    if (other.wall == rigid::first_tube_id + wall)
-      for (int d = 0; d < 3; ++d) torque[d].add(other.torque[d]);
+    if (other.wall == rigid::first_tube_id + wall) add(other.torque, torque);
 }
 
 double area_of(const Case& setup, int axis) {
@@ -52,9 +54,7 @@ void add_fluid_side_force(const Simulation& simulation, int side, int sign, std:
 /// Adds the force of fluid and bodies on it.
 void add_side_force(const Simulation& simulation, int side, int sign, std::span<ExactSum> force) {
   add_fluid_side_force(simulation, side, sign, force);
-  for_contacts(simulation, rigid::first_wall_id + side, [&](const Vec3& f) {
-    for (int d = 0; d < 3; ++d) force[d].add(sign * f[d]);
-  });
+  for_contacts(simulation, rigid::first_wall_id + side, [&](const Vec3& f) { add(sign * f, force); });
 }
 
 /// Adds what the fluid does to one of [[walls]], whose rows come after those of the sides: its force, or its
@@ -80,11 +80,8 @@ double axis_distance(const Simulation& simulation, const QuantitySpec& q) {
   });
 }
 
-bool add_wall_stress(const Simulation& simulation, const QuantitySpec& q, const QuantityHistory&,
-                     std::span<ExactSum> force) {
-  if (simulation.steps_done() == 0) return false;  // nothing has acted
+void add_wall_stress(const Simulation& simulation, const QuantitySpec& q, std::span<ExactSum> force) {
   add_side_force(simulation, q.side, 1, force);
-  return true;
 }
 
 double wall_stress(const Case& setup, const QuantitySpec& q, std::span<const double> force) {
@@ -92,52 +89,37 @@ double wall_stress(const Case& setup, const QuantitySpec& q, std::span<const dou
 }
 
 /// Adds the force on the lower side across the axis less that on the upper one.
-bool add_shear_resistance(const Simulation& simulation, const QuantitySpec& q, const QuantityHistory&,
+void add_shear_resistance(const Simulation& simulation, const QuantitySpec& q,
                           std::span<ExactSum> resistance) {
-  if (simulation.steps_done() == 0) return false;  // nothing has acted
   add_side_force(simulation, 2 * q.axis, 1, resistance);
   add_side_force(simulation, 2 * q.axis + 1, -1, resistance);
-  return true;
 }
 
 double relative_viscosity(const Case& setup, const QuantitySpec& q, std::int64_t step,
                           std::span<const double> resistance) {
-  const auto velocity = [&](int side) {
-    return setup.boundary[side].velocity_at(static_cast<double>(step) - 0.5);
-  };
+  const auto velocity = [&](int side) { return setup.boundary[side].velocity_at(double(step) - 0.5); };
   const Vec3 shear = (velocity(2 * q.axis + 1) - velocity(2 * q.axis)) / setup.cells[q.axis];
   const double stress = 0.5 * vector_of(resistance).dot(shear) / area_of(setup, q.axis);
   return stress / (setup.fluid->kinematic_viscosity * shear.squaredNorm());
 }
 
-bool add_wall_force(const Simulation& simulation, const QuantitySpec& q, const QuantityHistory&,
-                    std::span<ExactSum> force) {
-  if (simulation.steps_done() == 0) return false;  // nothing has acted
+void add_wall_force(const Simulation& simulation, const QuantitySpec& q, std::span<ExactSum> force) {
   add_fluid_wall_load(simulation, q.wall, false, force);
-  for_contacts(simulation, rigid::first_tube_id + q.wall, [&](const Vec3& f) {
-    for (int d = 0; d < 3; ++d) force[d].add(f[d]);
-  });
-  return true;
-}
-
-double wall_force(const Case&, const QuantitySpec& q, std::span<const double> force) {
-  return force[q.axis];
+  for_contacts(simulation, rigid::first_tube_id + q.wall, [&](const Vec3& f) { add(f, force); });
 }
 
 /// Adds the force, and the torque about the origin of the wall's frame.
-bool add_wall_load(const Simulation& simulation, const QuantitySpec& q, const QuantityHistory& h,
-                   std::span<ExactSum> load) {
-  if (!add_wall_force(simulation, q, h, load.first(3))) return false;
+void add_wall_load(const Simulation& simulation, const QuantitySpec& q, std::span<ExactSum> load) {
+  add_wall_force(simulation, q, load.first(3));
   add_fluid_wall_load(simulation, q.wall, true, load.subspan(3));
   add_contact_torque(simulation, q.wall, load.subspan(3));
-  return true;
 }
 
-/// From the torque about the frame's origin to that about the point of the axis: by r x F.
+/// Returns the torque about the point of the axis: that about the frame's origin and r x F.
 Vec3 torque_about_point(const CurvedWall& wall, std::int64_t step, std::span<const double> load) {
   Vec3 torque = vector_of(load.subspan(3));
   if (const MeshWall* mesh = wall.mesh()) {
-    const rigid::Quat turned = mesh->motion.pose(mesh->start, static_cast<double>(step - 1)).orientation;
+    const rigid::Quat turned = mesh->motion.pose(mesh->start, double(step - 1)).orientation;
     torque += (turned * mesh->arm).cross(vector_of(load.first(3)));
   }
   return torque;
@@ -149,10 +131,9 @@ double wall_torque(const Case& setup, const QuantitySpec& q, std::int64_t step,
   return torque_about_point(wall, step, load).dot(wall.axis());
 }
 
-/// With the velocities that the wall had in the step.
+/// Takes the velocities that the wall had in the step.
 double wall_power(const Case& setup, const QuantitySpec& q, std::int64_t step, std::span<const double> load) {
-  const rigid::PrescribedMotion::Velocity velocity =
-      setup.walls[q.wall].velocity_at(static_cast<double>(step - 1));
+  const rigid::PrescribedMotion::Velocity velocity = setup.walls[q.wall].velocity_at(double(step - 1));
   return -(vector_of(load.first(3)).dot(velocity.linear) + vector_of(load.subspan(3)).dot(velocity.angular));
 }
 
@@ -168,43 +149,32 @@ void add_noted_loads(const BodySet& bodies, const QuantitySpec& q, const rigid::
   });
 }
 
-bool add_fluid_load(const Simulation& simulation, const QuantitySpec& q, const QuantityHistory&,
-                    std::span<ExactSum> load) {
-  if (simulation.steps_done() == 0) return false;  // nothing has acted
+void add_fluid_load(const Simulation& simulation, const QuantitySpec& q, std::span<ExactSum> load) {
   if (q.bearer == Bearer::side) add_fluid_side_force(simulation, q.side, 1, load.first(3));
   if (q.bearer == Bearer::bodies) add_noted_loads(simulation.bodies(), q, column::seen_load, false, load);
-  if (q.bearer != Bearer::wall) return true;
+  if (q.bearer != Bearer::wall) return;
   add_fluid_wall_load(simulation, q.wall, false, load.first(3));
   add_fluid_wall_load(simulation, q.wall, true, load.subspan(3));
-  return true;
 }
 
-/// Of bodies that contacts do not move, what others remember.
+/// Adds the impulses on bodies that contacts do not move, as their partners remember them.
 void add_contact_load_of_bodies(const Simulation& simulation, const QuantitySpec& q,
                                 std::span<ExactSum> load) {
   add_noted_loads(simulation.bodies(), q, column::contact_load, true, load);
   const double steps = simulation.setup().contacts.substeps;
   for (const ContactLoad& contact : simulation.contact_loads()) {
     if (contact.on >= rigid::first_wall_id || !q.is_about(contact.kind)) continue;
-    for (int d = 0; d < 3; ++d) load[d].add(steps * contact.impulse[d]);
-    for (int d = 0; d < 3; ++d) load[3 + d].add(steps * contact.torque[d]);
+    add(steps * contact.impulse, load.first(3));
+    add(steps * contact.torque, load.subspan(3));
   }
 }
 
-bool add_contact_load(const Simulation& simulation, const QuantitySpec& q, const QuantityHistory&,
-                      std::span<ExactSum> load) {
-  if (simulation.steps_done() == 0) return false;  // nothing has acted
-  if (q.bearer == Bearer::bodies) {
-    add_contact_load_of_bodies(simulation, q, load);
-    return true;
-  }
+void add_contact_load(const Simulation& simulation, const QuantitySpec& q, std::span<ExactSum> load) {
+  if (q.bearer == Bearer::bodies) return add_contact_load_of_bodies(simulation, q, load);
   const bool is_wall = q.bearer == Bearer::wall;
-  for_contacts(simulation, is_wall ? rigid::first_tube_id + q.wall : rigid::first_wall_id + q.side,
-               [&](const Vec3& f) {
-                 for (int d = 0; d < 3; ++d) load[d].add(f[d]);
-               });
+  const rigid::BodyId on = is_wall ? rigid::first_tube_id + q.wall : rigid::first_wall_id + q.side;
+  for_contacts(simulation, on, [&](const Vec3& f) { add(f, load); });
   if (is_wall) add_contact_torque(simulation, q.wall, load.subspan(3));
-  return true;
 }
 
 double force_of(const Case&, const QuantitySpec& q, std::int64_t, std::span<const double> load) {
@@ -218,15 +188,15 @@ double torque_of(const Case& setup, const QuantitySpec& q, std::int64_t step, st
 
 constexpr Computation of_walls[] = {
     at_end<axis_distance>("axis-distance"),
-    mean_of<3, add_wall_stress, wall_stress>("wall-stress"),
-    mean_of<3, add_shear_resistance, relative_viscosity>("relative-viscosity"),
-    mean_of<3, add_wall_force, wall_force>("wall-force"),
-    mean_of<6, add_wall_load, wall_torque>("wall-torque"),
-    mean_of<6, add_wall_load, wall_power>("wall-power"),
-    in_step("fluid-force", {6, 0, add_fluid_load, nullptr, force_of, true}),
-    in_step("fluid-torque", {6, 0, add_fluid_load, nullptr, torque_of, true}),
-    in_step("contact-force", {6, 0, add_contact_load, nullptr, force_of, true}),
-    in_step("contact-torque", {6, 0, add_contact_load, nullptr, torque_of, true}),
+    mean_of<wall_stress>("wall-stress", {3, add_wall_stress, has_acted}),
+    mean_of<relative_viscosity>("relative-viscosity", {3, add_shear_resistance, has_acted}),
+    mean_of<force_of>("wall-force", {3, add_wall_force, has_acted}),
+    mean_of<wall_torque>("wall-torque", {6, add_wall_load, has_acted}),
+    mean_of<wall_power>("wall-power", {6, add_wall_load, has_acted}),
+    in_step("fluid-force", {6, add_fluid_load, has_acted}, {force_of, true}),
+    in_step("fluid-torque", {6, add_fluid_load, has_acted}, {torque_of, true}),
+    in_step("contact-force", {6, add_contact_load, has_acted}, {force_of, true}),
+    in_step("contact-torque", {6, add_contact_load, has_acted}, {torque_of, true}),
 };
 
 }  // namespace

@@ -1,4 +1,4 @@
-// What `silt info` says of a case and of a folder of results.
+// The text of `silt info` about a case and a folder of results.
 #include <fmt/format.h>
 
 #include <fstream>
@@ -55,7 +55,7 @@ std::string list_of_results(const fs::path& folder) {
     const std::string name = entry.path().filename().string();
     Family& family = families[family_of(name)];
     ++family.files;
-    family.bytes += static_cast<double>(entry.file_size(ignored));
+    family.bytes += double(entry.file_size(ignored));
     family.last = std::max(family.last, name);
   }
   if (families.empty()) return "";
@@ -80,9 +80,8 @@ std::string describe_case(const fs::path& path) {
   if (is_case) return derived_table(read_case(path)) + (results.empty() ? "no results\n" : results);
   if (results.empty())
     throw std::runtime_error(
-        fmt::format("{}: is neither a case (a folder with a case.toml) nor a folder of results; what is in a "
-                    "file of results "
-                    "`python3 -m silt_results FILE` says, in scripts/",
+        fmt::format("{}: is neither a case (a folder with a case.toml) nor a folder of results; what is in "
+                    "a file of results `python3 -m silt_results FILE` says, in scripts/",
                     path.string()));
   return results;
 }

@@ -14,7 +14,6 @@
 #include "coupler/case/case_file.hpp"
 #include "coupler/results/build_info.hpp"
 #include "coupler/run/run.hpp"
-#include "coupler/run/start_mpi.hpp"
 #include "cpu/isa.hpp"
 #include "device/device.hpp"
 #include "parallel/together.hpp"
@@ -195,7 +194,7 @@ Exit main_on(MPI_Comm comm, int argc, char** argv) {
 }  // namespace silt::coupler
 
 int main(int argc, char** argv) {
-  std::signal(SIGXFSZ, SIG_IGN);  // a write above the limit of ulimit -f then fails like another, and is told
+  std::signal(SIGXFSZ, SIG_IGN);  // a write above the limit of ulimit -f then fails like another
   silt::coupler::start_mpi(&argc, &argv);
   int code = 1;
   try {

@@ -52,8 +52,7 @@ double memory_of_machines(MPI_Comm comm) {
   return parallel::sum_over_ranks(comm, here);
 }
 
-/// Throws CaseError for a fluid that so much memory has no room for. How many cells are fine is not known
-/// yet.
+/// Throws CaseError for a fluid too large for this memory, even if no cell is fine.
 void require_memory(const Case& setup, double here) {
   const double needed = fluid_memory(setup) / (setup.coarsening ? 1 << 3 * setup.coarsening->levels : 1);
   if (needed > here)
@@ -79,8 +78,8 @@ double machines_for(int ranks) {
   return ranks > parallel::ranks_of(MPI_COMM_WORLD) ? std::ceil(ranks / cores) : 1;
 }
 
-/// Collective. Reads a case on rank 0, whose files then go to all, and there from what came; judges it, and
-/// makes what else a run needs of it.
+/// Collective. Reads and judges a case, on rank 0 from its files, which it sends to all; makes what a run
+/// needs.
 template <class Read>
 std::unique_ptr<Case> judged_once(const fs::path& directory, MPI_Comm comm, PreparedRun& prepared,
                                   Read&& read) {
@@ -128,8 +127,8 @@ ReadyFolder folder_on_rank_0(MPI_Comm comm, Make&& make) {
   return ready;
 }
 
-/// Collective. Opens the first checkpoint that can be; notes those passed over. If there is none, throws what
-/// is wrong with the first.
+/// Collective. Opens the first sound checkpoint; notes those passed over. Without any, throws the first
+/// error.
 std::unique_ptr<adapters::CheckpointReader> first_sound_checkpoint(
     const std::vector<adapters::StepFile>& there, MPI_Comm comm, std::string& note) {
   std::exception_ptr first;
@@ -179,8 +178,7 @@ std::string examine_case(const RunOptions& options) {
 
 RunExtent PreparedRun::extent() const {
   const Case& setup = simulation->setup();
-  const auto& n = setup.cells;
-  return {first_step, setup.steps, setup.fluid ? double(n[0]) * n[1] * n[2] : 0, setup.units};
+  return {first_step, setup.steps, setup.fluid ? setup.volume() : 0, setup.units};
 }
 
 void PreparedRun::watch() {
@@ -246,7 +244,7 @@ PreparedRun prepare_resume(const RunOptions& options, MPI_Comm comm, const fs::p
   const CaseOrigin origin = read_origin(reader);
   if (const auto earlier = earlier_options(origin, options.overrides); !earlier.empty())
     prepared.earlier_options =
-        fmt::format(", where {} of the earlier run still holds, until it is set anew", earlier);
+        fmt::format(", where {} of the earlier run still holds, until it is set again", earlier);
   const auto setup = judged_once(options.directory, comm, prepared, [&](CaseSource& source) {
     return case_to_resume(origin, source, options.overrides);
   });

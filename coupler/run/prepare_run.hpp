@@ -1,6 +1,5 @@
 #pragma once
-// Prepares a run, from its options to its first step: the case is read and judged, or the run comes back from
-// a checkpoint.
+// Prepares a run up to its first step: the case is read and judged, or the run comes from a checkpoint.
 #include <memory>
 #include <optional>
 #include <string>
@@ -17,7 +16,7 @@
 
 namespace silt::coupler {
 
-/// What a run needs before its first step; made together, so that an error on any rank is one on all.
+/// The parts of a run before its first step, made together, so that an error on any rank is one on all.
 struct PreparedRun {
   std::unique_ptr<Simulation> simulation;
   std::unique_ptr<Quantities> quantities;
@@ -31,11 +30,10 @@ struct PreparedRun {
   std::string earlier_options;
 
   RunExtent extent() const;
-  /// Collective, after a step: looks whether the flow has become steady, where the case asks for it and it is
-  /// time to.
+  /// Collective, after a step: looks whether the flow has become steady, when the case asks for it.
   void watch();
   bool is_steady() const { return steady && steady->steady(); }
-  /// Whether no step is left to do; and what report.json says of that end.
+  /// Returns whether no step is left to do; the next two, what report.json says of that end.
   bool has_ended() const;
   std::string reason_of_end() const { return is_steady() ? "steady" : "completed"; }
   std::string text_of_end() const;

@@ -1,7 +1,7 @@
 #pragma once
-// What the user sees of a run: a line that keeps itself up to date on a terminal, else (or if the environment
-// variable SILT_PLAIN is set) one every few seconds; all of it also in run.log. Rank 0 only; other ranks hold
-// a silent one.
+// The progress of a run for the user: a line that keeps itself up to date on a terminal, else (or if the
+// environment variable SILT_PLAIN is set) one every few seconds; run.log has it too. That of other ranks is
+// silent.
 #include <chrono>
 #include <cstdint>
 #include <cstdio>
@@ -12,7 +12,7 @@
 
 namespace silt::coupler {
 
-/// What a run's progress is told in: the steps it begins with and ends at, and what a step does.
+/// The measure of a run's progress: the steps at which it begins and ends, and the cells of a step.
 struct RunExtent {
   std::int64_t first_step = 0, steps = 0;
   double fluid_cells = 0;  // 0: there is no fluid
@@ -32,7 +32,7 @@ class Progress {
   void say(const std::string&);
   /// Writes a line to the log only.
   void log(const std::string&);
-  /// Is called after a step; prints now and then. Of `seconds_in_steps` it has the speed, as the report has.
+  /// Call after every step: prints now and then. The speed follows from `seconds_in_steps`, as in the report.
   void step(std::int64_t step, double seconds_in_steps);
   /// Prints the last state of the line, if the log has been opened.
   void finish(std::int64_t step, double seconds_in_steps);

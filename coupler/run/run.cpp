@@ -8,6 +8,8 @@
 #include <cctype>
 #include <cstdio>
 #include <cstring>
+#include <fstream>
+#include <iterator>
 
 #include "coupler/case/case.hpp"
 #include "coupler/case/case_check.hpp"
@@ -26,7 +28,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// As a shell has to be given it.
+/// Returns an argument with the quotes that a shell needs.
 std::string quoted(const std::string& argument) {
   const auto plain = [](unsigned char c) { return std::isalnum(c) || std::strchr("/._-+=:,@%", c); };
   const std::string path = argument.starts_with('-') ? "./" + argument : argument;
@@ -104,8 +106,8 @@ std::string Run::of_rank(int rank, std::int64_t step, const std::string& text) c
   return is_alone() ? text : fmt::format("step {}, rank {}: {}", step, rank, text);
 }
 
-/// Collective, if the error is every rank's: returns what it says, with the rank it comes from. Of this rank
-/// alone it ends everything.
+/// Collective. Returns the text of an error with the rank it comes from. An error of this rank alone ends
+/// all.
 std::string Run::common_text(const std::exception& error) {
   const auto* common = dynamic_cast<const parallel::CommonError*>(&error);
   const std::string text = of_rank(common ? common->rank : simulation_.scene().rank, simulation_.steps_done(),
@@ -114,8 +116,7 @@ std::string Run::common_text(const std::exception& error) {
   return text;
 }
 
-/// One step. What goes wrong on this rank leaves the others waiting for it: unless it is alone, that ends
-/// everything.
+/// One step. An error of this rank leaves the others waiting for it: unless it is alone, it ends all.
 void Run::advance() {
   const int rank = simulation_.scene().rank;
   try {
@@ -150,10 +151,8 @@ void Run::judge_sweeps() {
   const int sweeps = setup().contacts.resolver_settings.max_sweeps;
   progress_.say(
       fmt::format("warning: contacts.sweeps: the sweeps over the contacts ended far from rest: the last of "
-                  "{} still changed a "
-                  "body's velocity by {}, where the fastest body had {}; raise contacts.sweeps (--set "
-                  "contacts.sweeps={}), or "
-                  "take smaller steps",
+                  "{} still changed a body's velocity by {}, where the fastest body had {}; raise "
+                  "contacts.sweeps (--set contacts.sweeps={}), or take smaller steps",
                   sweeps, speed(counters.residual), speed(counters.body_speed), 4 * sweeps));
 }
 
@@ -241,8 +240,7 @@ std::string complete_text(const PreparedRun& prepared) {
   if (!prepared.resumed || !prepared.has_ended()) return "";
   if (step >= setup.steps)
     return fmt::format(
-        "the run is complete: it has done {} of {} steps{}; to go on, raise run.steps (--set "
-        "run.steps={})\n",
+        "the run is complete: it has done {} of {} steps{}; to go on, raise run.steps (--set run.steps={})\n",
         step, setup.steps, prepared.earlier_options, 2 * setup.steps);
   return fmt::format(
       "the run is complete: {} was steady at step {}; to go on, lower run.steady.change (--set "
@@ -250,8 +248,16 @@ std::string complete_text(const PreparedRun& prepared) {
       setup.steady->quantity, step, shown(setup.steady->change / 10));
 }
 
-/// Collective. Returns whether report.json is not yet that of the end: the run was killed, or could not write
-/// it.
+/// Returns whether a file is the report of a run that came to its end at that step.
+bool is_final_report(const fs::path& path, std::int64_t step) {
+  std::ifstream file(path);
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  const auto says = [&](const std::string& member) { return text.find(member) != std::string::npos; };
+  return says("\"steps\": " + std::to_string(step) + ",") &&
+         (says("\"exit_reason\": \"completed\"") || says("\"exit_reason\": \"steady\""));
+}
+
+/// Collective. Returns whether report.json is not yet that of the end.
 bool lacks_final_report(const fs::path& folder, const Simulation& simulation) {
   const std::int64_t step = simulation.steps_done();
   if (step > simulation.setup().steps) return false;

@@ -1,6 +1,5 @@
 #pragma once
-// What the program does with a case: it runs it from its directory to its report, goes on with it, judges it,
-// and says what there is.
+// The work of the program on a case: to run, resume, check and describe it.
 #include <mpi.h>
 
 #include <filesystem>
@@ -29,8 +28,8 @@ struct RunOptions {
       checkpoint;  // to resume from; else the newest in the folder of results
 };
 
-/// Collective. Prints on rank 0: what goes on to stdout, what went wrong to stderr. The return value is the
-/// same on every rank. If a rank fails alone, it says so and ends the whole program with MPI_Abort.
+/// Collective. Prints on rank 0: progress to stdout, errors to stderr. The return value is the same on every
+/// rank. If a rank fails alone, it says so and ends the whole program with MPI_Abort.
 Exit run_case(const RunOptions&, MPI_Comm);
 /// Collective. Goes on from a checkpoint, else as run_case.
 Exit resume_case(const RunOptions&, MPI_Comm);
@@ -42,8 +41,11 @@ std::string examine_case(const RunOptions&);
 std::filesystem::path result_folder(const RunOptions&);
 
 /// Returns the derived table of a case (a folder with a case.toml, or a .toml file) and a list of the results
-/// in its folder `out`; of a folder without a case.toml the list alone. CaseError; std::runtime_error for a
-/// folder with neither.
+/// in its folder `out`; of another folder the list alone. CaseError; std::runtime_error for a folder with
+/// neither.
 std::string describe_case(const std::filesystem::path&);
+
+/// Starts MPI, unless somebody has; returns whether it did. Arguments as of MPI_Init, or none.
+bool start_mpi(int* argc = nullptr, char*** argv = nullptr);
 
 }  // namespace silt::coupler

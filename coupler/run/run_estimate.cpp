@@ -11,7 +11,6 @@
 #include <variant>
 
 #include "coupler/balance/body_work.hpp"
-#include "coupler/balance/level_work.hpp"
 #include "coupler/balance/weighted_cut.hpp"
 #include "coupler/case/case.hpp"
 #include "coupler/case/case_check.hpp"
@@ -34,20 +33,20 @@ constexpr double memory_of_a_rank = 45e6, memory_of_a_body = 1200, memory_of_a_l
 constexpr double file_row_of_a_body = 184, file_buoyancy_of_a_body = 24, file_contacts_of_a_body = 48,
                  checkpoint_of_a_body = 600, file_field_of_a_row = 20;  // bytes
 constexpr double multireflection_link = 1.27;                           // over one of the other schemes
-// What writing takes, in steps of a cell in single precision: of a cell of a field, of each of its numbers,
-// of one that is a derivative, of packing one and a level of it; of a population in a checkpoint with its
-// checksum, of a body there, of a row of bodies.h5; of a cell of a report's pass over the fluid, of one of a
-// quantity that looks at the flow by itself, of the hash at the end; of a byte touched for the first time.
+// Costs of writing, in steps of a cell in single precision: a cell of a field, each of its numbers, one that
+// is a derivative, packing one and a level of it; a population in a checkpoint with its checksum, a body
+// there, a row of bodies.h5; a cell of a report's pass over the fluid, of a quantity that looks at the flow
+// by itself, of the hash at the end; a byte touched for the first time.
 constexpr double of_a_field_cell = 2.5, of_a_number = 1.8, of_a_derivative = 5.6, of_packing = 12,
                  of_a_level = 3, of_a_population = 5, of_a_saved_body = 600, of_a_row = 300,
                  of_a_report_cell = 1.2, of_a_flow_cell = 3, of_a_hashed_cell = 6, of_a_new_byte = 0.07;
-// Besides, in seconds: of a body in a report and in each of its quantities, of one whose volume is sampled.
+// Costs in seconds, the last two of a body in a report and in each of its quantities, and of a sampled one.
 constexpr double seconds_of_a_start = 0.1, seconds_of_a_report = 0.1e-3, seconds_of_a_file = 2e-3,
                  seconds_of_all_rows = 1e-3, seconds_of_a_checkpoint = 20e-3;
 constexpr double seconds_of_a_reported_body = 0.3e-6, seconds_of_a_sampled_body = 3e-6;
 constexpr double contacts_in_a_bed = 3, contacts_in_fluid = 6;  // a body; the latter at a solid share of 1
 
-/// What a cell of the fluid takes in a step in single precision on this machine now, in seconds: the median
+/// Returns the seconds of a cell of the fluid in a step in single precision on this machine now: the median
 /// of five steps of 96^3 cells on one core, some tens of milliseconds.
 double seconds_of_a_cell() {
   constexpr int edge = 96;
@@ -67,8 +66,8 @@ double seconds_of_a_cell() {
   return std::max(seconds[seconds.size() / 2], 1e-6) / (double(edge) * edge * edge);
 }
 
-/// What a contact of a shape costs over one of a sphere: convex parts meet one by one, flat faces in four
-/// points, ellipsoids are searched for.
+/// Returns the cost of a contact of a shape over one of a sphere: convex parts meet one by one, flat faces in
+/// four points, ellipsoids are searched for.
 double contact_factor(const rigid::Shape& shape) {
   double dearest = 1;
   const auto parts = rigid::convex_parts(shape);
@@ -76,7 +75,7 @@ double contact_factor(const rigid::Shape& shape) {
     const bool searched = std::holds_alternative<rigid::Ellipsoid>(part.shape);
     dearest = std::max(dearest, searched ? 6.5 : rigid::is_smooth(part.shape) ? 1. : 8.);
   }
-  return dearest * std::min<double>(static_cast<double>(parts.size()), 4);
+  return dearest * std::min<double>(double(parts.size()), 4);
 }
 
 double contacts_of_a_body(const Case& setup, double solid) {
@@ -106,13 +105,12 @@ Scenery scenery_of(const Case& setup, const PlacedBodies& placed) {
 }
 
 void add_contacts(const Case& setup, const Scenery& all, const WorkCosts& costs, WorkMap& work) {
-  const double cells = 1. * setup.cells[0] * setup.cells[1] * setup.cells[2];
-  const double contacts = contacts_of_a_body(setup, all.volume / cells);
+  const double contacts = contacts_of_a_body(setup, all.volume / setup.volume());
   for (std::size_t row = 0; row < all.bodies.owned; ++row)
     if (all.bodies.motion[row] != rigid::Motion::fixed)
       work.add(all.bodies.position[row],
                std::llround(2 * contacts * contact_factor(all.world.shapes[all.bodies.shape[row]]) *
-                            static_cast<double>(costs.impulse)));
+                            double(costs.impulse)));
 }
 
 /// The links that cross the surfaces of curved walls.
@@ -141,7 +139,7 @@ double links_of_bodies(const Case& setup, const Scenery& all) {
 }
 
 double times(const SeriesSpec& series, std::int64_t steps, bool at_start) {
-  return series.every > 0 ? static_cast<double>((steps - 1) / series.every + 1 + at_start) : 0;
+  return series.every > 0 ? double((steps - 1) / series.every + 1 + at_start) : 0;
 }
 
 double cells_of(const FieldsSpec& fields) {
@@ -168,8 +166,8 @@ double seconds_of_fields(const FieldsSpec& fields, double cell) {
   return seconds_of_a_file + cells_of(fields) * steps * cell;
 }
 
-/// What one rank that has everything to itself takes for all that is written; `cell` is what a step of a cell
-/// in single precision takes, `share` as in disk_needed.
+/// Returns the seconds of all output on a rank that has everything to itself; `cell` is the time of a step of
+/// a cell in single precision, `share` is as in disk_needed.
 double seconds_of_output(const Case& setup, double bodies, double cell, double share) {
   const OutputSpec& output = setup.output;
   const double cells = setup.fluid ? share * setup.volume() : 0;
@@ -211,7 +209,7 @@ void add_work_of_levels(const lbm::Domain& levels, std::int64_t work_of_a_cell, 
   for (int k = 0; k < levels.blocks(); ++k) {
     const int level = levels.tree().kinds()[k].level;
     const lbm::CellBox box = levels.tree().leaf(k).box;
-    estimate.cells[level] += static_cast<double>(box.cells() >> (3 * level));
+    estimate.cells[level] += double(box.cells() >> (3 * level));
     items.push_back({box, std::max<std::int64_t>(1, work_of_leaf(levels, k, work_of_a_cell))});
     work += items.back().work;
   }
@@ -279,7 +277,7 @@ RunEstimate estimate_run(const Case& setup, const PlacedBodies& placed, int rank
   costs.body = setup.contacts.substeps * in_tenths_of_a_cell(seconds_of_a_body);
   costs.impulse = setup.contacts.substeps * in_tenths_of_a_cell(seconds_of_an_impulse);
   if (lbm::reads_beyond(setup.coupling.wall_scheme))
-    costs.link = std::llround(multireflection_link * static_cast<double>(costs.link));
+    costs.link = std::llround(multireflection_link * double(costs.link));
   const Scenery all = scenery_of(setup, placed);
   WorkMap work(make_domain(setup, 1));
   add_bodies(all.bodies, costs, work);
@@ -304,14 +302,11 @@ RunEstimate estimate_run(const Case& setup, const PlacedBodies& placed, int rank
   const double crowd = std::max(1., ranks / cores);
   estimate.seconds_a_step =
       shares.largest / 10 * cell * crowd + overhead_of_a_step + (ranks > 1 ? overhead_of_ranks : 0);
-  estimate.seconds_of_output =
-      seconds_of_output(setup, static_cast<double>(placed.size()), cell, share) * crowd / ranks;
+  estimate.seconds_of_output = seconds_of_output(setup, double(placed.size()), cell, share) * crowd / ranks;
   const double of_fluid = share * fluid_memory(setup);
   const double start = seconds_of_a_start + of_fluid * of_a_new_byte * cell * crowd / ranks;
-  estimate.seconds =
-      start + estimate.seconds_a_step * static_cast<double>(setup.steps) + estimate.seconds_of_output;
-  estimate.memory = of_fluid + memory_of_a_rank * ranks +
-                    memory_of_a_body * static_cast<double>(placed.size()) +
+  estimate.seconds = start + estimate.seconds_a_step * double(setup.steps) + estimate.seconds_of_output;
+  estimate.memory = of_fluid + memory_of_a_rank * ranks + memory_of_a_body * double(placed.size()) +
                     memory_of_a_link * (wall_links + links_of_bodies(setup, all)) +
                     (setup.output.mean ? memory_of_a_mean * setup.volume() : 0);
   estimate.disk = disk_needed(setup, placed.size(), share);
@@ -320,7 +315,7 @@ RunEstimate estimate_run(const Case& setup, const PlacedBodies& placed, int rank
 
 double disk_needed(const Case& setup, std::uint64_t bodies, double share) {
   const OutputSpec& output = setup.output;
-  const double n = static_cast<double>(bodies);
+  const double n = double(bodies);
   double bytes = times(output.fields, setup.steps, true) * bytes_of_fields(output.fields);
   for (const FieldsSpec& slice : output.slices)
     bytes += times(slice, setup.steps, true) * bytes_of_fields(slice);
@@ -373,14 +368,13 @@ std::optional<Diagnostic> disk_warning(const Case& setup, double needed,
   std::filesystem::path there = std::filesystem::absolute(folder, error);
   while (!std::filesystem::exists(there, error) && there.has_relative_path()) there = there.parent_path();
   const auto space = std::filesystem::space(there, error);
-  if (error || needed <= static_cast<double>(space.available)) return {};
-  return Diagnostic{
-      Diagnostic::Severity::warning, setup.place("output"),
-      fmt::format("the files of the run take about {}, and {} has {} left: write less often, "
-                  "fewer fields or slices of them, or keep fewer checkpoints ({} times as much "
-                  "fits)",
-                  bytes_text(needed), there.string(), bytes_text(static_cast<double>(space.available)),
-                  shown(std::floor(100 * static_cast<double>(space.available) / needed) / 100))};
+  if (error || needed <= double(space.available)) return {};
+  return Diagnostic{Diagnostic::Severity::warning, setup.place("output"),
+                    fmt::format("the files of the run take about {}, and {} has {} left: write less often, "
+                                "fewer fields or slices of them, or keep fewer checkpoints ({} times as much "
+                                "fits)",
+                                bytes_text(needed), there.string(), bytes_text(double(space.available)),
+                                shown(std::floor(100 * double(space.available) / needed) / 100))};
 }
 
 std::optional<Diagnostic> time_warning(const Case& setup, const RunEstimate& estimate) {

@@ -1,5 +1,5 @@
 #pragma once
-// What a run will take, foreseen from its case: time, memory, disk, and how evenly ranks share the work.
+// The time, memory and disk of a run, and how evenly ranks share its work, foreseen from its case.
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -29,8 +29,8 @@ struct RunEstimate {
 /// of runs". Takes some milliseconds besides the bodies.
 RunEstimate estimate_run(const Case&, const PlacedBodies&, int ranks);
 
-/// Returns the bytes of the files of a run with so many bodies, and with this share of the cells that there
-/// were if all were finest.
+/// Returns the bytes of the files of a run with so many bodies, and this share of the cells if all were
+/// finest.
 double disk_needed(const Case&, std::uint64_t bodies, double share = 1);
 
 /// Returns lines in the form of the derived table.

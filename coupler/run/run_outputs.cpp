@@ -9,7 +9,6 @@
 #include "coupler/results/checkpoint.hpp"
 #include "coupler/results/flow_fields.hpp"
 #include "coupler/results/report.hpp"
-#include "coupler/results/scene_output.hpp"
 #include "cpu/isa.hpp"
 #include "parallel/together.hpp"
 
@@ -93,7 +92,7 @@ void RunOutputs::write_due() {
   if (save) write_checkpoint();
 }
 
-/// What left since the last look goes to the log and to departures.csv.
+/// Writes the bodies that left since the last look to the log and to departures.csv.
 void RunOutputs::log_departures() {
   if (!setup().bodies_leave()) return;
   const std::vector<Departure> left = gathered(simulation_.scene().comm, simulation_.take_departures());
@@ -102,7 +101,7 @@ void RunOutputs::log_departures() {
     progress_.log(fmt::format("step {}: {}", simulation_.steps_done(), departures_text(left)));
 }
 
-/// The rows of series and probes up to now go to their files.
+/// Writes the rows of series and probes up to now to their files.
 void RunOutputs::write_rows() {
   const OutputSpec& output = setup().output;
   if (output.series.empty() && output.probes.empty()) return;
@@ -157,11 +156,11 @@ void RunOutputs::write_report(const std::string& reason, const std::string& text
   parallel::naming(path.string(), [&] {
     const bool at_end = run_.has_ended() || reason != "running";
     const RunStatus status{reason, text, run_.first_step, MPI_Wtime() - begin_, sound, at_end};
-    const Report report = report_of(simulation_, *run_.quantities, status);
+    const std::string report = report_of(simulation_, *run_.quantities, status);
     parallel::on_rank_0(simulation_.scene().comm, [&] {
       if (reports_ && sound) append_report(*reports_, simulation_.steps_done(), report);
       if (!at_end && !due(setup().output.checkpoint) && status.wall_seconds < reported_ + 1) return;
-      write_text(path, report.text);
+      write_text(path, report);
       reported_ = status.wall_seconds;
     });
   });

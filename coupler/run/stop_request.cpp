@@ -45,7 +45,7 @@ StopRequest::StopRequest(MPI_Comm comm, double limit_seconds)
 void StopRequest::ask(std::int64_t step) {
   const auto now = std::chrono::steady_clock::now();
   const double late = limit_seconds_ > 0 && in_seconds(now - begin_) > limit_seconds_;
-  const auto steps = static_cast<double>(std::max<std::int64_t>(1, step - last_step_));
+  const auto steps = double(std::max<std::int64_t>(1, step - last_step_));
   asked_.start(
       comm_, {double(caught), late, last_step_ < 0 ? answer_.step_seconds : in_seconds(now - last_) / steps});
   last_ = now;

@@ -1,5 +1,5 @@
 #pragma once
-// Who may ask a run to stop in good order: a signal, a limit of wall-clock time.
+// Requests to stop a run in good order: a signal, a limit of wall-clock time.
 #include <mpi.h>
 
 #include <chrono>
@@ -11,20 +11,18 @@
 namespace silt::coupler {
 
 /// Makes SIGTERM, SIGINT, SIGHUP, SIGUSR1, SIGUSR2 and SIGXCPU only leave a note from now on, process-wide;
-/// another one a second later or more ends the process. SIGPIPE is ignored: nobody has to read what a run
-/// prints.
+/// another one a second later or more ends the process. SIGPIPE is ignored.
 void catch_signals();
 
 /// Asks all ranks, every few steps, whether any of them has been told to stop. The answer is looked at when
-/// the next question is due, so that no step waits for it; if steps take longer than longest_overlapped, at
-/// once.
+/// the next question is due, so that no step waits for it; at once if steps take longer than
+/// longest_overlapped.
 class StopRequest {
  public:
   /// Begins a limit of limit_seconds of wall-clock time from now; 0: none.
   StopRequest(MPI_Comm, double limit_seconds);
   /// Collective, after every step. Returns why all ranks stop now, or "": a signal is known of after two
-  /// questions, 2 * between_questions or two steps, and if steps have suddenly become slow, at most
-  /// 2 * most_steps_between of them.
+  /// questions, 2 * between_questions or two steps, of slow steps at most 2 * most_steps_between.
   std::string why(std::int64_t step);
 
  private:

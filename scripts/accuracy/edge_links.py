@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""What is done at the edges of bodies, piece by piece: drag and torque of the bodies of cube.py on a lattice of its own.
+"""The treatment of the edges of bodies, piece by piece: drag and torque of the bodies of cube.py on a lattice of its own.
 
 edge_links.py [--only TEXT] [--cells N] [--places N] [--lip B] [--open] [--scheme multireflection|cli]
 

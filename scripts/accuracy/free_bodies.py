@@ -20,8 +20,8 @@ BOX = 3                                                    # diameters
 SAMPLES = 20
 
 STAR_RADIUS = 0.2                                          # of a capsule, diameters
-# Of the line between a capsule's ends: three capsules less what pairs of their cylinders share, 16/3 r^3 each, plus what all
-# three do, 8 (2 - sqrt(2)) r^3.
+# The line between a capsule's ends is so long that the star has the volume of the sphere: that of three capsules less what pairs of
+# their cylinders share, 16/3 r^3 each, plus what all three do, 8 (2 - sqrt(2)) r^3.
 STAR_LENGTH = (math.pi / 6 + (16 - 4 * math.pi - 8 * (2 - math.sqrt(2))) * STAR_RADIUS**3) / (3 * math.pi * STAR_RADIUS**2)
 
 

@@ -1,4 +1,4 @@
-"""How many core-seconds one percent of drag costs, with the defaults and with the method of SC10; in a wide box too; and against a peer.
+"""Counts the core-seconds that one percent of drag costs, with the defaults and with the method of SC10; in a wide box too; and against a peer.
 
 Simple cubic array of solid fraction 0.064, on one core, both with the same kernel and stopping rule (less than 5e-4 of K
 still to come). The error at a resolution is the mean over eight random positions of |error|, so that no lucky
@@ -29,7 +29,7 @@ PEERS = {8: (0.28, 1.5), 12: (0.11, 8.4)}   # cells across: error in percent, co
 GOALS = [Goal("frontier.one_percent.speedup", 1e9, low=20),
          *(Goal(f"frontier.peers.d{D}.error", error) for D, (error, _) in PEERS.items()),
          *(Goal(f"frontier.peers.d{D}.seconds", seconds / 10) for D, (_, seconds) in PEERS.items())]
-# The same scheme in another code: 0.28; what keeps our cli from turning momentum round for ever takes 0.01 off.
+# Another code has 0.28 with this scheme; what keeps our cli from turning momentum round for ever takes 0.01 off.
 SHORT_GOALS = [Goal("frontier.peers.d8.magic0.1875.error", -0.28, low=-0.30)]
 
 PAPER_FLUID = dict(collision="bgk", precision="double")

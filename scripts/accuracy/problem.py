@@ -1,4 +1,4 @@
-"""What a reference problem is: which cases are run, what is read out of each, and what figures that makes.
+"""A reference problem: the cases that are run, the numbers read out of each, and the figures made of them.
 
 A problem is a module of this folder, named after it:
 

@@ -53,7 +53,7 @@ def runs(level):
 
 
 def measure(run, outcome):
-    """Over the last quarter; `change` from the quarter before it."""
+    """Returns the mean over the last quarter; `change` from the quarter before it."""
     bodies = outcome.bodies
     settling = VELOCITY - bodies.array("velocity")[:, 0, 2]
     quarter = len(settling) // 4

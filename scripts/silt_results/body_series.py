@@ -109,7 +109,7 @@ class BodySeries:
 
     def write_positions(self, path, kind, index=-1):
         """Writes the bodies of a kind at one time as `positions` of a [[bodies]] entry with origin = "centre": where they are, how
-        they are turned and how they move, each number so that it is read back to the bit."""
+        they are turned and how they move, each number so that it is read back bitwise."""
         if kind not in self.kinds:
             raise ValueError(f"there is no kind {kind}; there are {', '.join(self.kinds)}")
         rows = self.at(index)

@@ -1,4 +1,4 @@
-"""How bodies lie to one another: radial distribution, neighbours, and the order of the directions to them.
+"""The structure of a packing: radial distribution, neighbours, and the order of the directions to them.
 
     from silt_results import structure
     run = silt_results.open("cases/packing")

@@ -42,7 +42,7 @@ def stream(model, excess, u):
 
 
 def towed(model, excess, u):
-    """The same sphere pulled through fluid at rest, obliquely to the lattice."""
+    """Pulls the sphere through fluid at rest, obliquely to the lattice."""
     return case_text("Towed sphere", domain=dict(size=[48, 32, 32], boundary="periodic"),
                      fluid=dict(relaxation_time=0.5 + excess, collision=model), run=dict(steps=round(2 * 48 / u)),
                      **ball("prescribed", velocity=[0.9 * u, 0.4 * u, 0.17 * u]))

@@ -19,7 +19,7 @@
 #include <fmt/format.h>
 
 #include "coupler/forces/gap_cells.hpp"
-#include "coupler/run/start_mpi.hpp"
+#include "coupler/run/run.hpp"
 #include "coupler/simulation.hpp"
 #include "rigid/math/types.hpp"
 #include "tests/coupler/case/case_text.hpp"

@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <exception>
 
-#include "coupler/run/start_mpi.hpp"
+#include "coupler/run/run.hpp"
 #include "cpu/isa.hpp"
 #include "tests/bench/figures.hpp"
 

@@ -13,7 +13,7 @@
 #include <map>
 #include <sstream>
 
-#include "coupler/run/start_mpi.hpp"
+#include "coupler/run/run.hpp"
 #include "coupler/simulation.hpp"
 #include "tests/coupler/case/case_text.hpp"
 

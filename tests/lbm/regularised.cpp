@@ -6,7 +6,7 @@
 #include <cmath>
 #include <random>
 
-#include "lbm/collision.hpp"
+#include "lbm/collision_model.hpp"
 #include "lbm/stream_collide.hpp"
 
 namespace silt::lbm {

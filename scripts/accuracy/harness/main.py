@@ -53,7 +53,7 @@ class Session:
         self.faults = []
 
     def copy_program(self):
-        """Returns what the whole session runs, even if the program is built anew meanwhile."""
+        """Returns what the whole session runs, even if the program is built again meanwhile."""
         copy = self.out / "scratch" / f"silt-{self.program[:20]}"
         copy.parent.mkdir(parents=True, exist_ok=True)
         self.silt = pathlib.Path(shutil.copy2(self.silt, copy))

@@ -1,4 +1,4 @@
-"""What has been measured: a line of JSON a run in one file, added the moment the run ends, so that an interrupted
+"""The measurements: a line of JSON a run in one file, added the moment the run ends, so that an interrupted
 session goes on where it stopped. A result counts for one case text, one program, and one way of measuring."""
 import hashlib
 import inspect

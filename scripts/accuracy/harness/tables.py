@@ -1,4 +1,4 @@
-"""What a session leaves for programs and for people: JSON, CSV, Markdown."""
+"""The tables that a session leaves for programs and for people: JSON, CSV, Markdown."""
 import csv
 import json
 import math

@@ -7,7 +7,7 @@ namespace {
 TEST(Checkpoint, an_owner_too_many_is_an_error) {
   const Scratch scratch;
   const auto error = [&](const BodyList& owned) {
-    CheckpointWriter writer(MPI_COMM_WORLD, adapters::checkpoint_path(scratch.path(), 1), {});
+    CheckpointWriter writer(MPI_COMM_WORLD, checkpoint_path(scratch.path(), 1), {});
     return error_of([&] { writer.bodies(owned.rows()); });
   };
   EXPECT_TEXT(error({std::vector<BodyRecord>(2, record(7)), {{}, {}}}), "body 7 has two owners");

@@ -87,8 +87,7 @@ void write_checkpoint(MPI_Comm comm, const std::filesystem::path& path, const st
 
 TEST(FullDisk, leaves_the_previous_checkpoint) {
   const Scratch scratch;
-  const auto first = adapters::checkpoint_path(scratch.path(), 1),
-             second = adapters::checkpoint_path(scratch.path(), 2);
+  const auto first = checkpoint_path(scratch.path(), 1), second = checkpoint_path(scratch.path(), 2);
   const auto boxes = blocks_of(rank(), ranks(), cells, {16, 16, 16});
   write_checkpoint(MPI_COMM_WORLD, first, boxes);
   for (const rlim_t limit : {rlim_t{100}, rlim_t{300000}, rlim_t{19 * 4 * 32 * 16 * 16}}) {
@@ -109,8 +108,7 @@ TEST(FullDisk, leaves_the_previous_checkpoint) {
 
 TEST(FullDisk, of_one_rank_is_told_to_all) {
   const Scratch scratch;
-  const auto first = adapters::checkpoint_path(scratch.path(), 1),
-             second = adapters::checkpoint_path(scratch.path(), 2);
+  const auto first = checkpoint_path(scratch.path(), 1), second = checkpoint_path(scratch.path(), 2);
   const auto boxes = blocks_of(rank(), ranks(), cells, {16, 16, 16});
   write_checkpoint(MPI_COMM_WORLD, first, boxes);
   for (int failing = 0; failing < ranks(); ++failing) {
@@ -161,8 +159,8 @@ TEST(FullDisk, is_told_of_a_field_file) {
   const Scratch scratch;
   const auto boxes = blocks_of(rank(), ranks(), cells, {16, 16, 16});
   const auto fill = [&](std::size_t b, int first, int last, double* out) {
-    const auto& [lower, upper] = boxes[b];
-    std::fill_n(out, (upper[0] - lower[0]) * (upper[1] - lower[1]) * (last - first), 1.25);
+    const auto& size = boxes[b].size;
+    std::fill_n(out, size.x * size.y * (last - first), 1.25);
   };
   const auto write = [&] {
     adapters::write_fields(MPI_COMM_WORLD, scratch / "fields_1.hdf", boxes,
@@ -228,8 +226,8 @@ TEST(Damage, of_a_single_byte_is_found_or_harmless) {
   const std::filesystem::path mine = scratch / std::to_string(rank());
   std::filesystem::create_directory(mine);
   const CellBox box{{0, 0, 0}, {3, 2, 2}};
-  const auto path = adapters::checkpoint_path(mine, 1), copy = mine / "checkpoint_2.h5";
-  write_checkpoint(MPI_COMM_SELF, path, {box}, box.upper);
+  const auto path = checkpoint_path(mine, 1), copy = mine / "checkpoint_2.h5";
+  write_checkpoint(MPI_COMM_SELF, path, {box}, {3, 2, 2});
   const std::string good = content(path);
   std::size_t found = 0, harmless = 0;
   for (std::size_t at = 23 * rank(); at < good.size(); at += 23 * ranks()) {
@@ -254,8 +252,8 @@ TEST(Damage, of_a_cut_file_is_found) {
   const std::filesystem::path mine = scratch / std::to_string(rank());
   std::filesystem::create_directory(mine);
   const CellBox box{{0, 0, 0}, {3, 2, 2}};
-  const auto path = adapters::checkpoint_path(mine, 1), copy = mine / "checkpoint_2.h5";
-  write_checkpoint(MPI_COMM_SELF, path, {box}, box.upper);
+  const auto path = checkpoint_path(mine, 1), copy = mine / "checkpoint_2.h5";
+  write_checkpoint(MPI_COMM_SELF, path, {box}, {3, 2, 2});
   const std::string good = content(path);
   for (std::size_t size = 97 * rank(); size < good.size(); size += 97 * ranks()) {
     std::ofstream(copy, std::ios::binary) << good.substr(0, size);

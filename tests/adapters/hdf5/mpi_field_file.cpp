@@ -1,6 +1,8 @@
 // Fields written on several ranks equal those written on one, byte for byte.
 #include "adapters/hdf5/field_file.hpp"
 
+#include <nlohmann/json.hpp>
+
 #include "tests/act.hpp"
 #include "tests/adapters/hdf5/scratch.hpp"
 
@@ -28,7 +30,7 @@ std::vector<FieldQuantity> quantities(const std::vector<CellBox>& boxes) {
   const auto fill = [&boxes](int components) {
     return [&boxes, components](std::size_t box, int first, int last, double* out) {
       CellBox planes = boxes[box];
-      planes.upper[2] = planes.lower[2] + last, planes.lower[2] += first;
+      planes.lower.z += first, planes.size.z = last - first;
       for_each_cell(planes, [&](int x, int y, int z, std::size_t i) {
         for (int c = 0; c < components; ++c) out[i * components + c] = value(x, y, z, c);
       });
@@ -36,7 +38,7 @@ std::vector<FieldQuantity> quantities(const std::vector<CellBox>& boxes) {
   };
   const auto marks = [&boxes](std::size_t box, int first, int last, double* out) {
     CellBox planes = boxes[box];
-    planes.upper[2] = planes.lower[2] + last, planes.lower[2] += first;
+    planes.lower.z += first, planes.size.z = last - first;
     for_each_cell(planes, [&](int x, int y, int z, std::size_t i) { out[i] = mark(x, y, z); });
   };
   return {{"density", "kg/m^3", 1, fill(1)},
@@ -58,7 +60,7 @@ TEST(FieldFile, is_the_same_on_any_number_of_ranks) {
         write(MPI_COMM_WORLD, scratch / "many.hdf",
               blocks_of(rank(), ranks(), grid_cells, {4, 8, 5}, in_turn, idle), 1.5, compression);
         if (rank() == 0) {
-          write(MPI_COMM_SELF, scratch / "one.hdf", {{{0, 0, 0}, grid_cells}}, 1.5, compression);
+          write(MPI_COMM_SELF, scratch / "one.hdf", {{{0, 0, 0}, {13, 8, 21}}}, 1.5, compression);
           const std::string one = content(scratch / "one.hdf"), many = content(scratch / "many.hdf");
           EXPECT_GT(one.size(), compression > 0 ? 1000u : 13u * 8 * 21 * (4 + 12 + 8 + 1));
           EXPECT_TRUE(one == many);
@@ -82,18 +84,17 @@ TEST(FieldFile, keeps_a_list_of_times_and_replaces_later_ones) {
   for (const double t : {0.0, 0.1, 0.2, 0.3, 0.15})
     write(MPI_COMM_WORLD, scratch / ("fields_00" + std::to_string(int(100 * t + 0.5)) + ".hdf"), boxes, t);
   if (rank() == 0) {
-    EXPECT_EQ(content(scratch / "fields.hdf.series"),
-              "{\n  \"file-series-version\": \"1.0\",\n  \"files\": [\n"
-              "    {\"name\": \"fields_000.hdf\", \"time\": 0},\n"
-              "    {\"name\": \"fields_0010.hdf\", \"time\": 0.1},\n"
-              "    {\"name\": \"fields_0015.hdf\", \"time\": 0.15}\n  ]\n}\n");
+    EXPECT_EQ(nlohmann::json::parse(content(scratch / "fields.hdf.series"))["files"],
+              nlohmann::json::parse(R"([{"name": "fields_000.hdf", "time": 0},
+                                        {"name": "fields_0010.hdf", "time": 0.1},
+                                        {"name": "fields_0015.hdf", "time": 0.15}])"));
   }
 }
 
 TEST(FieldFile, every_rank_is_told_of_one_ranks_error) {
   const Scratch scratch;
   auto boxes = blocks_of(rank(), ranks(), grid_cells, {4, 8, 5});
-  if (rank() == ranks() - 1) boxes.push_back({{0, 0, 20}, {1, 1, 22}});
+  if (rank() == ranks() - 1) boxes.push_back({{0, 0, 20}, {1, 1, 2}});
   EXPECT_TEXT(error_of([&] { write(MPI_COMM_WORLD, scratch / "a.hdf", boxes); }),
               "outside the lattice of 13 x 8 x 21");
   EXPECT_TEXT(error_of([&] { write(MPI_COMM_WORLD, scratch / "no" / "folder.hdf", {}); }), "folder.hdf");
@@ -105,7 +106,7 @@ void write_levels(MPI_Comm comm, const std::filesystem::path& path, int compress
   std::vector<CellBox> fine = blocks_of(rank(), ranks(), {12, 8, 21}, {4, 8, 5}),
                        coarse = blocks_of(rank(), ranks(), {6, 4, 4}, {3, 3, 4}, false, true);
   std::erase_if(fine, [](CellBox& box) {
-    box.lower[2] = std::max(box.lower[2], 8);
+    box = overlap(box, {{0, 0, 8}, {12, 8, 13}});
     return box.cells() == 0;
   });
   adapters::write_fields(

@@ -48,6 +48,10 @@ inline std::string content(const std::filesystem::path& path) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
+inline std::filesystem::path checkpoint_path(const std::filesystem::path& folder, std::int64_t step) {
+  return adapters::step_path(folder, "checkpoint", step, ".h5");
+}
+
 /// Cuts a lattice into blocks of the given size and deals them to `ranks`: in turn, or in runs; the last rank
 /// of several is left without any when `leave_one_idle`.
 inline std::vector<adapters::CellBox> blocks_of(int rank, int ranks, std::array<int, 3> cells,
@@ -59,8 +63,8 @@ inline std::vector<adapters::CellBox> blocks_of(int rank, int ranks, std::array<
     for (int y = 0; y < cells[1]; y += block[1])
       for (int x = 0; x < cells[0]; x += block[0])
         all.push_back({{x, y, z},
-                       {std::min(x + block[0], cells[0]), std::min(y + block[1], cells[1]),
-                        std::min(z + block[2], cells[2])}});
+                       {std::min(block[0], cells[0] - x), std::min(block[1], cells[1] - y),
+                        std::min(block[2], cells[2] - z)}});
   const int n = static_cast<int>(all.size());
   for (int i = 0; i < n; ++i)
     if ((in_turn ? i % ranks : i * ranks / n) == rank) mine.push_back(all[i]);
@@ -82,9 +86,7 @@ struct BodyList {
 template <class F>
 void for_each_cell(const adapters::CellBox& box, F&& f) {
   std::size_t i = 0;
-  for (int z = box.lower[2]; z < box.upper[2]; ++z)
-    for (int y = box.lower[1]; y < box.upper[1]; ++y)
-      for (int x = box.lower[0]; x < box.upper[0]; ++x) f(x, y, z, i++);
+  for_cells(box.lower, box.lower + box.size, [&](lbm::Int3 x) { f(x.x, x.y, x.z, i++); });
 }
 
 /// The text of the error a call throws; empty if it throws none.

@@ -262,7 +262,7 @@ TEST(Run, TheReportHasTheKeysOthersRead) {
   const CaseText text = crowd("single");
   Simulation simulation = text.start(MPI_COMM_WORLD);
   simulation.run(3);
-  const std::string report = report_of(simulation, Quantities(simulation.setup()), {}).text;
+  const std::string report = report_of(simulation, Quantities(simulation.setup()), {});
   for (const char* key : {"steps",
                           "ranks",
                           "blocks",

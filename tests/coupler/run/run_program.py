@@ -75,7 +75,7 @@ class Program(SiltTest):
         other = pathlib.Path(self.scratch.name) / "other"
         self.silt("run", self.case, "--out", other, "--steps", 25, ranks=4)
         # the checkpoint knows that this run was to end at 25, which is said as long as it holds
-        self.assertIn("it has done 25 of 25 steps, where --set run.steps=25 of the earlier run still holds, until it is set anew",
+        self.assertIn("it has done 25 of 25 steps, where --set run.steps=25 of the earlier run still holds, until it is set again",
                       self.silt("resume", self.case, "--out", other, ranks=2).stdout)
         said = self.silt("resume", self.case, "--out", other, "--set", "run.steps=60", "--time-limit", 1e-9, ranks=2, code=4).stdout
         self.assertIn("goes on from step 25 to 60\n", said)

@@ -175,6 +175,17 @@ class Series(SiltTest):
             self.near(loads[f"fluid-torque.ball.{axis}"][1:], run.bodies.array("torque")[1:, 1:, d].sum(1))
         self.assertGreater(np.abs(loads["contact-force.rod.z"][1:]).max(), 1e-4)
 
+    def test_parts_of_a_tensor(self):
+        """The last row of a series has the values of the report, of each component of a stress and in each box."""
+        columns = {f"{kind}-{c}-{z}": f'type = "{kind}-stress"\ncomponent = "{c}"\nbox = [[0, 0, {z}], [32, 16, 16]]'
+                   for kind in ("viscous", "particle") for c in ("xx", "xz") for z in (0, 8)}
+        self.write(CROWD + series("stress", 60, columns))
+        self.silt("run", self.case, ranks=2)
+        table = silt_results.open(self.case).table("stress")
+        values = {name: table[name][-1] for name in columns}
+        self.assertEqual(values, self.report()["quantities"])
+        self.assertEqual(len(set(values.values())), len(columns), values)
+
     def test_action_and_reaction(self):
         """What dry balls feel is what the floor and the rod feel, less."""
         columns = {**of("contact-force", body="ball"), **of("contact-force", body="rod"), **of("contact-force", side="z-low"),

@@ -54,7 +54,7 @@ class Sweeps(SiltTest):
         self.assertEqual((said.count("was completed before"), said.count(": begins")), (2, 1))
         self.assertEqual(len(self.table()), 3)
         said = self.sweep("--vary", "fluid.relaxation_time=0.7", "--set", "run.steps=20", code=2)
-        self.assertIn("has runs with another --set or --unset: choose another folder with --out, or begin anew with --overwrite", said)
+        self.assertIn("has runs with another --set or --unset: choose another folder with --out, or begin again with --overwrite", said)
 
     def test_a_run_that_was_broken_off_goes_on(self):
         text = CASE.replace("steps = 60", "steps = 1200").replace("every = 25", "every = 300").replace("fields = { every = 20 }\nbodies = { every = 7 }\n", "")

@@ -1,4 +1,4 @@
-#include "lbm/collision.hpp"
+#include "lbm/collision_model.hpp"
 
 #include <cmath>
 #include <limits>
