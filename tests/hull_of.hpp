@@ -10,7 +10,7 @@ namespace silt::tests {
 
 using rigid::Vec3;
 
-/// Those of the points that lie on the plane, in order about its normal.
+/// Returns the points that lie on the plane, in order about its normal.
 inline std::vector<int> loop_on(const std::vector<Vec3>& points, const Vec3& normal, double offset,
                                 double slack) {
   std::vector<int> loop;

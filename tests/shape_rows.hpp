@@ -32,7 +32,7 @@ inline Vec3 random_direction(std::mt19937_64& random) {
   return Vec3(normal(random), normal(random), normal(random)).normalized();
 }
 
-/// Of twelve points, some with faces of four corners: symmetric about the origin in z.
+/// Returns the hull of twelve points, some with faces of four corners: symmetric about the origin in z.
 inline rigid::Polyhedron random_polyhedron(const Sizes& size) {
   const Vec3 half(size(), size(), size());
   std::vector<Vec3> points;

@@ -26,7 +26,7 @@ inline double largest_of_ranks(double x) {
   MPI_Allreduce(&x, &all, 1, MPI_DOUBLE, MPI_MAX, MPI_COMM_WORLD);
   return all;
 }
-/// What rank 0 finds on its own, on every rank.
+/// Returns on every rank what rank 0 finds on its own.
 template <class Work>
 std::uint64_t alone(Work&& work) {
   std::uint64_t found = 0;

@@ -1,11 +1,14 @@
-// What stands between an engine and the caller: an answer that is wrong is found out, replaced and counted; a
-// normal that is nearly right still gives the deepest point.
+// A backend is chosen by its name, and the answer of its engine is checked.
 #include <gtest/gtest.h>
+
+#include <fstream>
+#include <string>
 
 #include "adapters/automatic/collision_factory.hpp"
 #include "adapters/common/engine_backend.hpp"
 #include "rigid/collision/manifold.hpp"
 #include "tests/adapters/collision_scenes.hpp"
+#include "tests/errors.hpp"
 
 namespace silt::tests {
 namespace {
@@ -102,6 +105,30 @@ TEST(Manifold, TheDeepestPointSurvivesANormalThatIsSlightlyOff) {
     EXPECT_LE(off_surface(box, {}, deepest(points).on_a), 1e-5) << off;
     EXPECT_LE(off_surface(capsule, above, deepest(points).on_b), 1e-5) << off;
   }
+}
+
+TEST(CollisionFactory, KnowsItsNames) {
+  const auto names = adapters::backend_names();
+  EXPECT_EQ(names, (std::vector<std::string_view>{"auto", "analytic", "bullet", "fcl"}));
+  for (const auto name : names) EXPECT_EQ(adapters::make_backend(name)->name(), name);
+}
+
+TEST(CollisionFactory, AnUnknownNameIsRefusedWithTheKnownOnes) {
+  EXPECT_EQ(tests::error_of<std::invalid_argument>([] { adapters::make_backend("bulet"); }),
+            "unknown collision backend \"bulet\"; known: auto, analytic, bullet, fcl");
+}
+
+TEST(CollisionFactory, OnlyTheDoublePrecisionBulletIsLoaded) {
+  std::ifstream maps("/proc/self/maps");
+  bool loaded = false;
+  for (std::string line; std::getline(maps, line);) {
+    if (line.find("libBulletCollision") == std::string::npos &&
+        line.find("libLinearMath") == std::string::npos)
+      continue;
+    EXPECT_TEXT(line, "-float64.so");
+    loaded = true;
+  }
+  EXPECT_TRUE(loaded);
 }
 
 }  // namespace

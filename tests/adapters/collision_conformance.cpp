@@ -26,7 +26,7 @@ std::string describe(const Scene& s, std::size_t index) {
   return std::string(s.a) + " on " + std::string(s.b) + ", " + s.band + ", scene " + std::to_string(index);
 }
 
-/// The same points to the last bit.
+/// Returns whether two lists have the same points to the last bit.
 bool same_bits(const Points& p, const Points& q) {
   if (p.size() != q.size()) return false;
   for (std::size_t i = 0; i < p.size(); ++i) {
@@ -150,7 +150,7 @@ TEST_P(Conformance, TheEngineAnswersByItselfNearlyAlways) {
   RecordProperty("fallbacks_shallow", int(boxes.shallow_fallbacks + others.shallow_fallbacks));
 }
 
-/// Of every query the engine's answer is taken, or made exact, or replaced, or it was about a half-space; one
+/// In every query the engine's answer is taken, or made exact, or replaced, or it was about a half-space; one
 /// without an engine has none.
 TEST_P(Conformance, WhatTheEngineDidAddsUp) {
   std::uint64_t on_planes = 0;

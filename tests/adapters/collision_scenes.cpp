@@ -10,8 +10,8 @@ namespace silt::tests {
 
 namespace {
 
-/// Of a pair of kinds in each band. Those whose reference is a search cost milliseconds each: SILT_SCENES=200
-/// in the environment asks for more of them.
+/// Returns the number of scenes of a pair of kinds in each band. Scenes whose reference is a search cost
+/// milliseconds each: SILT_SCENES=200 in the environment asks for more of them.
 int scenes_of(Kind a, Kind b) {
   if (has_closed_form(a, b)) return 40;
   const char* wanted = std::getenv("SILT_SCENES");

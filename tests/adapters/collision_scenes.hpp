@@ -27,7 +27,7 @@ inline Points collide(rigid::CollisionBackend& backend, const Pair& p, double to
 }
 const rigid::ContactPoint& deepest(const Points&);
 
-/// How far x is from the surface of the shape (either side).
+/// Returns the distance of x from the surface of the shape, on either side.
 double off_surface(const ConvexShape&, const Pose&, const Vec3& x);
 
 /// A turn about an axis through the origin, in degrees.

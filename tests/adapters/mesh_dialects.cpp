@@ -5,12 +5,11 @@
 
 #include <algorithm>
 #include <cstring>
-#include <functional>
-#include <map>
 #include <stdexcept>
 #include <string>
 
 #include "adapters/mesh/read_mesh.hpp"
+#include "tests/errors.hpp"
 
 namespace silt::adapters::dialects {
 namespace {
@@ -329,7 +328,7 @@ TEST_P(MeshDialects, AreReadOrRefusedByName) {
   if (dialect.refusal.empty())
     EXPECT_EQ(said, "");
   else
-    EXPECT_NE(said.find(dialect.refusal), said.npos) << said;
+    EXPECT_TEXT(said, dialect.refusal);
 }
 
 }  // namespace

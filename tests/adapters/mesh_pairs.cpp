@@ -27,7 +27,7 @@ double uniform(std::mt19937_64& random, double low, double high) {
   return std::uniform_real_distribution<double>(low, high)(random);
 }
 
-/// What every contact owes: its points are gap apart along the normal, its features are in order.
+/// Every contact is sound if its points are gap apart along the normal, its features are in order.
 void expect_sound(const Points& points) {
   for (std::size_t k = 0; k < points.size(); ++k) {
     const ContactPoint& p = points[k];
@@ -58,7 +58,7 @@ TEST_P(MeshPairs, ACuboidOfTrianglesIsABox) {
       }
 }
 
-/// Of bodies that overlap by up to 2 cells in 100 none is missed, and none said to be much deeper than it is:
+/// No body that overlaps by up to 2 cells in 100 is missed, and none is said to be much deeper than it is:
 /// round ones have the depth of the box; for others that of one feature may be another than that of the
 /// whole.
 TEST_P(MeshPairs, OverlapsWithACuboidAreFound) {
@@ -80,7 +80,7 @@ TEST_P(MeshPairs, OverlapsWithACuboidAreFound) {
   }
 }
 
-/// From within a vessel of triangles: as on its six planes.
+/// Bodies within a vessel of triangles touch it as they touch its six planes.
 TEST_P(MeshPairs, AVesselIsSixHalfSpaces) {
   const Vec3 half(40, 50, 60);
   const MeshFeatures vessel = features_of(tessellated_cuboid(half, 4), true);

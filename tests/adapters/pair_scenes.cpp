@@ -62,8 +62,9 @@ Vec3 nearest_on_triangle(const Vec3& p, const Vec3& q, const Vec3& r) {
   return best;
 }
 
-/// Of the hull of the points: the nearest plane through three of them with all on its inner side (depth of
-/// the origin, as an inward normal); nothing (infinite) where the origin is outside or the hull is flat.
+/// Returns, for the hull of the points, the nearest plane through three of them with all on its inner side
+/// (depth of the origin, as an inward normal); nothing (infinite) where the origin is outside or the hull is
+/// flat.
 ReferenceGap depth_in_hull(const std::vector<Vec3>& w) {
   ReferenceGap best{-infinity, Vec3::Zero()};
   const std::size_t n = w.size();

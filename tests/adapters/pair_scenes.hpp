@@ -1,7 +1,6 @@
 #pragma once
 // Pairs of shapes to collide, and what their gap is by a method that shares nothing with adapters/.
 #include <random>
-#include <string>
 
 #include "tests/shape_rows.hpp"
 
@@ -29,7 +28,7 @@ inline std::vector<Kind> all_kinds() {
   names.push_back(half_space);
   return names;
 }
-/// Whether both are a point, a segment or a box swept by a sphere, or the second is a half-space: the
+/// Returns whether both are a point, a segment or a box swept by a sphere, or the second is a half-space: the
 /// reference is a brute-force search of the Minkowski difference, and the backends have closed forms.
 inline bool has_closed_form(Kind a, Kind b) {
   const auto swept_box = [](Kind k) { return k == "sphere" || k == "box" || k == "capsule"; };

@@ -11,7 +11,7 @@ namespace {
 
 using std::numbers::pi;
 
-/// What the shape's row says, world frame.
+/// Returns the kinks that the shape's row tells of, in the world frame.
 rigid::Kinks kinks_of(const ConvexShape& shape, const Pose& pose) {
   rigid::Kinks kinks;
   row_of(rigid::shape_name(shape)).kinks(shape, kinks);

@@ -15,7 +15,7 @@ namespace silt::bench {
 template <class T>
 class Bound {
  public:
-  /// Of a working set of so many cells.
+  /// Measures the bound of a working set of so many cells.
   explicit Bound(std::ptrdiff_t cells)
       : cells_((cells + line - 1) / line * line),
         stride_(cells_ + 13 * line),
@@ -36,7 +36,7 @@ class Bound {
     }
   }
   void forget() { mlups_ = {}; }
-  /// Of the shape with the best middle sample.
+  /// Returns the samples of the shape with the best middle one.
   const Spread& best() const {
     return *std::max_element(mlups_.begin(), mlups_.end(),
                              [](const Spread& a, const Spread& b) { return a.middle() < b.middle(); });

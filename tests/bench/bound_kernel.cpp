@@ -1,4 +1,4 @@
-// What the machine can do: memory updated in place, and arithmetic without memory.
+// The kernels that measure what the machine can do: memory updated in place, and arithmetic without memory.
 #include <algorithm>
 
 #include "cpu/lanes.hpp"

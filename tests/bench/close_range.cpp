@@ -1,4 +1,4 @@
-// What the lattice gives of the flow between close surfaces: the force on a sphere that is made to approach a
+// The flow between close surfaces on the lattice: the force on a sphere that is made to approach a
 // plate, or its equal, or to slide along a plate, so slowly that nothing moves, against Stokes flow.
 //
 //   bench_close_range wall|plate|pair|slide SCHEME DIAMETER BOX [RELAXATION_TIME] < SAMPLES
@@ -100,7 +100,7 @@ steps = 1
                      box, z, relaxation_time, scheme, diameter, 0.8 * box, plate_thickness);
 }
 
-/// Its upper face through x, normal to n.
+/// Returns a plate with its upper face through x, normal to n.
 std::string plate(const Vec3& x, const Vec3& n) {
   const rigid::Quat q = rigid::rotation_between(Vec3::UnitZ(), n);
   return fmt::format(
@@ -120,7 +120,7 @@ Vec3 middle_of(const std::string& kind, const Approach& s, int box) {
   return middle;
 }
 
-/// Of the gap, from the sphere to what it approaches.
+/// Returns the cells in the gap, from the sphere to what it approaches.
 double cells(const std::string& kind, const Approach& s, double radius, int box) {
   const Vec3 n = s.direction.normalized();
   const rigid::Mat3 curvature = (rigid::Mat3::Identity() - n * n.transpose()) / radius;
@@ -143,7 +143,7 @@ std::string bodies(const std::string& kind, const Approach& s, double radius, in
   return ball + body(middle + (radius + 0.5 * s.gap) * n, -speed * n);
 }
 
-/// What theory says of the sphere's force and torque.
+/// Returns the sphere's force and torque by theory.
 Resistance exact(const std::string& kind, double gap, double radius) {
   if (kind == "pair") return {testing::approach_of_two(1 + 0.5 * gap / radius), 0};
   if (kind == "slide") return {testing::slide_force(gap / radius), testing::slide_torque(gap / radius)};

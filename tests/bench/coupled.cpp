@@ -9,7 +9,6 @@
 //   scripts/bench coupled [--quick] [--only TEXT[,TEXT...]] [--json FILE]      (--only: scenes whose key
 //   contains a TEXT, TEXT$: is it; --quick: 96 cells an edge, fewer turns)
 #include <array>
-#include <cmath>
 #include <cstdio>
 #include <map>
 #include <memory>
@@ -41,7 +40,7 @@ struct Plan {
            (l.edge == large ? "" : ".n" + std::to_string(l.edge)) +
            (l.time == "explicit" ? ".explicit" : "") + (l.speed == resting_speed ? ".resting" : "");
   }
-  /// Those that share a box follow one another.
+  /// Returns all scenes; scenes that share a box follow one another.
   std::vector<Layers> scenes() const {
     std::vector<Layers> all;
     for (const char name : {'a', 'b'}) {
@@ -112,7 +111,7 @@ class Scene {
   std::array<Spread, std::size_t(Stage::count)> stages_;
 };
 
-/// What all scenes of one box are measured against.
+/// The fluid alone and the bound, against which all scenes of one box are measured.
 class Machine {
  public:
   explicit Machine(lbm::Int3 n)
@@ -139,7 +138,7 @@ class Machine {
   Spread alone_;
 };
 
-/// Of a step, where they are known.
+/// The operations and bytes of a step, where they are known.
 struct Work {
   double flops = 0, bytes = 0;
 };

@@ -46,7 +46,7 @@ std::array<lbm::SideCondition, 6> sides_of(bool open) {
   return sides;
 }
 
-/// What arrives in the cells of a stirred box after some steps.
+/// Returns the populations that arrive in the cells of a stirred box after some steps.
 template <class T>
 std::vector<T> stirred(Device device, const lbm::CollisionSpec& spec, int levels, bool open) {
   const lbm::Int3 n = levels == 1 ? lbm::Int3{64, 48, 32} : lbm::Int3{96, 80, 80};

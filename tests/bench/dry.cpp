@@ -15,7 +15,6 @@
 // - Not the same: Bullet meets its 10 iterations in one order of contacts (Gauss-Seidel); Silt's sweeps give
 //   the same bits in any order and on any number of ranks.
 #include <cstdio>
-#include <cstring>
 
 #include "tests/bench/bullet_world.hpp"
 #include "tests/bench/figures.hpp"
@@ -31,7 +30,7 @@ struct Plan {
   int windows, steps;  // of a window
 };
 
-/// What one code did in its windows.
+/// The record of one code in its windows.
 struct Record {
   std::vector<double> ms;  // a step, by window
   double contacts = 0;     // a step, mean
@@ -97,7 +96,7 @@ Overlap overlap_of(World world, const Bed& bed, const Plan& plan) {
   return record.overlap;
 }
 
-/// What is not to be worse than Bullet's.
+/// The overlap that is not to be worse than Bullet's.
 enum class By { deepest_and_mean, deepest };
 
 bool no_worse(const Overlap& a, const Overlap& b, By by) {

@@ -34,7 +34,7 @@ inline std::string processor() {
   return "unknown";
 }
 
-/// What every benchmark takes; the others are its own.
+/// The options that every benchmark takes; the others are its own.
 struct Options {
   bool quick = false;
   std::string json;  // file to write; empty: none

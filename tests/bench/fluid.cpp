@@ -58,7 +58,7 @@ class Textbook {
           for (int i = 0; i < lbm::directions; ++i)
             leaving(x, y, z, i) = leaving(wrapped(x), wrapped(y), wrapped(z), i);
   }
-  /// What has left a cell along i, or is to leave it at the start.
+  /// Returns the population that has left a cell along i, or is to leave it at the start.
   T& leaving(int x, int y, int z, int i) {
     const std::ptrdiff_t cell = arrays_.cell(x, y, z);
     return populations_[now_][variant_.layout == Layout::array_of_structures ? cell * lbm::directions + i
@@ -223,7 +223,7 @@ class Side {
   }
   int ranks() const { return ranks_; }
   const Spread& mlups() const { return mlups_; }
-  /// Of all ranks together. Collective.
+  /// Returns the bound of all ranks together. Collective.
   Spread bound() const {
     Spread total = bound_.best();
     MPI_Allreduce(MPI_IN_PLACE, total.samples.data(), int(total.samples.size()), MPI_DOUBLE, MPI_SUM, comm_);

@@ -14,7 +14,8 @@ struct AccessShape {
   int streams, lines, ahead;
 };
 
-/// Where population i of a cell lies: beside the cell's others, or beside the next cell's population i.
+/// The layout says where population i of a cell lies: beside the cell's others, or beside the next cell's
+/// population i.
 enum class Layout { array_of_structures, structure_of_arrays };
 enum class Effort { straightforward, optimised };
 
@@ -32,7 +33,7 @@ struct TwoArrays {
   }
 };
 
-/// What each build offers for populations of the type T, float or double.
+/// The kernels of each build for populations of the type T, float or double.
 template <class T>
 struct BoundKernels {
   /// p = 0.999 p for 19 arrays of `cells` values, whole cache lines, `stride` apart: each read once and
@@ -48,7 +49,7 @@ using PullAndRelax = void (*)(const TwoArrays<T>&, Layout, Effort);
 SILT_BUILDS(template <class T> BoundKernels<T> bound_kernels();
             template <class T> PullAndRelax<T> pull_and_relax();)
 
-/// What the build that runs here offers.
+/// Returns the kernels of the build that runs here.
 template <class T>
 BoundKernels<T> bound_kernels() {
   return SILT_CHOSEN(bound_kernels<T>)();

@@ -44,7 +44,8 @@ inline std::map<std::string, double> read_counts(const std::filesystem::path& fo
   return counts;
 }
 
-/// Of the pieces this program runs when it is given `argument`. std::runtime_error without valgrind.
+/// Returns the instructions of the pieces that this program runs when it is given `argument`.
+/// std::runtime_error without valgrind.
 inline std::map<std::string, double> count_instructions(const std::string& argument) {
   namespace fs = std::filesystem;
   if (std::system("command -v valgrind >/dev/null") != 0)

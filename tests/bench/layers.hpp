@@ -47,7 +47,7 @@ struct Layers {
   double speed = 0.01;                   // cells a step
   std::array<int, 3> boxes = {1, 1, 1};  // of that edge, beside one another
 
-  /// How often the arrangement is repeated along an axis, and in how many cells.
+  /// Returns how often the arrangement is repeated along each axis.
   std::array<int, 3> periods() const {
     const double scale = layer_body(body).diameter / 6, across = (name == 'a' ? 16 : 9) * scale;
     const auto fitting = [&](double period) { return std::max(1, int(std::lround(edge / period))); };

@@ -1,5 +1,5 @@
-// What a cut link costs and what it waits for, on one core: the kernels of lbm/cut_links by themselves, on
-// the links of the paper's layers of spheres (layers.hpp), nanoseconds a link.
+// The cost of a cut link and of what it waits for, on one core: the kernels of lbm/cut_links by themselves,
+// on the links of the paper's layers of spheres (layers.hpp), nanoseconds a link.
 //
 //   at hand      one sphere's links over and over: all its cache lines are in the first levels
 //   fetched      all links in the order of a step, as ones far from the dense pass

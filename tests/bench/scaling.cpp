@@ -106,8 +106,8 @@ class Side {
   std::array<double, std::size_t(Stage::count)> stages_{};
 };
 
-/// What the ranks should send in the next step, in those stages where the paper tells it: not the moments for
-/// refilled cells, nor the sweeps.
+/// The messages that the ranks should send in the next step, in those stages where the paper tells it: not
+/// the moments for refilled cells, nor the sweeps.
 struct Expected {
   Sent fluid;
   double forces = 0, bodies = 0;  // messages

@@ -74,7 +74,7 @@ struct Overlap {
   double mean = 0;     // m: all overlaps' sum over the number of bodies
 };
 
-/// Of the bodies of a bed, wherever another code has put them.
+/// Measures the overlaps of the bodies of a bed, wherever another code has put them.
 class MeasureOverlap {
  public:
   explicit MeasureOverlap(const Bed& bed)

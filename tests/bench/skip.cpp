@@ -1,5 +1,5 @@
-// What a scene does not contain costs nothing: each row of a table (skip_rows.cpp) runs a scene through the
-// program, and beside it a driver that calls only the passes the scene needs. Instructions (callgrind,
+// A scene pays nothing for what it does not contain: each row of a table (skip_rows.cpp) runs a scene through
+// the program, and beside it a driver that calls only the passes the scene needs. Instructions (callgrind,
 // 256-bit build) are exact, and those of the start do not count; times, taken in turn, say what caches add.
 //   scripts/bench skip [--quick] [--instructions] [--json FILE]      (--instructions: no times)
 #include <cstdio>
@@ -15,7 +15,7 @@ namespace {
 
 constexpr int warm_up = 4, counted = 4;  // steps
 
-/// Of so many and of twice as many steps: their difference knows nothing of a start.
+/// Counts so many steps and twice as many: their difference knows nothing of a start.
 void pieces() {
   for (Row& row : skip_rows())
     for (const auto& [which, run] : {std::pair{"scene", &row.scene}, std::pair{"driver", &row.driver}}) {

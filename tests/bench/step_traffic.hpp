@@ -1,7 +1,6 @@
 #pragma once
 // What a rank sends in a step, counted on paper: from the boxes of cells and the bodies' places, without
 // asking what sends it.
-#include <cstdint>
 #include <set>
 
 #include "coupler/simulation.hpp"
@@ -23,7 +22,7 @@ Sent halo_sent(const lbm::Domain&, int rank, int number);
 /// Two populations for each cut link from a cell of another rank whose cell behind is here
 /// (pairs_across.hpp), in the next step. Of spheres.
 Sent pairs_sent(const coupler::Simulation&, int number);
-/// How many other ranks have a cell less than `reach` away from the rank's box.
+/// Counts the other ranks that have a cell less than `reach` away from the rank's box.
 int ranks_within(const lbm::Domain&, int rank, double reach);
 /// The other ranks that own a body of which there is a copy here.
 std::set<int> copied_from(const coupler::Simulation&);

@@ -133,7 +133,7 @@ coupler::Simulation scene(const Array& a, const Options& o, const Vec3& offset, 
       MPI_COMM_SELF, o.overrides);
 }
 
-/// Of all spheres.
+/// Returns the force on all spheres.
 Vec3 force_on(coupler::Simulation& s) {
   Vec3 sum = Vec3::Zero();
   for (const auto& load : s.last_loads()) sum += load.force;

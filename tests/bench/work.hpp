@@ -8,8 +8,8 @@
 
 namespace silt::bench {
 
-/// Of a cell of the dense pass, two relaxation times, without a force and with one (a body force or the
-/// mass correction). The compiled loop of the 256-bit build has as many.
+/// The operations of a cell of the dense pass, two relaxation times, without a force and with one (a body
+/// force or the mass correction). The compiled loop of the 256-bit build has as many.
 inline constexpr double flops_per_cell = 141, flops_per_cell_with_force = 158;
 template <class T>
 inline constexpr double bytes_per_cell = 2 * lbm::directions * sizeof(T);
@@ -42,8 +42,8 @@ int operations_of_coefficients() {
 struct LinkWork {
   double flops, bytes;
 };
-/// Of a cut link in a step: what comes back, force, torque and mass; with implicit coupling also the
-/// correction. (The stiffness is part of the object mapping.)
+/// Returns the work of a cut link in a step: what comes back, force, torque and mass; with implicit coupling
+/// also the correction. (The stiffness is part of the object mapping.)
 inline LinkWork link_work(std::string_view scheme, bool implicit, std::size_t bytes_of_a_population) {
   using enum lbm::WallScheme;
   const bool behind = scheme != "bounce-back", beyond = scheme == "multireflection";

@@ -99,8 +99,7 @@ double largest_load_in_still_fluid(const std::string& form) {
   return tests::largest_of_ranks(largest);
 }
 
-// Whatever cells it covers and leaves: 0.06 a cell would be felt if their momentum were handed over as it
-// is.
+// Whatever cells it covers and leaves: 0.06 a cell would be felt if their momentum were handed over as it is.
 TEST(CoupledStep, ABodyThatMovesWithTheFluidFeelsNothing) {
   EXPECT_LT(largest_load_in_still_fluid("exact"), 1e-9);
   EXPECT_LT(largest_load_in_still_fluid("galilean"), 0.03);

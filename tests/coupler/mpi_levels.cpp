@@ -1,14 +1,18 @@
-// What looks at the fluid between steps sees the cells of all levels: totals, the hash, where a run begins,
-// and quantities.
+// The fluid on cells of several levels: what looks at it between steps sees the cells of all levels, and
+// levels that follow bodies change no bit and conserve momentum.
 #include <gtest/gtest.h>
 #include <mpi.h>
 
 #include <cmath>
 
+#include "coupler/case/fluid_spec.hpp"
 #include "coupler/guard.hpp"
 #include "coupler/results/velocity_gradient.hpp"
+#include "coupler/simulation.hpp"
 #include "coupler/state_hash.hpp"
+#include "tests/coupler/case/case_text.hpp"
 #include "tests/coupler/levelled_flow.hpp"
+#include "tests/errors.hpp"
 #include "tests/world.hpp"
 
 namespace silt::coupler::testing {
@@ -53,13 +57,8 @@ TEST(Levels, ACellAtFaultIsNamedInFinestCells) {
   const FlowTotals totals = flow.account().totals();
   EXPECT_EQ(totals.fastest_cell, (lbm::Int3{10, 12, 6}));
   EXPECT_EQ(totals.thinnest_cell, (lbm::Int3{4, 8, 4}));
-  try {
-    s.look_at_flow();
-    ADD_FAILURE() << "it is too fast";
-  } catch (const CommonGuardStop& stop) {
-    EXPECT_NE(std::string(stop.what()).find("the fluid at cell [10, 12, 6], moves 0.5"), std::string::npos)
-        << stop.what();
-  }
+  EXPECT_TEXT(tests::error_of<CommonGuardStop>([&] { s.look_at_flow(); }),
+              "the fluid at cell [10, 12, 6], moves 0.5");
 }
 
 TEST(Levels, HashIsTheSameOnAnyRanksAndKnowsTheLevel) {
@@ -104,6 +103,63 @@ TEST(Levels, AFlowBeginsAtTheCentresOfCells) {
       EXPECT_NEAR(strain_rate_squared(fields, m), 2 * (xx * xx + xy * xy), 1e-12);
     });
   });
+}
+
+/// Spheres that fly past each other in a periodic box of cells of three levels.
+CaseText flying(const std::string& run = "") {
+  CaseText c;
+  c.domain = domain_of({96, 64, 64});
+  c.fluid += "precision = \"double\"\n";
+  c.rest = "[coupling]\nforce = \"exact\"\nmass_correction = false\n[coarsening]\nlevels = 2\ndistance = 7\n";
+  c.shapes = sphere_of("sphere", 6.5);
+  c.bodies = body_of("sphere", 200, "position = [5.2, 16.1, 7.3]\nvelocity = [0.08, 0.03, 0.0]") +
+             body_of("sphere", 100, "position = [67.4, 26.9, 17.9]\nvelocity = [-0.06, 0.0, 0.05]");
+  c.run = "[run]\nsteps = 640\n" + run;
+  return c;
+}
+
+/// Returns how often this rank's cells were refined or coarsened.
+int regrids(Simulation& s, int steps) {
+  int changes = 0;
+  for (int n = 0; n < steps; ++n) {
+    const lbm::CutTree before = s.scene().level_view().tree();
+    s.step();
+    changes += !(before == s.scene().level_view().tree());
+  }
+  return changes;
+}
+
+TEST(Regrid, RanksAndCutsChangeNoBit) {
+  const auto hash_of = [](MPI_Comm comm, const std::string& run) {
+    Simulation s = flying(run).start(comm);
+    EXPECT_GT(tests::sum_over_ranks(double(regrids(s, 112))), 2);
+    return s.hash();
+  };
+  const std::uint64_t alone = tests::alone([] {
+    Simulation s = flying().start(MPI_COMM_SELF);
+    s.run(112);
+    return s.hash();
+  });
+  EXPECT_EQ(alone, hash_of(MPI_COMM_WORLD, ""));
+  EXPECT_EQ(alone, hash_of(MPI_COMM_WORLD, "balance = { every = 16 }\n"));
+}
+
+TEST(Regrid, MomentumIsConserved) {
+  Simulation s = flying().start(MPI_COMM_WORLD);
+  const Balance before = s.balance();
+  EXPECT_GT(tests::sum_over_ranks(double(regrids(s, 160))), 3);
+  const Balance after = s.balance();
+  EXPECT_LT((after.momentum - before.momentum).norm(), 1e-11 * before.momentum_scale);
+}
+
+TEST(Regrid, ABodyAtABorderIsNamed) {
+  if (tests::rank() != 0) return;
+  Simulation s = flying().start(MPI_COMM_SELF);
+  s.run(8);
+  s.set_pose(1, {{40, 40, 40}, rigid::Quat::Identity()});
+  const std::string said = tests::error_of<GuardStop>([&] { s.run(9); });
+  EXPECT_TEXT(said, "step 16: body 1 ");
+  EXPECT_TEXT(said, "raise coarsening.distance (now 7 cells)");
 }
 
 }  // namespace

@@ -7,11 +7,9 @@
 #include <numbers>
 
 #include "coupler/case/case.hpp"
-#include "coupler/results/build_info.hpp"
-#include "coupler/results/checkpoint.hpp"
 #include "coupler/results/quantities.hpp"
-#include "tests/adapters/hdf5/scratch.hpp"
 #include "tests/coupler/coupled_scenes.hpp"
+#include "tests/coupler/same_bits.hpp"
 #include "tests/world.hpp"
 
 namespace silt::coupler::testing {
@@ -65,23 +63,10 @@ CaseText stirred_crowd() {
 }
 
 TEST(PrescribedBodies, SameBitsForAnyBlocksAndRanksAndInARunThatGoesOn) {
-  const auto hash = [](const std::string& blocks, MPI_Comm comm) {
-    Simulation simulation = stirred_crowd().start(comm, {"domain.blocks=" + blocks});
-    simulation.run(60);
-    return simulation.hash();
-  };
-  const std::uint64_t alone = tests::alone([&] { return hash("[24, 20, 28]", MPI_COMM_SELF); });
-  EXPECT_EQ(hash("[12, 10, 14]", MPI_COMM_WORLD), alone);
-  const tests::Scratch scratch;
-  const Case scene = stirred_crowd().read();
-  Simulation simulation(scene, MPI_COMM_WORLD);
+  expect_one_hash(stirred_crowd(), 60, {"[12, 10, 14]"});
+  Simulation simulation = stirred_crowd().start(MPI_COMM_WORLD);
   simulation.run(25);
-  const auto path = write_checkpoint(simulation, Quantities(scene), scratch.path(),
-                                     provenance_of(scene, tests::ranks(), "auto"), {});
-  const adapters::CheckpointReader reader(MPI_COMM_WORLD, path);
-  const auto again = resumed_simulation(reader, scene, MPI_COMM_WORLD);
-  again->run(35);
-  EXPECT_EQ(again->hash(), alone);
+  expect_goes_on(simulation, 35);
 }
 
 /// A free sphere all of whose axes are locked feels what a fixed one does.

@@ -1,12 +1,17 @@
-// What a step sends, as parallel/traffic.hpp counts it, against counts on paper.
+// The messages of a step against counts on paper, and blocks that a body fills: they take no part in the
+// passes, and the fluid beside them does not notice.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include <fmt/format.h>
-
 #include <algorithm>
+#include <fstream>
+#include <stdexcept>
 
 #include "coupler/simulation.hpp"
+#include "lbm/equal_cut.hpp"
 #include "tests/coupler/case/case_text.hpp"
+#include "tests/coupler/single_cells.hpp"
+#include "tests/world.hpp"
 
 namespace silt::coupler::testing {
 namespace {
@@ -59,6 +64,103 @@ TEST(Traffic, OnlyWhatHasChangedCrossesTheBus) {
     const BusBytes& bytes = simulation.bus_bytes_in_steps();
     EXPECT_LT(double(bytes.to_device + bytes.from_device) / steps / 27, 1000) << diameter;
   }
+}
+
+/// A box that leaves a channel of 16 cells, driven along x; cut across y into `blocks` cells.
+Simulation channel_beside_a_box(const std::string& motion, const std::string& blocks) {
+  CaseText c;
+  c.domain = domain_of({16, 32, 64}, R"({ x = "periodic", y = ["no-slip", "no-slip"], z = "periodic" })");
+  c.fluid = "[fluid]\nrelaxation_time = 0.7\nbody_force = [1e-4, 0, 0]\n";
+  c.shapes = shape_of("box", "box", "edges = [15.9, 15.9, 63.9]");
+  c.bodies = body_of("box", 2, "position = [8, 24, 32]\n" + motion);
+  return c.start(MPI_COMM_WORLD, {"domain.blocks=" + blocks});
+}
+
+constexpr const char* whole_height = "[16, 32, 8]";  // fluid in every block
+constexpr const char* halves = "[16, 16, 8]";        // the upper ones are full
+
+TEST(IdleBlock, FluidBesideItIsTheSame) {
+  const std::string fixed = "motion = \"fixed\"",
+                    moving = "motion = \"prescribed\"\nvelocity = [0, -0.03, 0]";
+  for (const std::string& motion : {fixed, moving}) {  // moving: cells come free, the blocks wake up
+    Simulation a = channel_beside_a_box(motion, whole_height), b = channel_beside_a_box(motion, halves);
+    for (int t = 0; t < 40; ++t) a.step(), b.step();
+    EXPECT_EQ(a.hash(), b.hash()) << motion;
+    EXPECT_GT(a.look_at_flow().max_speed, 1e-3);
+  }
+}
+
+/// The lower half along y for half of the ranks, the upper one, which the box fills, for the others.
+lbm::CutTree halves_of_ranks() {
+  const int n = tests::ranks();
+  std::vector<lbm::Cut> nodes;
+  const auto slabs = [&](int leaves) {
+    for (int left = leaves; left > 1; --left) nodes.push_back({2, 64 - 64 * (left - 1) / leaves, 1});
+  };
+  if (n > 1) nodes.push_back({1, 16, n / 2});
+  if (n > 1) slabs(n / 2);
+  slabs(n - n / 2);
+  return {{16, 32, 64}, nodes};
+}
+
+TEST(IdleBlock, RanksWithoutAFluidCellTakeNoPart) {
+  if (tests::ranks() == 1) return;
+  for (const std::string motion :
+       {"motion = \"fixed\"", "motion = \"prescribed\"\nvelocity = [0, -0.03, 0]"}) {
+    Simulation a = channel_beside_a_box(motion, whole_height), b = channel_beside_a_box(motion, "auto");
+    b.cut_again(halves_of_ranks());
+    for (int t = 0; t < 20; ++t) a.step(), b.step();
+    EXPECT_EQ(a.hash(), b.hash()) << motion;
+    b.cut_again(lbm::equal_cut({16, 32, 64}, tests::ranks()));
+    for (int t = 0; t < 20; ++t) a.step(), b.step();
+    EXPECT_EQ(a.hash(), b.hash()) << motion;
+  }
+}
+
+TEST(IdleBlock, KeepsWhatItHolds) {
+  Simulation s = channel_beside_a_box("motion = \"fixed\"", halves);
+  FluidFields& fields = s.scene().flow->fields();
+  const lbm::Int3 middle{8, 8, 4};  // far enough from its neighbours' links
+  for (int t = 0; t < 4; ++t) s.step();
+  const auto for_full_blocks = [&](auto&& visit) {
+    for (int b = 0; b < fields.blocks(); ++b)
+      if (!fields.is_fluid(b, middle)) visit(b);
+  };
+  // cells that collided would spread it
+  for_full_blocks([&](int b) { set_arriving(fields, b, middle, 0, 0.25); });
+  s.step();
+  int full = 0;
+  for_full_blocks([&](int b) {
+    EXPECT_EQ(arriving(fields, b, middle, 0), 0.25);
+    ++full;
+  });
+  EXPECT_GT(tests::sum_over_ranks(full), 0);
+}
+
+/// Returns the bytes of its own memory that this process has touched: what MPI shares between ranks is not in
+/// it.
+double own_bytes() {
+  std::ifstream status("/proc/self/status");
+  for (std::string word; status >> word;)
+    if (double kilobytes = 0; word == "RssAnon:" && status >> kilobytes) return 1024 * kilobytes;
+  throw std::runtime_error("/proc/self/status names no RssAnon");
+}
+
+/// Populations of 224 x 224 x 64 cells take 250 MB; fluid is in a tube within 1 of 196 blocks of 16 x 16.
+TEST(IdleBlock, ItsPopulationsTakeNoMemory) {
+  CaseText c;
+  c.domain = domain_of({224, 224, 64});
+  c.fluid = "[fluid]\nrelaxation_time = 0.7\nprecision = \"single\"\nbody_force = [0, 0, 1e-5]\n";
+  c.rest = "[[walls]]\ntype = \"tube\"\nradius = 7\naxis = \"z\"\npoint = [56, 56, 0]\n";
+  c.shapes = c.bodies = "";
+  const double before = own_bytes();
+  Simulation s = c.start(MPI_COMM_WORLD, {"domain.blocks=[16, 16, 64]"});
+  for (int t = 0; t < 10; ++t) s.step();
+  const double grown = tests::sum_over_ranks(own_bytes() - before),
+               held = tests::sum_over_ranks(double(s.scene().flow->fields().bytes()));
+  EXPECT_GT(held, 240e6);
+  EXPECT_LT(grown, 0.75 * held) << "of " << held;  // what else cells have takes a third of that
+  EXPECT_GT(s.look_at_flow().max_speed, 1e-5);
 }
 
 }  // namespace

@@ -1,20 +1,16 @@
 #pragma once
 // Which part of a scene is solid.
 #include "coupler/simulation.hpp"
+#include "tests/coupler/single_cells.hpp"
 #include "tests/world.hpp"
 
 namespace silt::coupler::testing {
 
-/// How many cells are in bodies and walls; collective.
+/// Counts the cells that are in bodies and walls; collective.
 inline double solid_cells(const Simulation& s) {
   const FluidFields& fields = s.scene().flow->fields();
   double count = 0;
-  for (int b = 0; b < fields.blocks(); ++b) {
-    const lbm::Int3 n = fields.block(b).size;
-    for (int z = 0; z < n.z; ++z)
-      for (int y = 0; y < n.y; ++y)
-        for (int x = 0; x < n.x; ++x) count += !fields.is_fluid(b, {x, y, z});
-  }
+  for_each_cell(fields, [&](int b, lbm::Int3 x, lbm::Int3) { count += !fields.is_fluid(b, x); });
   return tests::sum_over_ranks(count);
 }
 

@@ -1,13 +1,16 @@
-// What the whole fluid holds, at sizes that a 64-bit sum of quanta cannot.
+// The sums of the whole fluid and the account of its mass, at sizes that a 64-bit sum of quanta cannot hold.
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 #include <random>
 
+#include "coupler/flow_account.hpp"
 #include "coupler/flow_totals.hpp"
+#include "coupler/fluid_fields.hpp"
 #include "coupler/mapping/solid_map.hpp"
 #include "coupler/simulation.hpp"
+#include "lbm/cut_links.hpp"
 #include "lbm/fluid.hpp"
 #include "tests/coupler/case/case_text.hpp"
 
@@ -17,7 +20,8 @@ namespace {
 // 320^3 cells at a speed of 0.3 hold a momentum of 9.8e6 lattice units; 2^63 quanta are 8.4e6.
 TEST(FlowTotals, OfAsMuchMomentumAsALargeFastFlowHas) {
   constexpr lbm::Int3 cells{320, 320, 320};
-  constexpr double speed = 0.3125, deviation = -0.28125;  // whole numbers of quanta: the sums are exact
+  constexpr double speed = 0.3125,
+                   deviation = -0.28125;  // whole numbers of quanta: the sums are exact
   lbm::Moments m;
   m.density_deviation = deviation;
   m.momentum[0] = speed, m.momentum[2] = -speed;
@@ -88,12 +92,14 @@ TEST(FlowTotals, OfRunsAreThoseOfTheirCells) {
   expect_runs_to_be_their_cells<double>();
 }
 
-/// What is counted once between two changes is counted anew after each: a uniform force adds itself in every
-/// step, to a fluid without bodies too.
+/// Totals are counted once between two changes and again after each: a
+/// uniform force adds itself in every step, to a fluid without bodies too.
 TEST(FlowTotals, FollowTheSteps) {
   testing::CaseText c;
   c.domain = testing::domain_of({8, 6, 4});
-  c.fluid = "[fluid]\nrelaxation_time = 0.8\nprecision = \"double\"\nbody_force = [1e-6, 0, 0]\n";
+  c.fluid =
+      "[fluid]\nrelaxation_time = 0.8\nprecision = "
+      "\"double\"\nbody_force = [1e-6, 0, 0]\n";
   c.shapes = c.bodies = "";
   Simulation s = c.start(MPI_COMM_SELF);
   for (int step = 0; step < 4; ++step, s.step()) {
@@ -114,6 +120,55 @@ TEST(FlowTotals, OfSlowFlowHaveItsEnergyToTheLastDigits) {
   const FlowTotals totals = sums.over_ranks(MPI_COMM_SELF);
   EXPECT_NEAR(totals.energy / (240 * 0.5 * speed * speed), 1, 1e-6);
   EXPECT_NEAR(totals.momentum[1] / (240 * speed), 1, 2e-6);
+}
+
+constexpr std::uint64_t all_cells = 1'000'000'000'000;
+
+rigid::FixedSum quanta(double mass) {
+  return rigid::FixedSum(mass / lbm::mass_quantum);
+}
+
+/// 2^63 quanta are 8.4e6: 64 bits would have turned the sign.
+TEST(MassCorrection, TakesOutASurplusOfAThousandthOfATrillionCells) {
+  MassCorrection correction;
+  correction.recount({all_cells, quanta(1e9)});
+  EXPECT_DOUBLE_EQ(correction.take_surplus(1), -1e-3);
+  EXPECT_EQ(correction.state().surplus, 0);
+}
+
+TEST(MassCorrection, SumsWhatLinksAndCellsOfATrillionBring) {
+  MassCorrection correction;
+  correction.recount({all_cells, 0});
+  correction.end_step({quanta(3e8), quanta(-1e8), -1'000'000'000});
+  EXPECT_EQ(correction.state().surplus, quanta(2e8));
+  EXPECT_EQ(correction.state().fluid_cells, std::int64_t(all_cells) - 1'000'000'000);
+  // what is known, and as much again as links brought in the last step
+  EXPECT_DOUBLE_EQ(correction.take_surplus(1), -5e8 / double(all_cells - 1'000'000'000));
+}
+
+TEST(MassCorrection, IsSpreadOverTheStepsOfTheCoarsestCells) {
+  MassCorrection correction;
+  correction.recount({all_cells, quanta(4e8)});
+  EXPECT_DOUBLE_EQ(correction.take_surplus(4), -1e8 / double(all_cells));
+  for (int step = 0; step < 3; ++step) {
+    correction.end_step({quanta(1e7), 0, 0});
+    EXPECT_DOUBLE_EQ(correction.take_surplus(4),
+                     -1e8 / double(all_cells));  // what coarse cells were given
+  }
+  correction.end_step({quanta(1e7), 0, 0});
+  EXPECT_EQ(correction.state().surplus, quanta(4e7));
+  EXPECT_DOUBLE_EQ(correction.take_surplus(4),
+                   -2e7 / double(all_cells));  // and what links will bring
+}
+
+TEST(MassCorrection, CountsACellAsItsDensity) {
+  MassCorrection correction;
+  correction.gain_cells(1, 0.25);
+  correction.gain_cells(-1, -0.5);
+  const MassCorrection::Gain gain = correction.take_gain(7);
+  EXPECT_EQ(gain.cell_mass, quanta(0.75));
+  EXPECT_EQ(gain.link_mass, 7);
+  EXPECT_EQ(gain.cells, 0);
 }
 
 }  // namespace

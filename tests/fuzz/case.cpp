@@ -1,6 +1,5 @@
 // The reader of cases, and what judges them: anything but CaseError is a fault.
 #include <cstdint>
-#include <string>
 
 #include "coupler/case/case.hpp"
 #include "coupler/case/case_check.hpp"

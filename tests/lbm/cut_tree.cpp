@@ -1,14 +1,17 @@
-// Every cell is in one leaf; what is asked of a tree agrees with looking at all leaves.
-#include "lbm/cut_tree.hpp"
-
+// Trees of cuts and domains, and the order in which a pass goes over a block.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <random>
 #include <set>
+#include <vector>
 
+#include "lbm/block.hpp"
+#include "lbm/cut_tree.hpp"
 #include "lbm/domain.hpp"
 #include "lbm/equal_cut.hpp"
+#include "lbm/pairs_across.hpp"
+#include "lbm/pass_order.hpp"
 #include "tests/odd_cut.hpp"
 
 namespace silt::lbm {
@@ -116,7 +119,7 @@ TEST(EqualCut, LeavesHaveTheEdgesThereIsRoomFor) {
   EXPECT_EQ(equal_cut({1, 16, 16}, 64).leaves(), 64);
 }
 
-// Where planes may lie anywhere, leaves differ by what rounding to whole cells leaves; rows are cut last.
+// If planes may lie anywhere, leaves differ by what rounding to whole cells leaves; rows are cut last.
 TEST(EqualCut, LeavesAreOfOneSizeAndRowsStayLong) {
   for (int leaves = 1; leaves <= 64; ++leaves) {
     const CutTree tree = equal_cut({240, 240, 240}, leaves);
@@ -208,6 +211,80 @@ TEST(Domain, OfALevelHasTheBlocksOfItsLevel) {
   EXPECT_EQ(met, 5);
   EXPECT_THROW(CutTree({24, 24, 24}, {{0, 7, 1}}, {{0, 1}, {0, 0}}), std::invalid_argument);
   EXPECT_THROW(CutTree({24, 24, 24}, {{0, 8, 1}}, {{0, 1}}), std::invalid_argument);
+}
+
+/// Counts, for every row, the calls that collide it; -2: not yet.
+struct Rows {
+  Int3 size;
+  std::vector<int> part;  // that did it; -1: the shell
+  explicit Rows(Int3 n) : size(n), part(std::size_t(n.y) * n.z, -2) {}
+  int& at(int y, int z) { return part[std::size_t(z) * size.y + y]; }
+  void collide(const RowRange& rows, int by) {
+    for (int z = rows.z0; z < rows.z1; ++z)
+      for (int y = rows.y0; y < rows.y1; ++y) {
+        EXPECT_EQ(at(y, z), -2) << "row " << y << ", " << z << " collides twice";
+        at(y, z) = by;
+      }
+  }
+};
+
+/// Cells are ready when all up to `reach` away have collided.
+void expect_ready(const PassOrder& order, Rows& rows, int reach) {
+  const Int3 n = rows.size;
+  for (int z = reach; z < n.z - reach; ++z)
+    for (int y = reach; y < n.y - reach; ++y) {
+      int last = -2;
+      for (int k = -reach; k <= reach; ++k)
+        for (int j = -reach; j <= reach; ++j) last = std::max(last, rows.at(y + j, z + k));
+      EXPECT_EQ(order.ready(y, z, reach), last) << y << ", " << z;
+      EXPECT_GT(order.next_row(y, reach), y);
+      if (y + 1 < order.next_row(y, reach) && y + 1 < n.y - reach) {
+        EXPECT_EQ(order.ready(y, z, reach), order.ready(y + 1, z, reach));
+      }
+    }
+}
+
+void expect_order(const PassOrder& order, Int3 n) {
+  Rows rows(n);
+  for (const RowRange& range : order.shell()) rows.collide(range, -1);
+  for (int part = 0; part < order.parts(); ++part) rows.collide(order.rows_of(part), part);
+  for (int z = 0; z < n.z; ++z)
+    for (int y = 0; y < n.y; ++y) {
+      EXPECT_EQ(rows.at(y, z), order.part_of(y, z)) << y << ", " << z;
+      EXPECT_EQ(rows.at(y, z) == -1, order.in_shell(y, z));
+    }
+  for (int reach = 1; reach <= 2; ++reach) expect_ready(order, rows, reach);
+}
+
+TEST(PassOrder, CollidesEveryRowOnceAndKnowsWhatIsReady) {
+  for (const Int3 n :
+       {Int3{64, 7, 5}, Int3{700, 30, 6}, Int3{2000, 26, 4}, Int3{16, 2, 2}, Int3{16, 1, 1}, Int3{16, 5, 1}})
+    for (int faces = 0; faces < 16; ++faces) {
+      SCOPED_TRACE(::testing::Message() << n.y << " x " << n.z << " rows, faces " << faces);
+      const ShellFaces shell{{bool(faces & 1), bool(faces & 2)}, {bool(faces & 4), bool(faces & 8)}};
+      expect_order(PassOrder(n, 8, shell), n);
+    }
+}
+
+TEST(PlacesAcross, AreOfOneCellAndDirection) {
+  for (const Int3 n : {Int3{7, 5, 6}, Int3{1, 4, 3}, Int3{2, 2, 2}, Int3{1, 1, 1}, Int3{9, 1, 2}}) {
+    SCOPED_TRACE(::testing::Message() << n.x << " x " << n.y << " x " << n.z << " cells");
+    const PlacesAcross place(n);
+    const CellBox block{{}, n};
+    std::vector<int> taken(place.count(), 0);
+    std::size_t links = 0;
+    for (int i = 1; i < directions; ++i)
+      for (int z = 0; z < n.z; ++z)
+        for (int y = 0; y < n.y; ++y)
+          for (int x = 0; x < n.x; ++x) {
+            if (block.contains(Int3{x, y, z} - c[i])) continue;
+            const std::uint32_t at = place({x, y, z}, i);
+            ASSERT_LT(at, place.count());
+            EXPECT_EQ(taken[at]++, 0) << x << ", " << y << ", " << z << " along " << i;
+            ++links;
+          }
+    EXPECT_EQ(place.count() - links, std::size_t(4 * (n.x + n.y + n.z)));  // edges, counted twice
+  }
 }
 
 }  // namespace

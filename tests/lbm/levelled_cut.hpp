@@ -1,7 +1,6 @@
 #pragma once
 // Trees of cuts for cells of several levels, from the level of each cell: leaves of one level each, given to
 // ranks in turn.
-#include <algorithm>
 #include <functional>
 #include <optional>
 #include <vector>
@@ -40,7 +39,7 @@ class LevelledCut {
               });
     return levels;
   }
-  /// Where it is to be cut: as near to the middle as it changes, or where it is too long.
+  /// Returns where it is to be cut: as near to the middle as it changes, or where it is too long.
   std::optional<Cut> plane(const CellBox& box) const {
     std::optional<Cut> best;
     int best_off = 1 << 30;

@@ -210,7 +210,7 @@ const AcrossRows across_rows[] = {{"periodic", periodic, periodic},
                                   {"moving wall and outlet", side(SideKind::bounce, {0.001, 0.02, 0.01}),
                                    side(SideKind::pressure, {}, 1e-3)}};
 
-/// The same cells, cut for so many ranks.
+/// Cuts cells for so many ranks.
 using Cutting = std::function<CutTree(Int3 cells, int ranks)>;
 Cutting blocks_of(Int3 size) {
   return [=](Int3 cells, int) { return grid_cut(cells, size); };
@@ -273,7 +273,7 @@ TEST(Fluid, ADeviceSeesTheSameFastCells) {
     for (const auto& [block, cell, speed] : fluid.fast_cells())
       found.emplace_back(block, cell.x, cell.y, cell.z, std::bit_cast<std::uint64_t>(speed));
     std::sort(found.begin(), found.end());  // a device tells of the shell and the rest together
-    fluid.exchange();  // messages under way would arrive where the fluid no longer is
+    fluid.exchange();                       // messages under way would arrive where the fluid no longer is
     return found;
   };
   EXPECT_EQ(fast(Device::cpu), fast(Device::host));
@@ -395,7 +395,7 @@ TEST(Fluid, ASideThatSlidesLeavesItsEdgesAtRest) {
       }
 }
 
-// What flows in through a side does so up to its edges.
+// Fluid flows in through a side up to its edges.
 TEST(Fluid, AnInletReachesItsEdges) {
   constexpr double speed = 0.01;
   for (int axis = 0; axis < 3; ++axis) {

@@ -20,8 +20,8 @@ using tests::ranks;
 
 using Sides = std::array<SideCondition, 6>;
 
-/// Of tiles of 8 cells: an L of finest cells, so that edges and corners are convex and concave, with a margin
-/// of the next level, in `levels` coarser ones.
+/// Made of tiles of 8 cells there is an L of finest cells, so that edges and corners are convex and concave,
+/// with a margin of the next level, in `levels` coarser ones.
 int bent(Int3 x, int levels) {
   const Int3 t{x.x / 8, x.y / 8, x.z / 8};
   const auto in = [&](int low, int high) {

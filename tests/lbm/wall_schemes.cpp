@@ -1,4 +1,4 @@
-// What each wall scheme holds at a flat wall, against the closure of method.md, equation 12: flow driven
+// Each wall scheme at a flat wall, against the closure of method.md, equation 12: flow driven
 // by a force between two planes anywhere in the grid.
 #include <gtest/gtest.h>
 
@@ -169,8 +169,8 @@ TEST(WallSchemes, HoldMovingWalls) {
           << wall_scheme_names[int(scheme)] << " q " << q[0] << " " << q[1];
 }
 
-/// How far the discharge of a channel, of two cells and more across, differs from that between its true
-/// walls.
+/// Returns how far the discharge of a channel, of two cells and more across, differs from that between its
+/// true walls.
 double discharge_spread(WallScheme scheme, double magic) {
   double least = 1e9, most = -1e9;
   for (const double below : {0.02, 0.2, 0.4, 0.6, 0.8, 1.0}) {

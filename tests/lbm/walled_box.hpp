@@ -2,7 +2,6 @@
 // A periodic box of fluid with walls in it, given by formulas, for tests of the wall schemes: on one rank, in
 // one block or in those of a tree, its links found cell by cell.
 #include <array>
-#include <cmath>
 #include <functional>
 #include <vector>
 
@@ -20,7 +19,7 @@ struct Hit {
   int surface = 0;
 };
 
-/// Which cells are fluid, and where a link from a cell's centre meets a wall.
+/// A scene says which cells are fluid, and where a link from a cell's centre meets a wall.
 struct WalledScene {
   Int3 cells;
   std::function<bool(Point)> is_fluid;

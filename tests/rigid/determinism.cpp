@@ -1,4 +1,4 @@
-// The same bits whatever the order of rows, and however many ranks the bodies are spread over.
+// The bits do not depend on the order of rows or on how many ranks the bodies are spread over.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -66,7 +66,7 @@ Scene tumble(unsigned order) {
   return s;
 }
 
-/// The same with an impact phase.
+/// Returns this scene with an impact phase.
 Scene tumble_of_impacts(unsigned order) {
   Scene s = tumble(order);
   s.world.materials[0].restitution = 0.9;

@@ -52,7 +52,7 @@ std::vector<Mover> movers() {
           {"mesh", block(half)},    {"compound", two_boxes(half)}};
 }
 
-/// How a body is made that stays where it is.
+/// Makes a body that stays where it is.
 enum class Made { box, polyhedron, mesh, compound, wall };
 constexpr Made all_made[] = {Made::box, Made::polyhedron, Made::mesh, Made::compound, Made::wall};
 

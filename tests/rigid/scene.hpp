@@ -13,7 +13,7 @@ inline constexpr double g = 9.81;  // m / s^2
 
 /// The collision backend of the scenes made from now on.
 inline const char* backend_name = "analytic";
-/// Their broad phase.
+/// The broad phase of the scenes.
 inline const char* broad_phase_name = "auto";
 
 struct Scene {

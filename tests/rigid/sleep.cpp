@@ -87,7 +87,7 @@ TEST(Sleep, AForceWakesWhereItExceedsTheBalance) {
   }
 }
 
-/// As awake: a ball on a plane without friction is hit centrally.
+/// A ball that sleeps is hit as one awake: a ball on a plane without friction is hit centrally.
 TEST(Sleep, AnImpactIsThatOnABodyAwake) {
   constexpr double hit = 2e-3;
   for (const double restitution : {0.0, 0.4, 1.0})
@@ -142,7 +142,7 @@ TEST(Sleep, WhatABeltCarriesStaysAwake) {
   EXPECT_NEAR(s.v(box).x(), 0.1 * speed, 1e-9 * speed);
 }
 
-/// The same bed with and without: where its bodies are when it has come to rest.
+/// A bed with sleep is compared with one without: where its bodies are when it has come to rest.
 TEST(Sleep, ABedIsWhereItWouldBeAwake) {
   const auto bed = [](bool sleeps) {
     Scene s = layers_of_spheres(0.2, 0.4, down);

@@ -9,14 +9,13 @@
 #include <map>
 #include <mutex>
 #include <set>
-#include <thread>
 
 #include "rigid/bodies/body_exchange.hpp"
 #include "rigid/bodies/world.hpp"
 
 namespace silt::rigid::testing {
 
-/// What one rank tells another in a share.
+/// A parcel is what one rank tells another in a share.
 struct Parcel {
   std::vector<RankCluster::Word> said;
   std::map<BodyId, std::vector<double>> rows;

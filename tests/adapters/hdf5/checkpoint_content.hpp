@@ -70,7 +70,7 @@ inline std::uint8_t flag(int x, int y, int z) {
   return (x * 7 + y * 3 + z) % 5 == 0;
 }
 
-/// What a holder might keep.
+/// Columns that a holder might keep.
 inline constexpr rigid::HolderColumn kept_columns[] = {{"kept_number", rigid::HolderColumn::float64, 1, 2},
                                                        {"kept_whole", rigid::HolderColumn::int64, 2, 3}};
 

@@ -175,11 +175,5 @@ const Act write_a_series("write_a_series", [] {
   append(MPI_COMM_WORLD, resumed, 5, 9);
 });
 
-const Act write_a_series_without_end("write_a_series_without_end", [] {
-  const std::filesystem::path path = std::filesystem::path(folder()) / "bodies.h5";
-  BodySeries series(MPI_COMM_WORLD, path, info, {}, 1 << 30);
-  append(MPI_COMM_WORLD, series, int((series.last_step() + 10) / 10), 1 << 26);
-});
-
 }  // namespace
 }  // namespace silt::tests

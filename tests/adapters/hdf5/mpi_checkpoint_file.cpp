@@ -1,7 +1,6 @@
-// A checkpoint comes back to the bit, on any layout; damage of any kind is found and said.
+// A checkpoint comes back to the bit, on any layout, its bodies each once and in one order; damage of any
+// kind is found and said.
 #include "adapters/hdf5/checkpoint_file.hpp"
-
-#include "tests/act.hpp"
 #include "tests/adapters/hdf5/checkpoint_content.hpp"
 
 namespace silt::tests {
@@ -229,19 +228,66 @@ TEST(Checkpoint, asks_for_the_precision_it_was_written_in) {
   EXPECT_TEXT(error_of([&] { reader.integer("stop"); }), "has no attribute stop");
 }
 
-// For killed_checkpoint.py, which sets the variable.
-const Act write_checkpoints_without_end("write_checkpoints_without_end", [] {
-  const std::filesystem::path folder = std::getenv("SILT_TEST_FOLDER");
-  const auto before = adapters::list_checkpoints(folder);
-  for (std::int64_t step = before.empty() ? 1 : before[0].step + 1;; ++step)
-    write<float>({}, checkpoint_path(folder, step), 2);
-});
+TEST(Checkpoint, an_owner_too_many_is_an_error) {
+  const Scratch scratch;
+  const auto error = [&](const BodyList& owned) {
+    CheckpointWriter writer(MPI_COMM_WORLD, checkpoint_path(scratch.path(), 1), {});
+    return error_of([&] { writer.bodies(owned.rows()); });
+  };
+  EXPECT_TEXT(error({std::vector<BodyRecord>(2, record(7)), {{}, {}}}), "body 7 has two owners");
+  // on the first and the last rank, among many: the least is named
+  BodyList owned;
+  for (int i = 0; i < 100; ++i) owned.records.push_back(record(1 + 100 * rank() + i));
+  for (const int id : {90, 60})
+    if (rank() == ranks() - 1) owned.records.push_back(record(id));
+  owned.impulses.resize(owned.records.size());
+  EXPECT_TEXT(error(owned), "body 60 has two owners");
+}
 
-const Act read_the_newest_checkpoint("read_the_newest_checkpoint", [] {
-  const auto found = adapters::list_checkpoints(std::getenv("SILT_TEST_FOLDER"));
-  ASSERT_FALSE(found.empty());
-  expect_whole<float>({}, found[0].path);
-});
+/// Ids that leave gaps, one of them far from all others, on any number of ranks; a rank without any.
+TEST(Checkpoint, is_the_same_file_from_any_number_of_ranks) {
+  const Scratch scratch;
+  const auto write_all = [&](MPI_Comm comm, const char* name) {
+    int r = 0, n = 1;
+    MPI_Comm_rank(comm, &r);
+    MPI_Comm_size(comm, &n);
+    BodyList owned;
+    for (std::uint64_t k = 0; k < 1000; ++k) {
+      const std::uint64_t id =
+          k == 999 ? std::uint64_t{1} << 40 : 5 + k * k % 997 + 1000 * (k % 7) + 10000 * k;
+      if (int(id % (n > 2 ? n - 1 : n)) != r) continue;
+      owned.records.push_back(record(id));
+      owned.impulses.push_back(impulses(id));
+    }
+    const std::vector<CellBox> boxes = blocks_of(r, n, cells, {4, 6, 5});
+    CheckpointWriter writer(comm, scratch / name,
+                            {"0.1.0", "abc", "t", "text", 3, "auto", "g++", "host", "now"});
+    writer.set("step", std::int64_t{7});
+    write_populations<float>(writer, boxes);
+    writer.bodies(owned.rows(), kept_columns);
+    writer.commit(0);
+    usleep(1100000);  // the time of day must not be in it either
+  };
+  write_all(MPI_COMM_WORLD, "many.h5");
+  if (rank() == 0) {
+    write_all(MPI_COMM_SELF, "one.h5");
+    EXPECT_GT(content(scratch / "one.h5").size(), 1000u * 400);
+    EXPECT_TRUE(content(scratch / "one.h5") == content(scratch / "many.h5"));
+  }
+}
+
+TEST(Checkpoint, of_no_bodies) {
+  const Scratch scratch;
+  const auto path = scratch / "none.h5";
+  {
+    CheckpointWriter writer(MPI_COMM_WORLD, path, {});
+    const BodyList none;
+    writer.bodies(none.rows());
+    writer.commit(0);
+  }
+  const CheckpointReader reader(MPI_COMM_WORLD, path);
+  EXPECT_TRUE(reader.bodies().records.empty());
+}
 
 }  // namespace
 }  // namespace silt::tests

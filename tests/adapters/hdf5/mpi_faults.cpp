@@ -5,7 +5,6 @@
 #include <sys/resource.h>
 
 #include <csignal>
-#include <cstring>
 #include <optional>
 
 #include "adapters/hdf5/body_series.hpp"
@@ -204,7 +203,7 @@ TEST(FullDisk, leaves_a_series_that_goes_on_when_there_is_room) {
   append(resumed, step);
 }
 
-/// Whether a checkpoint says what write_checkpoint wrote.
+/// Returns whether a checkpoint says what write_checkpoint wrote.
 bool is_whole(const adapters::CheckpointReader& reader, const CellBox& box) {
   std::size_t wrong = 0;
   reader.cells("populations", adapters::Storage::single, {box}, [&](int q, std::size_t, const void* from) {

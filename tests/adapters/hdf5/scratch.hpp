@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "adapters/hdf5/checkpoint_file.hpp"
+#include "tests/errors.hpp"
 #include "tests/world.hpp"
 
 namespace silt::tests {
@@ -88,19 +89,5 @@ void for_each_cell(const adapters::CellBox& box, F&& f) {
   std::size_t i = 0;
   for_cells(box.lower, box.lower + box.size, [&](lbm::Int3 x) { f(x.x, x.y, x.z, i++); });
 }
-
-/// The text of the error a call throws; empty if it throws none.
-template <class F>
-std::string error_of(F&& f) {
-  try {
-    f();
-  } catch (const std::exception& e) {
-    return e.what();
-  }
-  return "";
-}
-
-#define EXPECT_TEXT(whole, part) \
-  EXPECT_NE((whole).find(part), std::string::npos) << "no \"" << (part) << "\" in: " << (whole)
 
 }  // namespace silt::tests

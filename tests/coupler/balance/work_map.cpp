@@ -1,9 +1,11 @@
-// Work is where it was put, all of it.
-#include "coupler/balance/work_map.hpp"
-
+// Maps of work: a point's and a box's tiles, and what contacts of bodies count for.
 #include <gtest/gtest.h>
 
+#include "coupler/balance/body_work.hpp"
+#include "coupler/balance/work_map.hpp"
+#include "coupler/case/case.hpp"
 #include "lbm/equal_cut.hpp"
+#include "tests/coupler/case/case_text.hpp"
 
 namespace silt::coupler {
 namespace {
@@ -44,7 +46,8 @@ TEST(WorkMap, ABoxIsSpreadOut) {
   map.add(rigid::BoundingBox{{-4, 0, 0}, {4, 16, 8}}, 1001);
   EXPECT_EQ(total(map), 1001);
   const auto items = map.items();
-  ASSERT_EQ(items.size(), 4u);  // two tiles along x, through the period, and two along y
+  ASSERT_EQ(items.size(),
+            4u);  // two tiles along x, through the period, and two along y
   for (const WorkItem& item : items) EXPECT_NEAR(double(item.work), 250, 16);
 }
 
@@ -57,6 +60,53 @@ TEST(WorkMap, ALargeBoxIsNotWalkedCellByCell) {
   std::int64_t lower_half = 0;
   for (const WorkItem& item : items) lower_half += item.box.lower.z < 5000 ? item.work : 0;
   EXPECT_NEAR(double(lower_half), 5e11, 1e9);
+}
+
+struct Body {
+  std::vector<rigid::BodyId> partners;  // that it remembers; ids count from 1
+  rigid::Motion motion = rigid::Motion::free;
+  rigid::Wakefulness wakefulness = rigid::Wakefulness::awake;
+  bool held = false;  // all of these
+};
+
+/// A body is 150, half a contact 100.
+std::int64_t work_of(const std::vector<Body>& all) {
+  rigid::BodySet bodies;
+  for (const Body& body : all) {
+    rigid::BodyRecord record;
+    record.id = bodies.size() + 1;
+    record.motion = body.motion, record.wakefulness = body.wakefulness;
+    bodies.add(record);
+    for (const rigid::BodyId partner : body.partners)
+      bodies.stored_impulses.back().push_back({partner, {}, 0, Vec3(0, 0, 1), body.held});
+  }
+  bodies.reindex();
+  WorkMap work(lbm::Domain(lbm::equal_cut({16, 16, 16}, 1), {}, 1));
+  WorkCosts costs(testing::CaseText{}.read());
+  costs.body = 150, costs.impulse = 100;
+  add_bodies(bodies, costs, work);
+  std::int64_t sum = 0;
+  for (const WorkItem& item : work.items()) sum += item.work;
+  return sum;
+}
+
+TEST(BodyWork, AContactCountsAlikeWhereverItIs) {
+  using enum rigid::Motion;
+  EXPECT_EQ(work_of({{}, {}}), 2 * 150);
+  EXPECT_EQ(work_of({{{2}}, {{1}}}), 2 * 150 + 200);
+  EXPECT_EQ(work_of({{{rigid::first_wall_id}}, {}}), 2 * 150 + 200);
+  EXPECT_EQ(work_of({{{rigid::first_tube_id + 1}}, {}}), 2 * 150 + 200);
+  EXPECT_EQ(work_of({{{2}}, {{}, fixed}}), 150 + 200);
+  EXPECT_EQ(work_of({{{2}}, {{}, prescribed}}), 2 * 150 + 200);
+  EXPECT_EQ(work_of({{{7}}}), 150 + 100) << "whose other half another rank has";
+}
+
+TEST(BodyWork, ContactsThatAreHeldAreNone) {
+  using enum rigid::Motion;
+  using enum rigid::Wakefulness;
+  EXPECT_EQ(work_of({{{2}, free, asleep, true}, {{1}, free, asleep, true}}), 2 * 150);
+  EXPECT_EQ(work_of({{{rigid::first_wall_id}, free, asleep, true}, {}}), 2 * 150);
+  EXPECT_EQ(work_of({{{2}, free, asleep}, {{1}}}), 2 * 150 + 200) << "with one that moves";
 }
 
 }  // namespace

@@ -73,8 +73,7 @@ Simulation CaseText::start(MPI_Comm comm, const Overrides& overrides) const {
   return simulation_of(text(), comm, overrides);
 }
 
-std::vector<double> CaseText::values(MPI_Comm comm, const Overrides& overrides) const {
-  Simulation simulation = start(comm, overrides);
+std::vector<double> values_of(Simulation& simulation) {
   Quantities quantities(simulation.setup());
   quantities.observe(simulation);
   while (simulation.steps_done() < simulation.setup().steps) {
@@ -84,6 +83,11 @@ std::vector<double> CaseText::values(MPI_Comm comm, const Overrides& overrides) 
   std::vector<double> values;
   for (const auto& [name, value] : quantities.evaluate(simulation)) values.push_back(value);
   return values;
+}
+
+std::vector<double> CaseText::values(MPI_Comm comm, const Overrides& overrides) const {
+  Simulation simulation = start(comm, overrides);
+  return values_of(simulation);
 }
 
 CaseText si_case() {

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "coupler/case/case_error.hpp"
+#include "tests/errors.hpp"
 
 namespace silt::coupler {
 struct Case;
@@ -36,6 +37,9 @@ std::vector<Diagnostic> judgement(const Case&, MPI_Comm = MPI_COMM_SELF);
 /// Returns the errors among them, as a run would give them, or "".
 std::string fault_of(const Case&, MPI_Comm = MPI_COMM_SELF);
 
+/// Runs to the last step; returns the values of [[quantities]] in their order.
+std::vector<double> values_of(Simulation&);
+
 /// Starts what a text describes.
 Simulation simulation_of(const std::string& text, MPI_Comm = MPI_COMM_SELF, const Overrides& = {});
 
@@ -55,11 +59,11 @@ struct CaseText {
   /// Returns what is wrong with it when it is read and judged, or "".
   std::string fault(const Overrides& = {}) const;
   Simulation start(MPI_Comm, const Overrides& = {}) const;
-  /// Runs to the last step; returns the values of [[quantities]] in their order.
+  /// Returns values_of a simulation of it.
   std::vector<double> values(MPI_Comm, const Overrides& = {}) const;
 };
 
-/// The same in SI: a millimetre a cell, a fluid of 1000 kg/m3.
+/// Returns this scene in SI: a millimetre a cell, a fluid of 1000 kg/m3.
 CaseText si_case();
 
 inline std::string file_text(const std::filesystem::path& file) {
@@ -70,12 +74,7 @@ inline std::string file_text(const std::filesystem::path& file) {
 /// The text of the error that reading and judging gives, or "".
 template <class F>
 std::string error_of(F&& f) {
-  try {
-    f();
-  } catch (const CaseError& error) {
-    return error.what();
-  }
-  return "";
+  return tests::error_of<CaseError>(f);
 }
 
 }  // namespace silt::coupler::testing

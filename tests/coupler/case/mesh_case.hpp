@@ -1,6 +1,5 @@
 #pragma once
 // Cases with walls of triangles whose files are in memory.
-#include <cstring>
 #include <map>
 
 #include "coupler/case/case_file.hpp"

@@ -11,6 +11,7 @@
 #include "coupler/case/case_file.hpp"
 #include "coupler/case/quantity_spec.hpp"
 #include "tests/coupler/case/case_text.hpp"
+#include "tests/errors.hpp"
 
 namespace silt::coupler::testing {
 namespace {
@@ -39,7 +40,7 @@ std::string quantity_type_names() {
   return joined(names);
 }
 
-/// What a key may be, by the message of the reader.
+/// Returns what a key may be, by the message of the reader.
 std::string choices(const std::string& text) {
   const std::string mark = "must be one of ", message = error_of([&] { read_case_text(text, "case.toml"); });
   const auto begin = message.find(mark) + mark.size();
@@ -76,7 +77,7 @@ std::string expected(const std::string& text) {
   return filled_in(all);
 }
 
-/// Of a case with the other files of the folder beside it.
+/// Returns what is wrong with a case that has the other files of the folder beside it.
 std::string fault_of_text(const std::string& text) {
   CaseSource source{"case.toml", text, {}};
   for (const auto& entry : fs::directory_iterator(folder()))
@@ -112,7 +113,7 @@ TEST(CaseErrors, AMissingDirectoryNamesItsNeighbours) {
   const std::string text = error_of([&] { read_case(cases / "segregatoin"); });
   EXPECT_TRUE(text.starts_with((cases / "segregatoin/case.toml").string() + ": there is no such file"))
       << text;
-  EXPECT_NE(text.find("did you mean 'segregation'?"), text.npos) << text;
+  EXPECT_TEXT(text, "did you mean 'segregation'?");
 }
 
 TEST(CaseErrors, NearestNames) {
@@ -141,8 +142,8 @@ TEST(CaseErrors, OverridesAreNamedInMessages) {
       c.fault({"bodies.density=2"}),
       "--set bodies.density=2: 'density' must be the number of an entry, from 0, as in bodies[0].density");
   EXPECT_EQ(c.fault({"run.steps.x=2"}), "--set run.steps.x=2: 'x' lies below a value that is an integer");
-  EXPECT_NE(c.fault({"fluid.visc=0.1"}).find("did you mean 'kinematic_viscosity'?"), std::string::npos);
-  EXPECT_NE(c.fault({"domain.size=[1, 2"}).find("'[1, 2' is not a TOML value"), std::string::npos);
+  EXPECT_TEXT(c.fault({"fluid.visc=0.1"}), "did you mean 'kinematic_viscosity'?");
+  EXPECT_TEXT(c.fault({"domain.size=[1, 2"}), "'[1, 2' is not a TOML value");
 }
 
 TEST(CaseErrors, WhatIsTakenAwayMustBeThere) {

@@ -5,6 +5,7 @@
 #include "coupler/case/case_file.hpp"
 #include "rigid/shapes/shape.hpp"
 #include "tests/coupler/case/case_text.hpp"
+#include "tests/errors.hpp"
 
 namespace silt::coupler::testing {
 namespace {
@@ -257,7 +258,7 @@ TEST(CaseFile, OverridesReplaceAddAndDisplace) {
   EXPECT_EQ(setup.bodies[0].pose.position, Vec3(8, 8, 8));
   EXPECT_EQ(setup.block_cells, (std::array<int, 3>{8, 8, 8}));
   EXPECT_EQ(setup.steps, 7) << "run.time takes the place of run.steps";
-  EXPECT_NE(setup.text.find("# --set run.time=7"), std::string::npos);
+  EXPECT_TEXT(setup.text, "# --set run.time=7");
   EXPECT_EQ(setup.text.find(c.text()), 0u);
 }
 
@@ -283,12 +284,11 @@ TEST(ShippedCases, AllAreReadAndRunnableWithoutWarnings) {
     const Case setup = read_case(entry.path());
     EXPECT_EQ(listed(judgement(setup)), "");
     EXPECT_FALSE(setup.title.empty());
-    EXPECT_NE(derived_table(setup).find("cells"), std::string::npos);
+    EXPECT_TEXT(derived_table(setup), "cells");
     EXPECT_TRUE(std::filesystem::exists(entry.path() / "README.md"));
     const std::string reference = file_text(entry.path() / "reference.toml");
     for (const QuantitySpec& quantity : setup.quantities)
-      EXPECT_NE(reference.find('"' + quantity.name + '"'), std::string::npos)
-          << quantity.name << " has no reference";
+      EXPECT_TEXT(reference, '"' + quantity.name + '"') << quantity.name << " has no reference";
   }
   EXPECT_GE(count, 9);
 }
@@ -316,7 +316,7 @@ TEST(DerivedTable, GivesBothSystemsOfUnits) {
   const std::string table = derived_table(c.read());
   for (const char* part : {"0.032 x 0.032 x 0.032 m", "32 x 32 x 32 cells", "1e-05 m2/s", "0.1 cells2/step",
                            "0.8", "8 cells", "terminal velocity", "2.5 MB", "55.4256 steps"})
-    EXPECT_NE(table.find(part), std::string::npos) << part << " is not in\n" << table;
+    EXPECT_TEXT(table, part) << part << " is not in\n" << table;
 }
 
 TEST(DerivedTable, ColumnsStandApartHoweverLongTheyAre) {
@@ -326,14 +326,13 @@ TEST(DerivedTable, ColumnsStandApartHoweverLongTheyAre) {
       "shape = \"ball\"\ndensity = 1100\ncount = 1\n[[outflow]]\n"
       "box = [[0.00123456, 0.00123456, 0.00123456], [0.0123456, 0.0123456, 0.0123456]]\n";
   const std::string table = derived_table(c.read());
-  EXPECT_NE(table.find("fill[0] grains that have a rather long name  1 of shape"), std::string::npos)
-      << table;
+  EXPECT_TEXT(table, "fill[0] grains that have a rather long name  1 of shape");
   c.rest =
       "[[walls]]\nname = \"rock\"\ntype = \"tube\"\npoint = [0.016, 0.016, 0]\naxis = \"z\"\nradius = "
       "0.0151234567\n";
   c.rest.replace(c.rest.find("rock"), 4, "a pipe of some length");
   const std::string tube = derived_table(c.read());
-  EXPECT_NE(tube.find("tube 'a pipe of some length', radius  0.0151"), std::string::npos) << tube;
+  EXPECT_TEXT(tube, "tube 'a pipe of some length', radius  0.0151");
 }
 
 /// Walls across z leave centres of balls of radius 4 the middle 24 of 32 cells; a gap, and faces of a box,
@@ -347,8 +346,7 @@ TEST(DerivedTable, SaysWhatSidesAndFacesLeaveOfABox) {
     CaseText c;
     c.bodies = fill_of("ball", 1.2, 1, std::string(lines) + "\n");
     const std::string table = derived_table(c.read());
-    EXPECT_NE(table.find(" " + std::to_string(percent) + " % of the box"), std::string::npos)
-        << lines << table;
+    EXPECT_TEXT(table, " " + std::to_string(percent) + " % of the box") << lines << table;
   }
 }
 

@@ -11,6 +11,7 @@
 #include "coupler/case/case_file.hpp"
 #include "coupler/case/quantity_spec.hpp"
 #include "tests/coupler/case/case_text.hpp"
+#include "tests/errors.hpp"
 
 namespace silt::coupler::testing {
 namespace {
@@ -211,7 +212,7 @@ TEST(CaseKeys, EveryTypeOfAShapeHasItsKeys) {
   CaseText c;
   c.shapes = shape_of("ball", "?", "");
   const std::string unknown = c.fault();
-  EXPECT_NE((unknown + "\n").find("must be one of " + joined(types) + "\n"), unknown.npos)
+  EXPECT_TEXT((unknown + "\n"), "must be one of " + joined(types) + "\n")
       << "the types in cases/README.md are not those of\n"
       << unknown;
   Names all = {"name", "type"};

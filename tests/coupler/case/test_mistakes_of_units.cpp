@@ -84,11 +84,6 @@ const std::vector<Mistake> mistakes_of_units = {
      "blocks = [16, 16]\n[fluid]",
      "blocks",
      {"three whole numbers of cells"}},
-    {"BlocksInMetres",
-     "[fluid]",
-     "blocks = [0.008, 0.008, 0.008]\n[fluid]",
-     "blocks",
-     {"three whole numbers of cells"}},
     {"AStringWithoutItsEnd", "\"si\"", "\"si", "", {"this is not TOML"}},
 };
 

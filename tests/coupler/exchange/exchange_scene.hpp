@@ -1,7 +1,6 @@
 #pragma once
 // Dry scenes for the tests of the body exchange: described alike on every rank, to be run on all ranks or, as
 // the reference, by each rank alone.
-#include <algorithm>
 #include <bit>
 #include <functional>
 #include <memory>
@@ -91,7 +90,7 @@ struct ExchangeScene {
   }
 };
 
-/// How the cells are cut for so many ranks.
+/// Cuts the cells for so many ranks.
 struct Blocks {
   std::function<lbm::CutTree(lbm::Int3 cells, int ranks)> cut = lbm::equal_cut;
   Blocks() = default;
@@ -150,7 +149,7 @@ inline std::uint64_t records_hash(MPI_Comm comm, const rigid::BodySet& bodies) {
   return parallel::sum_over_ranks(comm, mine);
 }
 
-/// What all ranks own. Collective.
+/// Counts what all ranks own. Collective.
 inline OwnedBodies count_owned(MPI_Comm comm, const rigid::BodySet& bodies) {
   return parallel::sum_over_ranks(comm, ExpectedBodies(rigid::BodySet{}).excess(bodies));
 }

@@ -1,4 +1,5 @@
-// The same bits on any number of ranks: bodies that cross the borders of ranks and touch there all the time.
+// Bodies that cross the borders of ranks and touch there all the time have the same bits on any number of
+// ranks.
 #include <gtest/gtest.h>
 
 #include <map>
@@ -41,26 +42,6 @@ void expect_same_as_on_one_rank(const ExchangeScene& scene, std::string_view law
   EXPECT_GT(sum_of(MPI_COMM_WORLD, parallel.exchange.visitors), 0u);
 }
 
-TEST(ParallelBodyExchange, GasInPeriodicBox) {
-  expect_same_as_on_one_rank(gas(1), "sffd", {}, 2000, 1);
-}
-TEST(ParallelBodyExchange, GasOnCubesSeveralARank) {
-  expect_same_as_on_one_rank(gas(1), "sffd", {{6, 6, 6}}, 400, 1);
-}
-TEST(ParallelBodyExchange, GasOnSliversSeveralARank) {
-  expect_same_as_on_one_rank(gas(1), "sffd", {{5, 24, 3}}, 400, 1);
-}
-TEST(ParallelBodyExchange, GasOnOddBlocks) {
-  expect_same_as_on_one_rank(gas(1), "sffd", odd_blocks(1), 400, 1);
-  expect_same_as_on_one_rank(gas(1), "sffd", odd_blocks(4), 400, 1);
-}
-TEST(ParallelBodyExchange, GasWithClassicFfd) {
-  expect_same_as_on_one_rank(gas(0.8), "ffd", {}, 400, 1);
-}
-TEST(ParallelBodyExchange, GasWithClassicFfdSeveralBlocksARank) {
-  expect_same_as_on_one_rank(gas(0.8), "ffd", {{6, 12, 5}}, 400, 1);
-}
-
 /// A quarter as wide as the gas: every body meets its neighbours through both sides, close to its own images.
 ExchangeScene ring() {
   const ExchangeScene whole = gas(1);
@@ -72,20 +53,6 @@ ExchangeScene ring() {
   s.bodies.reindex();
   return s;
 }
-TEST(ParallelBodyExchange, PeriodicAxisOfOneBlock) {
-  expect_same_as_on_one_rank(ring(), "sffd", {{6, 12, 6}}, 700, 1);
-}
-TEST(ParallelBodyExchange, PeriodicAxisOfTwoBlocks) {
-  expect_same_as_on_one_rank(ring(), "sffd", {{3, 12, 12}}, 700, 1);
-}
-
-TEST(ParallelBodyExchange, BallLargerThanBlocks) {
-  expect_same_as_on_one_rank(planet(), "sffd", {}, 600, 1);
-  expect_same_as_on_one_rank(planet(), "sffd", {{6, 6, 6}}, 300, 1);
-  expect_same_as_on_one_rank(planet(), "ffd", {{12, 12, 4}}, 300, 1);
-  expect_same_as_on_one_rank(planet(), "sffd", odd_blocks(27), 300, 1);
-}
-
 /// Falling onto a floor between walls, fixed and moved bodies among them: chains of contacts, impulses
 /// remembered.
 ExchangeScene heap() {
@@ -100,15 +67,75 @@ ExchangeScene heap() {
   s.add_walls();
   return s;
 }
-TEST(ParallelBodyExchange, HeapBetweenWalls) {
-  expect_same_as_on_one_rank(heap(), "sffd", {{12, 12, 12}}, 300, 1);
+
+struct ExchangeRun {
+  const char* name;
+  ExchangeScene (*scene)();
+  const char* law;
+  Blocks (*blocks)();
+  int steps;
+};
+const ExchangeRun exchange_runs[] = {
+    {"GasInPeriodicBox", [] { return gas(1); }, "sffd", [] { return Blocks{}; }, 2000},
+    {"GasOnCubesSeveralARank", [] { return gas(1); }, "sffd",
+     [] {
+       return Blocks{{6, 6, 6}};
+     },
+     400},
+    {"GasOnSliversSeveralARank", [] { return gas(1); }, "sffd",
+     [] {
+       return Blocks{{5, 24, 3}};
+     },
+     400},
+    {"GasOnOddBlocks", [] { return gas(1); }, "sffd", [] { return odd_blocks(1); }, 400},
+    {"GasOnOddBlocksSeveralARank", [] { return gas(1); }, "sffd", [] { return odd_blocks(4); }, 400},
+    {"GasWithClassicFfd", [] { return gas(0.8); }, "ffd", [] { return Blocks{}; }, 400},
+    {"GasWithClassicFfdSeveralBlocksARank", [] { return gas(0.8); }, "ffd",
+     [] {
+       return Blocks{{6, 12, 5}};
+     },
+     400},
+    {"PeriodicAxisOfOneBlock", ring, "sffd",
+     [] {
+       return Blocks{{6, 12, 6}};
+     },
+     700},
+    {"PeriodicAxisOfTwoBlocks", ring, "sffd",
+     [] {
+       return Blocks{{3, 12, 12}};
+     },
+     700},
+    {"BallAsLargeAsBlocks", planet, "sffd", [] { return Blocks{}; }, 600},
+    {"BallLargerThanBlocks", planet, "sffd",
+     [] {
+       return Blocks{{6, 6, 6}};
+     },
+     300},
+    {"BallLargerThanBlocksWithFfd", planet, "ffd",
+     [] {
+       return Blocks{{12, 12, 4}};
+     },
+     300},
+    {"BallLargerThanOddBlocks", planet, "sffd", [] { return odd_blocks(27); }, 300},
+    {"HeapBetweenWalls", heap, "sffd",
+     [] {
+       return Blocks{{12, 12, 12}};
+     },
+     300},
+    {"HeapOnOddBlocks", heap, "sffd", [] { return odd_blocks(3, 6); }, 300},
+    {"HeapBetweenWallsClassicFfd", heap, "ffd",
+     [] {
+       return Blocks{{8, 8, 8}};
+     },
+     400}};
+
+class BodyExchange : public ::testing::TestWithParam<ExchangeRun> {};
+TEST_P(BodyExchange, IsAsOnOneRank) {
+  const ExchangeRun& run = GetParam();
+  expect_same_as_on_one_rank(run.scene(), run.law, run.blocks(), run.steps, 1);
 }
-TEST(ParallelBodyExchange, HeapOnOddBlocks) {
-  expect_same_as_on_one_rank(heap(), "sffd", odd_blocks(3, 6), 300, 1);
-}
-TEST(ParallelBodyExchange, HeapBetweenWallsClassicFfd) {
-  expect_same_as_on_one_rank(heap(), "ffd", {{8, 8, 8}}, 400, 1);
-}
+INSTANTIATE_TEST_SUITE_P(Parallel, BodyExchange, ::testing::ValuesIn(exchange_runs),
+                         [](const auto& info) { return info.param.name; });
 
 /// Most of a heap on a rough floor sleeps; a body that is moved through it wakes what it meets, which falls
 /// asleep again.

@@ -1,4 +1,4 @@
-// Who holds what, and what each exchange carries: single situations, checked one by one.
+// Single situations of exchanges are checked one by one: who holds what, and what each exchange carries.
 #include <gtest/gtest.h>
 
 #include <set>

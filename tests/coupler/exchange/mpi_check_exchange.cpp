@@ -1,8 +1,9 @@
-// What the check of the exchange finds: deliberate mistakes in the bodies of one rank, and what the error
-// says.
+// Mistakes that the check of the exchange finds, and that show in the hash of the state: deliberate mistakes
+// in the bodies of one rank, in the rule of the exchange, and in the last bit of a contact's normal.
 #include <gtest/gtest.h>
 
 #include "tests/coupler/exchange/exchange_scene.hpp"
+#include "tests/errors.hpp"
 #include "tests/world.hpp"
 
 namespace silt::coupler {
@@ -11,23 +12,14 @@ namespace {
 using namespace testing;
 using tests::rank;
 
-void expect_text(const std::string& whole, const std::string& part) {
-  EXPECT_NE(whole.find(part), std::string::npos) << "\"" << part << "\" is not in \"" << whole << '"';
-}
-
 /// The text of the error on this rank; none: "".
 std::string error_of(SceneRun<>& run, const ExpectedBodies& expected) {
   CheckUnderWay check;
   check.start(run.exchange, run.bodies(), expected, 300);
-  try {
-    check.finish(run.exchange, run.bodies(), expected);
-  } catch (const std::logic_error& error) {
-    return error.what();
-  }
-  return "";
+  return tests::error_of<std::logic_error>([&] { check.finish(run.exchange, run.bodies(), expected); });
 }
 
-/// On the first rank that has a copy: its number there, and the copy's place; on others nobody.
+/// Returns the first rank that has a copy, or the number of ranks if none has.
 int first_rank_with_a_copy(const rigid::BodySet& bodies) {
   int first = bodies.copies > 0 ? rank() : ranks_of(MPI_COMM_WORLD);
   MPI_Allreduce(MPI_IN_PLACE, &first, 1, MPI_INT, MPI_MIN, MPI_COMM_WORLD);
@@ -64,8 +56,8 @@ TEST(CheckExchange, FindsACopyThatDiffersByOneBit) {
   id = told_by(at, id);
   owner = told_by(at, owner);
   const std::string error = error_of(run, all);
-  expect_text(error, "step 300: body " + std::to_string(id) + " differs on rank " + std::to_string(at));
-  expect_text(error, "from rank " + std::to_string(owner) + ", which owns it");
+  EXPECT_TEXT(error, "step 300: body " + std::to_string(id) + " differs on rank " + std::to_string(at));
+  EXPECT_TEXT(error, "from rank " + std::to_string(owner) + ", which owns it");
 }
 
 TEST(CheckExchange, FindsABodyWithoutAnOwner) {
@@ -89,12 +81,12 @@ TEST(CheckExchange, FindsABodyWithoutAnOwner) {
   }
   const std::string error = error_of(run, all);
   if (!copied) {
-    expect_text(error, "step 300: 63 bodies have an owner, not 64");
+    EXPECT_TEXT(error, "step 300: 63 bodies have an owner, not 64");
     return;
   }
-  expect_text(
+  EXPECT_TEXT(
       error, "step 300: body " + std::to_string(id) + " is owned by no rank, but rank " + std::to_string(at));
-  expect_text(error, "takes rank " + std::to_string(owner) + " for its owner");
+  EXPECT_TEXT(error, "takes rank " + std::to_string(owner) + " for its owner");
 }
 
 TEST(CheckExchange, FindsABodyThatLeftNoTrace) {
@@ -109,7 +101,7 @@ TEST(CheckExchange, FindsABodyThatLeftNoTrace) {
     bodies.erase(row);
     bodies.reindex();
   }
-  expect_text(error_of(run, all), "step 300: body 3 is owned by no rank;");
+  EXPECT_TEXT(error_of(run, all), "step 300: body 3 is owned by no rank;");
 }
 
 TEST(CheckExchange, FindsABodyWithTwoOwners) {
@@ -129,7 +121,64 @@ TEST(CheckExchange, FindsABodyWithTwoOwners) {
     bodies.add(record);
     bodies.reindex();
   }
-  expect_text(error_of(run, all), "step 300: body " + std::to_string(id) + " is owned by ranks 0 and 1");
+  EXPECT_TEXT(error_of(run, all), "step 300: body " + std::to_string(id) + " is owned by ranks 0 and 1");
+}
+
+enum class Rule { right, nobody_makes_contacts, whoever_finds_them };
+
+class MistakenExchange : public ParallelBodyExchange {
+ public:
+  using ParallelBodyExchange::ParallelBodyExchange;
+  Rule rule = Rule::right;
+  mutable int mistakes = 0;
+
+  bool owns_contact_at(const Vec3& x_W) const override {
+    const bool right = ParallelBodyExchange::owns_contact_at(x_W);
+    const bool answer = rule == Rule::right ? right : rule == Rule::whoever_finds_them;
+    mistakes += answer != right;
+    return answer;
+  }
+};
+
+class OffByABit : public rigid::CollisionBackend {
+ public:
+  bool wrong = false;
+  std::string_view name() const override { return "off by a bit"; }
+  void collide(const rigid::ConvexShape& a, const rigid::Pose& pose_a, const rigid::ConvexShape& b,
+               const rigid::Pose& pose_b, double tolerance, std::vector<rigid::ContactPoint>& out) override {
+    const std::size_t first = out.size();
+    right_->collide(a, pose_a, b, pose_b, tolerance, out);
+    for (std::size_t k = first; wrong && k < out.size(); ++k) out[k].normal *= std::nextafter(1.0, 0.0);
+  }
+
+ private:
+  std::unique_ptr<rigid::CollisionBackend> right_ = adapters::make_backend("auto");
+};
+
+/// The hash after 60 steps, of which ten in the middle follow the rule and the backend given.
+std::uint64_t hash_with(Rule rule, bool off_by_a_bit) {
+  auto backend = std::make_unique<OffByABit>();
+  OffByABit& patched = *backend;
+  SceneRun<MistakenExchange> run(MPI_COMM_WORLD, gas(0.5), "sffd", {}, contact_rim, std::move(backend));
+  for (int i = 0; i < 60; ++i) {
+    const bool in_the_middle = i >= 20 && i < 30;
+    run.exchange.rule = in_the_middle ? rule : Rule::right;
+    patched.wrong = in_the_middle && off_by_a_bit;
+    run.advance();
+  }
+  const bool possible = rule == Rule::nobody_makes_contacts ||
+                        (rule == Rule::whoever_finds_them && ranks_of(MPI_COMM_WORLD) > 1);
+  EXPECT_EQ(sum_of(MPI_COMM_WORLD, run.exchange.mistakes) > 0, possible);
+  return run.hash();
+}
+
+TEST(ExchangeMistakes, ShowInTheHash) {
+  const std::uint64_t right = hash_with(Rule::right, false);
+  EXPECT_EQ(hash_with(Rule::right, false), right);
+  EXPECT_NE(hash_with(Rule::nobody_makes_contacts, false), right);
+  EXPECT_NE(hash_with(Rule::right, true), right);
+  if (ranks_of(MPI_COMM_WORLD) == 1) return;
+  EXPECT_NE(hash_with(Rule::whoever_finds_them, false), right);
 }
 
 }  // namespace

@@ -12,7 +12,7 @@ namespace {
 using tests::rank;
 using tests::ranks;
 
-/// As many impulses as the id says, unlike any other body's.
+/// Returns as many impulses as the id says, unlike any other body's.
 std::vector<rigid::StoredImpulse> impulses(BodyId id) {
   std::vector<rigid::StoredImpulse> list;
   for (BodyId k = 0; k < id % 4; ++k)

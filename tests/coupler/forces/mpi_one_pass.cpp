@@ -92,8 +92,8 @@ double largest_change(const std::vector<double>& v) {
   return largest / std::fabs(v.back());
 }
 
-// From rest, at an eigenvalue of 0.19: half of the load comes a step later, and what the virtual mass takes
-// with it, but in the end all has come.
+// The spheres start from rest, at an eigenvalue of 0.19: half of the load comes a step later, and what the
+// virtual mass takes with it, but in the end all has come.
 TEST(OnePass, GivesWhatItDefers) {
   if (tests::rank() != 0) return;
   const auto deferred = speeds(nearly_heavy, {implicit}), at_once = speeds(nearly_heavy, {explicit_});
@@ -104,7 +104,7 @@ TEST(OnePass, GivesWhatItDefers) {
   EXPECT_GT(d.start, 0.2 * change) << "are these two steps?";
 }
 
-// What changes where a body becomes heavy enough for one pass: the bound is up to a tenth above the
+// The change is small where a body becomes heavy enough for one pass: the bound is up to a tenth above the
 // eigenvalue.
 TEST(OnePass, AgreesWithTwoWhereItTakesOver) {
   if (tests::rank() != 0) return;

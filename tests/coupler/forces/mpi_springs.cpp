@@ -7,11 +7,9 @@
 #include <numbers>
 
 #include "coupler/case/case.hpp"
-#include "coupler/results/build_info.hpp"
-#include "coupler/results/checkpoint.hpp"
 #include "coupler/results/quantities.hpp"
-#include "tests/adapters/hdf5/scratch.hpp"
 #include "tests/coupler/case/case_text.hpp"
+#include "tests/coupler/same_bits.hpp"
 #include "tests/world.hpp"
 
 namespace silt::coupler::testing {
@@ -19,7 +17,7 @@ namespace {
 
 using rigid::Vec3;
 
-const double volume = 4 * std::numbers::pi / 3 * 64;  // of a ball of radius 4
+const double ball_volume = 4 * std::numbers::pi / 3 * 64;  // of a ball of radius 4
 
 CaseText dry(const std::string& bodies, const std::string& springs) {
   CaseText c;
@@ -32,7 +30,7 @@ CaseText dry(const std::string& bodies, const std::string& springs) {
 
 /// m x'' + c x' + k x = 0 from rest at 3: x = 3 exp(-g t) (cos w t + g / w sin w t).
 TEST(Springs, AMassOnADampedSpringSwingsAndDecaysAsTheorySays) {
-  const double mass = 1.2 * volume, k = 1e-3 * mass, damping = 4e-3 * mass;
+  const double mass = 1.2 * ball_volume, k = 1e-3 * mass, damping = 4e-3 * mass;
   const CaseText c =
       dry(body_of("ball", 1.2, "position = [35, 32, 32]"),
           fmt::format("[[springs]]\nbody = \"ball\"\nends = [[35, 32, 32], [12, 32, 32]]\nlength = 20\n"
@@ -62,7 +60,7 @@ CaseText two_balls(double k) {
 }
 
 TEST(Springs, TwoBodiesSwingAboutTheirCentre) {
-  const double reduced = 0.8 * volume, k = 4e-4 * reduced, distance = std::hypot(14, 4);
+  const double reduced = 0.8 * ball_volume, k = 4e-4 * reduced, distance = std::hypot(14, 4);
   Simulation simulation = two_balls(k).start(MPI_COMM_WORLD);
   const double w = std::sqrt(k / reduced);
   const int steps = int(std::lround(7.5 * 2 * std::numbers::pi / w));
@@ -88,23 +86,10 @@ TEST(Springs, SameBitsOnAnyRanksAndInARunThatGoesOn) {
   c.rest +=
       "[[springs]]\nbody = \"a\"\nends = [[61, 30, 33], [50, 30, 30]]\nlength = 0\nstiffness = 0.2\ndamping "
       "= 1\n";
-  const auto hash = [&](MPI_Comm comm, const std::string& blocks) {
-    Simulation simulation = c.start(comm, {"domain.blocks=" + blocks});
-    simulation.run(60);
-    return simulation.hash();
-  };
-  const std::uint64_t alone = tests::alone([&] { return hash(MPI_COMM_SELF, "[64, 64, 64]"); });
-  EXPECT_EQ(hash(MPI_COMM_WORLD, "[16, 64, 32]"), alone);
-  const tests::Scratch scratch;
-  const Case scene = c.read();
-  Simulation simulation(scene, MPI_COMM_WORLD);
+  expect_one_hash(c, 60, {"[16, 64, 32]"});
+  Simulation simulation = c.start(MPI_COMM_WORLD);
   simulation.run(23);
-  const auto path = write_checkpoint(simulation, Quantities(scene), scratch.path(),
-                                     provenance_of(scene, tests::ranks(), "auto"), {});
-  const adapters::CheckpointReader reader(MPI_COMM_WORLD, path);
-  const auto again = resumed_simulation(reader, scene, MPI_COMM_WORLD);
-  again->run(37);
-  EXPECT_EQ(again->hash(), alone);
+  expect_goes_on(simulation, 37);
 }
 
 /// A rod of length 16 that hangs from an axis through its end, held there by two springs without a length:
@@ -148,7 +133,7 @@ TEST(Springs, TwoOfNoLengthAreAHinge) {
   });
 }
 
-/// What the fluid does to a ball that a spring holds is told without the spring.
+/// The force of the fluid on a ball that a spring holds is told without the spring.
 TEST(Springs, AreNoForceOfTheFluid) {
   CaseText c;
   c.fluid = "[fluid]\nrelaxation_time = 0.8\nbody_force = [1e-5, 0, 0]\n";

@@ -22,7 +22,7 @@ namespace silt::coupler::testing {
 using lbm::Int3;
 using rigid::Vec3;
 
-/// What is where, asked of the shapes themselves; nothing of the map is used.
+/// The geometry as the shapes themselves tell it; nothing of the map is used.
 class Geometry {
  public:
   explicit Geometry(const Simulation& s)
@@ -91,7 +91,7 @@ class Geometry {
     });
   }
 
-  /// What was found once is known.
+  /// Answers that were found once are kept.
   using Known = std::unordered_map<std::int64_t, int>;
   template <class Find>
   static int once(Known& known, Int3 cell, Find&& find) {
@@ -121,7 +121,7 @@ struct Link {
 };
 using Links = std::map<std::tuple<int, int, int, int>, Link>;  // by cell of the block and direction
 
-/// What a comparison came upon.
+/// The numbers of links of each kind in a comparison.
 struct LinkKinds {
   int single_cell = 0, two_cells = 0, across = 0, crossing = 0;
 };
@@ -132,7 +132,7 @@ inline void expect_all_done(const lbm::PassOrder& sweep, Int3 x, int reach, int 
     for (int y = x.y - reach; y <= x.y + reach; ++y) EXPECT_LE(sweep.part_of(y, z), part);
 }
 
-/// What fills up a group copies its last link.
+/// Links that fill up a group copy its last link.
 template <class T>
 void expect_filled_up(const lbm::CutLinks<T>& links, const lbm::LinkGroup& g) {
   for (std::uint32_t l = g.count; l < lbm::padded(g.count); ++l) {
@@ -144,7 +144,7 @@ void expect_filled_up(const lbm::CutLinks<T>& links, const lbm::LinkGroup& g) {
   }
 }
 
-/// Whether two links are the ends of one.
+/// Returns whether two links are the ends of one.
 template <class T>
 bool face_each_other(const lbm::CutLinks<T>& links, std::uint32_t a, std::uint32_t b) {
   const int i = lbm::place_direction(links.place[a]);
@@ -152,7 +152,7 @@ bool face_each_other(const lbm::CutLinks<T>& links, std::uint32_t a, std::uint32
          lbm::place_cell(links.place[a]) + lbm::c[i] == lbm::place_cell(links.place[b]);
 }
 
-/// Of a crossing link both ends that are in the block are beside one another, in one vector.
+/// Both ends of a crossing link that are in the block are beside one another, in one vector.
 template <class T>
 void expect_ends_together(const lbm::CutLinks<T>& links, const lbm::LinkGroup& g, Int3 block) {
   const lbm::CellBox inside{{}, block};

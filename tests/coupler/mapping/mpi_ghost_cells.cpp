@@ -1,4 +1,4 @@
-// What is solid is the same whoever asks: the ghost layers of a block, through periodic sides too, have what
+// All ranks agree on what is solid: the ghost layers of a block, through periodic sides too, have what
 // the owners of their cells have. Messages of pairs across and of refilled cells are counted on that.
 #include <gtest/gtest.h>
 #include <mpi.h>
@@ -91,8 +91,8 @@ TEST(GhostCells, OfVesselsAreTheOwners) {
         vessel_file(-25, 28));
 }
 
-/// On one side of the period it reaches less far than it has to; not what the check lets pass, but no reason
-/// for ranks to disagree.
+/// The vessel reaches on one side of the period less far than it has to; not what the check lets pass, but no
+/// reason for ranks to disagree.
 TEST(GhostCells, OfAVesselThatLeavesItsPeriodAreTheOwners) {
   Simulation s(read_with(vessel(""), vessel_file(-25, 28)), MPI_COMM_WORLD);
   rigid::BodySet bodies = s.bodies();
@@ -105,9 +105,7 @@ TEST(GhostCells, OfAVesselThatLeavesItsPeriodAreTheOwners) {
 TEST(GhostCells, OfBodiesThroughPeriodicCornersAreTheOwners) {
   CaseText c;
   c.domain = domain_of({20, 16, 18});
-  c.bodies =
-      "[[bodies]]\nshape = \"ball\"\ndensity = 1\npositions = [[0.2, 15.9, 0.1], [10, 8, 9], [10, 0.4, "
-      "17.8]]\n";
+  c.bodies = body_of("ball", 1, "positions = [[0.2, 15.9, 0.1], [10, 8, 9], [10, 0.4, 17.8]]");
   check(c);
 }
 

@@ -1,7 +1,22 @@
-// The links of many bodies at once: cells that several claim, gaps, bodies that move and bodies that rest.
+// The links of a block are those of the definition, of bodies of every shape and in gaps of one cell, where
+// links are told of the wall on the other side.
+#include <gtest/gtest.h>
+
+#include <array>
+#include <map>
+#include <string>
+#include <tuple>
+
+#include "coupler/exchange/coupling_state.hpp"
+#include "coupler/mapping/block_links.hpp"
+#include "coupler/mapping/build_links.hpp"
+#include "coupler/mapping/map_bodies.hpp"
 #include "coupler/simulation.hpp"
+#include "rigid/shapes/shape.hpp"
+#include "tests/coupler/case/case_text.hpp"
 #include "tests/coupler/coupled_scenes.hpp"
 #include "tests/coupler/mapping/links_by_definition.hpp"
+#include "tests/shape_rows.hpp"
 
 namespace silt::coupler::testing {
 namespace {
@@ -84,8 +99,8 @@ CaseText visited_ball() {
   return c;
 }
 
-/// From within, where the visitor takes of the ball's cells without a change of what is solid, to where it is
-/// out of reach of its links.
+/// The visitor comes from within, where it takes of the ball's cells without a change of what is solid, to
+/// where it is out of reach of its links.
 void check_visits(WallScheme scheme) {
   Simulation s = visited_ball().start(MPI_COMM_SELF);
   MapBodies map(s.scene().flow->fields().domain(), s.scene().world,
@@ -109,6 +124,213 @@ void check_visits(WallScheme scheme) {
 TEST(Links, OfABodyAtRestFollowWhatVisitsItsCells) {
   check_visits(WallScheme::cli);
   check_visits(WallScheme::multireflection);
+}
+
+// Wider than a word, taller than a slab of planes.
+CaseText large_bodies() {
+  CaseText c;
+  c.domain = domain_of({96, 40, 44});
+  c.shapes = shape_of("egg", "ellipsoid", "diameters = [74.6, 24.8, 34.4]") + sphere_of("ball", 34.6);
+  c.bodies =
+      body_of("egg", 1, "position = [41.2173, 20.4291, 22.1357]\norientation = [0.98, 0.05, 0.1, 0.02]") +
+      body_of("ball", 1, "position = [90.1371, 3.2713, 1.3197]");
+  return c;
+}
+
+/// One body of every shape, oblique and in line with the axes, across the sides of the box.
+CaseText one_of_each() {
+  CaseText c;
+  c.domain = domain_of({45, 30, 26});
+  c.shapes = c.bodies = "";
+  std::vector<std::array<std::string, 2>> shapes;
+  for (const tests::ShapeRow& row : tests::shape_rows()) {
+    if (row.name == rigid::Sphere::name) continue;  // spheres have tests of their own
+    shapes.push_back({std::string(row.name), row.sizes});
+  }
+  shapes.push_back({"compound",
+                    "parts = [ { type = \"capsule\", radius = 1.6, length = 6, axis = [1, 0, 0] },\n"
+                    "{ type = \"capsule\", radius = 1.6, length = 6, axis = [0, 1, 0] },\n"
+                    "{ type = \"capsule\", radius = 1.6, length = 6, axis = [0, 0, 1] } ]"});
+  shapes.push_back({"compound",
+                    "parts = [ { type = \"sphere\", radius = 2.2, position = [3, 1, 0] },\n"
+                    "{ type = \"box\", edges = [4, 3, 2.5], position = [-2, 0, 1], axis = [1, 2, 3] },\n"
+                    "{ type = \"cylinder\", radius = 1.1, length = 7, axis = [0, 1, 1] },\n"
+                    "{ type = \"ellipsoid\", diameters = [3, 4, 5], position = [0, -2, -1] },\n"
+                    "{ type = \"polyhedron\", position = [0, 1, 1], " +
+                        tests::row_of("polyhedron").sizes + " } ]"});
+  int n = 0;
+  for (const auto& [type, sizes] : shapes) {
+    const std::string name = type + std::to_string(n / 2);
+    c.shapes += shape_of(name, type, sizes);
+    for (const char* turn : {"[1, 0, 0, 0]", "[0.7, 0.3, -0.5, 0.2]"}) {
+      const auto at = [](int slot, int slots, double size, double shift) {
+        return std::to_string(std::fmod((slot + shift) * size / slots, size));
+      };
+      c.bodies +=
+          body_of(name, 1,
+                  std::string("orientation = ") + turn + "\nposition = [" +
+                      at(n % 4, 4, 45, 0.93 + 0.0041 * n) + ", " + at(n / 4 % 2, 2, 30, 0.9173 + 0.0031 * n) +
+                      ", " + at(n / 8, 2, 26, 0.0341 + 0.0017 * n) + "]");
+      ++n;
+    }
+  }
+  return c;
+}
+
+/// Every q of the domain, by global cell and direction.
+using Distances = std::map<std::tuple<int, int, int, int>, double>;
+
+template <class T>
+Distances distances(const CaseText& scene, Int3 block, double rounding) {
+  Simulation s = scene.start(MPI_COMM_SELF);
+  std::vector<lbm::CellBox> boxes;
+  const Int3 n = s.scene().flow->fields().domain().cells();
+  for (int z = 0; z < n.z; z += block.z)
+    for (int y = 0; y < n.y; y += block.y)
+      for (int x = 0; x < n.x; x += block.x) boxes.push_back({{x, y, z}, block});
+  MapBodies map(s.scene().flow->fields().domain(), s.scene().world, boxes, 1);
+  map(s.bodies());
+  Distances all;
+  LinkKinds kinds;
+  for (const BlockMap& b : map.blocks()) {
+    std::vector<SurfaceLinks<T>> surfaces;
+    expect_all_links<T>(s, b, WallScheme::cli, rounding, surfaces, kinds);
+    for (const auto& surface : surfaces)
+      for (const lbm::LinkGroup& g : surface.links.groups)
+        for (std::uint32_t l = g.begin; l < g.begin + g.count; ++l) {
+          const std::uint32_t p = surface.links.place[l];
+          const Int3 x = b.box.lower + g.corner + lbm::place_cell(p);
+          all[{x.x, x.y, x.z, lbm::place_direction(p)}] = surface.links.q[l];
+        }
+  }
+  return all;
+}
+
+/// Root of the mean square of what single precision takes away. For one link it is up to 1e-7 R^2 over its
+/// way through the body: much where it grazes the surface.
+void expect_close(const Distances& single, const Distances& exact, double bound) {
+  EXPECT_EQ(single.size(), exact.size());
+  double squares = 0;
+  for (const auto& [link, q] : exact) squares += std::pow(single.at(link) - q, 2);
+  EXPECT_LT(std::sqrt(squares / double(exact.size())), bound);
+}
+
+TEST(LinksOfShapes, OfEveryKind) {
+  const CaseText scene = one_of_each();
+  const Distances whole = distances<double>(scene, {45, 30, 26}, 1e-9);
+  EXPECT_EQ(whole, distances<double>(scene, {15, 10, 13}, 1e-9));
+  const Distances single = distances<float>(scene, {15, 15, 13}, 3e-5);
+  EXPECT_EQ(single, distances<float>(scene, {9, 10, 26}, 3e-5));
+  expect_close(single, whole, 1e-6);
+}
+
+TEST(LinksOfShapes, LargerThanAWord) {
+  const Distances exact = distances<double>(large_bodies(), {96, 40, 44}, 1e-9);
+  expect_close(distances<float>(large_bodies(), {96, 40, 44}, 5e-4), exact, 4e-6);
+}
+
+/// A link's place, its surface, the places of its far wall (those that fill up its group too).
+template <class T>
+struct GapLink {
+  std::size_t surface;
+  T q;
+  std::vector<std::uint32_t> far;
+};
+
+template <class T>
+std::map<std::array<int, 4>, GapLink<T>> gap_links(const std::vector<SurfaceLinks<T>>& surfaces) {
+  std::map<std::array<int, 4>, GapLink<T>> found;
+  for (std::size_t k = 0; k < surfaces.size(); ++k) {
+    const auto& links = surfaces[k].links;
+    for (const lbm::LinkGroup& g : links.groups)
+      for (std::uint32_t l = 0;
+           g.scheme == WallScheme::single_cell_gap && (l < g.count || l % lbm::link_lanes); ++l) {
+        const std::uint32_t p = links.place[g.begin + l];
+        const Int3 x = g.corner + lbm::place_cell(p);
+        auto& link = found[{x.x, x.y, x.z, lbm::place_direction(p)}];
+        link.surface = k, link.q = links.q[g.begin + l], link.far.push_back(g.opposite + l);
+      }
+  }
+  return found;
+}
+
+/// The crowd between walls that move, flow in at y low and slip at z high.
+Simulation crowd_between_sides() {
+  return crowd().start(MPI_COMM_SELF,
+                       {"domain.boundary.y=[{type='velocity-inlet',velocity=[0.01,0.02,-0.03]},'no-slip']",
+                        "domain.boundary.z=[{type='moving',velocity=[0.04,-0.05,0]},'free-slip']"});
+}
+
+/// Lets a box nearly fill an edge of the domain, another one lie just below the side that slips.
+void put_boxes_at_sides(Simulation& s) {
+  constexpr double gap = 0.8;  // the cells next to the side are fluid, those behind them solid
+  const Vec3 places[] = {{12, gap + 3, gap + 2}, {5, 10, 28 - gap - 2}};
+  for (std::size_t row = 0, found = 0; row < s.bodies().first_wall() && found < 2; ++row)
+    if (std::holds_alternative<rigid::Box>(s.scene().world.shapes[s.bodies().shape[row]]))
+      set_mapping_pose(s.bodies(), row, {places[found++], rigid::Quat::Identity()});
+}
+
+/// The wall that a link along c has behind its cell, beyond the sides of n cells.
+struct Side {
+  double q = 0, u = 0;  // 0: there is none, it slips
+  bool edge = false;
+};
+Side side_behind(Int3 behind, Int3 n, Int3 c) {
+  const bool floor = behind.z < 0, low = behind.y < 0, high = behind.y >= n.y;
+  if (floor && low) return {0.5, c.y * 0.02, true};  // of both walls what crosses them
+  if (floor && high) return {0.5, 0, true};
+  if (floor) return {0.5, c.x * 0.04 - c.y * 0.05};
+  if (low) return {0.5, c.x * 0.01 + c.y * 0.02 - c.z * 0.03};
+  return {high ? 0.5 : 0};
+}
+
+TEST(GapLinks, KnowTheWallOnTheOtherSide) {
+  Simulation s = crowd_between_sides();
+  put_boxes_at_sides(s);
+  const Int3 n = s.scene().flow->fields().domain().cells();
+  MapBodies map(s.scene().flow->fields().domain(), s.scene().world, std::vector<lbm::CellBox>{{{}, n}}, 1);
+  map(s.bodies());
+  BlockLinks<double> block;
+  auto& surfaces = block.surfaces;
+  CouplingSpec coupling;
+  coupling.wall_scheme = WallScheme::parabolic;
+  build_links<double>(map.blocks()[0], s.scene().world, s.bodies(),
+                      {coupling, {}, lbm::PassOrder(map.blocks()[0].box.size, sizeof(double))}, surfaces);
+  for (std::size_t k = 0; k < surfaces.size(); ++k)
+    surfaces[k].motion = {{0.1 * double(k), 0.2, -0.3}, {0.4, -0.5, 0.6 * double(k)}};
+  block.gaps.pair(surfaces, s.scene().flow->fields().domain(), {{}, n});
+  block.gaps.set_velocities(surfaces);
+  const auto all = gap_links(surfaces);
+  int between = 0, sides = 0, edges = 0, slipping = 0;
+  for (const auto& [at, link] : all) {
+    const auto other = all.find({at[0], at[1], at[2], lbm::opposite(at[3])});
+    const auto& links = surfaces[link.surface].links;
+    const Int3 c = lbm::c[at[3]];
+    if (other == all.end()) {
+      const Int3 behind{at[0] - c.x, at[1] - c.y, at[2] - c.z};
+      EXPECT_FALSE(s.scene().flow->fields().domain().inside(behind)) << "a gap whose other wall is not known";
+      const Side side = side_behind(behind, n, c);
+      for (const std::uint32_t far : link.far) {
+        EXPECT_EQ(links.opposite_q[far], side.q);
+        EXPECT_NEAR(links.opposite_u[far], side.u, 1e-15);
+      }
+      ++(side.edge ? edges : side.q > 0 ? sides : slipping);
+      continue;
+    }
+    between += other->second.surface != link.surface;
+    const auto& [frame, motion] =
+        std::tie(surfaces[other->second.surface].links.frame, surfaces[other->second.surface].motion);
+    Vec3 arm, v(motion.v[0], motion.v[1], motion.v[2]), w(motion.omega[0], motion.omega[1], motion.omega[2]);
+    for (int d = 0; d < 3; ++d) arm[d] = at[d] - frame.cell[d] + frame.offset[d];
+    for (const std::uint32_t far : link.far) {
+      EXPECT_EQ(links.opposite_q[far], other->second.q);
+      EXPECT_NEAR(links.opposite_u[far], Vec3(c.x, c.y, c.z).dot(v + w.cross(arm)), 1e-12);
+    }
+  }
+  EXPECT_GT(between, 0);
+  EXPECT_GT(sides, 0);
+  EXPECT_GT(edges, 0);
+  EXPECT_GT(slipping, 0);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Where the fluid sees bodies and walls that move: near where they are, and on the mean just there.
+// The fluid sees bodies and walls that move near where they are, and on the mean just there.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -20,7 +20,7 @@ constexpr double tolerance = 0.1;
 constexpr double held = 0.15 * tolerance;  // where distances do not follow
 const Vec3 half(3, 2, 1.5);                // of a box
 
-/// How far apart corners of the box are that has two poses: the furthest pair.
+/// Returns the largest distance between the places of a corner of the box in two poses.
 double furthest(const Pose& a, const Pose& b) {
   double most = 0;
   for (int k = 0; k < 8; ++k) {
@@ -138,7 +138,7 @@ TEST(MappingPoses, ABodyThatStopsIsMappedWhereItRests) {
   EXPECT_EQ(p.mappings, before);
 }
 
-// What creeps is mapped where it is, not where it may be in a thousand steps.
+// A body that creeps is mapped where it is, not where it may be in a thousand steps.
 TEST(MappingPoses, ABodyThatHardlyMovesStaysWhereItIsMapped) {
   Passage p(rigid::Box{half}, {1e-4, 0, 0}, {0, 0, 0});
   p.run(3000);

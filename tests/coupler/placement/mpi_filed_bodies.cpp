@@ -52,7 +52,7 @@ void write(const std::filesystem::path& path, const std::string& text) {
   MPI_Barrier(MPI_COMM_WORLD);
 }
 
-/// As a run leaves it: the positions of all bodies at one time.
+/// Writes the positions of all bodies at one time as a run leaves them.
 void write_series(const std::filesystem::path& path) {
   adapters::BodySeries series(MPI_COMM_WORLD, path, {}, {});
   series.append(0, 0, rank() == 0 ? points : 0, [](std::size_t i) {
@@ -106,7 +106,8 @@ TEST(FiledBodies, AreThoseThatACaseWouldList) {
     }
 }
 
-/// By the origin of the shape or by its centre of mass, which a given turn puts 1 to the side.
+/// Bodies are placed by the origin of the shape or by its centre of mass, which a given turn puts 1 to the
+/// side.
 TEST(FiledBodies, ArePlacedByTheirOriginOrCentre) {
   const Scratch scratch;
   write(scratch / "cloud.csv", csv_line({8, 9, 10}));
@@ -181,14 +182,12 @@ TEST(FiledBodies, SlicesAreTheWholeFile) {
   }
 }
 
-/// What every rank says, the same on each.
+/// Returns what every rank says, the same on each.
 std::string fault(const Scratch& scratch, const std::string& name) {
-  std::string said;
-  try {
-    said = fault_of(read(scratch, text_of("\"" + name + "\"")), MPI_COMM_WORLD);
-  } catch (const CaseError& error) {
-    said = error.what();
-  }
+  std::string faults;
+  const std::string unread =
+      error_of([&] { faults = fault_of(read(scratch, text_of("\"" + name + "\"")), MPI_COMM_WORLD); });
+  const std::string said = unread + faults;
   EXPECT_EQ(alone([&] { return std::hash<std::string>()(said); }), std::hash<std::string>()(said)) << said;
   return said;
 }

@@ -13,6 +13,7 @@
 #include "parallel/collectives.hpp"
 #include "rigid/shapes/shape.hpp"
 #include "tests/coupler/placement/placed.hpp"
+#include "tests/errors.hpp"
 #include "tests/world.hpp"
 
 namespace silt::coupler::testing {
@@ -33,7 +34,7 @@ std::uint64_t hash_of(BodyId id, const BodySpec& body) {
   return h;
 }
 
-/// Of all bodies; each must be where its centre is.
+/// Returns a hash of all bodies; each must be on the rank that has its centre.
 std::uint64_t placed_hash(const Case& setup, MPI_Comm comm) {
   std::uint64_t sum = 0;
   int here = 0, n = 1;
@@ -131,7 +132,7 @@ TEST(PlaceBodies, WhatDoesNotFitEveryRankSaysAlike) {
   const Overrides crowded = {"fill[0].count=200"};
   const std::string text = fault_of(c.read(crowded), MPI_COMM_WORLD);
   EXPECT_EQ(text, fault_of(c.read(crowded)));
-  EXPECT_NE(text.find("fill[0].count is 200, but only "), text.npos) << text;
+  EXPECT_TEXT(text, "fill[0].count is 200, but only ");
 }
 
 TEST(PlaceBodies, GivenBodiesThatOverlapAreNamedOnEveryRank) {
@@ -142,13 +143,9 @@ TEST(PlaceBodies, GivenBodiesThatOverlapAreNamedOnEveryRank) {
   const std::string text = fault_of(c.read(), MPI_COMM_WORLD);
   EXPECT_EQ(text, fault_of(c.read()));
   const std::string key = "bodies[0].positions: the body at ";
-  EXPECT_NE(
-      text.find(key + "[15, 16, 3] overlaps the one at [15, 16, 28] (entry 0) by at least 1 at the start"),
-      text.npos)
-      << text;
-  EXPECT_NE(text.find(key + "[17, 5, 4] overlaps the one at [15, 4, 4] (entry 0) by at least 5.76393"),
-            text.npos)
-      << text;
+  EXPECT_TEXT(text,
+              key + "[15, 16, 3] overlaps the one at [15, 16, 28] (entry 0) by at least 1 at the start");
+  EXPECT_TEXT(text, key + "[17, 5, 4] overlaps the one at [15, 4, 4] (entry 0) by at least 5.76393");
 }
 
 TEST(PlaceBodies, GivenBodiesOutsideOrInWallsAreNamedOnEveryRank) {
@@ -156,13 +153,11 @@ TEST(PlaceBodies, GivenBodiesOutsideOrInWallsAreNamedOnEveryRank) {
   c.bodies = body_of("ball", 1, "position = [33, 4, 4]") + body_of("ball", 1, "position = [30, 30, 30]");
   const std::string text = fault_of(c.read(), MPI_COMM_WORLD);
   EXPECT_EQ(text, fault_of(c.read()));
-  EXPECT_NE(text.find("bodies[0].position is [33, 4, 4]; it must lie in the domain"), text.npos) << text;
-  EXPECT_NE(text.find("bodies[1].position is [30, 30, 30]: the body reaches 2 into the upper wall of z"),
-            text.npos)
-      << text;
+  EXPECT_TEXT(text, "bodies[0].position is [33, 4, 4]; it must lie in the domain");
+  EXPECT_TEXT(text, "bodies[1].position is [30, 30, 30]: the body reaches 2 into the upper wall of z");
 }
 
-/// Of more than ten faults the first ten, whoever finds them.
+/// If there are more than ten faults, the first ten are told, whoever finds them.
 TEST(PlaceBodies, OnlyTheFirstFaultsAreTold) {
   CaseText c;
   std::string positions;
@@ -170,9 +165,7 @@ TEST(PlaceBodies, OnlyTheFirstFaultsAreTold) {
   c.bodies = body_of("ball", 1, "positions = [" + positions + "]");
   const auto all = judgement(c.read(), MPI_COMM_WORLD);
   ASSERT_EQ(all.size(), 10u);
-  for (int i = 0; i < 10; ++i)
-    EXPECT_NE(all[i].text.find("is [" + std::to_string(31 - i) + ", 16, 29]"), std::string::npos)
-        << all[i].text;
+  for (int i = 0; i < 10; ++i) EXPECT_TEXT(all[i].text, "is [" + std::to_string(31 - i) + ", 16, 29]");
 }
 
 TEST(NumberOff, CountsSmallerKeysOfAllRanks) {

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <numbers>
 #include <random>
 
@@ -182,7 +181,7 @@ TEST(Fill, OrientationsAreUniform) {
 TEST(Fill, StaysInATube) {
   CaseText c = with_fills();
   c.rest = "[[walls]]\ntype = \"tube\"\naxis = [1, 0, 0]\nradius = 14\npoint = [0, 16, 15.5]\n";
-  c.domain = "[domain]\nsize = [32, 32, 32]\nboundary = \"no-slip\"\n";
+  c.domain = domain_of({32, 32, 32}, R"("no-slip")");
   const Case setup = c.read({"fill[0].count=12", "fill[1].count=3"});
   const auto bodies = bodies_of(setup);
   ASSERT_EQ(bodies.size(), 16u);
@@ -198,8 +197,7 @@ constexpr int realisations = 40;
 constexpr double edge = 48, radius = 3;  // of a periodic box, and of the balls in it
 constexpr int balls = 160;               // 16 % of the volume
 
-/// What a realisation is counted by: pairs in shells from touching to twice that, bodies in eighths of the
-/// box.
+/// The counts of a realisation: pairs in shells from touching to twice that, bodies in eighths of the box.
 constexpr int shells = 12;
 using Counts = std::array<double, shells>;
 
@@ -215,7 +213,7 @@ Counts pair_counts(const std::vector<Vec3>& centres) {
   return counts;
 }
 
-/// By the definition: uniform places one after the other, taken if they are free.
+/// Places bodies by the definition: uniform places one after the other, taken if they are free.
 std::vector<Vec3> added_one_by_one(unsigned seed) {
   std::mt19937_64 engine(seed);
   std::uniform_real_distribution<double> place(0, edge);
@@ -268,7 +266,8 @@ TEST(Fill, PairsAreAsFarApartAsInRandomSequentialAddition) {
   EXPECT_GT(ours.mean(0), 1.2 * ours.mean(shells - 1) / 3.4) << "they crowd where they touch";
 }
 
-/// Of bodies next to nothing the number in an eighth of the box is binomial: neither more even nor less.
+/// If bodies are next to nothing, their number in an eighth of the box is binomial: neither more even nor
+/// less.
 TEST(Fill, DensityFluctuatesAsThatOfIndependentPoints) {
   constexpr int count = 400;
   double sum = 0, squares = 0;
@@ -283,7 +282,7 @@ TEST(Fill, DensityFluctuatesAsThatOfIndependentPoints) {
   EXPECT_NEAR(variance / (count / 8.0 * 7 / 8), 1, 0.25);
 }
 
-/// As many as the most that random places leave room for: 38 % of a large box.
+/// Random places leave room for at most 38 % of a large box.
 TEST(Fill, ReachesThirtyFourPerCent) {
   EXPECT_EQ(filled(1, 332, radius).size(), 332u);
 }

@@ -34,7 +34,7 @@ struct LevelScene {
   }
 
   lbm::CutTree parts(int ranks) const { return cut_for_levels(setup, ranks); }
-  /// What a rank of these parts has.
+  /// Returns the bodies that a rank of these parts has.
   rigid::BodySet held_by(int rank, const lbm::CutTree& parts) const {
     rigid::BodySet held = bodies;
     for (std::size_t row = bodies.owned; row-- > 0;) {

@@ -5,6 +5,7 @@
 
 #include "parallel/collectives.hpp"
 #include "tests/coupler/regions/level_scene.hpp"
+#include "tests/errors.hpp"
 #include "tests/odd_cut.hpp"
 #include "tests/world.hpp"
 
@@ -27,7 +28,7 @@ bool touch(const lbm::CellBox& a, const lbm::CellBox& b, const Case& setup) {
   return true;
 }
 
-/// What a rank sees of a scene whose domain has these parts.
+/// Expects what a rank sees of a scene whose domain has these parts.
 void expect_levels(const LevelScene& scene, const lbm::CutTree& parts) {
   const lbm::CutTree whole = scene.levels();
   coupler::LevelViews views(scene.setup, parts, scene.world, MPI_COMM_WORLD);
@@ -83,14 +84,10 @@ INSTANTIATE_TEST_SUITE_P(Levels, LevelViews, ::testing::Values(1, 2));
 
 TEST(CutForLevels, SaysWhenThereAreTooManyRanks) {
   const LevelScene scene(many_bodies(2, "\"periodic\""));
-  EXPECT_THROW(
-      try { scene.parts(1000); } catch (const std::invalid_argument& error) {
-        EXPECT_STREQ(error.what(),
-                     "the domain of 84 x 96 x 80 cells cannot be cut into 1000 parts of at least 16 cells an "
-                     "edge, four of the coarsest; use fewer ranks, or fewer coarsening.levels");
-        throw;
-      },
-      std::invalid_argument);
+  EXPECT_EQ(
+      tests::error_of<std::invalid_argument>([&] { scene.parts(1000); }),
+      "the domain of 84 x 96 x 80 cells cannot be cut into 1000 parts of at least 16 cells an edge, four "
+      "of the coarsest; use fewer ranks, or fewer coarsening.levels");
 }
 
 }  // namespace

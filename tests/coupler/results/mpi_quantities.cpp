@@ -9,11 +9,9 @@
 
 #include "coupler/case/case.hpp"
 #include "coupler/case/quantity_spec.hpp"
-#include "coupler/results/build_info.hpp"
-#include "coupler/results/checkpoint.hpp"
 #include "parallel/traffic.hpp"
-#include "tests/adapters/hdf5/scratch.hpp"
 #include "tests/coupler/case/case_text.hpp"
+#include "tests/coupler/same_bits.hpp"
 #include "tests/world.hpp"
 
 namespace silt::coupler::testing {
@@ -27,10 +25,10 @@ constexpr const char* finely_cut = "domain.blocks=[8, 16, 8]";  // 32 blocks
 /// A dry scene of one quantity "q", periodic all round; balls of radius 4 and density 2.
 CaseText dry(const std::string& bodies, const std::string& quantity, int steps = 100) {
   CaseText c;
-  c.domain = "[domain]\nsize = [32, 32, 32]\nboundary = \"periodic\"\n";
+  c.domain = domain_of({32, 32, 32});
   c.fluid.clear();
   c.bodies.clear();
-  if (!bodies.empty()) c.bodies = "[[bodies]]\nshape = \"ball\"\ndensity = 2\n" + bodies + "\n";
+  if (!bodies.empty()) c.bodies = body_of("ball", 2, "") + bodies + "\n";
   c.run = "[run]\nsteps = " + std::to_string(steps) + "\n[[quantities]]\nname = \"q\"\n" + quantity + "\n";
   return c;
 }
@@ -77,7 +75,7 @@ TEST(Quantities, SpinOfAKind) {
 /// of).
 TEST(Quantities, FreeFall) {
   CaseText fall = dry("position = [16, 16, 30]", "type = \"energy-change\"", 50);
-  fall.domain = "[domain]\nsize = [32, 32, 64]\nboundary = \"no-slip\"\n";
+  fall.domain = domain_of({32, 32, 64}, R"("no-slip")");
   fall.rest = "[gravity]\nacceleration = [0, 0, -0.01]\n";
   EXPECT_NEAR(value_of(fall), 0, 1e-12);
   fall.run = dry("", "type = \"energy-growth\"", 50).run;
@@ -91,7 +89,7 @@ TEST(Quantities, FreeFall) {
 /// A ball that stops dead (restitution 0) has lost its kinetic energy, all there is.
 TEST(Quantities, EnergyLostInAnImpact) {
   CaseText c = dry("position = [16, 16, 16]\nvelocity = [0.5, 0, 0]", "type = \"energy-change\"");
-  c.domain = "[domain]\nsize = [32, 32, 32]\nboundary = \"no-slip\"\n";
+  c.domain = domain_of({32, 32, 32}, R"("no-slip")");
   EXPECT_NEAR(value_of(c), -1, 1e-12);
   c.run = dry("", "type = \"energy-growth\"").run;
   EXPECT_NEAR(value_of(c), 0, 1e-12) << "the largest is that at the start";
@@ -113,7 +111,7 @@ TEST(Quantities, PackingFraction) {
       << "bodies all inside";
 }
 
-/// What two balls have in common counts once, in a box all round them and in one that cuts them in the middle
+/// The common part of two balls counts once, in a box all round them and in one that cuts them in the middle
 /// of the line between them.
 TEST(Quantities, PackingFractionOfACompound) {
   CaseText pair =
@@ -123,7 +121,7 @@ TEST(Quantities, PackingFractionOfACompound) {
                          "{ type = \"sphere\", radius = 4, position = [0, 0, -2] }]");
   const double ball = 256. / 3 * std::numbers::pi, lens = 80. / 3 * std::numbers::pi, box = 32 * 32 * 32;
   EXPECT_NEAR(value_of(pair) * box, 2 * ball - lens, 6e-3 * ball);
-  pair.bodies = "[[bodies]]\nshape = \"ball\"\ndensity = 2\nposition = [20, 3, 16]\n";
+  pair.bodies = body_of("ball", 2, "position = [20, 3, 16]");
   pair.run += "box = [[0, 0, 16], [32, 32, 32]]\n";
   EXPECT_NEAR(value_of(pair) * box / 2, ball - lens / 2, 6e-3 * ball);
 }
@@ -152,7 +150,7 @@ TEST(Quantities, WeightTorque) {
   CaseText c =
       dry("position = [13, 5, 9]\nname = \"asked\"",
           "type = \"weight-torque\"\nbody = \"asked\"\naxis = \"y\"\ncentre = [16, 0, 16]\ntime = 0", 1);
-  c.bodies += "[[bodies]]\nshape = \"ball\"\ndensity = 1\nposition = [25, 25, 25]\n";
+  c.bodies += body_of("ball", 1, "position = [25, 25, 25]");
   c.rest = "[gravity]\nacceleration = [0, 0, -1e-12]\n";
   const double volume = 4. / 3 * std::numbers::pi * 64;
   EXPECT_NEAR(value_of(c) / (-3 * volume * 2 * 1e-12), 1, 1e-9);
@@ -182,7 +180,7 @@ TEST(Quantities, EnergyAndDissipationOfTheVortexAtItsStart) {
               1e-9);
 }
 
-/// What is dissipated is what is lost: two ways to the same figure, of the populations' stress and of the
+/// The dissipation is the loss of energy: two ways to the same figure, of the populations' stress and of the
 /// velocity. The loss over two steps, in which the energy falls by 5 %, is within 1e-4 of that at the middle.
 TEST(Quantities, DissipationIsTheLossOfEnergy) {
   const auto energy = [](int t) {
@@ -227,7 +225,7 @@ TEST(Quantities, SuperficialVelocity) {
                    "type = \"superficial-velocity\"\naxis = \"x\"", 1);
   EXPECT_NEAR(value_of(c), 0.02, 1e-12);
   c.shapes = CaseText().shapes;
-  c.bodies = "[[bodies]]\nshape = \"ball\"\ndensity = 1\nmotion = \"prescribed\"\nvelocity = [0.02, 0, 0]\n";
+  c.bodies = body_of("ball", 1, "motion = \"prescribed\"\nvelocity = [0.02, 0, 0]");
   c.bodies += "position = [16, 16, 16]\n";
   EXPECT_NEAR(value_of(c), 0, 1e-6) << "no relative motion";
   c.fluid = "[fluid]\nprecision = \"double\"\nrelaxation_time = 1\n";
@@ -238,9 +236,7 @@ TEST(Quantities, SuperficialVelocity) {
 /// Every type that looks at bodies, in a crowd: the same bits on any number of ranks and blocks.
 CaseText watched_crowd() {
   CaseText c = dry("", "type = \"drift\"", 150);
-  c.domain =
-      "[domain]\nsize = [32, 32, 32]\nboundary = { x = \"periodic\", y = \"periodic\", z = "
-      "[\"no-slip\", \"no-slip\"] }\n";
+  c.domain = domain_of({32, 32, 32}, R"({ x = "periodic", y = "periodic", z = ["no-slip", "no-slip"] })");
   c.rest =
       "[gravity]\nacceleration = [1e-3, 0, -3e-3]\n[contacts]\nrestitution = 0.5\nfriction = 0.3\n"
       "[[walls]]\nname = \"pipe\"\ntype = \"tube\"\nradius = 15.9\naxis = \"x\"\npoint = [0, 16, 16]\n";
@@ -285,7 +281,6 @@ TEST(Quantities, OfFluidTheSameBitsOnAnyRanks) {
 }
 
 TEST(Quantities, GoOnFromACheckpoint) {
-  const tests::Scratch scratch;
   Simulation simulation = watched_crowd().start(MPI_COMM_WORLD, {finely_cut});
   const Case& scene = simulation.setup();
   Quantities quantities(scene);
@@ -294,13 +289,10 @@ TEST(Quantities, GoOnFromACheckpoint) {
     simulation.step();
     quantities.observe(simulation);
   }
-  const auto path = write_checkpoint(simulation, quantities, scratch.path(),
-                                     provenance_of(scene, tests::ranks(), simulation.scene().backend_name()));
-  const adapters::CheckpointReader reader(MPI_COMM_WORLD, path);
-  const auto going_on = resumed_simulation(reader, scene, MPI_COMM_WORLD);
-  Simulation& resumed = *going_on;
+  const Saved saved(simulation, quantities);
+  const auto resumed = saved.go_on(scene);
   Quantities again(scene);
-  again.set_history(read_history(reader, scene));
+  again.set_history(read_history(saved.reader(), scene));
   const auto finish = [&](Simulation& s, Quantities& q) {
     while (s.steps_done() < 150) {
       s.step();
@@ -308,7 +300,7 @@ TEST(Quantities, GoOnFromACheckpoint) {
     }
     return numbers(q.evaluate(s));
   };
-  expect_same_bits(finish(resumed, again), finish(simulation, quantities));
+  expect_same_bits(finish(*resumed, again), finish(simulation, quantities));
 }
 
 /// A ball in a sheared fluid beside two walls, and every quantity that looks at what the walls bear.
@@ -318,7 +310,7 @@ CaseText watched_shear() {
       "[domain]\nsize = [16, 16, 32]\n[domain.boundary]\nx = \"periodic\"\ny = \"periodic\"\n"
       "z = [{ type = \"moving\", velocity = [-0.01, 0, 0] }, { type = \"moving\", velocity = [0.01, 0, 0] "
       "}]\n";
-  c.bodies = "[[bodies]]\nshape = \"ball\"\ndensity = 2\nposition = [8, 8, 5]\n";
+  c.bodies = body_of("ball", 2, "position = [8, 8, 5]");
   c.rest = "[gravity]\nacceleration = [0, 0, -1e-4]\n";
   c.run =
       "[run]\nsteps = 150\n"
@@ -361,11 +353,11 @@ void expect_walls_get_what_is_lost(const std::string& lubrication) {
   EXPECT_NEAR(impulse * (stress[1] + stress[3]), lost[2], 1e-9 * std::abs(lost[2]));
 }
 
-/// By the fluid, by contacts, and by the film, against rolling too.
+/// Walls get momentum by the fluid, by contacts, and by the film, against rolling too.
 TEST(Quantities, WallsGetTheMomentumThatIsLostInAFilm) {
   expect_walls_get_what_is_lost("true");
 }
-/// By what it does to the fluid around the ball, too.
+/// Walls get momentum by what the impact does to the fluid around the ball, too.
 TEST(Quantities, WallsGetTheMomentumThatIsLostInAnImpact) {
   expect_walls_get_what_is_lost("false");
 }

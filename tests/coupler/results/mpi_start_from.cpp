@@ -1,33 +1,143 @@
-// A run that begins where another one has ended, with other parameters.
-#include <fmt/format.h>
+// Runs that go on from a checkpoint, with the case and the files that they
+// began with, and runs that begin with one with other parameters.
 #include <gtest/gtest.h>
 #include <mpi.h>
 
 #include <cmath>
+#include <fstream>
 
+#include "coupler/case/case_file.hpp"
 #include "coupler/results/build_info.hpp"
 #include "coupler/results/checkpoint.hpp"
+#include "rigid/shapes/shape.hpp"
 #include "tests/adapters/hdf5/scratch.hpp"
+#include "tests/coupler/case/case_text.hpp"
 #include "tests/coupler/coupled_scenes.hpp"
+#include "tests/coupler/same_bits.hpp"
+#include "tests/errors.hpp"
 #include "tests/world.hpp"
 
 namespace silt::coupler::testing {
 namespace {
 
-/// Where a run of a case has ended after some steps: its checkpoint.
+using tests::rank;
+using tests::ranks;
+using tests::Scratch;
+
+Case resumed(const adapters::CheckpointReader& reader, const std::filesystem::path& directory,
+             const Overrides& overrides) {
+  CaseSource source = read_source(directory);
+  return case_to_resume(read_origin(reader), source, overrides);
+}
+
+TEST(Resume, AChangedCaseIsNotResumed) {
+  const Scratch scratch;
+  CaseText text;
+  text.fluid.clear();
+  const auto directory = scratch / "case";
+  if (rank() == 0) {
+    std::filesystem::create_directory(directory);
+    std::ofstream(directory / "case.toml") << text.text();
+  }
+  MPI_Barrier(MPI_COMM_WORLD);
+  const Case scene = read_case(directory, {"contacts.friction=0.25"});
+  Simulation simulation(scene, MPI_COMM_WORLD);
+  const auto path =
+      write_checkpoint(simulation, Quantities(scene), scratch.path(), provenance_of(scene, ranks(), "auto"));
+  const adapters::CheckpointReader reader(MPI_COMM_WORLD, path);
+  const Case again = resumed(reader, directory, {"run.steps=900"});
+  EXPECT_EQ(again.steps, 900);
+  EXPECT_EQ(again.pair_materials[0].friction, 0.25) << "--set of the first run is kept";
+  EXPECT_TEXT(error_of([&] { resumed(reader, directory, {"contacts.friction=0.5"}); }),
+              "start another case from these results ([initial] from)");
+  MPI_Barrier(MPI_COMM_WORLD);
+  if (rank() == 0) {
+    std::string changed = text.text();
+    changed.replace(changed.find("radius = 4"), 10, "radius = 3");
+    std::ofstream(directory / "case.toml") << changed;
+  }
+  MPI_Barrier(MPI_COMM_WORLD);
+  const std::string error = error_of([&] { resumed(reader, directory, {}); });
+  EXPECT_TEXT(error, "has changed");
+  EXPECT_TEXT(error, "radius = 4");
+}
+
+constexpr const char* tetrahedron_stl = R"(solid rock
+facet normal 0 0 0 outer loop vertex 0 0 0 vertex 0 8 0 vertex 8 0 0 endloop endfacet
+facet normal 0 0 0 outer loop vertex 0 0 0 vertex 8 0 0 vertex 0 0 8 endloop endfacet
+facet normal 0 0 0 outer loop vertex 8 0 0 vertex 0 8 0 vertex 0 0 8 endloop endfacet
+facet normal 0 0 0 outer loop vertex 0 8 0 vertex 0 0 0 vertex 0 0 8 endloop endfacet
+endsolid rock
+)";
+
+TEST(Resume, ARunGoesOnOnlyWithTheFilesItBeganWith) {
+  const tests::Scratch scratch;
+  const auto directory = scratch / "case";
+  const auto write = [&](const std::string& stl) {
+    MPI_Barrier(MPI_COMM_WORLD);
+    if (tests::rank() == 0) {
+      std::filesystem::create_directory(directory);
+      CaseText c;
+      c.fluid.clear();
+      c.shapes =
+          "[[shapes]]\nname = \"ball\"\ntype = \"polyhedron\"\nfile = "
+          "\"rock.stl\"\nscale = 0.5\n";
+      std::ofstream(directory / "case.toml") << c.text();
+      std::ofstream(directory / "rock.stl") << stl;
+    }
+    MPI_Barrier(MPI_COMM_WORLD);
+  };
+  write(tetrahedron_stl);
+  const Case scene = read_case(directory);
+  EXPECT_NEAR(rigid::mass_properties(scene.shapes[0]).volume, 4 * 4 * 4 / 6., 1e-12);
+  EXPECT_TEXT(scene.text, "\n# file rock.stl: ");
+  Simulation simulation(scene, MPI_COMM_WORLD);
+  const auto path = write_checkpoint(simulation, Quantities(scene), scratch.path(),
+                                     provenance_of(scene, tests::ranks(), "auto"));
+  const adapters::CheckpointReader reader(MPI_COMM_WORLD, path);
+  EXPECT_EQ(resumed(reader, directory, {}).files, scene.files);
+  std::string changed = tetrahedron_stl;
+  changed.replace(changed.find("0 0 8"), 5, "0 0 7");
+  while (changed.find("0 0 8") != changed.npos) changed.replace(changed.find("0 0 8"), 5, "0 0 7");
+  write(changed);
+  const std::string error = error_of([&] { resumed(reader, directory, {}); });
+  EXPECT_TEXT(error,
+              "a file has changed since the checkpoint was written: it was " + scene.files[0] + "; it is ");
+}
+
+/// The others need nothing but what rank 0 has read.
+TEST(CaseSource, IsReadOnce) {
+  const tests::Scratch scratch;
+  const auto directory = scratch / "case";
+  CaseSource source;
+  if (tests::rank() == 0) {
+    std::filesystem::create_directory(directory);
+    CaseText c;
+    c.shapes = shape_of("ball", "polyhedron", "file = \"rock.stl\"");
+    std::ofstream(directory / "case.toml") << c.text();
+    std::ofstream(directory / "rock.stl") << tetrahedron_stl;
+    source = read_source(directory);
+    read_case(source);
+    std::filesystem::remove_all(directory);
+  }
+  broadcast(MPI_COMM_WORLD, source);
+  const Case scene = read_case(source);
+  EXPECT_NEAR(rigid::mass_properties(scene.shapes[0]).volume, 8 * 8 * 8 / 6., 1e-12);
+  ASSERT_EQ(scene.files.size(), 1u);
+  EXPECT_TRUE(scene.files[0].starts_with("rock.stl: ")) << scene.files[0];
+}
+
+/// The checkpoint with which a run of a case has ended after some steps.
 struct Ended {
-  tests::Scratch scratch;
-  std::filesystem::path path;
+  std::unique_ptr<Saved> saved;
   std::uint64_t fluid = 0;
   std::vector<double> bodies;  // velocities along x of bodies 1 and 2, on every rank
 
   Ended(const CaseText& text, int steps) {
-    const Case scene = text.read();
-    Simulation simulation(scene, MPI_COMM_WORLD);
+    Simulation simulation = text.start(MPI_COMM_WORLD);
     simulation.run(steps);
-    path = write_checkpoint(simulation, Quantities(scene), scratch.path(),
-                            provenance_of(scene, tests::ranks(), "auto"), {});
-    if (scene.fluid) fluid = hash_of_fluid(simulation);
+    saved = std::make_unique<Saved>(simulation);
+    if (simulation.setup().fluid) fluid = hash_of_fluid(simulation);
     for (const rigid::BodyId id : {1, 2}) bodies.push_back(speed(simulation, id));
   }
   static std::uint64_t hash_of_fluid(const Simulation& simulation) {
@@ -43,12 +153,11 @@ struct Ended {
   std::unique_ptr<Simulation> start(CaseText text, MPI_Comm comm = MPI_COMM_WORLD,
                                     const Overrides& overrides = {}) const {
     text.rest += "[initial]\nfrom = \"other\"\n";
-    const adapters::CheckpointReader reader(comm, path);
-    return simulation_from(reader, text.read(overrides), comm);
+    return simulation_from(saved->reader(comm), text.read(overrides), comm);
   }
 };
 
-/// The same bodies, from there.
+/// Returns a case with these bodies, whose positions come from there.
 CaseText followers() {
   CaseText c = free_spheres();
   c.bodies = body_of("sphere", 2, "");
@@ -70,19 +179,21 @@ TEST(StartFrom, OtherUnitsKeepVelocityPressureAndRateOfStrain) {
   c.units = "[units]\nsystem = \"si\"\ncell_size = 1e-3\ntime_step = 1e-3\n";
   c.domain = "[domain]\nsize = [0.016, 0.016, 0.016]\nboundary = \"periodic\"\n";
   c.fluid =
-      "[fluid]\ndensity = 1000\nkinematic_viscosity = 1e-4\nprecision = \"double\"\ninitial = { type = "
+      "[fluid]\ndensity = 1000\nkinematic_viscosity = 1e-4\nprecision = "
+      "\"double\"\ninitial = { type = "
       "\"taylor-green-3d\", "
       "velocity = [0.02, 0, 0] }\n";
-  c.shapes = "[[shapes]]\nname = \"ball\"\ntype = \"sphere\"\ndiameter = 6e-3\n";
+  c.shapes = shape_of("ball", "sphere", "diameter = 6e-3");
   c.bodies = body_of("ball", 1200,
-                     "positions = [[0.004, 0.004, 0.004], [0.012, 0.011, 0.012]]\nvelocity = [0.01, 0, 0]");
+                     "positions = [[0.004, 0.004, 0.004], [0.012, 0.011, "
+                     "0.012]]\nvelocity = [0.01, 0, 0]");
   const Ended other(c, 60);
-  const Case before_case = c.read();
-  const adapters::CheckpointReader reader(MPI_COMM_WORLD, other.path);
-  const auto before = resumed_simulation(reader, before_case, MPI_COMM_WORLD);
+  const auto before = other.saved->go_on(c.read());
   CaseText next = c;
   next.units = "[units]\nsystem = \"si\"\ncell_size = 1e-3\ntime_step = 5e-4\n";
-  next.fluid = "[fluid]\ndensity = 800\nkinematic_viscosity = 3e-4\nprecision = \"double\"\n";
+  next.fluid =
+      "[fluid]\ndensity = 800\nkinematic_viscosity = 3e-4\nprecision "
+      "= \"double\"\n";
   next.bodies = body_of("ball", 2000, "");
   const auto after = other.start(next);
   const FlowTotals was = before->scene().flow->account().totals(),
@@ -139,15 +250,7 @@ TEST(StartFrom, ADryPackingIsFloodedAndTheRunGoesOnToTheSameBits) {
   wet.bodies = body_of("sphere", 1.4, "") + body_of("star", 3, "") + body_of("box", 4, "motion = \"fixed\"");
   const auto start = other.start(wet);
   start->run(15);
-  const tests::Scratch scratch;
-  const Case scene = start->setup();
-  const auto path = write_checkpoint(*start, Quantities(scene), scratch.path(),
-                                     provenance_of(scene, tests::ranks(), "auto"), {});
-  start->run(15);
-  const adapters::CheckpointReader reader(MPI_COMM_WORLD, path);
-  const auto again = resumed_simulation(reader, scene, MPI_COMM_WORLD);
-  again->run(15);
-  EXPECT_EQ(again->hash(), start->hash());
+  expect_goes_on(*start, 15);
 }
 
 TEST(StartFrom, WhatDoesNotFitIsRefused) {
@@ -155,33 +258,29 @@ TEST(StartFrom, WhatDoesNotFitIsRefused) {
   const auto error = [&](const std::function<void(CaseText&)>& change) -> std::string {
     CaseText c = followers();
     change(c);
-    try {
-      other.start(c);
-    } catch (const std::runtime_error& found) {
-      return found.what();
-    }
-    return "";
+    return tests::error_of<std::runtime_error>([&] { other.start(c); });
   };
-  const auto has = [](const std::string& text, const std::string& part) {
-    EXPECT_NE(text.find(part), std::string::npos) << text;
-  };
-  has(error([](CaseText& c) { c.bodies = body_of("sphere", 2, "name = \"ball\""); }),
-      "it has bodies 'sphere', of which the case has no entry; give [[bodies]] of that name without "
-      "positions");
-  has(error([](CaseText& c) { c.shapes = sphere_of("sphere", 6); }),
-      "has not the shape that the case gives 'sphere'");
-  has(error([](CaseText& c) { c.domain = domain_of({24, 24, 28}); }), "of another lattice than the case's");
-  has(error([](CaseText& c) {
-        c.units = "[units]\nsystem = \"si\"\ncell_size = 0.5\ntime_step = 1\n";
-        c.domain = "[domain]\nsize = [12, 12, 12]\nboundary = \"periodic\"\n";
-        c.shapes = sphere_of("sphere", 3.5);
-        c.fluid = "[fluid]\ndensity = 1\nkinematic_viscosity = 0.1\nprecision = \"double\"\n";
-      }),
-      "its cells are 1 wide, those of the case 0.5; they must be of one size");
-  EXPECT_NE(followers()
-                .fault({"initial.from=other", "coarsening.levels=1"})
-                .find("initial.from gives all cells of one level"),
-            std::string::npos);
+  EXPECT_TEXT(error([](CaseText& c) { c.bodies = body_of("sphere", 2, "name = \"ball\""); }),
+              "it has bodies 'sphere', of which the case has no entry; give "
+              "[[bodies]] of that name without "
+              "positions");
+  EXPECT_TEXT(error([](CaseText& c) { c.shapes = sphere_of("sphere", 6); }),
+              "has not the shape that the case gives 'sphere'");
+  EXPECT_TEXT(error([](CaseText& c) {
+                c.domain = domain_of({24, 24, 28});
+              }),
+              "of another lattice than the case's");
+  EXPECT_TEXT(error([](CaseText& c) {
+                c.units = "[units]\nsystem = \"si\"\ncell_size = 0.5\ntime_step = 1\n";
+                c.domain = domain_of({12, 12, 12});
+                c.shapes = sphere_of("sphere", 3.5);
+                c.fluid =
+                    "[fluid]\ndensity = 1\nkinematic_viscosity = 0.1\nprecision "
+                    "= \"double\"\n";
+              }),
+              "its cells are 1 wide, those of the case 0.5; they must be of one size");
+  EXPECT_TEXT(followers().fault({"initial.from=other", "coarsening.levels=1"}),
+              "initial.from gives all cells of one level");
 }
 
 }  // namespace

@@ -43,7 +43,7 @@ TEST(Stress, TheFluidsInAPlaneShearIsViscosityTimesTheShear) {
   EXPECT_NEAR(values[2], 0, 1e-6 * theory);
 }
 
-/// Of a sphere that the shear turns: what the fluid has and what the sphere adds is what the walls bear
+/// The shear turns a sphere: the walls bear what the fluid has and what the sphere adds
 /// (Batchelor 1970); a sphere alone adds 5/2 of its share of the volume (Einstein 1906), near walls more.
 TEST(Stress, TheFluidsAndTheBodiesPartsAreWhatTheWallsBear) {
   CaseText c = shear(24,
@@ -63,8 +63,8 @@ TEST(Stress, TheFluidsAndTheBodiesPartsAreWhatTheWallsBear) {
   EXPECT_EQ(c.values(MPI_COMM_SELF, few), c.values(MPI_COMM_WORLD, blocks)) << "the same bits on any ranks";
 }
 
-/// Of n balls on each other the k-th from above is pressed by (k - 1) weights above and k below: together the
-/// weight times the radius times n^2.
+/// If n balls lie on each other, the k-th from above is pressed by (k - 1) weights above and k below:
+/// together the weight times the radius times n^2.
 TEST(Stress, ContactsOfAColumnBearItsWeight) {
   constexpr int n = 4;
   constexpr double radius = 4, gravity = 1e-4;

@@ -1,15 +1,19 @@
-// Meshes of the bodies' surfaces: closed, oriented outward, inscribed, as large as the shapes, with the
-// surfaces' normals at the corners.
-#include "coupler/results/tessellation.hpp"
-
+// Surfaces of bodies as triangles, slender bodies among them.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <map>
 #include <numbers>
 
+#include "coupler/case/case.hpp"
+#include "coupler/results/body_output.hpp"
+#include "coupler/results/tessellation.hpp"
+#include "coupler/simulation.hpp"
+#include "tests/coupler/case/case_text.hpp"
 #include "tests/rigid/shapes/solids.hpp"
 
-namespace silt::coupler {
+namespace silt::coupler::testing {
 namespace {
 
 using rigid::ConvexShape;
@@ -56,12 +60,12 @@ std::vector<ConvexShape> slender_solids() {
   return all;
 }
 
-rigid::Shape shape_of(const ConvexShape& convex) {
+rigid::Shape whole(const ConvexShape& convex) {
   return std::visit([](const auto& s) -> rigid::Shape { return s; }, convex);
 }
 
 std::string name_of(const ConvexShape& convex) {
-  return std::string(rigid::shape_name(shape_of(convex)));
+  return std::string(rigid::shape_name(whole(convex)));
 }
 
 adapters::TriangleMesh mesh_of(const ConvexShape& shape) {
@@ -109,7 +113,7 @@ TEST(Tessellation, is_closed_and_every_edge_has_a_triangle_on_each_side) {
 TEST(Tessellation, has_the_volume_of_the_shape) {
   for (const Solid& solid : solids()) {
     SCOPED_TRACE(name_of(solid.shape));
-    const double exact = rigid::mass_properties(shape_of(solid.shape)).volume;
+    const double exact = rigid::mass_properties(whole(solid.shape)).volume;
     const double relative = volume_of(mesh_of(solid.shape)) / exact - 1;
     EXPECT_GT(relative, solid.curved ? -0.01 : -1e-12);
     EXPECT_LT(relative, 1e-12);  // inscribed
@@ -118,8 +122,8 @@ TEST(Tessellation, has_the_volume_of_the_shape) {
 
 TEST(Tessellation, slender_solids_are_closed_and_have_their_volume) {
   for (const ConvexShape& solid : slender_solids()) {
-    const Vec3 half = 0.5 * (rigid::bounding_box(shape_of(solid), Pose{}).upper -
-                             rigid::bounding_box(shape_of(solid), Pose{}).lower);
+    const Vec3 half = 0.5 * (rigid::bounding_box(whole(solid), Pose{}).upper -
+                             rigid::bounding_box(whole(solid), Pose{}).lower);
     SCOPED_TRACE(name_of(solid) + " of half extents " +
                  ::testing::PrintToString(std::vector(half.begin(), half.end())));
     const auto mesh = mesh_of(solid);
@@ -129,7 +133,7 @@ TEST(Tessellation, slender_solids_are_closed_and_have_their_volume) {
     std::size_t open = 0;
     for (const auto& [edge, count] : uses) open += count != 1 || uses.count({edge.second, edge.first}) != 1;
     EXPECT_EQ(open, 0u);
-    const double relative = volume_of(mesh) / rigid::mass_properties(shape_of(solid)).volume - 1;
+    const double relative = volume_of(mesh) / rigid::mass_properties(whole(solid)).volume - 1;
     EXPECT_GT(relative, -0.012);
     EXPECT_LT(relative, 1e-9);
   }
@@ -149,7 +153,7 @@ TEST(Tessellation, has_the_area_of_the_shape) {
 TEST(Tessellation, vertices_lie_on_the_surface_and_triangles_close_to_it) {
   for (const Solid& solid : solids()) {
     SCOPED_TRACE(name_of(solid.shape));
-    const rigid::Shape shape = shape_of(solid.shape);
+    const rigid::Shape shape = whole(solid.shape);
     const auto mesh = mesh_of(solid.shape);
     for (const auto& v : mesh.vertices) EXPECT_NEAR(rigid::signed_distance(shape, vec(v)), 0, 1e-9);
     for (const auto& t : mesh.triangles) {
@@ -165,7 +169,7 @@ TEST(Tessellation, normals_are_those_of_the_surface_on_the_side_of_the_triangle)
   for (const Solid& solid : solids()) {
     SCOPED_TRACE(name_of(solid.shape));
     const auto mesh = mesh_of(solid.shape);
-    const double size = rigid::bounding_radius(shape_of(solid.shape));
+    const double size = rigid::bounding_radius(whole(solid.shape));
     for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
       const Vec3 outward = area_of(mesh, mesh.triangles[i]).normalized();
       for (int k = 0; k < 3; ++k) {
@@ -208,5 +212,92 @@ TEST(Tessellation, refuses_what_has_no_end) {
   EXPECT_THROW(mesh_of(rigid::HalfSpace{Vec3::UnitZ()}), std::invalid_argument);
 }
 
+constexpr double length = 200;
+
+struct Slender {
+  std::string type, sizes;
+  double volume;
+};
+
+/// The corners of a prism of n sides about z.
+std::string prism(double radius, double height, int n) {
+  std::string list;
+  for (int i = 0; i < 2 * n; ++i) {
+    const double angle = 2 * std::numbers::pi * (i % n) / n;
+    list += fmt::format("{}[{:.17g}, {:.17g}, {}]", i ? ", " : "", radius * std::cos(angle),
+                        radius * std::sin(angle), i < n ? 0 : height);
+  }
+  return "vertices = [" + list + "]";
+}
+
+/// Returns solids of width `across` and height `along`.
+std::vector<Slender> solids(double across, double along) {
+  constexpr double pi = std::numbers::pi;
+  const auto rod = [&](const char* height) {
+    return fmt::format("diameter = {}\n{} = {}", across, height, along);
+  };
+  const double middle = std::sqrt(across * along), disc = pi / 4 * across * across;
+  std::vector<Slender> all = {
+      {"ellipsoid", fmt::format("diameters = [{0}, {0}, {1}]", across, along), 2. / 3 * disc * along},
+      {"ellipsoid", fmt::format("diameters = [{}, {}, {}]", across, middle, along),
+       pi / 6 * across * middle * along},
+      {"cylinder", rod("length"), disc * along},
+      {"cone", rod("height"), disc * along / 3},
+      {"box", fmt::format("edges = [{0}, {0}, {1}]", across, along), across * across * along},
+      {"polyhedron", prism(across / 2, along, 12), 6 * std::sin(pi / 6) * across * across / 4 * along},
+      {"polyhedron", prism(across / 2, along, 200), 100 * std::sin(pi / 100) * across * across / 4 * along},
+      {"polyhedron",
+       fmt::format("vertices = [[0, 0, 0], [{0}, 0, 0], [0, {0}, 0], [0, 0, {1}]]", across, along),
+       across * across * along / 6}};
+  if (along > across) all.push_back({"capsule", rod("length"), disc * along + 2. / 3 * disc * across});
+  return all;
+}
+
+TEST(SlenderBodies, AreSoundRunAndAreDrawn) {
+  CaseText c;
+  c.domain = domain_of({480, 480, 480});
+  c.fluid = "";
+  for (const double thick : {length / 24, length / 100, length / 1000})
+    for (const bool needle : {true, false})
+      for (const Slender& solid : needle ? solids(thick, length) : solids(length, thick)) {
+        SCOPED_TRACE(solid.type + ", " + solid.sizes.substr(0, 60));
+        c.shapes = shape_of("body", solid.type, solid.sizes);
+        c.bodies = body_of("body", 2, "position = [240, 240, 240]\nangular_velocity = [1e-5, 0, 0]");
+        const Case scene = c.read();
+        EXPECT_FALSE(has_errors(judgement(scene)));
+        Simulation simulation(scene, MPI_COMM_SELF);
+        simulation.run(1);
+        EXPECT_NEAR(simulation.bodies().mass[0], 2 * solid.volume, 1e-9 * solid.volume);
+        const auto kinds = drawn_kinds(scene);
+        ASSERT_EQ(kinds.size(), 1u);
+        EXPECT_GE(kinds[0].parts.at(0).triangles.size(), 4u);
+      }
+}
+
+/// A polyhedron of corners on an ellipsoid, turned: every corner of it is one of its hull's.
+TEST(SlenderBodies, KeepAllCornersOfTheirHulls) {
+  const rigid::Quat turn = rigid::Quat(0.3, 0.5, -0.2, 0.7).normalized();
+  for (const double thin : {1 / 24., 1e-2, 1e-3}) {
+    std::string list;
+    for (int i = 0; i < 200; ++i) {
+      const double z = 1 - (2 * i + 1.) / 200, angle = i * std::numbers::pi * (3 - std::sqrt(5.)),
+                   r = std::sqrt(1 - z * z);
+      const rigid::Vec3 x =
+          length / 2 *
+          (turn * rigid::Vec3(thin * r * std::cos(angle), std::sqrt(thin) * r * std::sin(angle), z));
+      list += fmt::format("{}[{:.17g}, {:.17g}, {:.17g}]", i ? ", " : "", x[0], x[1], x[2]);
+    }
+    CaseText c;
+    c.domain = domain_of({480, 480, 480});
+    c.fluid = "";
+    c.shapes = shape_of("body", "polyhedron", "vertices = [" + list + "]");
+    c.bodies = body_of("body", 2, "position = [240, 240, 240]");
+    Simulation simulation(c.read(), MPI_COMM_SELF);
+    const double ellipsoid = std::numbers::pi / 6 * std::pow(length, 3) * std::pow(thin, 1.5);
+    EXPECT_NEAR(simulation.bodies().mass[0] / 2, 0.9704211141 * ellipsoid, 1e-9 * ellipsoid)
+        << "as of the 200 points on a sphere";
+  }
+}
+
 }  // namespace
-}  // namespace silt::coupler
+}  // namespace silt::coupler::testing

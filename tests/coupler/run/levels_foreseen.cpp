@@ -1,4 +1,4 @@
-// What is foreseen of a run whose cells are of several levels.
+// The estimate of a run whose cells are of several levels.
 #include <gtest/gtest.h>
 
 #include "coupler/case/case.hpp"
@@ -7,6 +7,7 @@
 #include "coupler/flow.hpp"
 #include "coupler/run/run_estimate.hpp"
 #include "tests/coupler/case/case_text.hpp"
+#include "tests/errors.hpp"
 
 namespace silt::coupler::testing {
 namespace {
@@ -45,8 +46,8 @@ TEST(LevelsForeseen, CellsMemoryAndUpdates) {
   const std::string text = estimate_table(coarse, some);
   for (const char* part : {"cells of level 0          13824, 1.2 % of the domain\n", "cells of level 2",
                            "  work of a step", "if every cell were finest, borders included\n"})
-    EXPECT_NE(text.find(part), text.npos) << text;
-  EXPECT_NE(derived_table(coarse).find("of cells 4 times as wide"), std::string::npos);
+    EXPECT_TEXT(text, part);
+  EXPECT_TEXT(derived_table(coarse), "of cells 4 times as wide");
 }
 
 TEST(LevelsForeseen, ASideWhereCellsChangeTheirWidthIsWarnedOf) {

@@ -1,16 +1,19 @@
 // The whole run as a library: the same bits on any number of ranks and block layout, across a checkpoint, and
-// whatever a program does to bodies between steps; guards that say what happened.
+// whatever a program does to bodies between steps; and signals, which stop all ranks after the same step.
+#include <gtest/gtest.h>
 #include <mpi.h>
 
-#include <cstdio>
+#include <chrono>
+#include <csignal>
+#include <thread>
 
 #include "coupler/case/case.hpp"
 #include "coupler/guard.hpp"
-#include "coupler/results/build_info.hpp"
-#include "coupler/results/checkpoint.hpp"
 #include "coupler/results/report.hpp"
-#include "tests/adapters/hdf5/scratch.hpp"
+#include "coupler/run/stop_request.hpp"
 #include "tests/coupler/case/case_text.hpp"
+#include "tests/coupler/same_bits.hpp"
+#include "tests/errors.hpp"
 #include "tests/world.hpp"
 
 namespace silt::coupler::testing {
@@ -18,30 +21,31 @@ namespace {
 
 using rigid::Vec3;
 using tests::alone;
-using tests::rank;
-using tests::ranks;
-using tests::Scratch;
+using Clock = std::chrono::steady_clock;
 
-constexpr const char* in_small_blocks = "domain.blocks=[6, 12, 6]";  // 32 blocks
+constexpr const char *small_blocks = "[6, 12, 6]",
+                     *in_small_blocks = "domain.blocks=[6, 12, 6]";  // 32
 
 /// Heavy and light bodies of two shapes that drift through each other, close enough to touch.
 CaseText crowd(const std::string& precision) {
   CaseText c;
-  c.domain =
-      "[domain]\nsize = [24, 24, 24]\nboundary = { x = \"periodic\", y = \"periodic\", z = [\"no-slip\", "
-      "\"no-slip\"] }\n";
+  c.domain = domain_of({24, 24, 24}, R"({ x = "periodic", y = "periodic", z = ["no-slip", "no-slip"] })");
   c.fluid = "[fluid]\nrelaxation_time = 0.8\nprecision = \"" + precision + "\"\n";
-  c.rest = "[gravity]\nacceleration = [2e-3, 1e-3, -2e-3]\n[contacts]\nrestitution = 0.3\nfriction = 0.3\n";
+  c.rest =
+      "[gravity]\nacceleration = [2e-3, 1e-3, "
+      "-2e-3]\n[contacts]\nrestitution = 0.3\nfriction = 0.3\n";
   c.shapes =
       "[[shapes]]\nname = \"ball\"\ntype = \"sphere\"\nradius = 2.5\n"
-      "[[shapes]]\nname = \"rod\"\ntype = \"capsule\"\nradius = 1.8\nlength = 2\n";
+      "[[shapes]]\nname = \"rod\"\ntype = \"capsule\"\nradius = "
+      "1.8\nlength = 2\n";
   c.bodies.clear();
   for (const char* entry :
        {"shape = \"ball\"\ndensity = 3\nseed = 1", "shape = \"ball\"\ndensity = 0.5\nseed = 2",
         "shape = \"rod\"\ndensity = 2\nseed = 3", "shape = \"rod\"\ndensity = 0.6\nseed = 4"})
     c.bodies += std::string("[[fill]]\ncount = 5\ngap = 0.2\n") + entry + "\n";
   c.run =
-      "[run]\nsteps = 500\n[[quantities]]\nname = \"height\"\ntype = \"mean-height\"\n"
+      "[run]\nsteps = 500\n[[quantities]]\nname = \"height\"\ntype = "
+      "\"mean-height\"\n"
       "[[quantities]]\nname = \"speed\"\ntype = \"max-speed\"\n";
   return c;
 }
@@ -54,9 +58,9 @@ CaseText dry_crowd() {
 
 CaseText pure_fluid() {
   CaseText c;
-  c.domain =
-      "[domain]\nsize = [20, 16, 24]\nboundary = { x = \"periodic\", y = [\"no-slip\", { type = \"moving\", "
-      "velocity = [0.02, 0, 0] }], z = [\"free-slip\", \"no-slip\"] }\n";
+  c.domain = domain_of(
+      {20, 16, 24},
+      R"({ x = "periodic", y = ["no-slip", { type = "moving", velocity = [0.02, 0, 0] }], z = ["free-slip", "no-slip"] })");
   c.fluid =
       "[fluid]\nrelaxation_time = 0.7\nbody_force = [1e-5, 0, 2e-5]\n"
       "initial = { type = \"uniform\", velocity = [0.01, 0.02, 0] }\n";
@@ -70,55 +74,30 @@ std::uint64_t hash_after(Simulation&& simulation, std::int64_t steps) {
   return simulation.hash();
 }
 
-void expect_same_on_any_ranks(const CaseText& text, std::int64_t steps) {
-  const std::uint64_t one = alone([&] { return hash_after(text.start(MPI_COMM_SELF), steps); });
-  EXPECT_EQ(hash_after(text.start(MPI_COMM_WORLD, {in_small_blocks}), steps), one);
-}
-
-TEST(Run, CrowdInFluidHasOneHashOnAnyRanksAndBlocks) {
-  constexpr std::int64_t steps = 500;
-  const CaseText text = crowd("single");
-  const std::uint64_t one = alone([&] { return hash_after(text.start(MPI_COMM_SELF), steps); });
-  Simulation simulation = text.start(MPI_COMM_WORLD, {in_small_blocks});
-  simulation.run(steps);
-  EXPECT_EQ(simulation.hash(), one);
-  const RunCounters c = simulation.counters();
-  if (rank() == 0)
-    std::printf("%d ranks: migrations %lu, contacts %lu, between owners %lu, covered %lu, uncovered %lu\n",
-                ranks(), c.migrations, c.contacts, c.mixed_owner_contacts, c.covered, c.uncovered);
-  EXPECT_GT(c.contacts, 0u);
-  EXPECT_GT(c.uncovered, 0u);
-  if (ranks() == 1) return;
-  EXPECT_GT(c.migrations, 0u);
-  EXPECT_GT(c.mixed_owner_contacts, 0u);
-}
-
 TEST(Run, DoublePrecisionHasOneHash) {
-  expect_same_on_any_ranks(crowd("double"), 40);
+  expect_one_hash(crowd("double"), 40, {small_blocks});
 }
 TEST(Run, DryCrowdHasOneHash) {
-  expect_same_on_any_ranks(dry_crowd(), 200);
+  expect_one_hash(dry_crowd(), 200, {small_blocks});
 }
 TEST(Run, PureFluidHasOneHash) {
-  expect_same_on_any_ranks(pure_fluid(), 101);
+  expect_one_hash(pure_fluid(), 101, {small_blocks});
 }
 
 // ---- checkpoints ----
 
-std::uint64_t resumed_hash(const std::filesystem::path& path, const Case& scene, MPI_Comm comm,
-                           std::int64_t steps, double* speed) {
-  const adapters::CheckpointReader reader(comm, path);
-  const auto going_on = resumed_simulation(reader, scene, comm);
+std::uint64_t resumed_hash(const Saved& saved, const Case& scene, MPI_Comm comm, std::int64_t steps,
+                           double* speed = nullptr) {
+  const auto going_on = saved.go_on(scene, comm);
   Simulation& simulation = *going_on;
   Quantities quantities(scene);
-  quantities.set_history(read_history(reader, scene));
+  quantities.set_history(read_history(saved.reader(comm), scene));
   simulation.run(steps - simulation.steps_done());
   if (speed) *speed = quantities.evaluate(simulation)[1].second;
   return simulation.hash();
 }
 
 void expect_resume_is_exact(const CaseText& text, std::int64_t odd, std::int64_t steps) {
-  const Scratch scratch;
   Simulation simulation = text.start(MPI_COMM_WORLD, {in_small_blocks}), whole = text.start(MPI_COMM_WORLD);
   const Case &scene = simulation.setup(), &uncut = whole.setup();
   Quantities quantities(scene);
@@ -127,16 +106,15 @@ void expect_resume_is_exact(const CaseText& text, std::int64_t odd, std::int64_t
     quantities.observe(simulation);
   }
   const double speed = quantities.evaluate(simulation)[1].second;
-  const auto path = write_checkpoint(simulation, quantities, scratch.path(),
-                                     provenance_of(scene, ranks(), simulation.scene().backend_name()));
+  const Saved saved(simulation, quantities);
   simulation.run(steps - odd);
   const std::uint64_t uninterrupted = simulation.hash();
 
   double speed_again = 0;
-  EXPECT_EQ(resumed_hash(path, scene, MPI_COMM_WORLD, steps, &speed_again), uninterrupted);
+  EXPECT_EQ(resumed_hash(saved, scene, MPI_COMM_WORLD, steps, &speed_again), uninterrupted);
   EXPECT_EQ(speed_again, speed);
-  EXPECT_EQ(resumed_hash(path, uncut, MPI_COMM_WORLD, steps, nullptr), uninterrupted) << "other blocks";
-  EXPECT_EQ(alone([&] { return resumed_hash(path, uncut, MPI_COMM_SELF, steps, nullptr); }), uninterrupted)
+  EXPECT_EQ(resumed_hash(saved, uncut, MPI_COMM_WORLD, steps), uninterrupted) << "other blocks";
+  EXPECT_EQ(alone([&] { return resumed_hash(saved, uncut, MPI_COMM_SELF, steps); }), uninterrupted)
       << "one rank";
 }
 
@@ -145,7 +123,9 @@ TEST(Run, ResumesToTheBit) {
 }
 TEST(Run, ResumesToTheBitInExplicitAndExactForm) {
   CaseText text = crowd("double");
-  text.rest += "[coupling]\nforce = \"exact\"\ntime = \"explicit\"\nwall_scheme = \"bounce-back\"\n";
+  text.rest +=
+      "[coupling]\nforce = \"exact\"\ntime = "
+      "\"explicit\"\nwall_scheme = \"bounce-back\"\n";
   for (const char* light : {"density = 0.5", "density = 0.6"})  // would run away
     text.bodies.replace(text.bodies.find(light), 13, "density = 4.0");
   expect_resume_is_exact(text, 33, 60);
@@ -214,40 +194,10 @@ TEST(Run, ABodyThatIsNotThereIsAnError) {
   EXPECT_THROW(simulation.set_velocity(0, Vec3::Zero(), Vec3::Zero()), std::invalid_argument);
 }
 
-// ---- guards and the report ----
-
-TEST(Run, AFlowThatRunsAwayIsStopped) {
-  CaseText text = pure_fluid();
-  text.fluid = "[fluid]\nrelaxation_time = 0.50001\ncollision = \"bgk\"\nbody_force = [2e-2, 1e-2, 0]\n";
-  Simulation simulation = text.start(MPI_COMM_WORLD);
-  std::string found;
-  try {
-    simulation.run(1000);
-  } catch (const GuardStop& stop) {
-    found = stop.what();
-  }
-  EXPECT_NE(found.find("the fluid at cell ["), std::string::npos) << found;
-  EXPECT_NE(found.find("raise fluid.relaxation_time"), std::string::npos) << found;
-}
-
-TEST(Run, ABodyThatIsTooFastIsNamed) {
-  CaseText text;
-  Simulation simulation = text.start(MPI_COMM_WORLD);
-  simulation.set_velocity(1, Vec3(1.5, 0, 0), Vec3::Zero());
-  std::string found;
-  try {
-    simulation.run(10);
-  } catch (const CommonGuardStop& stop) {
-    found = stop.what();
-  }
-  EXPECT_EQ(found.find("step 1: body 1 moves 1."), 0u) << found;
-  EXPECT_EQ(simulation.steps_done(), 2);
-}
-
 TEST(Run, AFixedBodyLeavesNoForceBehind) {
   CaseText text;
   text.fluid = "[fluid]\nrelaxation_time = 0.8\nbody_force = [1e-4, 0, 0]\n";
-  text.bodies = "[[bodies]]\nshape = \"ball\"\ndensity = 1\nmotion = \"fixed\"\nposition = [16.2, 16, 16]\n";
+  text.bodies = body_of("ball", 1, "motion = \"fixed\"\nposition = [16.2, 16, 16]");
   Simulation simulation = text.start(MPI_COMM_WORLD);
   simulation.run(50);
   EXPECT_EQ(simulation.scene().rigid_step, nullptr);
@@ -258,45 +208,29 @@ TEST(Run, AFixedBodyLeavesNoForceBehind) {
   EXPECT_LT(force, 1.0) << "one step's force, not the sum of all steps";
 }
 
-TEST(Run, TheReportHasTheKeysOthersRead) {
-  const CaseText text = crowd("single");
-  Simulation simulation = text.start(MPI_COMM_WORLD);
-  simulation.run(3);
-  const std::string report = report_of(simulation, Quantities(simulation.setup()), {});
-  for (const char* key : {"steps",
-                          "ranks",
-                          "blocks",
-                          "cells",
-                          "bodies",
-                          "backend",
-                          "state_hash",
-                          "mlups",
-                          "wall_seconds",
-                          "stage_seconds",
-                          "skipped",
-                          "mass_drift",
-                          "mass_surplus",
-                          "momentum_drift",
-                          "max_velocity",
-                          "max_penetration",
-                          "contacts",
-                          "fallbacks",
-                          "answered_by_engine",
-                          "refined_from_engine",
-                          "migrations",
-                          "covered",
-                          "uncovered",
-                          "mixed_owner_contacts",
-                          "links",
-                          "quantities",
-                          "exit_reason",
-                          "version",
-                          "commit",
-                          "compiler",
-                          "instruction_set",
-                          "precision",
-                          "wall_scheme"})
-    EXPECT_NE(report.find('"' + std::string(key) + "\":"), std::string::npos) << key;
+TEST(StopRequest, is_heard_when_steps_become_a_thousand_times_as_long) {
+  catch_signals();
+  std::int64_t step = 0;
+  {
+    StopRequest request(MPI_COMM_WORLD, 0);
+    while (step < 5000) {
+      std::this_thread::sleep_for(std::chrono::microseconds(20));
+      ASSERT_EQ(request.why(++step), "");
+    }
+    if (tests::rank() == tests::ranks() - 1) std::raise(SIGUSR1);
+    const auto told = Clock::now();
+    std::string why;
+    while (why.empty() && step < 5200) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+      why = request.why(++step);
+    }
+    EXPECT_EQ(why, "told to stop by SIGUSR1");
+    EXPECT_LT(std::chrono::duration<double>(Clock::now() - told).count(), 2);
+  }
+  std::int64_t first = step, last = step;
+  MPI_Allreduce(MPI_IN_PLACE, &first, 1, MPI_INT64_T, MPI_MIN, MPI_COMM_WORLD);
+  MPI_Allreduce(MPI_IN_PLACE, &last, 1, MPI_INT64_T, MPI_MAX, MPI_COMM_WORLD);
+  EXPECT_EQ(first, last);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// What proves a depth of overlap the least, against many directions that might be less deep.
+// Proofs of the least depth of overlap, of polytopes and of round shapes.
 #include <gtest/gtest.h>
 
 #include <random>
@@ -30,7 +30,7 @@ Quat turned_anyhow(std::mt19937_64& random) {
   return Quat(normal(random), normal(random), normal(random), normal(random)).normalized();
 }
 
-/// Where the cores meet along unit n.
+/// Returns a point in which the outlines of the cores meet along the normal of a peak.
 CommonPoint point_met(const ConvexCore& a, const ConvexCore& b, const Peak& peak) {
   const double slack = 1e-10 * length_scale(a, b);
   ContactOutline of_a, of_b;
@@ -39,7 +39,7 @@ CommonPoint point_met(const ConvexCore& a, const ConvexCore& b, const Peak& peak
   return common_point(of_a, of_b, peak.normal, peak.core_gap, 10 * slack);
 }
 
-/// Of directions all over, and of peaks near some of them.
+/// Tries directions all over, and peaks near some of them.
 double highest_anywhere(const ConvexCore& a, const ConvexCore& b, std::mt19937_64& random) {
   double best = -std::numeric_limits<double>::infinity();
   for (int k = 0; k < 300; ++k) best = std::max(best, core_separation(a, b, tests::random_direction(random)));
@@ -101,6 +101,100 @@ TEST(DepthProof, KnowsRimsThatCross) {
     const Vec3 x = a.support(n);
     const ConvexCore b = convex_core(shape_b, {x - depth * n - there.support(-n), turn_b});
     EXPECT_TRUE(is_least_depth(a, b, n, depth, {x, x - depth * n, 0, 0, 0}));
+  }
+}
+
+Pose random_pose(std::mt19937_64& random, double reach) {
+  std::normal_distribution<double> normal;
+  return {reach * tests::random_direction(random),
+          Quat(normal(random), normal(random), normal(random), normal(random)).normalized()};
+}
+
+ConvexShape random_polytope(std::mt19937_64& random) {
+  const tests::Sizes size(random);
+  if (random() % 3 == 0) return Box{0.5 * size.three()};
+  return tests::random_polyhedron(size);
+}
+
+/// The highest separation found from many directions.
+double highest_found(const ConvexCore& a, const ConvexCore& b, std::mt19937_64& random) {
+  Peak best = climb(a, b, between_centres(a, b), search_resolution);
+  for (int k = 0; k < 100; ++k) {
+    const Peak peak = climb(a, b, tests::random_direction(random), 0.3);
+    if (peak.core_gap > best.core_gap) best = peak;
+  }
+  return search_directions(a, b, best, 1e9)->core_gap;
+}
+
+TEST(PolytopeDepth, IsTheLeastOfAllDirections) {
+  std::mt19937_64 random(5);
+  int pairs = 0, edges = 0;
+  while (pairs < 400) {
+    const ConvexShape shape_a = random_polytope(random), shape_b = random_polytope(random);
+    const Pose at_a = random_pose(random, 1000), from_a = random_pose(random, double(random() % 12));
+    const Pose at_b{at_a.position + from_a.position, from_a.orientation};
+    const ConvexCore a = convex_core(shape_a, at_a), b = convex_core(shape_b, at_b);
+    if (gjk_direction(a, b, Vec3::Zero(), between_centres(a, b))) continue;
+    ++pairs;
+    ASSERT_TRUE(has_few_edges(a, b));
+    const Peak peak = least_depth(a, b), turned = least_depth(b, a);
+    const double scale = length_scale(a, b);
+    EXPECT_NEAR(peak.normal.norm(), 1, 1e-14);
+    EXPECT_NEAR(peak.core_gap, highest_found(a, b, random), 1e-11 * scale) << pairs;
+    EXPECT_NEAR(peak.core_gap, turned.core_gap, 1e-12 * scale);
+    const auto approach = deepest_direction(a, b, 0);
+    ASSERT_TRUE(approach);
+    EXPECT_EQ(approach->peak.core_gap, peak.core_gap);
+    EXPECT_LT(approach->where.miss, 1e-10 * scale);
+    Kinks of_a, of_b;
+    a.kinks(peak.normal, 1e-9, of_a), b.kinks(-peak.normal, 1e-9, of_b);
+    edges += of_a.faces.empty() && of_b.faces.empty();
+  }
+  EXPECT_GT(edges, 100) << "crossed edges are among the answers";
+  EXPECT_LT(edges, 350) << "faces, too";
+}
+
+TEST(PolytopeDepth, NoEdgesBeatAFaceByRounding) {
+  std::mt19937_64 random(6);
+  const ConvexShape cube = Box{{1, 1, 1}};
+  const ConvexCore a = convex_core(cube, {});
+  const Quat twist(std::cos(0.2), 0, 0, std::sin(0.2));
+  for (int k = 0; k < 100; ++k) {
+    const Vec3 tilt = 1e-14 * tests::random_direction(random);
+    const ConvexCore b =
+        convex_core(cube, {{0, 0, 1.9}, (Quat(1, tilt[0], tilt[1], tilt[2]) * twist).normalized()});
+    const Peak peak = least_depth(a, b);
+    EXPECT_LT(std::min((peak.normal - a.axes.col(2)).norm(), (peak.normal - b.axes.col(2)).norm()), 1e-16);
+    EXPECT_NEAR(peak.core_gap, -0.1, 1e-13);
+  }
+}
+
+// The normal of edges nearly parallel is known badly: no depth that is not there must come of it.
+TEST(PolytopeDepth, EdgesNearlyParallel) {
+  std::mt19937_64 random(7);
+  std::vector<Vec3> corners;
+  for (int k = 0; k < 12; ++k)
+    corners.emplace_back(std::cos(M_PI / 3 * k), std::sin(M_PI / 3 * k), k < 6 ? -0.5 : 0.5);
+  const ConvexShape prism = tests::hull_of(corners);
+  const ConvexCore a = convex_core(prism, {});
+  for (const double depth : {1e-3, 1e-6, 1e-9})
+    for (double tilt = 1e-4; tilt > 1e-16; tilt *= 0.97) {
+      const Vec3 turn = tilt * tests::random_direction(random);
+      const ConvexCore b =
+          convex_core(prism, {{0, 0, 1 - depth}, Quat(1, turn[0], turn[1], turn[2]).normalized()});
+      const Peak peak = least_depth(a, b);
+      EXPECT_GE(peak.core_gap, core_separation(a, b, a.axes.col(2)) - 1e-15) << depth << " " << tilt;
+      EXPECT_GE(peak.core_gap, core_separation(a, b, b.axes.col(2)) - 1e-15) << depth << " " << tilt;
+    }
+}
+
+TEST(PolytopeDepth, IsForSolidPolytopesAlone) {
+  const ConvexShape box = Box{{1, 2, 3}}, ball = Sphere{1}, capsule = Capsule{1, 1}, can = Cylinder{1, 1};
+  const ConvexCore solid = convex_core(box, {});
+  EXPECT_TRUE(has_few_edges(solid, solid));
+  for (const ConvexShape& other : {ball, capsule, can}) {
+    EXPECT_FALSE(has_few_edges(solid, convex_core(other, {})));
+    EXPECT_FALSE(has_few_edges(convex_core(other, {}), solid));
   }
 }
 

@@ -123,8 +123,8 @@ struct FallingCloud {
     return ((id * 0x9E3779B97F4A7C15 >> 40) + 8 * step) % 1000 < unsigned(steps);
   }
 
-  /// What a rank of many would have of it: every other body or so, some of them as copies; in each step a few
-  /// come, a few go, and a few change hands.
+  /// Returns what a rank of many would have: every other body or so, some of them as copies; in each step a
+  /// few come, a few go, and a few change hands.
   Cloud part(int step) const {
     Cloud here = cloud;
     for (std::size_t row = here.bodies.first_wall(); row-- > 0;)
@@ -150,7 +150,7 @@ struct FallingCloud {
   }
 };
 
-/// Where all fall alike only the floor asks for new pairs.
+/// If all fall alike, only the floor asks for new pairs.
 TEST_P(KeptPairsOf, FollowsBodiesThatFallTogether) {
   for (const bool all_alike : {false, true}) {
     FallingCloud falling({0.01, 0, -0.06}, all_alike ? 0 : 2e-4, all_alike);
@@ -265,7 +265,7 @@ TEST(KeptPairs, AFallThatAllShareCostsNoMoreSearchesThanRest) {
   EXPECT_LE(searches({0, 0, -0.06}), steps / 3);  // a fifth of a radius a step
 }
 
-/// What was there before must not show.
+/// The pairs that were there before must not show.
 TEST_P(KeptPairsOf, KeepsNothingThatShows) {
   const Cloud before(300, {10, 8, 6}, {true, false, true}, 0.7, 2, 3, 30);
   const Cloud after(200, {10, 8, 6}, {true, false, true}, 0.4, 3, 2, 31);

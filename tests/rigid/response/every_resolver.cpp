@@ -1,10 +1,17 @@
-// What every contact resolver keeps: the collision of two balls, and a box at rest.
+// The classic resolver, and what every contact resolver keeps.
 #include <gtest/gtest.h>
 
+#include <cmath>
+
+#include "rigid/response/ffd_resolver.hpp"
+#include "tests/errors.hpp"
 #include "tests/rigid/scene.hpp"
 
 namespace silt::rigid::testing {
 namespace {
+
+using testing::g;
+using testing::Scene;
 
 // Newton's restitution and momentum of a central collision; without a correction of overlaps, which ffd's
 // velocities take part in.
@@ -40,13 +47,155 @@ TEST(EveryResolver, HoldsABoxAtRest) {
 }
 
 TEST(EveryResolver, UnknownNamesAreRefusedWithTheKnownOnes) {
-  try {
-    make_resolver("sfdf", {});
-    FAIL();
-  } catch (const std::invalid_argument& error) {
-    for (const ResolverModel& model : resolver_models())
-      EXPECT_NE(std::string_view(error.what()).find(model.name), std::string_view::npos);
+  const std::string error = tests::error_of<std::invalid_argument>([] { make_resolver("sfdf", {}); });
+  for (const ResolverModel& model : resolver_models()) EXPECT_TEXT(error, model.name);
+}
+
+const Vec3 down(0, 0, -g);
+
+TEST(DualActiveSet, ClosestPointOfAPolyhedron) {
+  const auto half_space = [](std::initializer_list<double> n, double offset) {
+    HalfSpace6 h{Vec6::Zero(), offset};
+    std::copy(n.begin(), n.end(), h.normal.data());
+    return h;
+  };
+  EXPECT_EQ(closest_to_origin({}).y, Vec6::Zero());
+  const std::vector corner = {half_space({1, 0, 0}, 1), half_space({0, 2, 0}, 4), half_space({1, 1, 0}, 2)};
+  const auto p = closest_to_origin(corner);
+  EXPECT_TRUE(p.feasible);
+  EXPECT_LT((p.y - (Vec6() << 1, 2, 0, 0, 0, 0).finished()).norm(), 1e-14);
+  const std::vector redundant = {half_space({1, 0, 0}, 1), half_space({1, 0, 0}, 1),
+                                 half_space({1, 1e-3, 0}, 1), half_space({1, -1e-3, 0}, 1)};
+  EXPECT_NEAR(closest_to_origin(redundant).y[0], 1, 1e-12);
+  const std::vector contradiction = {half_space({1, 0, 0}, 1), half_space({-1, 0, 0}, 0)};
+  EXPECT_FALSE(closest_to_origin(contradiction).feasible);
+}
+
+TEST(DualActiveSet, OptimalForRandomConstraints) {  // Karush-Kuhn-Tucker: y is a sum of non-negative normals
+  srand(1);
+  for (int trial = 0; trial < 500; ++trial) {
+    std::vector<HalfSpace6> c(1 + trial % 12);
+    for (HalfSpace6& h : c) h = {Vec6::Random(), 0.5};
+    const auto p = closest_to_origin(c);
+    if (!p.feasible) continue;
+    for (const HalfSpace6& h : c) EXPECT_GE(h.normal.dot(p.y) - h.offset, -1e-9);
+    for (int k = 0; k < 50; ++k) {  // no feasible point is closer
+      const Vec6 other = p.y + 0.1 * Vec6::Random();
+      bool feasible = true;
+      for (const HalfSpace6& h : c) feasible = feasible && h.normal.dot(other) >= h.offset;
+      if (feasible) {
+        EXPECT_GE(other.norm(), p.y.norm() - 1e-9);
+      }
+    }
   }
+}
+
+TEST(Ffd, OneContactFollowsNewton) {
+  Scene s(0.5, 0);
+  s.settings.correction = 0;
+  const int ball = s.shape(Sphere{0.5});
+  s.add(ball, {10, 10, 10}, {1, 0, 0});
+  s.add(ball, {11.2, 10, 10}, Vec3::Zero(), Vec3::Zero(), 2);
+  s.start("ffd");
+  s.run(1000);
+  EXPECT_NEAR(s.v(0)[0], 0, 1e-14);
+  EXPECT_NEAR(s.v(1)[0], 0.5, 1e-14);
+}
+
+TEST(Ffd, TouchingCradleFreezesTheMiddleBall) {
+  Scene s(1, 0);
+  s.settings.correction = 0;
+  const int ball = s.shape(Sphere{0.5});
+  s.add(ball, {10, 10, 10}, {1, 0, 0});
+  s.add(ball, {11.2, 10, 10});
+  s.add(ball, {12.2, 10, 10});
+  s.start("ffd");
+  std::uint64_t frozen = 0;
+  for (int i = 0; i < 500; ++i) {
+    s.run(1);
+    frozen += s.report.resolver.infeasible;
+  }
+  EXPECT_GT(frozen, 0u);
+  EXPECT_LT(std::abs(s.momentum()[0]), 0.5) << "momentum of 1 is lost";
+}
+
+TEST(Ffd, CorrectionFeedsTheBounce) {
+  for (double alpha : {0.1, 0.0}) {
+    Scene s(1, 0);
+    s.settings.correction = alpha;
+    s.world.gravity = down;
+    s.add(s.shape(Sphere{0.5}), {10, 10, 1.5});
+    s.floor();
+    s.start("ffd");
+    s.run(20000);
+    const double gain = (s.kinetic_energy() + g * (s.x(0)[2] - 0.5)) / g - 1;
+    if (alpha > 0)
+      EXPECT_GT(gain, 1);
+    else
+      EXPECT_GT(gain, 1e-3);
+  }
+}
+
+TEST(Ffd, FrictionIsTooSmallForARollingSphere) {  // mu / 3.5
+  Scene s(0, 0.2);
+  s.settings.correction = 0.1;
+  s.world.gravity = down;
+  s.add(s.shape(Sphere{0.1}), {10, 10, 0.1}, {1, 0, 0});
+  s.floor();
+  s.start("ffd");
+  double time = 0;
+  for (int i = 0; i < 1000 && time == 0; ++i) {
+    s.run(1);
+    if (std::abs(s.v(0)[0] - 0.1 * s.w(0)[1]) < 1e-9) time = (i + 1) * 1e-3;
+  }
+  EXPECT_NEAR(time, 0.5100, 2e-3);  // exact: 0.1456
+  s.run(100);
+  EXPECT_NEAR(s.v(0)[0], 5.0 / 7, 1e-12);
+}
+
+TEST(Ffd, BlockSticksWhereItShouldSlide) {
+  Scene s(0, 0.5);
+  s.settings.correction = 0.1;
+  const double a = M_PI / 6;
+  s.world.gravity = g * Vec3(std::sin(a), 0, -std::cos(a));
+  s.add(s.shape(Box{{0.5, 0.5, 0.25}}), {10, 10, 0.25});
+  s.floor();
+  s.start("ffd");
+  s.run(2000);
+  EXPECT_LT(s.x(0)[0] - 10, 0.02);  // exact: 1.314
+}
+
+TEST(Ffd, NeverLiftsOffWithHalfTheForce) {
+  for (bool half : {true, false}) {
+    Scene s(0, 0.5);
+    s.settings.half_force = half;
+    s.settings.correction = 0.1;
+    s.world.gravity = down;
+    s.add(s.shape(Sphere{0.1}), {10, 10, 0.1});
+    s.floor();
+    s.start("ffd");
+    for (int i = 0; i < 1000; ++i) {
+      s.bodies.add_force(0, {0, 0, 1.25 * g});
+      s.run(1);
+    }
+    if (half)
+      EXPECT_LT(s.x(0)[2] - 0.1, 1e-3);
+    else
+      EXPECT_GT(s.x(0)[2] - 0.1, 1);  // exact: 1.226
+  }
+}
+
+TEST(Ffd, SeesAnAbsoluteFrame) {
+  const auto after = [](const Vec3& frame) {
+    Scene s(0.5, 0.3);
+    const int ball = s.shape(Sphere{0.5});
+    s.add(ball, {50, 50, 50}, Vec3(1, 0.2, 0) + frame, {0, 1, 0.5});
+    s.add(ball, {51.2, 50.3, 50}, frame);
+    s.start("ffd");
+    s.run(500);
+    return Vec3(s.v(0) - frame);
+  };
+  EXPECT_GT((after(Vec3::Zero()) - after({3, -2, 5})).norm(), 1e-3);
 }
 
 }  // namespace

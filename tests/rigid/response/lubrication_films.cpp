@@ -108,7 +108,7 @@ TEST(Films, SlipAndRollingAtAWallAreTheImplicitSolution) {
   EXPECT_NEAR(s.w(ball)[1], exact[1], 1e-12);
 }
 
-/// What turns with the drum as one body, nothing resists.
+/// Nothing resists a ball that turns with the drum as one body.
 TEST(Films, ABallCarriedByATurningDrumFeelsNone) {
   const double radius = 8, gap = 0.1, spin = 1e-3, dt = 1e-2, middle = radius - 1 - gap;
   Scene s = with_films(1, 0, 300, 200);
@@ -139,7 +139,7 @@ TEST(Films, ADrumThatTurnsResistsInItsFrame) {
   for (int k = 0; k < 4; ++k) EXPECT_NEAR(turning[k], still[k], 1e-6) << k;
 }
 
-/// By what the ball remembers and by the rest.
+/// The wall gets the impulses that the ball remembers and the rest.
 TEST(Films, AWallGetsWhatTheBallLoses) {
   for (const double fall : {0.0, -0.2, -12.0}) {
     Scene s = with_films(1, 0.3, 3, 2, 0.4);

@@ -5,7 +5,6 @@
 // other. For tests only: its order of contacts is that of their keys, so no decomposition over ranks could
 // keep its results.
 #include <algorithm>
-#include <cmath>
 
 #include "rigid/response/contact_resolver.hpp"
 
@@ -96,7 +95,7 @@ class PgsResolver : public ContactResolver {
         return c.normal.dot(i.impulse) > 0;
     return false;
   }
-  /// Of the gap, 1e-4 of the lever arms may stay.
+  /// A gap of 1e-4 of the lever arms may stay.
   static double closing_of_pressed(const Contact& c, double dt) {
     const double arms = c.r_a.norm() + (is_wall(c.b) ? 0.0 : c.r_b.norm());
     return -std::max(0.0, c.gap - 1e-4 * arms) / dt;

@@ -39,7 +39,7 @@ void expect_twist(const Scene& s, BodyId id, const Twist& expected, double toler
   EXPECT_LT(radius * (s.w(id) - expected.w).norm(), tolerance) << of;
 }
 
-/// What a ball may fall on: its surface is at {50, 50, 0} and faces up there.
+/// A partner is what a ball may fall on: its surface is at {50, 50, 0} and faces up there.
 struct Partner {
   const char* name;
   Shape shape;
@@ -67,7 +67,7 @@ std::vector<Partner> flat_partners() {
       {"compound", Compound{{blocks, blocks + 2}}, {50, 49.5, -0.5}}};
 }
 
-/// On these a ball may only fall straight, or along x where they are straight.
+/// A ball may only fall straight on these, or along x where they are straight.
 std::vector<Partner> round_partners() {
   return {{"sphere", Sphere{2}, {50, 50, -2}},
           {"ellipsoid", Ellipsoid{{3, 2, 1}}, {50, 50, -1}},
@@ -202,7 +202,7 @@ struct Meeting {
   double mass_a, mass_b;
 };
 
-/// Their velocities after the impact, by each sphere's own radius: `radius` for both.
+/// Returns their velocities after the impact, by each sphere's own radius: `radius` for both.
 Meeting after_free(const Impact& impact, Meeting m) {
   const Vec3 n = Vec3::UnitZ();
   const double reduced = m.mass_a * m.mass_b / (m.mass_a + m.mass_b);
@@ -221,8 +221,8 @@ struct Error {
   double velocity, angular_momentum;
 };
 
-/// Of a step of time dt in which the two meet, a gap of half its approach before. The heavier one does not
-/// turn.
+/// Returns the error of a step of time dt in which the two meet, a gap of half its approach before. The
+/// heavier one does not turn.
 Error error_of_free_pair(const Impact& impact, double mass_a, double mass_b, double dt) {
   Scene s(impact.restitution, impact.friction);
   Meeting m{{{0, 0, 2}, {1, 5, -2}}, {{0, 0, -1}, {0.5, 3, 4}}, mass_a, mass_b};

@@ -204,7 +204,7 @@ TEST(Cohesion, OfVanDerWaalsActsAcrossAGap) {
   EXPECT_NEAR(s.v(0)[0] + s.v(1)[0], 0, 1e-18);
 }
 
-/// What holds a ball on a ceiling also presses it: friction holds it at the side of a wall.
+/// The force that holds a ball on a ceiling also presses it: friction holds it at the side of a wall.
 TEST(Cohesion, PressesForFrictionToo) {
   for (const double friction : {0.52, 0.48}) {
     Scene s(0, friction);

@@ -1,11 +1,12 @@
-// Shapes: closed forms, and properties that must hold for any pose and ray.
-#include "rigid/shapes/shape.hpp"
-
+// Every convex shape: rays, supports, boxes, reaches and inner balls.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <numbers>
 
 #include "rigid/math/types.hpp"
+#include "rigid/shapes/cone.hpp"
+#include "rigid/shapes/shape.hpp"
 #include "tests/rigid/random.hpp"
 #include "tests/shape_rows.hpp"
 
@@ -170,7 +171,7 @@ double largest_height(const ConvexShape& shape, const Vec3& x) {
   return best;
 }
 
-/// Of the distance, next to x: at x itself it may have a kink.
+/// Returns the gradient of the distance next to x: at x itself it may have a kink.
 Vec3 gradient(const Shape& solid, const Vec3& x) {
   const Vec3 beside = x + random_vector(1e-7);
   Vec3 g;
@@ -281,6 +282,36 @@ TEST(Shape, InnerBallsLieInside) {
       for (const InnerBall& ball : balls)
         EXPECT_LE(signed_distance(part.shape, ball.centre) + ball.radius, 1e-12) << shape_name(part.shape);
     }
+}
+
+constexpr double radius = 0.7, height = 1.9;
+
+/// A direction away from the cone, `degrees` from the normal of its side at +x towards the axis.
+Vec3 leaning(double degrees) {
+  const double angle = std::atan2(radius, height) + degrees * M_PI / 180;
+  return {std::cos(angle), 0, std::sin(angle)};
+}
+
+// Up to 45 degrees from the side's normal a neighbour sees the whole line from the rim to the apex; beyond
+// that the point that is furthest.
+TEST(Cone, ShowsTheLineOfItsSideToNeighboursWithin45Degrees) {
+  const Cone cone{radius, height};
+  const Vec3 apex(0, 0, 0.75 * height);  // from the centre of mass
+  for (const double degrees : {-44.0, -10.0, 0.0, 10.0, 44.0}) {
+    ContactOutline outline;
+    cone.facing_outline({Vec3::Zero(), Mat3::Identity()}, leaning(degrees), outline);
+    ASSERT_EQ(outline.size(), 2u) << degrees;
+    const Vec3 along = outline.corners[1].x - outline.corners[0].x;
+    EXPECT_NEAR((outline.corners[1].x - apex).norm(), 0, 1e-14);
+    EXPECT_NEAR((outline.corners[0].x - (apex + Vec3(radius, 0, -height))).norm(), 0, 1e-14);
+    EXPECT_NEAR(along.norm(), std::hypot(radius, height), 1e-14);
+  }
+  for (const double degrees : {46.0, 60.0}) {
+    ContactOutline outline;
+    cone.facing_outline({Vec3::Zero(), Mat3::Identity()}, leaning(degrees), outline);
+    ASSERT_EQ(outline.size(), 1u) << degrees;
+    EXPECT_NEAR((outline.corners[0].x - apex).norm(), 0, 1e-14);
+  }
 }
 
 }  // namespace

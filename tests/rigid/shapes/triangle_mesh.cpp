@@ -31,7 +31,7 @@ double distance_to_torus(const Vec3& x, double radius, double tube) {
   return std::hypot(std::hypot(x[0], x[1]) - radius, x[2]) - tube;
 }
 
-/// The same surface with its corners on a grid of 1 / units.
+/// Returns the surface with its corners on a grid of 1 / units.
 TriangleMesh on_grid(const TriangleMesh& mesh, double units, const Vec3& from) {
   std::vector<Vec3> corners(mesh.vertices().begin(), mesh.vertices().end());
   for (Vec3& x : corners) x = ((x + from) * units).array().round().matrix() / units;
