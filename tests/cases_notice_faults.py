@@ -1,6 +1,7 @@
 #!/usr/bin/python3
-"""cases_notice_faults.py SILT: what the short forms of cases compare deviates for a wrong value of what they are about, a reference that
-cannot be compared is refused, and what is said of a comparison reads as it is meant."""
+"""cases_notice_faults.py SILT: what the short forms of cases compare deviates for a wrong value of what they
+are about, a reference that cannot be compared is refused, and what is said of a comparison reads as it is
+meant."""
 import pathlib
 import shutil
 import subprocess

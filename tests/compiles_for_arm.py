@@ -1,6 +1,6 @@
 #!/usr/bin/python3
-"""compiles_for_arm.py ROOT EIGEN: what knows of instruction sets compiles for 64-bit ARM. Exit code 77, "Skipped", without Debian's
-g++-aarch64-linux-gnu. scripts/cross-arm builds and runs everything there."""
+"""compiles_for_arm.py ROOT EIGEN: what knows of instruction sets compiles for 64-bit ARM. Exit code 77,
+"Skipped", without Debian's g++-aarch64-linux-gnu. scripts/cross-arm builds and runs everything there."""
 import concurrent.futures
 import pathlib
 import shutil

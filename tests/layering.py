@@ -1,8 +1,10 @@
 #!/usr/bin/python3
-"""The dependency rule, read from the includes: cpu -> (std); parallel -> (MPI, std); device -> (cpu, std, CUDA in its .cu files); lbm -> (cpu, parallel, device, std);
-rigid -> (cpu, Eigen, std, the counts of parallel/traffic.hpp); adapters -> rigid or lbm types, never the coupler; engine headers only inside their adapter's folder; a coupler includes factory headers. And no function
-of the C library whose last bit depends on the machine; no message between ranks but by parallel/; and no two types of one name in headers of one namespace, which files
-that see one of them each would take for the same."""
+"""The dependency rule, read from the includes: cpu -> (std); parallel -> (MPI, std); device -> (cpu, std,
+CUDA in its .cu files); lbm -> (cpu, parallel, device, std); rigid -> (cpu, Eigen, std, the counts of
+parallel/traffic.hpp); adapters -> rigid or lbm types, never the coupler; engine headers only inside their
+adapter's folder; a coupler includes factory headers. And no function of the C library whose last bit depends
+on the machine; no message between ranks but by parallel/; and no two types of one name in headers of one
+namespace, which files that see one of them each would take for the same."""
 import pathlib
 import re
 import sys
@@ -33,7 +35,8 @@ def violations(root):
                     yield f"{file.relative_to(root)}:{number}: {folder}/ must not include {include[1]}"
 
 
-# What of the C library rounds otherwise on other machines: rigid/math/elementary.hpp has it for all that a state depends on.
+# These functions of the C library round otherwise on other machines: rigid/math/elementary.hpp has it for all
+# that a state depends on.
 UNEQUAL = r"std::(sin|cos|tan|a?sinh?|a?cosh?|a?tanh?|atan2|exp2?|expm1|log(2|10|1p)?|pow|cbrt|hypot|fma)\("
 ONLY_SAID = {f"coupler/case/{name}.cpp" for name in ("derived_table", "driving", "case_check")}
 
@@ -47,7 +50,7 @@ def calls_of_unequal(root):
                     yield f"{name}:{number}: {call[0]}...) rounds otherwise on other machines: rigid/math/elementary.hpp has it"
 
 
-# What says something to another rank, or waits for one. parallel/ counts it (parallel/traffic.hpp).
+# These calls say something to another rank, or wait for one. parallel/ counts it (parallel/traffic.hpp).
 MESSAGES = r"P?MPI_(I?[bsr]?send|I?m?recv|I?m?probe|Sendrecv|Wait|Test|Start|Barrier|Ibarrier|Bcast|Ibcast|Put|Get\(|Accumulate|" \
     r"I?(all)?(reduce|gather|scatter|toall)|I?(ex)?scan|Neighbor|Ineighbor)"
 
@@ -64,7 +67,8 @@ TYPE = re.compile(r"(?:struct|class|enum class|enum|union) (?:alignas\([^)]*\) )
 
 
 def types_of_one_name(root):
-    """Types at the level of a namespace, which are not indented. A build has either cpu/lanes.hpp or, in its place, cpu/scalar.hpp."""
+    """Types at the level of a namespace, which are not indented. A build has either cpu/lanes.hpp or, in its
+    place, cpu/scalar.hpp."""
     places = {}
     for folder in FORBIDDEN:
         for file in sorted(set((root / folder).rglob("*.hpp")) - {root / "cpu/scalar.hpp"}):

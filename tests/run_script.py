@@ -1,4 +1,5 @@
-"""Runs a script of Python in a fork of the test, which has loaded matplotlib once for all of them: half a second less for each."""
+"""Runs a script of Python in a fork of the test, which has loaded matplotlib once for all of them: half a
+second less for each."""
 import os
 import pathlib
 import runpy

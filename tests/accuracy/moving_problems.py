@@ -1,5 +1,6 @@
 #!/usr/bin/python3
-"""The problems of moving bodies read what they should out of series whose answer is known. One argument: the source tree."""
+"""The problems of moving bodies read what they should out of series whose answer is known. One argument: the
+source tree."""
 import math
 import pathlib
 import sys
@@ -20,7 +21,7 @@ import wet_rebound  # noqa: E402
 
 
 def outcome(step, time=None, **arrays):
-    """Of a run whose bodies.h5 holds these columns [time, body, ...]."""
+    """Returns the outcome of a run whose bodies.h5 holds these columns [time, body, ...]."""
     return SimpleNamespace(bodies=SimpleNamespace(step=step, time=time, array=lambda name: arrays[name]))
 
 
@@ -121,7 +122,8 @@ class TenCate(unittest.TestCase):
 
 class DraftingKissingTumbling(unittest.TestCase):
     def series(self, overtakes):
-        """The upper sphere faster by 0.02 m/s from 0.1 s on, until they touch at 0.2 s; then the line of centres turns."""
+        """The upper sphere faster by 0.02 m/s from 0.1 s on, until they touch at 0.2 s; then the line of
+        centres turns."""
         time = np.arange(0, 0.65, 1e-3)
         d = dkt.DIAMETER
         gap = 1.2 * d * np.clip(1 - (time - 0.1) / 0.1, 0, 1)

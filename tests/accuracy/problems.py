@@ -1,6 +1,6 @@
 #!/usr/bin/python3
-"""The reference problems as far as they can be tested without running them: goals that a figure can meet, cases that are
-cases, references read rightly.
+"""The reference problems as far as they can be tested without running them: goals that a figure can meet,
+cases that are cases, references read rightly.
 
 problems.py [SILT]   # with the program, each case is also checked by it
 """
@@ -25,7 +25,7 @@ OF_WHATEVER = ("arrays", "cavity", "frontier", "moving_array", "taylor_green")
 
 
 class Whatever(dict):
-    """What a run measured: any name, always the same number."""
+    """Measurements of a run with any name, always the same number."""
 
     def __init__(self):
         super().__init__(error=0.9)
@@ -43,7 +43,7 @@ class Problems(unittest.TestCase):
                 look(module)
 
     def test_every_goal_has_a_figure(self):
-        """From runs that measured something, whatever it was."""
+        """Figures come from runs that measured something, whatever it was."""
         def look(module):
             for level in ("short", "full"):
                 if level == "full" or hasattr(module, "SHORT_GOALS"):

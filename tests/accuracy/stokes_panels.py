@@ -36,7 +36,8 @@ class Panels(unittest.TestCase):
         np.testing.assert_allclose(found, turn @ exact @ turn.T, atol=1e-6)
 
     def test_capacity_of_the_cube(self):
-        """The trace of the flow of a force is that of a charge; the unit cube's capacity is 0.6606782 (Hwang, Mascagni 2004)."""
+        """The trace of the flow of a force is that of a charge; the unit cube's capacity is 0.6606782 (Hwang,
+        Mascagni 2004)."""
         panels = cube_panels(1, 12)
         centres = panels.mean(1)
         areas = np.linalg.norm(np.cross(panels[:, 1] - panels[:, 0], panels[:, 2] - panels[:, 0]), axis=-1)
@@ -64,7 +65,8 @@ class Bodies(unittest.TestCase):
             self.assertAlmostEqual(6 * math.pi * (1 / free - 1 / boxed) * edge, HASIMOTO, delta=5 / edge**2)
 
     def test_torque_in_a_box_is_that_of_the_dipole(self):
-        """A turning body's flow is, from afar, that of its torque T; in a cube of volume V the rest turns about it with -T / (6 V)."""
+        """A turning body's flow is, from afar, that of its torque T; in a cube of volume V the rest turns
+        about it with -T / (6 V)."""
         body, edge = Body(cube_panels(1, 6)), 6
         free, boxed = body.resistance()[3, 3], body.resistance(PeriodicBox((edge,) * 3))[3, 3]
         self.assertAlmostEqual(boxed * (1 / free - 1 / (6 * edge**3)), 1, delta=1e-3)

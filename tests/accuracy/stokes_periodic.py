@@ -73,7 +73,8 @@ class Periodic(unittest.TestCase):
                 self.assertAlmostEqual(found / table[name][table["r"].index(aspect)], 1, delta=1e-3)
 
     def test_torus_of_johnson_and_wu(self):
-        """Broadside, of a thin torus; the next term is of the order of the square of the tube's radius, over the ring's."""
+        """Broadside, of a thin torus; the next term is of the order of the square of the tube's radius, over
+        the ring's."""
         ring, edge = 8, 64
         flow, = solve(PeriodicBox((edge,) * 3), [torus_points(ORIGIN, ring, 1, np.eye(3), 700)], [uniform((0, 0, 1))],
                       Mirrors(ORIGIN, (1, 1, -1)))
@@ -81,7 +82,8 @@ class Periodic(unittest.TestCase):
         self.assertAlmostEqual(found / (8 * math.pi**2 * ring / (math.log(8 * ring) + 0.5)), 1, delta=6e-3)
 
     def test_turning_ellipsoid_of_jeffery(self):
-        """16 pi (a^2 + b^2) / (3 (a^2 alpha + b^2 beta)) about the third axis; what the images add falls with the box's volume."""
+        """16 pi (a^2 + b^2) / (3 (a^2 alpha + b^2 beta)) about the third axis; what the images add falls with
+        the box's volume."""
         axes = np.array([1.0, 0.25, 0.5])
         s = np.tan((np.arange(20000) + 0.5) / 20000 * np.pi / 2)          # of lambda: the integral by the midpoint rule
         weight = 2 * s * (1 + s**2) * np.pi / 2 / 20000 / np.sqrt(((axes**2)[:, None] + s**2).prod(0))
@@ -104,7 +106,7 @@ class Periodic(unittest.TestCase):
 
 class Cases(unittest.TestCase):
     def test_ring_that_sinks(self):
-        """What cases/torus is compared with."""
+        """The torus has the resistance that cases/torus is compared with."""
         folder = ACCURACY.parent.parent / "cases" / "torus"
         case = tomllib.loads((folder / "case.toml").read_text())
         reference = {q["name"]: q["value"] for q in tomllib.loads((folder / "reference.toml").read_text())["quantity"]}

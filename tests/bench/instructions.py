@@ -1,9 +1,9 @@
 #!/usr/bin/python3
 """instructions.py BENCH_INSTRUCTIONS RECORD [--record]
 
-Counts instructions a cell, a link and a pair of cylinders (bench_instructions, by callgrind) and compares them with those in RECORD. More than
-`tolerance` above the record fails: something became dearer. As much below it fails too, so that the record follows.
---record writes the record anew."""
+Counts instructions a cell, a link and a pair of cylinders (bench_instructions, by callgrind) and compares
+them with those in RECORD. More than `tolerance` above the record fails: something became dearer. As much
+below it fails too, so that the record follows. --record writes the record anew."""
 import json
 import pathlib
 import subprocess

@@ -1,9 +1,10 @@
 #!/usr/bin/python3
 """output.py SILT [--json FILE] [--quick] [--ranks N] [--folder DIR]: what writing results costs.
 
-Started by scripts/bench output. 128 x 128 x 128 cells with 250 spheres of 10 cells, single precision: fields every 100 steps, bodies every 10.
-Figures, medians of runs in turn: the time that a run with outputs spends outside its steps, less that of one without, over its
-steps; and the bytes a second of that time over those of one plain sequential write of as much into the same folder.
+Started by scripts/bench output. 128 x 128 x 128 cells with 250 spheres of 10 cells, single precision: fields
+every 100 steps, bodies every 10. Figures, medians of runs in turn: the time that a run with outputs spends
+outside its steps, less that of one without, over its steps; and the bytes a second of that time over those of
+one plain sequential write of as much into the same folder.
 """
 import argparse
 import json

@@ -1,9 +1,10 @@
 #!/usr/bin/python3
 """rotor.py SILT [--json FILE] [--quick] [--triangles N]: what a turning rotor of triangles costs.
 
-Started by scripts/bench rotor. A paddle of four blades and 100 000 triangles, 80 cells across and 10 high, turns in 128 x 128 x 128 cells with a tip
-speed of 0.05 cells a step; single precision, one core, walls and coupling of the default. Figures, medians of runs in turn with the
-fluid alone: object mapping, and the whole step, over the step of the fluid alone.
+Started by scripts/bench rotor. A paddle of four blades and 100 000 triangles, 80 cells across and 10 high,
+turns in 128 x 128 x 128 cells with a tip speed of 0.05 cells a step; single precision, one core, walls and
+coupling of the default. Figures, medians of runs in turn with the fluid alone: object mapping, and the whole
+step, over the step of the fluid alone.
 """
 import argparse
 import json

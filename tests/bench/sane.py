@@ -1,8 +1,9 @@
 #!/usr/bin/python3
 """sane.py BENCH_FOLDER SILT
 
-Runs each benchmark for a second (--quick) and looks whether its figures make sense: all there, finite, in a range that no
-machine leaves. How fast they are gates nothing. Then the page and the plots of scripts/bench all."""
+Runs each benchmark for a second (--quick) and looks whether its figures make sense: all there, finite, in a
+range that no machine leaves. How fast they are gates nothing. Then the page and the plots of scripts/bench
+all."""
 import json
 import math
 import os

@@ -1,15 +1,17 @@
 #!/usr/bin/python3
 """scaling.py PROGRAM [--quick] [--json FILE] [--out FOLDER]
 
-The paper's scaling study: runs PROGRAM (bench_scaling) on 1, 2, ... ranks, timed as long as there is a core for each, up to 64 for
-what they send and hold, and leaves FOLDER/README.md (scaling-out) with tables and plots.
+The paper's scaling study: runs PROGRAM (bench_scaling) on 1, 2, ... ranks, timed as long as there is a core
+for each, up to 64 for what they send and hold, and leaves FOLDER/README.md (scaling-out) with tables and
+plots.
 
 A step on many ranks is modelled as
     t = work + messages latency + bytes / bandwidth + rounds latency
-with the work of one rank alone (its seconds here, times the memory bandwidth of a core here over that of the machine's), the messages
-and bytes of a rank with neighbours on all sides (counted at the most ranks that were run; scaling.cpp compares them with a count on
-paper), and the rounds in which ranks that contacts connect agree that their sweeps are done: twice the links across all ranks. What
-a machine can do is in machines.toml. The error band is that of the model on the most ranks that were timed here."""
+with the work of one rank alone (its seconds here, times the memory bandwidth of a core here over that of the
+machine's), the messages and bytes of a rank with neighbours on all sides (counted at the most ranks that were
+run; scaling.cpp compares them with a count on paper), and the rounds in which ranks that contacts connect
+agree that their sweeps are done: twice the links across all ranks. What a machine can do is in machines.toml.
+The error band is that of the model on the most ranks that were timed here."""
 import argparse
 import json
 import os
@@ -139,8 +141,8 @@ def extrapolation(rows, machines, band, path):
 
 
 def error_band(rows):
-    """Returns how far the model is off on the most ranks that were timed: the network is this machine's memory, so what the model
-    says of it is the work alone."""
+    """Returns how far the model is off on the most ranks that were timed: the network is this machine's
+    memory, so what the model says of it is the work alone."""
     timed = [r for r in rows if "efficiency_by_bandwidth" in r and r["study"].startswith("weak")]
     return max((abs(1 / r["efficiency_by_bandwidth"] - 1) for r in timed), default=float("nan"))
 

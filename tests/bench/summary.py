@@ -1,8 +1,9 @@
 #!/usr/bin/python3
 """summary.py FOLDER
 
-FOLDER/NAME.json of each benchmark (scripts/bench all) as one Markdown page, FOLDER/README.md, and pictures of the tables:
-million cells a second (FOLDER/NAME.png), and where a step spends its time, stage by stage (FOLDER/NAME-stages.png)."""
+FOLDER/NAME.json of each benchmark (scripts/bench all) as one Markdown page, FOLDER/README.md, and pictures of
+the tables: million cells a second (FOLDER/NAME.png), and where a step spends its time, stage by stage
+(FOLDER/NAME-stages.png)."""
 import json
 import pathlib
 import sys
@@ -45,7 +46,7 @@ def save(figure, name):
 
 
 def label(row):
-    """What a row is about, in words."""
+    """Returns in words what a row is about."""
     words = {"cells_an_edge": "{}³", "ranks": "{} ranks", "spheres": "{} spheres"}
     return ", ".join(words.get(key, "{}").format(value) for key, value in row.items() if isinstance(value, str) or key in words)
 
@@ -66,7 +67,7 @@ def plot_rates(name, rows):
 
 
 def plot_stages(name, rows):
-    """As the paper's Figure 7: a bar a scene, its parts the stages of a step, here in steps of the fluid alone."""
+    """Draws the paper's Figure 7: a bar a scene, its parts the stages of a step, here in steps of the fluid alone."""
     rows = [row for row in rows if STAGES[0] in row]
     if not rows:
         return None

@@ -1,6 +1,7 @@
 #!/usr/bin/python3
-"""install.py BUILD: installs what was built; a program of its own is built on that by find_package(silt) and runs, another tree takes
-the library by add_subdirectory, a Debian package names what it needs, and a build without engines is configured and says so."""
+"""install.py BUILD: installs what was built; a program of its own is built on that by find_package(silt) and
+runs, another tree takes the library by add_subdirectory, a Debian package names what it needs, and a build
+without engines is configured and says so."""
 import os
 import pathlib
 import shutil
@@ -33,7 +34,8 @@ class Install(unittest.TestCase):
         done("cmake", "--install", BUILD, "--prefix", prefix)
         done("cmake", "-S", HERE, "-B", build, "-G", "Ninja", f"-DCMAKE_PREFIX_PATH={prefix}", "-DCMAKE_BUILD_TYPE=Release")
         done("cmake", "--build", build)
-        # a metre of fall takes (2 h / g)^(1/2) = 0.4515 s; the case is of steps of half a millisecond: after 1000 it is on its way up
+        # a metre of fall takes (2 h / g)^(1/2) = 0.4515 s; the case is of steps of half a millisecond: after
+        # 1000 it is on its way up
         said = done(build / "falling_ball", ROOT / "cases" / "bouncing-ball")
         rebound = 0.8 * (2 * 9.81 * 1) ** 0.5
         since = 0.5 - (2 / 9.81) ** 0.5

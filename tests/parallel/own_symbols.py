@@ -1,5 +1,6 @@
 #!/usr/bin/python3
-"""own_symbols.py FILE...: no program or library of Silt defines a function of MPI: a host program and its profiler have their own."""
+"""own_symbols.py FILE...: no program or library of Silt defines a function of MPI: a host program and its
+profiler have their own."""
 import re
 import subprocess
 import sys

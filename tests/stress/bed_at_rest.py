@@ -1,23 +1,21 @@
 #!/usr/bin/python3
-"""bed_at_rest SILT [--steps N]: a dense bed of spheres under a fluid at rest stays at rest (100 000 steps; 1000 in short form).
+"""bed_at_rest SILT [--steps N]: a dense bed of spheres under a fluid at rest stays at rest (100 000 steps;
+1000 in short form).
 
-Spheres of 8 cells are poured into a periodic box without a fluid until they rest. The same bed then stands in a fluid at rest, with the
-weight that buoyancy leaves. Nothing drives it. At the end no overlap may be deeper than a hundredth of the radius, the fluid nowhere
-faster than 1e-5 cells a step, no body further than a hundredth of the radius from where it stood, and the mean density as at the
-start to 1e-6.
+Spheres of 8 cells are poured into a periodic box without a fluid until they rest. The same bed then stands in
+a fluid at rest, with the weight that buoyancy leaves. Nothing drives it. At the end no overlap may be deeper
+than a hundredth of the radius, the fluid nowhere faster than 1e-5 cells a step, no body further than a
+hundredth of the radius from where it stood, and the mean density as at the start to 1e-6.
 """
 import argparse
 import math
 import pathlib
-import subprocess
 import sys
-import tempfile
 
 import numpy as np
 
-ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
-sys.path[:0] = [str(ROOT / "scripts" / "accuracy"), str(ROOT / "scripts")]
-
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+from silt_runs import run_text  # noqa: E402, I001
 import silt_results  # noqa: E402
 from case_text import case_text, sphere  # noqa: E402
 
@@ -31,25 +29,16 @@ def domain(height):
     return dict(size=[WIDTH, WIDTH, height], boundary=dict(x="periodic", y="periodic", z="no-slip"))
 
 
-def run(silt, folder, text):
-    """Returns the results."""
-    folder.mkdir(exist_ok=True)
-    (folder / "case.toml").write_text(text)
-    done = subprocess.run([silt, "run", folder, "--out", folder / "out"], stdin=subprocess.DEVNULL, capture_output=True, text=True)
-    if done.returncode:
-        raise SystemExit(f"silt ended with code {done.returncode}:\n{done.stderr}\n{text}")
-    return silt_results.open(folder / "out")
-
-
-def poured(silt, folder):
+def poured(silt):
     """Returns positions [bodies, 3] of spheres that lie on each other."""
     text = case_text("A bed is poured", domain=domain(POURED), run=dict(steps=20000), output=dict(bodies=dict(every=20000)),
                      fill=[dict(shape="sphere", density=DENSITY, count=COUNT, gap=0.2, seed=1)], **TABLES)
-    return run(silt, folder, text).bodies.array("position")[-1]
+    return run_text(silt, text, read=lambda out: silt_results.open(out).bodies.array("position")[-1])[1]
 
 
 def solid_fraction(positions):
-    """Of the bed between one diameter above the floor and one below its top: volumes of slices of the spheres."""
+    """Returns the solid fraction of the bed between one diameter above the floor and one below its top:
+    volumes of slices of the spheres."""
     low, high, r = DIAMETER, positions[:, 2].max() - DIAMETER, DIAMETER / 2
     a, b = (np.clip(z - positions[:, 2], -r, r) for z in (low, high))
     return np.sum(math.pi * (r**2 * (b - a) - (b**3 - a**3) / 3)) / (WIDTH**2 * (high - low))
@@ -60,15 +49,16 @@ def main():
     parser.add_argument("silt")
     parser.add_argument("--steps", type=int, default=100_000)
     options = parser.parse_args()
-    with tempfile.TemporaryDirectory() as scratch:
-        bed = poured(options.silt, pathlib.Path(scratch, "dry"))
-        bed[:, :2] %= WIDTH
-        text = case_text("It stands in a fluid", domain=domain(LEVEL), fluid=dict(relaxation_time=0.8), run=dict(steps=options.steps),
-                         bodies=[dict(shape="sphere", density=DENSITY, positions=bed.tolist())],
-                         output=dict(bodies=dict(every=options.steps), fields=dict(every=options.steps, quantities=["velocity"])), **TABLES)
-        results = run(options.silt, pathlib.Path(scratch, "wet"), text)
-        report, positions = results.report, results.bodies.array("position")
-        velocity = results.fields[-1]["velocity"]
+    bed = poured(options.silt)
+    bed[:, :2] %= WIDTH
+    text = case_text("It stands in a fluid", domain=domain(LEVEL), fluid=dict(relaxation_time=0.8), run=dict(steps=options.steps),
+                     bodies=[dict(shape="sphere", density=DENSITY, positions=bed.tolist())],
+                     output=dict(bodies=dict(every=options.steps), fields=dict(every=options.steps, quantities=["velocity"])), **TABLES)
+
+    def read(out):
+        results = silt_results.open(out)
+        return results.report, results.bodies.array("position"), results.fields[-1]["velocity"]
+    report, positions, velocity = run_text(options.silt, text, read=read)[1]
     moved = np.abs(positions[-1] - positions[0])
     moved[:, :2] = np.minimum(moved[:, :2], WIDTH - moved[:, :2])
     radius = DIAMETER / 2

@@ -1,10 +1,11 @@
 #!/usr/bin/python3
-"""crafted SILT [--count N] [--seed S]: checkpoints that no run wrote, with every checksum right. Every dataset and every number of
-three runs' checkpoints (a fluid with contacts, a dry heap some of which sleeps, bodies that come and go) is replaced by what it
-cannot be: not a number, infinite, negative, the largest of its type, of another shape or type, missing, a link to another place,
-to a pipe, or with its values in one. Each is resumed on one or two ranks. None may end by a signal or take more than ten seconds;
-what names nothing a run can have left is refused by its name, and what was in the folder stays as it was. N of them, at random;
-without --count all.
+"""crafted SILT [--count N] [--seed S]: checkpoints that no run wrote, with every checksum right. Every
+dataset and every number of three runs' checkpoints (a fluid with contacts, a dry heap some of which sleeps,
+bodies that come and go) is replaced by what it cannot be: not a number, infinite, negative, the largest of
+its type, of another shape or type, missing, a link to another place, to a pipe, or with its values in one.
+Each is resumed on one or two ranks. None may end by a signal or take more than ten seconds; what names
+nothing a run can have left is refused by its name, and what was in the folder stays as it was. N of them, at
+random; without --count all.
 """
 import argparse
 import collections
@@ -21,67 +22,27 @@ import time
 import h5py
 import numpy as np
 
-ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
-ENVIRONMENT = dict(os.environ, OMPI_MCA_mpi_yield_when_idle="1", OMPI_MCA_rmaps_base_oversubscribe="1", SILT_PLAIN="1")
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+from silt_runs import ENVIRONMENT, WALLS_ACROSS_Z, body_of, command, domain_of, fill_of, shape_of  # noqa: E402
+
 LIMIT = 10  # seconds
 
-HEAD = '[units]\nsystem = "lattice"\n'
-BALL = '[[shapes]]\nname = "ball"\ntype = "sphere"\nradius = 2.5\n'
-RUN = '[run]\nsteps = 30\n[output]\ncheckpoint = { every = 10, keep = 9 }\nbodies = { every = 10 }\n'
-WET = HEAD + '''[domain]
-size = [24, 16, 16]
-boundary = { x = "periodic", y = "periodic", z = ["no-slip", "no-slip"] }
-[fluid]
-relaxation_time = 0.8
-[gravity]
-acceleration = [0, 0, -1e-4]
-''' + BALL + '''[[bodies]]
-shape = "ball"
-density = 1.5
-velocity = [0.02, 0, 0]
-positions = [[6, 8, 2.5], [11, 8, 2.5]]
-[[quantities]]
-name = "height"
-type = "mean-height"
-''' + RUN
-DRY = HEAD + '''[domain]
-size = [24, 24, 24]
-boundary = { x = "periodic", y = "no-slip", z = "no-slip" }
-[gravity]
-acceleration = [0, 0, -1e-3]
-[contacts]
-friction = 0.5
-sleep_speed = 1e-3
-sleep_time = 5
-[[shapes]]
-name = "box"
-type = "box"
-edges = [6, 5, 4]
-[[bodies]]
-shape = "box"
-density = 2
-positions = [[6, 12, 2], [6, 12, 6], [6.5, 12, 10], [16, 12, 2]]
-''' + RUN
-FEED = HEAD + '''[domain]
-size = [24, 24, 40]
-boundary = { x = "periodic", y = "periodic", z = ["no-slip", "no-slip"] }
-[gravity]
-acceleration = [0, 0, -2e-2]
-''' + BALL + '''[[fill]]
-shape = "ball"
-density = 2
-count = 2
-every = 5
-velocity = [0, 0, -0.3]
-box = [[0, 0, 30], [24, 24, 40]]
-[[outflow]]
-box = [[0, 0, 0], [24, 24, 8]]
-''' + RUN
+BALL = shape_of("ball", "sphere", "radius = 2.5")
+RUN = "[run]\nsteps = 30\n[output]\ncheckpoint = { every = 10, keep = 9 }\nbodies = { every = 10 }\n"
+WET = (domain_of([24, 16, 16], WALLS_ACROSS_Z) + "[fluid]\nrelaxation_time = 0.8\n[gravity]\nacceleration = [0, 0, -1e-4]\n" + BALL +
+       body_of("ball", 1.5, "velocity = [0.02, 0, 0]", "positions = [[6, 8, 2.5], [11, 8, 2.5]]") +
+       '[[quantities]]\nname = "height"\ntype = "mean-height"\n' + RUN)
+DRY = (domain_of([24, 24, 24], '{ x = "periodic", y = "no-slip", z = "no-slip" }') + "[gravity]\nacceleration = [0, 0, -1e-3]\n" +
+       "[contacts]\nfriction = 0.5\nsleep_speed = 1e-3\nsleep_time = 5\n" + shape_of("box", "box", "edges = [6, 5, 4]") +
+       body_of("box", 2, "positions = [[6, 12, 2], [6, 12, 6], [6.5, 12, 10], [16, 12, 2]]") + RUN)
+FEED = (domain_of([24, 24, 40], WALLS_ACROSS_Z) + "[gravity]\nacceleration = [0, 0, -2e-2]\n" + BALL +
+        fill_of("ball", 2, 2, "every = 5", "velocity = [0, 0, -0.3]", "box = [[0, 0, 30], [24, 24, 40]]") +
+        "[[outflow]]\nbox = [[0, 0, 0], [24, 24, 8]]\n" + RUN)
 CASES = {"wet": WET, "dry": DRY, "feed": FEED}
 
 
 def checksum(values):
-    """As adapters/hdf5/verify_checkpoint.cpp has it."""
+    """Returns the checksum of adapters/hdf5/verify_checkpoint.cpp."""
     data = np.ascontiguousarray(values).reshape(-1)
     bits = data.view(f"u{data.dtype.itemsize}").astype(np.uint64)
     with np.errstate(over="ignore"):
@@ -217,8 +178,7 @@ class Bench:
             shutil.copytree(case / "out", folder / (name + ".good"))
 
     def run(self, *arguments, ranks=1):
-        start = ["mpirun", "--oversubscribe", "--allow-run-as-root", "--quiet", "-np", str(ranks)] if ranks > 1 else []
-        process = subprocess.Popen([*start, self.silt, *map(str, arguments)], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+        process = subprocess.Popen(command(self.silt, *arguments, ranks=ranks), stdout=subprocess.PIPE, stderr=subprocess.PIPE,
                                    text=True, env=ENVIRONMENT, stdin=subprocess.DEVNULL, start_new_session=True)
         try:
             out, errors = process.communicate(timeout=LIMIT)

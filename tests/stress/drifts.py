@@ -1,22 +1,20 @@
 #!/usr/bin/python3
-"""drifts SILT [--steps N]: mass and momentum over many steps in single precision (a million; 20 000 in short form).
+"""drifts SILT [--steps N]: mass and momentum over many steps in single precision (a million; 20 000 in short
+form).
 
-What rounding may do to the mass of the fluid: each step rounds a few numbers a cell to 2^-24 of their size, the deviation from rest.
-Rounding is to nearest, so where the flow changes errors add as a random walk, whose standard deviation is 2^-24 times the largest deviation
-times sqrt(steps cells); allowed is six times that over the mass. In steady flow the same numbers are rounded alike in every step, and the
-errors add up: there the mass may change by 1e-12 of it a step, 1e-6 in a million.
+What rounding may do to the mass of the fluid: each step rounds a few numbers a cell to 2^-24 of their size,
+the deviation from rest. Rounding is to nearest, so where the flow changes errors add as a random walk, whose
+standard deviation is 2^-24 times the largest deviation times sqrt(steps cells); allowed is six times that
+over the mass. In steady flow the same numbers are rounded alike in every step, and the errors add up: there
+the mass may change by 1e-12 of it a step, 1e-6 in a million.
 """
 import argparse
-import json
 import math
 import pathlib
-import subprocess
 import sys
-import tempfile
 
-ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
-sys.path.insert(0, str(ROOT / "scripts" / "accuracy"))
-
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+from silt_runs import run_text  # noqa: E402, I001
 from case_text import case_text, cube, sphere  # noqa: E402
 
 ROUNDING, A_STEP = 2.0**-24, 1e-12
@@ -38,15 +36,6 @@ def scenes():
                                       shapes=BALL["shapes"], bodies=[dict(shape="sphere", density=1, motion="fixed", position=[8.2, 8.1, 8])])
 
 
-def report_of(silt, text):
-    with tempfile.TemporaryDirectory() as folder:
-        (pathlib.Path(folder) / "case.toml").write_text(text)
-        done = subprocess.run([silt, "run", folder, "--out", f"{folder}/out"], stdin=subprocess.DEVNULL, capture_output=True, text=True)
-        if done.returncode:
-            raise SystemExit(f"silt ended with code {done.returncode}:\n{done.stderr}\n{text}")
-        return json.loads(pathlib.Path(folder, "out", "report.json").read_text())
-
-
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("silt")
@@ -56,7 +45,8 @@ def main():
     print(f"{'scene':24} {'mass drift':>12} {'allowed':>12} {'momentum drift':>15} {'largest velocity':>17}")
     for name, cells, tables in scenes():
         tables["fluid"]["precision"] = "single"
-        report = report_of(options.silt, case_text(name, run=dict(steps=options.steps), output=dict(report=dict(every=max(1000, options.steps // 50))), **tables))
+        text = case_text(name, run=dict(steps=options.steps), output=dict(report=dict(every=max(1000, options.steps // 50))), **tables)
+        report = run_text(options.silt, text)[1]
         deviation = max(report["max_velocity_lattice"], 1e-3)
         allowed = max(6 * ROUNDING * deviation * math.sqrt(options.steps * cells) / cells, A_STEP * options.steps)
         drift = abs(report["mass_drift"] - report["mass_surplus"])  # less what the mass correction takes out in the next step

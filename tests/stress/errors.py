@@ -1,8 +1,9 @@
 #!/usr/bin/python3
-"""Errors of one rank while a run writes: errors.py --silt SILT --preload LIBRARY [--changes N] [--memory N] [--ranks N]. N times
-one change of a file by one rank fails (and, every other time, all that follow), or so does one of its allocations of memory
-(fault_at_write.cpp). The run must end within ten seconds of it, without a signal, and name the reason, the file and the rank; or it had no
-need of what failed. What goes on from there must come to the results of a run without errors."""
+"""Errors of one rank while a run writes: errors.py --silt SILT --preload LIBRARY [--changes N] [--memory N]
+[--ranks N]. N times one change of a file by one rank fails (and, every other time, all that follow), or so
+does one of its allocations of memory (fault_at_write.cpp). The run must end within ten seconds of it, without
+a signal, and name the reason, the file and the rank; or it had no need of what failed. What goes on from
+there must come to the results of a run without errors."""
 import argparse
 import errno
 import os
@@ -14,43 +15,15 @@ import tempfile
 import time
 
 from whole_run import Whole, finish, start
+from silt_runs import domain_of, fill_of, shape_of  # on the path by whole_run
 
-CASE = """
-[units]
-system = "lattice"
-[domain]
-size = [40, 24, 24]
-boundary = "periodic"
-blocks = [10, 12, 24]
-[fluid]
-relaxation_time = 0.8
-[gravity]
-acceleration = [0, 0, -1e-4]
-[[shapes]]
-name = "ball"
-type = "sphere"
-radius = 3
-[[fill]]
-shape = "ball"
-density = 2
-count = 12
-gap = 0.5
-[run]
-steps = 20
-[output]
-fields = { every = 10 }
-bodies = { every = 5 }
-checkpoint = { every = 10, keep = 2 }
-report = { every = 5 }
-[[output.slices]]
-name = "middle"
-box = [[0, 8, 0], [40, 14, 24]]
-every = 5
-compression = 4
-[[quantities]]
-name = "height"
-type = "mean-height"
-"""
+CASE = (domain_of([40, 24, 24]) + "blocks = [10, 12, 24]\n[fluid]\nrelaxation_time = 0.8\n" +
+        "[gravity]\nacceleration = [0, 0, -1e-4]\n" + shape_of("ball", "sphere", "radius = 3") +
+        fill_of("ball", 2, 12, "gap = 0.5") + "[run]\nsteps = 20\n" +
+        "[output]\nfields = { every = 10 }\nbodies = { every = 5 }\n" +
+        "checkpoint = { every = 10, keep = 2 }\nreport = { every = 5 }\n" +
+        '[[output.slices]]\nname = "middle"\nbox = [[0, 8, 0], [40, 14, 24]]\nevery = 5\n' +
+        'compression = 4\n[[quantities]]\nname = "height"\ntype = "mean-height"\n')
 
 ERRORS = [errno.ENOSPC, errno.EIO, errno.EDQUOT, errno.EFBIG, errno.EROFS]
 SMALLEST = 4096  # bytes of an allocation that fails; smaller ones are those of anything
@@ -75,7 +48,8 @@ def settings(out, **others):
 
 
 def counted(case, out, scratch):
-    """Runs without an error. Returns how many changes and how many allocations each rank counts, and the time it takes."""
+    """Runs without an error. Returns how many changes and how many allocations each rank counts, and the time
+    it takes."""
     begin = time.time()
     finish(launch("run", case, "--out", out, preload=settings(out, LOG=scratch / "log", AT=0, ERROR=1, MEMORY=SMALLEST)), "whole")
     of_ranks = [path.read_text().splitlines() for path in sorted(scratch.glob("log*"))]

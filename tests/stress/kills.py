@@ -1,10 +1,11 @@
 #!/usr/bin/python3
-"""Runs that are killed while they write, and gone on with: kills.py --silt SILT --preload LIBRARY
-[--writes N] [--appends N] [--rows N] [--moments N] [--ranks N] [--seed N]. Each is killed in the middle of one of its
-changes of the result folder (N of them, evenly spread over the run, over the appends to bodies.h5 around the one that goes on in
-another file, or over the changes of series.csv and report.json; fault_at_write.cpp) or at a random moment, without
-warning. Then the series of the bodies must be readable and hold frames as they were written, and the run that goes on must come to the same bits,
-files, rows of series.csv and report as one that nobody killed."""
+"""Runs that are killed while they write, and gone on with: kills.py --silt SILT --preload LIBRARY [--writes
+N] [--appends N] [--rows N] [--moments N] [--ranks N] [--seed N]. Each is killed in the middle of one of its
+changes of the result folder (N of them, evenly spread over the run, over the appends to bodies.h5 around the
+one that goes on in another file, or over the changes of series.csv and report.json; fault_at_write.cpp) or at
+a random moment, without warning. Then the series of the bodies must be readable and hold frames as they were
+written, and the run that goes on must come to the same bits, files, rows of series.csv and report as one that
+nobody killed."""
 import argparse
 import os
 import pathlib
@@ -15,31 +16,13 @@ import tempfile
 import time
 
 from whole_run import Whole, finish, start
+from silt_runs import domain_of, fill_of, shape_of  # on the path by whole_run
 
-CASE = """
-[units]
-system = "lattice"
-[domain]
-size = [160, 160, 160]
-boundary = "periodic"
-[gravity]
-acceleration = [0, 0, -1e-3]
-[[shapes]]
-name = "ball"
-type = "sphere"
-radius = 2
-[[fill]]
-shape = "ball"
-density = 2
-count = 3000
-gap = 0.5
-[run]
-steps = 40
-[output]
-bodies = { every = 1 }
-checkpoint = { every = 10, keep = 2 }
-report = { every = 5 }
-"""
+CASE = (domain_of([160, 160, 160]) + "[gravity]\nacceleration = [0, 0, -1e-3]\n" +
+        shape_of("ball", "sphere", "radius = 2") + fill_of("ball", 2, 3000, "gap = 0.5") +
+        "[run]\nsteps = 40\n" +
+        "[output]\nbodies = { every = 1 }\ncheckpoint = { every = 10, keep = 2 }\n" +
+        "report = { every = 5 }\n")
 
 parser = argparse.ArgumentParser(description=__doc__)
 parser.add_argument("--silt", required=True)

@@ -1,44 +1,27 @@
 #!/usr/bin/python3
-"""many_ranks SILT: bodies in places that only many ranks have, and the state they lead to, the same to the bit as that of one rank.
+"""many_ranks SILT: bodies in places that only many ranks have, and the state they lead to, the same to the
+bit as that of one rank.
 
-One that touches 27 ranks, one five times as large as a subdomain, eight in contact at a corner of eight ranks, bodies that cross a
-subdomain in a few steps, ranks without a cell of fluid or a body; on equal cuts and on those that load balance makes.
+One that touches 27 ranks, one five times as large as a subdomain, eight in contact at a corner of eight
+ranks, bodies that cross a subdomain in a few steps, ranks without a cell of fluid or a body; on equal cuts
+and on those that load balance makes.
 """
-import json
-import os
 import pathlib
-import subprocess
 import sys
-import tempfile
 import unittest
 
-ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
-sys.path.insert(0, str(ROOT / "scripts" / "accuracy"))
-
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+from silt_runs import run_text  # noqa: E402, I001
 from case_text import case_text, cube, sphere  # noqa: E402
 
 SILT = sys.argv.pop(1)
-ENVIRONMENT = dict(os.environ, OMPI_MCA_mpi_yield_when_idle="1")
-
-
-def state(text, ranks, *options):
-    """Returns the report of a run."""
-    with tempfile.TemporaryDirectory() as folder:
-        (pathlib.Path(folder) / "case.toml").write_text(text)
-        command = [SILT, "run", folder, "--out", f"{folder}/out", *options]
-        if ranks > 1:
-            command = ["mpirun", "--oversubscribe", "--allow-run-as-root", "-np", str(ranks), *command]
-        done = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, text=True, env=ENVIRONMENT)
-        if done.returncode:
-            raise RuntimeError(f"code {done.returncode} on {ranks} ranks:\n{done.stderr}")
-        return json.loads(pathlib.Path(folder, "out", "report.json").read_text())
 
 
 class ManyRanks(unittest.TestCase):
     def same(self, text, *ranks, balanced_on=0):
-        alone = state(text, 1)
+        alone = run_text(SILT, text)[1]
         for n, options in [(n, []) for n in ranks] + [(balanced_on, ["--set", "run.balance.every=7"])] * (balanced_on > 0):
-            found = state(text, n, *options)
+            found = run_text(SILT, text, *options, ranks=n)[1]
             self.assertEqual(found["state_hash"], alone["state_hash"], f"{n} ranks")
             self.assertEqual(found["bodies"], alone["bodies"])
         return alone

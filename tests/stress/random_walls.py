@@ -1,25 +1,23 @@
 #!/usr/bin/python3
 """random_walls SILT [--short]: no wall scheme amplifies what is in the fluid.
 
-Closed boxes with no-slip sides are filled with fixed spheres and boxes at random, down to gaps of a hundredth of a cell, so that links are
-cut at every distance and in every neighbourhood. The fluid starts with noise. Nothing drives it, so it must decay. Sound comes and goes in
-what reports see of the kinetic energy, and momentum whose sign changes from cell to cell and step to step is damped by no collision
-(docs/method.md, equation 17): the largest energy of the last fifth must be below that of the second, and below that of the noise. The noise
-is small (1e-6 cells a step) where only the linear part is asked for, and large (0.05). Every wall scheme, three collision models, relaxation
-times from 0.502 to 3; not what is known not to last.
+Closed boxes with no-slip sides are filled with fixed spheres and boxes at random, down to gaps of a hundredth
+of a cell, so that links are cut at every distance and in every neighbourhood. The fluid starts with noise.
+Nothing drives it, so it must decay. Sound comes and goes in what reports see of the kinetic energy, and
+momentum whose sign changes from cell to cell and step to step is damped by no collision (docs/method.md,
+equation 17): the largest energy of the last fifth must be below that of the second, and below that of the
+noise. The noise is small (1e-6 cells a step) where only the linear part is asked for, and large (0.05). Every
+wall scheme, three collision models, relaxation times from 0.502 to 3; not what is known not to last.
 """
 import argparse
 import csv
 import itertools
 import pathlib
 import random
-import subprocess
 import sys
-import tempfile
 
-ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
-sys.path.insert(0, str(ROOT / "scripts" / "accuracy"))
-
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+from silt_runs import run_text  # noqa: E402, I001
 from case_text import case_text  # noqa: E402
 
 EDGE = 16
@@ -31,14 +29,16 @@ ROUNDING = 1e-18  # of the energy at the start
 
 
 def is_known_not_to_last(scheme, model, relaxation_time, noise):
-    """Says what docs/method.md and scripts/stability/README.md do: of walls, and of the collision itself at a large cell Reynolds number."""
+    """Says what docs/method.md and scripts/stability/README.md do: of walls, and of the collision itself at a
+    large cell Reynolds number."""
     return (scheme != "bounce-back" and model == "regularised" and relaxation_time < 0.505
             or scheme == "multireflection" and model == "bgk" and relaxation_time >= 2.5
             or model != "regularised" and noise / ((relaxation_time - 0.5) / 3) > 10)
 
 
 def obstacles(seed):
-    """Returns the tables of fixed bodies at random, of which no two circumspheres come nearer than 0.01 cells, and of their shapes."""
+    """Returns the tables of fixed bodies at random, of which no two circumspheres come nearer than 0.01
+    cells, and of their shapes."""
     chance = random.Random(seed)
     placed = []
     while len(placed) < BODIES:
@@ -62,13 +62,12 @@ def box(scheme, model, relaxation_time, noise, seed, steps):
 
 def fault(silt, text, noise):
     """Returns what is wrong, "" if nothing."""
-    with tempfile.TemporaryDirectory() as folder:
-        (pathlib.Path(folder) / "case.toml").write_text(text)
-        done = subprocess.run([silt, "run", folder, "--out", f"{folder}/out"], stdin=subprocess.DEVNULL, capture_output=True, text=True)
-        if done.returncode:
-            return f"code {done.returncode}: {done.stderr.strip().splitlines()[-1]}"
-        with open(f"{folder}/out/series.csv") as stream:
-            energies = [float(row["energy.fluid"]) for row in csv.DictReader(stream)]
+    def read(out):
+        with open(out / "series.csv") as stream:
+            return [float(row["energy.fluid"]) for row in csv.DictReader(stream)]
+    done, energies = run_text(silt, text, read=read, code=None)
+    if done.returncode:
+        return f"code {done.returncode}: {done.stderr.strip().splitlines()[-1]}"
     start = noise**2 * EDGE**3 / 2  # of each component as large, less: an upper bound
     if max(energies) > start:
         return f"energy {max(energies):.3g}, above that of the noise, {start:.3g}"

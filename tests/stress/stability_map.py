@@ -1,16 +1,16 @@
 #!/usr/bin/python3
-"""stability_map SILT [--all]: what `silt check` calls safe was measured to last (scripts/stability/map.csv), and what a guard advises cures."""
+"""stability_map SILT [--all]: what `silt check` calls safe was measured to last (scripts/stability/map.csv),
+and what a guard advises cures."""
 import concurrent.futures
 import csv
 import pathlib
-import subprocess
 import sys
-import tempfile
 import unittest
 
-ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
-sys.path[:0] = [str(ROOT / "scripts" / "stability"), str(ROOT / "scripts" / "accuracy")]
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+from silt_runs import ROOT, run_text  # noqa: E402, I001
 
+sys.path.insert(0, str(ROOT / "scripts" / "stability"))
 from scenes import MODELS, SCENES  # noqa: E402
 
 SILT = sys.argv.pop(1)
@@ -19,11 +19,8 @@ sys.argv = [word for word in sys.argv if word != "--all"]
 
 
 def silt(command, text, *options):
-    with tempfile.TemporaryDirectory() as folder:
-        (pathlib.Path(folder) / "case.toml").write_text(text)
-        out = ["--out", f"{folder}/out"] if command == "run" else []
-        done = subprocess.run([SILT, command, folder, *out, *options], stdin=subprocess.DEVNULL, capture_output=True, text=True)
-        return done.returncode, done.stdout + done.stderr
+    done = run_text(SILT, text, *options, command=command, code=None)[0]
+    return done.returncode, done.stdout + done.stderr
 
 
 class Map(unittest.TestCase):

@@ -1,7 +1,8 @@
 #!/usr/bin/python3
-"""stops.py SILT [--moments N] [--ranks N...] [--limit SECONDS] [--load] [--seed N]: runs that are told to stop by SIGTERM at random
-moments, from their start on, have begun a checkpoint within --limit seconds (2), or ended at once where no step had been begun. Beds of spheres
-whose steps become a thousand times as long when the first land, without a fluid and with one. --load: beside a program on each core."""
+"""stops.py SILT [--moments N] [--ranks N...] [--limit SECONDS] [--load] [--seed N]: runs that are told to
+stop by SIGTERM at random moments, from their start on, have begun a checkpoint within --limit seconds (2), or
+ended at once where no step had been begun. Beds of spheres whose steps become a thousand times as long when
+the first land, without a fluid and with one. --load: beside a program on each core."""
 import argparse
 import os
 import pathlib
@@ -12,35 +13,17 @@ import sys
 import tempfile
 import time
 
-DRY = """
-[units]
-system = "lattice"
-[domain]
-size = [100, 100, 400]
-boundary = { x = "periodic", y = "periodic", z = ["no-slip", "no-slip"] }
-[gravity]
-acceleration = [0, 0, -1e-5]
-[contacts]
-friction = 0.5
-sweeps = 64
-margin = 0.5
-[[shapes]]
-name = "ball"
-type = "sphere"
-radius = 3
-[[fill]]
-shape = "ball"
-density = 2
-count = 2000
-gap = 0.7
-box = [[0, 0, 100], [100, 100, 400]]
-[run]
-steps = 1000000
-"""
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+from silt_runs import ENVIRONMENT, WALLS_ACROSS_Z, command, domain_of, fill_of, shape_of  # noqa: E402
+
+DRY = (domain_of([100, 100, 400], WALLS_ACROSS_Z) + "[gravity]\nacceleration = [0, 0, -1e-5]\n" +
+       "[contacts]\nfriction = 0.5\nsweeps = 64\nmargin = 0.5\n" +
+       shape_of("ball", "sphere", "radius = 3") +
+       fill_of("ball", 2, 2000, "gap = 0.7", "box = [[0, 0, 100], [100, 100, 400]]") +
+       "[run]\nsteps = 1000000\n")
 WET = DRY.replace("size = [100, 100, 400]", "size = [60, 60, 80]").replace("2000", "200").replace("-1e-5", "-1e-6").replace(
     "box = [[0, 0, 100], [100, 100, 400]]\n", "").replace("[contacts]", "[fluid]\nrelaxation_time = 0.8\n[contacts]")
 SCENES = {"dry": DRY, "wet": WET}
-ENVIRONMENT = dict(os.environ, OMPI_MCA_mpi_yield_when_idle="1", OMPI_MCA_rmaps_base_oversubscribe="1", SILT_PLAIN="1")
 
 
 def ranks_of(process, ranks):
@@ -69,8 +52,7 @@ def stop(silt, scene, ranks, moment):
         case = pathlib.Path(folder) / "case.toml"
         case.write_text(SCENES[scene])
         out = case.parent / "out"
-        launcher = ["mpirun", "--oversubscribe", "--allow-run-as-root", "--quiet", "-np", str(ranks)] if ranks > 1 else []
-        process = subprocess.Popen([*launcher, silt, "run", case], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
+        process = subprocess.Popen(command(silt, "run", case, ranks=ranks), stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
                                    text=True, env=ENVIRONMENT)
         wait_until((out / "run.log").exists, process, 60)
         time.sleep(moment)

@@ -1,7 +1,8 @@
 #!/usr/bin/python3
-"""time_of_output.py SILT: what `silt check` foresees of the time for output, over that for steps, is within a factor of 2 of a run, a report
-costs about a step, and the time foreseen for cases that write much is within a factor of 2 as well. Of one scene by processor time; a long test,
-since other work on the machine disturbs it."""
+"""time_of_output.py SILT: what `silt check` foresees of the time for output, over that for steps, is within a
+factor of 2 of a run, a report costs about a step, and the time foreseen for cases that write much is within a
+factor of 2 as well. Of one scene by processor time; a long test, since other work on the machine disturbs
+it."""
 import pathlib
 import resource
 import sys

@@ -1,7 +1,7 @@
-"""What kills.py and errors.py share: a run that nobody disturbs, and whether another came to the same results."""
+"""The scripts kills.py and errors.py share this: a run that nobody disturbs, and whether another came to the
+same results."""
 import csv
 import json
-import os
 import pathlib
 import subprocess
 import sys
@@ -9,20 +9,19 @@ import sys
 import h5py
 import numpy as np
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "scripts"))
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+from silt_runs import ENVIRONMENT, MPIRUN  # noqa: E402, I001
 from silt_results import COLUMNS, BodySeries  # noqa: E402
 
-ENVIRONMENT = dict(os.environ, OMPI_MCA_mpi_yield_when_idle="1", OMPI_MCA_rmaps_base_oversubscribe="1", SILT_PLAIN="1")
-LAUNCHER = ["mpirun", "--oversubscribe", "--allow-run-as-root", "--quiet", "-np"]
 
-# What of a report is of the time it took, of the machine, or of the last start.
+# These keys of a report are of the time it took, of the machine, or of the last start.
 OF_THE_START = {"wall_seconds", "step_seconds", "stage_seconds", "mlups", "resumed_at", "traffic", "work", "balance", "memory_peak_bytes"}
 
 
 def start(silt, ranks, *arguments, preload=None):
     command = [silt, *map(str, arguments)]
     if ranks > 1:
-        command = [*LAUNCHER, str(ranks), "env", *(f"{k}={v}" for k, v in (preload or {}).items()), *command]
+        command = [*MPIRUN, "-np", str(ranks), "env", *(f"{k}={v}" for k, v in (preload or {}).items()), *command]
     return subprocess.Popen(command, env=ENVIRONMENT | (preload or {}), stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
                             text=True, start_new_session=True)
 

@@ -71,7 +71,7 @@ def check_silhouette(mesh, position, turned, view):
 
 
 def check_cuts(mesh, position, turned, axis):
-    """Their corners are in the plane and on the surface; their areas over the levels make up the volume."""
+    """The corners of cuts are in the plane and on the surface; areas over the levels make up the volume."""
     points = position + mesh.vertices @ turned.T
     normals = mesh.facing / np.linalg.norm(mesh.facing, axis=1)[:, None] @ turned.T
     offsets = np.einsum("ij,ij->i", normals, points[mesh.triangles[:, 0]])

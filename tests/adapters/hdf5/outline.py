@@ -47,7 +47,8 @@ class Outlines(unittest.TestCase):
 
     def test_a_ball_has_its_silhouette(self):
         edges = outline(ball(), VIEW)
-        # of the unit ball: within half an edge (pi / 40) of the great circle across the line of sight, and once around it
+        # of the unit ball: within half an edge (pi / 40) of the great circle across the line of sight, and
+        # once around it
         self.assertLess(np.abs(edges @ VIEW[2]).max(), 0.1)
         length = np.linalg.norm((edges[:, 1] - edges[:, 0]) @ VIEW[:2].T, axis=1).sum()
         self.assertAlmostEqual(length, 2 * np.pi, delta=0.1 * 2 * np.pi)

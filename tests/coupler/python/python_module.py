@@ -1,6 +1,7 @@
 #!/usr/bin/python3
-"""python_module.py SILT FOLDER: the module `silt` in FOLDER does what the program SILT does, its arrays are what they say
-they are, and the program of its page runs as it stands. Without a FOLDER there is no module: skipped."""
+"""python_module.py SILT FOLDER: the module `silt` in FOLDER does what the program SILT does, its arrays are
+what they say they are, and the program of its page runs as it stands. Without a FOLDER there is no module:
+skipped."""
 import contextlib
 import gc
 import io
@@ -22,25 +23,11 @@ sys.path[:0] = [str(MODULE), str(ROOT / "scripts"), str(ROOT / "tests/coupler/ru
 import numpy as np  # noqa: E402
 import silt  # noqa: E402
 import silt_results  # noqa: E402
-from silt_test import CASE, ENVIRONMENT, MPIRUN, SILT, UNSTABLE, SiltTest  # noqa: E402
+from silt_test import CASE, ENVIRONMENT, SILT, UNSTABLE, SiltTest  # noqa: E402
+from silt_runs import MPIRUN, body_of, domain_of, shape_of  # noqa: E402
 
-DRY = """
-[units]
-system = "lattice"
-[domain]
-size = [32, 32, 32]
-boundary = "periodic"
-[[shapes]]
-name = "ball"
-type = "sphere"
-radius = 3
-[[bodies]]
-shape = "ball"
-density = 2
-positions = [[8, 8, 8], [24, 24, 24]]
-[run]
-steps = 10
-"""
+DRY = (domain_of([32, 32, 32]) + shape_of("ball", "sphere", "radius = 3") +
+       body_of("ball", 2, "positions = [[8, 8, 8], [24, 24, 24]]") + "[run]\nsteps = 10\n")
 WATER = """
 [units]
 system = "si"
@@ -106,7 +93,7 @@ class Module(SiltTest):
             simulation.step()
 
     def test_momentum_in_a_fluid(self):
-        """Of the impulse nothing is lost: the body and the fluid have it, but for what has yet to act on the body."""
+        """No impulse is lost: the body and the fluid have it, but for what has yet to act on the body."""
         simulation = self.simulation(WATER)
         force = np.array([0, 0, 0.2])
         simulation.add_force(1, force)
@@ -364,7 +351,8 @@ class Module(SiltTest):
         self.assertEqual((result.returncode, result.stdout, result.stderr), (0, 2 * ended, ""))
 
     def test_parameters_of_its_mpi_are_not_left_to_others(self):
-        """What coupler/run/start_mpi.cpp sets for a process alone is for this one; a program that a script starts beside it runs."""
+        """The settings of coupler/run/start_mpi.cpp for a process alone are for this one; a program that a
+        script starts beside it runs."""
         result = self.script(f"""
             import subprocess, silt
             simulation = silt.Simulation(".")

@@ -1,5 +1,6 @@
 #!/usr/bin/python3
-"""case_commands.py SILT: scripts/clean, new-case and compare do what they say, and nothing else; every command explains itself at once."""
+"""case_commands.py SILT: scripts/clean, new-case and compare do what they say, and nothing else; every
+command explains itself at once."""
 import os
 import pathlib
 import re
@@ -8,31 +9,23 @@ import subprocess
 import time
 import unittest
 
-from silt_test import SILT, SiltTest
-
-SCRIPTS = pathlib.Path(__file__).resolve().parents[3] / "scripts"
-
-
-def command(name, *arguments, code=0, **options):
-    done = subprocess.run([SCRIPTS / name, *map(str, arguments)], capture_output=True, text=True, stdin=subprocess.DEVNULL, **options)
-    assert done.returncode == code, (name, done.returncode, done.stdout, done.stderr)
-    return done.stdout + done.stderr
+from silt_test import SCRIPTS, SILT, SiltTest, script
 
 
 class Commands(SiltTest):
     def test_clean(self):
         self.silt("run", self.case)
         self.silt("run", self.case)  # the first is in out.1 now
-        self.assertIn("would delete", command("clean", self.case))
+        self.assertIn("would delete", script("clean", self.case))
         self.assertTrue((self.out / "report.json").exists())
-        self.assertIn("deleted", command("clean", self.case, "--yes"))
+        self.assertIn("deleted", script("clean", self.case, "--yes"))
         self.assertFalse(self.out.exists())
         self.assertTrue((self.case / "out.1").exists())
         (self.case / "out.1" / "notes.txt").write_text("mine")
-        self.assertIn("notes.txt is no result", command("clean", self.case, "--all", "--yes", code=1))
+        self.assertIn("notes.txt is no result", script("clean", self.case, "--all", "--yes", code=1))
         self.assertTrue((self.case / "out.1" / "report.json").exists())
         (self.case / "out.1" / "notes.txt").unlink()
-        command("clean", self.case, "--all", "--yes")
+        script("clean", self.case, "--all", "--yes")
         self.assertEqual([path.name for path in self.case.iterdir()], ["case.toml"])
 
     def test_clean_keeps_a_link(self):
@@ -41,9 +34,9 @@ class Commands(SiltTest):
         self.out.symlink_to(disk)
         for _ in range(2):
             self.silt("run", self.case, "--steps", 1)
-        command("clean", self.case, "--yes")
+        script("clean", self.case, "--yes")
         self.assertEqual([path.name for path in disk.iterdir()], ["out.1"])
-        command("clean", self.case, "--all", "--yes")
+        script("clean", self.case, "--all", "--yes")
         self.assertEqual([path.name for path in self.out.iterdir()], [])
 
     def test_clean_leaves_a_run_alone(self):
@@ -51,7 +44,7 @@ class Commands(SiltTest):
         try:
             while not (self.out / "run.log").exists():
                 time.sleep(0.05)
-            self.assertIn("a run is writing there", command("clean", self.case, "--yes", code=1))
+            self.assertIn("a run is writing there", script("clean", self.case, "--yes", code=1))
             self.assertTrue((self.out / "run.log").exists())
         finally:
             run.kill()
@@ -59,46 +52,46 @@ class Commands(SiltTest):
 
     def test_new_case(self):
         made = pathlib.Path(self.scratch.name) / "my-tank"
-        self.assertIn("case.toml, from settling-sphere", command("new-case", made, "--from", "settling-sphere"))
+        self.assertIn("case.toml, from settling-sphere", script("new-case", made, "--from", "settling-sphere"))
         self.assertIn("my tank", self.silt("check", made).stdout)
         self.assertEqual([path.name for path in made.iterdir()], ["case.toml"])
-        self.assertIn("is there already", command("new-case", made, code=2))
-        self.assertIn("Silt's cases are", command("new-case", f"{made}2", "--from", "setling", code=2))
+        self.assertIn("is there already", script("new-case", made, code=2))
+        self.assertIn("Silt's cases are", script("new-case", f"{made}2", "--from", "setling", code=2))
         self.assertFalse(pathlib.Path(f"{made}2").exists())
 
     def test_new_case_takes_its_files(self):
         for case in sorted((SCRIPTS.parent / "cases").glob("*/case.toml")):
             made = pathlib.Path(self.scratch.name) / case.parent.name
-            command("new-case", made, "--from", case.parent.name)
+            script("new-case", made, "--from", case.parent.name)
             self.silt("check", made)
 
     def test_compare(self):
         other, third = (pathlib.Path(self.scratch.name) / name for name in ("other", "third"))
         self.silt("run", self.case)
         self.silt("run", self.case, "--out", other, ranks=2)
-        said = command("compare", self.case, other)
+        said = script("compare", self.case, other)
         self.assertIn("ranks", said)
         self.assertIn("the states are the same to the bit", said)
         self.silt("run", self.case, "--out", third, "--set", "fluid.relaxation_time=0.9")
-        said = command("compare", self.case, third, code=1)
+        said = script("compare", self.case, third, code=1)
         self.assertIn("+# --set fluid.relaxation_time=0.9", said)
         self.assertIn("quantities.height", said)
         self.assertIn("largest difference in velocity", said)
         page = pathlib.Path(self.scratch.name) / "runs.html"
-        said = command("compare", self.case, other, third, "--page", page, code=1)
+        said = script("compare", self.case, other, third, "--page", page, code=1)
         self.assertIn(f"bodies at the end of {third}", said)
         self.assertNotIn(f"bodies at the end of {other}", said)
         self.assertRegex(said, rf"relaxation_time.*\n|ranks +1 +2 +1\n")
         figure = re.search("<figure>.*?</figure>", page.read_text(), flags=re.S)[0]
         self.assertTrue(all(str(run) in figure for run in (self.case, other, third)))
-        self.assertIn("name two or more", command("compare", self.case, code=2))
-        self.assertIn("report.json: not there", command("compare", self.case, self.scratch.name, code=1))
+        self.assertIn("name two or more", script("compare", self.case, code=2))
+        self.assertIn("report.json: not there", script("compare", self.case, self.scratch.name, code=1))
 
     def test_every_command_explains_itself(self):
         for path in sorted(SCRIPTS.iterdir()):
             if path.is_file() and os.access(path, os.X_OK):
                 start = time.monotonic()
-                self.assertGreater(len(command(path.name, "--help")), 60, path.name)
+                self.assertGreater(len(script(path.name, "--help")), 60, path.name)
                 self.assertLess(time.monotonic() - start, 5, path.name)
 
     def test_completion(self):
@@ -122,9 +115,9 @@ class Commands(SiltTest):
         self.assertEqual(completed("_silt_script", "/bin/run", "--"), [])
 
     def test_run_takes_another_program(self):
-        said = command("run", self.case, "--silt", SILT)
+        said = script("run", self.case, "--silt", SILT)
         self.assertIn("report.html", said)
-        self.assertIn("no such program", command("run", self.case, "--silt", "/nowhere/silt", code=2))
+        self.assertIn("no such program", script("run", self.case, "--silt", "/nowhere/silt", code=2))
 
     @unittest.skipUnless(os.geteuid() == 0 and shutil.which("setpriv"), "only root can act as somebody else")
     def test_run_in_a_tree_of_somebody_else(self):

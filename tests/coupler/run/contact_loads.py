@@ -1,44 +1,24 @@
 #!/usr/bin/python3
-"""contact_loads.py SILT: contact force and torque, mass and buoyancy in bodies.h5 against mechanics, the same bits on any ranks."""
+"""contact_loads.py SILT: contact force and torque, mass and buoyancy in bodies.h5 against mechanics, the same
+bits on any ranks."""
 import math
-import pathlib
-import sys
 import unittest
 
 import numpy as np
 from silt_test import SiltTest
+from silt_runs import WALLS_ACROSS_Z, body_of, domain_of, shape_of  # on the path by silt_test
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[3] / "scripts"))
-
-import silt_results  # noqa: E402
+import silt_results  # on the path by silt_test
 
 RADIUS, DENSITY, GRAVITY = 3, 2.5, 1e-5
 VOLUME = 4 / 3 * math.pi * RADIUS**3
 MASS = DENSITY * VOLUME
 
 # The ball at (16, 8, 3) touches the floor, where the blocks of a run on several ranks meet.
-SCENE = """
-[units]
-system = "lattice"
-[domain]
-size = [32, 16, 16]
-boundary = { x = "periodic", y = "periodic", z = ["no-slip", "no-slip"] }
-blocks = [8, 8, 16]
-[gravity]
-acceleration = [0, 0, -1e-5]
-[[shapes]]
-name = "ball"
-type = "sphere"
-radius = 3
-[[bodies]]
-shape = "ball"
-density = 2.5
-position = [16, 8, 3]
-[run]
-steps = 60
-[output]
-bodies = { every = 20, contacts = true }
-"""
+SCENE = (domain_of([32, 16, 16], WALLS_ACROSS_Z) +
+         "blocks = [8, 8, 16]\n[gravity]\nacceleration = [0, 0, -1e-5]\n" +
+         shape_of("ball", "sphere", "radius = 3") + body_of("ball", 2.5, "position = [16, 8, 3]") +
+         "[run]\nsteps = 60\n[output]\nbodies = { every = 20, contacts = true }\n")
 WET = SCENE.replace("[gravity]", "[fluid]\nrelaxation_time = 0.8\n[gravity]")
 
 
@@ -70,7 +50,8 @@ class ContactLoads(SiltTest):
             self.near(rows["contact_force"] + rows["force"], rest)
 
     def test_forces_of_a_moving_body_are_its_acceleration(self):
-        """All that acts: the fluid, weight, buoyancy, contacts and films; of a ball that rolls on the floor through a fluid."""
+        """All that acts: the fluid, weight, buoyancy, contacts and films; of a ball that rolls on the floor
+        through a fluid."""
         series = self.last(WET.replace("position =", "velocity = [0.01, 0, 0]\nposition ="), "--set", "output.bodies.every=1")
         acts = sum(series.array(name)[1:] for name in ("force", "buoyancy", "contact_force")) + [0, 0, -MASS * GRAVITY]
         change = MASS * np.diff(series.array("velocity"), axis=0)

@@ -3,8 +3,6 @@
 without a crash. crafted_checkpoints.py SILT [TEST]"""
 import os
 import pathlib
-import random
-import shutil
 import unittest
 
 import h5py
@@ -17,7 +15,7 @@ GOLDEN = 0x9E3779B97F4A7C15
 
 
 def checksum(values):
-    """As adapters/hdf5/verify_checkpoint.cpp has it."""
+    """Returns the checksum of adapters/hdf5/verify_checkpoint.cpp."""
     data = np.ascontiguousarray(values).reshape(-1)
     bits = data.view(f"u{data.dtype.itemsize}").astype(np.uint64)
     with np.errstate(over="ignore"):
@@ -173,24 +171,6 @@ class Checkpoints(SiltTest):
         """HDF5 1.10 can crash on a damaged heap: there is none."""
         for heap in (b"FRHP", b"FHDB", b"HEAP", b"GCOL"):
             self.assertNotIn(heap, self.good)
-
-    def test_damaged_metadata(self):
-        with h5py.File(self.path) as f:
-            data = []
-            f.visititems(lambda _, o: data.append((o.id.get_offset(), o.id.get_storage_size()))
-                         if isinstance(o, h5py.Dataset) and o.id.get_offset() else None)
-        metadata = [at for at in range(len(self.good)) if not any(first <= at < first + n for first, n in data)]
-        random.seed(1)
-        refused = 0
-        for at in random.sample(metadata, 30):
-            damaged = bytearray(self.good)
-            damaged[at] ^= 1 << random.randrange(8)
-            self.path.write_bytes(damaged)
-            result = self.run_silt("resume", self.case, "--set", "run.steps=25")
-            self.assertIn(result.returncode, (0, 2), f"byte {at}: {result.stderr}")
-            refused += result.returncode == 2
-        self.assertGreater(refused, 10)
-        shutil.rmtree(self.out)
 
 
 if __name__ == "__main__":

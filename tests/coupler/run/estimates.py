@@ -1,6 +1,7 @@
 #!/usr/bin/python3
-"""estimates.py SILT: what `silt check` foresees of memory and disk is within a factor of 2 of a run, and it foresees time for output (how much:
-tests/stress/time_of_output.py). More than the disk has, or years, are warned of."""
+"""estimates.py SILT: what `silt check` foresees of memory and disk is within a factor of 2 of a run, and it
+foresees time for output (how much: tests/stress/time_of_output.py). More than the disk has, or years, are
+warned of."""
 import re
 import resource
 import unittest
@@ -35,7 +36,8 @@ class Estimates(SiltTest):
             self.assertGreater(number(said, "  of it for output"), alone, output)
 
     def test_shares_of_ranks(self):
-        """All the work that is no cell's is in one corner: of two equal halves one has nearly all of it, of cut ones none has much more."""
+        """All the work that is no cell's is in one corner: of two equal halves one has nearly all of it, of
+        cut ones none has much more."""
         self.write(CASE.split("[fluid]")[0].replace("blocks = [6, 8, 16]\n", "").replace("[24, 16, 16]", "[96, 48, 48]") + """
 [[shapes]]
 name = "ball"
@@ -56,7 +58,8 @@ steps = 10
         self.assertNotIn("largest over mean", self.silt("check", self.case).stdout)
 
     def test_a_large_domain_takes_no_longer(self):
-        """Its work is estimated from boxes and bodies: at ten times the length a walk over cells would take a thousand times as long."""
+        """The work of a domain is estimated from boxes and bodies: at ten times the length a walk over cells
+        would take a thousand times as long."""
         dry = CASE[:CASE.index("[fluid]")].replace("blocks = [6, 8, 16]\n", "") + CASE[CASE.index("[[shapes]]"):CASE.index("[output]")]
 
         def seconds(size):

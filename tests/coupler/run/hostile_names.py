@@ -1,22 +1,17 @@
 #!/usr/bin/python3
-"""hostile_names.py SILT: scripts take folders' names for names, whatever is in them; what scripts/submit writes is a script that SLURM
-takes, with what was asked for, and what cannot be is refused with the reason."""
+"""hostile_names.py SILT: scripts take folders' names for names, whatever is in them; what scripts/submit
+writes is a script that SLURM takes, with what was asked for, and what cannot be is refused with the
+reason."""
 import concurrent.futures
-import importlib.machinery
-import importlib.util
 import os
 import pathlib
 import shlex
 import shutil
 import subprocess
-import sys
 import tempfile
 import unittest
 
-from silt_test import CASE, SILT, SiltTest
-
-ROOT = pathlib.Path(__file__).resolve().parents[3]
-SCRIPTS = ROOT / "scripts"
+from silt_test import CASE, ROOT, SCRIPTS, SILT, SiltTest, module_of, script
 
 # Each would leave a file X, lose a letter, or be another's option, pattern or format where it is not taken for a name.
 NAMES = ["line\ntouch X\n#SBATCH --comment=X", "it's", 'say "x"', "$(touch X)", "`touch X`", "a;touch X;b", "-rf", "  two  words ", "*", "a&touch X&b",
@@ -29,12 +24,6 @@ STAND_IN = '#!/bin/bash\n{ printf "%s\\0" "$(basename "$0")" "$PWD" "$@"; } >>"$
 
 def said_by(words, **options):
     return subprocess.run(words, capture_output=True, text=True, errors="surrogateescape", **options)
-
-
-def command(name, *arguments, code=0, **options):
-    done = said_by([SCRIPTS / name, *map(str, arguments)], stdin=subprocess.DEVNULL, **options)
-    assert done.returncode == code, (name, arguments, done.returncode, done.stdout, done.stderr)
-    return done.stdout + done.stderr
 
 
 def directives(script):
@@ -79,7 +68,7 @@ class HostileNames(SiltTest):
         program = (CASE.replace('title = "two balls"\n', "# two balls\n\ntitle = \"x\"\n")
                    .replace("radius = 2.5", "radius = 2.5\n[[shapes]]\nname = \"gear\"\ntype = \"mesh\"\nfile = \"gear.stl\""))
         self.write(program)
-        command("make_mesh", "gear", self.case / "gear.stl")
+        script("make_mesh", "gear", self.case / "gear.stl")
         with concurrent.futures.ThreadPoolExecutor(4) as pool:
             list(pool.map(self.use_by_itself, NAMES))
         self.nothing_was_carried_out(set(NAMES))
@@ -87,9 +76,9 @@ class HostileNames(SiltTest):
 
     def use_by_itself(self, name):
         made, at = self.work / name, {"cwd": self.work}
-        command("new-case", f"./{name}", "--from", self.case, **at)
+        script("new-case", f"./{name}", "--from", self.case, **at)
         self.assertIn(name.replace("-", " ").encode(errors="replace").decode().split("\n")[0], self.silt("check", made, errors="surrogateescape").stdout, name)
-        command("make_mesh", "cube", f"./{name}/cube.ply", **at)
+        script("make_mesh", "cube", f"./{name}/cube.ply", **at)
         self.assertEqual({path.name for path in made.iterdir()}, {"case.toml", "gear.stl", "cube.ply"})
         self.assertEqual(self.handed_over(SCRIPTS / "submit", f"./{name}", "-n", "2", "--out", f"./{name}/out", "--set", "run.steps=50"),
                          ["sbatch", str(made), str(made / "submit.sh")])
@@ -102,11 +91,11 @@ class HostileNames(SiltTest):
         self.assertEqual(words[words.index("--out") + 1], str(made / "out"))
         (made / "out").mkdir()
         (made / "out" / "run.log").write_text("")
-        command("clean", f"./{name}", "--yes", **at)
+        script("clean", f"./{name}", "--yes", **at)
         self.assertFalse((made / "out").exists())
 
     def completes(self):
-        """What is offered is what there is, and nothing of it is carried out."""
+        """The completion offers what there is, and carries none of it out."""
         done = said_by(["bash", "-c", f"source {shlex.quote(str(SCRIPTS))}/completion.bash; for word in '' '$' ./ ./-; do COMP_WORDS=(silt run \"$word\"); "
                                "COMP_CWORD=2; _silt; printf '%s\\0' \"${COMPREPLY[@]}\"; done"], check=True, cwd=self.work)
         for name in ("it's", "$(touch X)", "./-rf", "*"):
@@ -134,14 +123,14 @@ class HostileNames(SiltTest):
         advice = stopped.stderr[stopped.stderr.rindex(" with: ") + len(" with: "):]
         self.assertEqual(said_by(["bash", "-c", f"printf '%s\\0' {advice}"], check=True, **at).stdout.split("\0")[:2],
                          [str(SCRIPTS / "run"), case])
-        command("run", case, "--silt", SILT, "--resume", **at)
+        script("run", case, "--silt", SILT, "--resume", **at)
         found = {entry.name for entry in (self.work / path / "out").iterdir()}
         self.assertLessEqual({"report.json", "report.html", "bodies.h5", "velocity.png", "slice.png"}, found)
         calls = [("compare", case, case, "--page", f"{case}/runs.html"), ("watch", case), ("sweep", case, "--vary", "run.steps=1,2", "--collect"), ("surfaces", case), ("regress", case, "--silt", SILT)]
         if shutil.which("povray"):
             calls.append(("render", case, "--size", 40))
         with concurrent.futures.ThreadPoolExecutor(2) as pool:
-            list(pool.map(lambda call: command(*call, **at), calls))
+            list(pool.map(lambda call: script(*call, **at), calls))
         if shutil.which("povray"):
             words = self.handed_over(SCRIPTS / "render", case, "--size", "40", "--film", "--frames", "2", "--to=-%d:film.mp4")
             self.assertEqual((words[0], words[-1]), ("ffmpeg", f"file:{self.work}/-%d:film.mp4"))
@@ -150,10 +139,7 @@ class HostileNames(SiltTest):
 
 class Submit(unittest.TestCase):
     def setUp(self):
-        loader = importlib.machinery.SourceFileLoader("submit", str(SCRIPTS / "submit"))
-        self.module = importlib.util.module_from_spec(importlib.util.spec_from_loader("submit", loader))
-        sys.dont_write_bytecode = True
-        loader.exec_module(self.module)
+        self.module = module_of("submit")
         scratch = tempfile.TemporaryDirectory()
         self.addCleanup(scratch.cleanup)
         self.folder = pathlib.Path(scratch.name)
@@ -167,7 +153,7 @@ class Submit(unittest.TestCase):
             self.assertEqual(self.module.seconds(text), seconds, text)
 
     def test_what_was_asked_for(self):
-        command("submit", self.case, "-n", 8, "--nodes", 2, "--time", "02:00:00", "--partition", "short", "--account", "fluids", "--no-submit",
+        script("submit", self.case, "-n", 8, "--nodes", 2, "--time", "02:00:00", "--partition", "short", "--account", "fluids", "--no-submit",
                 "--set", "run.steps=50", "--out", self.folder / "results", "--resume")
         script = (self.case / "submit.sh").read_text()
         self.assertEqual(directives(script), {"job-name": "silt-case", "ntasks": "8", "nodes": "2", "time": "02:00:00", "partition": "short",
@@ -178,7 +164,7 @@ class Submit(unittest.TestCase):
         for option, value in {"--time-limit": "6900", "--set": "run.steps=50", "resume": str(self.case), "--out": str(self.folder / "results")}.items():
             self.assertEqual(words[words.index(option) + 1], value)  # 6900: 300 s before the end
         self.assertEqual(subprocess.run(["bash", "-n", self.case / "submit.sh"]).returncode, 0)
-        command("submit", self.case, "-n", 16, "--nodes", 2, "--gpus", 4, "--no-submit")
+        script("submit", self.case, "-n", 16, "--nodes", 2, "--gpus", 4, "--no-submit")
         script = (self.case / "submit.sh").read_text()
         self.assertEqual(directives(script)["gpus-per-node"], "4")
         self.assertIn("srun --ntasks-per-node=1 nvidia-cuda-mps-control -d", script)
@@ -186,7 +172,7 @@ class Submit(unittest.TestCase):
         self.assertEqual(words[words.index("--device") + 1], "gpu")
         self.assertEqual(subprocess.run(["bash", "-n", self.case / "submit.sh"]).returncode, 0)
         if shutil.which("sbatch") and subprocess.run(["sinfo"], capture_output=True).returncode == 0:
-            command("submit", self.case, "--time", 10, "--no-submit")
+            script("submit", self.case, "--time", 10, "--no-submit")
             judged = subprocess.run(["sbatch", "--test-only", self.case / "submit.sh"], capture_output=True, text=True)
             self.assertEqual(judged.returncode, 0, judged.stderr)
 
@@ -198,8 +184,8 @@ class Submit(unittest.TestCase):
                             ("--account", "a\n#SBATCH --wrap=x"): "it must be one word of ASCII characters",
                             ("--partition", "a b"): "it must be one word of ASCII characters",
                             ("--no-submit", "--set", "fluid.viscosty=1"): "viscosty"}.items():
-            self.assertIn(said, command("submit", self.case, *words, code=2))
-        self.assertIn("a directory with a case.toml", command("submit", self.case / "nowhere", code=2))
+            self.assertIn(said, script("submit", self.case, *words, code=2))
+        self.assertIn("a directory with a case.toml", script("submit", self.case / "nowhere", code=2))
 
 
 if __name__ == "__main__":

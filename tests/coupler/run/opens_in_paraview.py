@@ -1,6 +1,7 @@
 #!/usr/bin/env pvpython
-"""opens_in_paraview.py OUT [PICTURE]: ParaView reads every field, slice and surface in a folder of results at every time, with its columns, and shows
-them as the state OUT/paraview.py says. Not among the tests: Debian's python3-paraview and python3-vtk9 cannot both be installed. Run by `pvpython --force-offscreen-rendering`."""
+"""opens_in_paraview.py OUT [PICTURE]: ParaView reads every field, slice and surface in a folder of results at
+every time, with its columns, and shows them as the state OUT/paraview.py says. Not among the tests: Debian's
+python3-paraview and python3-vtk9 cannot both be installed. Run by `pvpython --force-offscreen-rendering`."""
 import pathlib
 import sys
 

@@ -1,17 +1,14 @@
 #!/usr/bin/python3
 """output_fields.py SILT: fields and slices hold what theory and the other files say, the same on any ranks."""
-import pathlib
-import sys
 import unittest
 
 import h5py
 import numpy as np
 from vtkmodules.vtkIOHDF import vtkHDFReader
 from silt_test import CASE, CHANNEL, SiltTest
+from silt_runs import body_of, domain_of, shape_of  # on the path by silt_test
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[3] / "scripts"))
-
-import silt_results  # noqa: E402
+import silt_results  # on the path by silt_test
 
 ALL = '["velocity", "density", "pressure", "shear-rate", "vorticity", "body-id"]'
 BALLS = CASE.replace("fields = { every = 20 }", f"fields = {{ every = 20, quantities = {ALL} }}") + """
@@ -27,87 +24,31 @@ every = 60
 box = [[17, 3.2, 2.5], [24, 9.5, 10]]
 quantities = ["density", "shear-rate", "vorticity"]
 """
-VORTEX = """
-[units]
-system = "lattice"
-[domain]
-size = [32, 32, 32]
-boundary = "periodic"
-[fluid]
-relaxation_time = 0.8
-precision = "double"
-initial = { type = "taylor-green-3d", velocity = [0.01, 0, 0] }
-[run]
-steps = 1
-[output]
-fields = { every = 1, quantities = ["pressure", "shear-rate", "velocity", "vorticity"], precision = "double" }
-"""
+VORTEX = (domain_of([32, 32, 32]) + '[fluid]\nrelaxation_time = 0.8\nprecision = "double"\n' +
+          'initial = { type = "taylor-green-3d", velocity = [0.01, 0, 0] }\n' + "[run]\nsteps = 1\n" +
+          "[output]\n" +
+          'fields = { every = 1, quantities = ["pressure", "shear-rate", "velocity", "vorticity"], precision = "double" }\n')
 
 
-PIPE = """
-[units]
-system = "lattice"
-[domain]
-size = [24, 24, 8]
-boundary = { x = "no-slip", y = "no-slip", z = "periodic" }
-blocks = [6, 12, 8]
-[fluid]
-relaxation_time = 0.8
-precision = "double"
-[[walls]]
-name = "pipe"
-type = "tube"
-point = [12, 12, 0]
-axis = "z"
-radius = 10
-angular_velocity = 0.001
-[run]
-steps = 4000
-[output]
-fields = { every = 4000, quantities = ["vorticity"], precision = "double" }
-"""
+PIPE = (domain_of([24, 24, 8], '{ x = "no-slip", y = "no-slip", z = "periodic" }') +
+        'blocks = [6, 12, 8]\n[fluid]\nrelaxation_time = 0.8\nprecision = "double"\n' +
+        '[[walls]]\nname = "pipe"\ntype = "tube"\npoint = [12, 12, 0]\naxis = "z"\nradius = 10\n' +
+        "angular_velocity = 0.001\n[run]\nsteps = 4000\n" +
+        '[output]\nfields = { every = 4000, quantities = ["vorticity"], precision = "double" }\n')
 
 
 # A ball that moves on has the regions of cells move with it: at step 32 at the latest.
-LEVELS = """
-[units]
-system = "lattice"
-[domain]
-size = [96, 32, 32]
-boundary = "periodic"
-[fluid]
-relaxation_time = 0.8
-[coarsening]
-levels = 2
-distance = 8
-[[shapes]]
-name = "ball"
-type = "sphere"
-radius = 3
-[[bodies]]
-shape = "ball"
-density = 2
-position = [12.5, 16, 16]
-velocity = [0.1, 0, 0]
-[run]
-steps = 64
-[output]
-fields = { every = 32, quantities = ["velocity", "density", "vorticity", "body-id"] }
-checkpoint = { every = 32 }
-[[output.slices]]
-name = "middle"
-every = 64
-axis = "z"
-at = 16
-quantities = ["velocity"]
-[[output.slices]]
-name = "finest"
-every = 64
-axis = "z"
-at = 16
-quantities = ["velocity"]
-finest = true
-"""
+LEVELS = (domain_of([96, 32, 32]) +
+          "[fluid]\nrelaxation_time = 0.8\n[coarsening]\nlevels = 2\ndistance = 8\n" +
+          shape_of("ball", "sphere", "radius = 3") +
+          body_of("ball", 2, "position = [12.5, 16, 16]", "velocity = [0.1, 0, 0]") + "[run]\nsteps = 64\n" +
+          "[output]\n" +
+          'fields = { every = 32, quantities = ["velocity", "density", "vorticity", "body-id"] }\n' +
+          "checkpoint = { every = 32 }\n" +
+          '[[output.slices]]\nname = "middle"\nevery = 64\naxis = "z"\nat = 16\n' +
+          'quantities = ["velocity"]\n' +
+          '[[output.slices]]\nname = "finest"\nevery = 64\naxis = "z"\nat = 16\n' +
+          'quantities = ["velocity"]\nfinest = true\n')
 
 
 class Fields(SiltTest):
@@ -130,7 +71,7 @@ class Fields(SiltTest):
         self.assertEqual(field.unit("shear-rate"), "1/step")
 
     def test_vorticity_of_a_vortex(self):
-        """From differences two cells apart of sines: the curl times sin k / k."""
+        """Differences of sines two cells apart give the curl times sin k / k."""
         self.write(VORTEX)
         a, k = 0.01, 2 * np.pi / 32
         for ranks in (1, 2, 4, 8):
@@ -183,7 +124,8 @@ class Fields(SiltTest):
         self.assertTrue(np.allclose(field["pressure"], (field["density"] - 1) / 3, atol=1e-7))
 
     def test_what_is_solid_is_told_apart(self):
-        """Bodies and walls in every file of a scene that has them, in none of one that has not, as whole numbers of a byte."""
+        """Bodies and walls in every file of a scene that has them, in none of one that has not, as whole
+        numbers of a byte."""
         self.write(PIPE.replace("steps = 4000", "steps = 1").replace("every = 4000", "every = 1") + """
 [[output.slices]]
 name = "middle"
@@ -234,7 +176,7 @@ position = [12, 12, 4]
             self.assertGreater(image.GetOutput().GetPointData().GetNumberOfArrays(), 1)
 
     def test_cells_of_several_levels(self):
-        """On any ranks the same cells, regions and values, and so for a run that goes on in the middle."""
+        """Cells, regions and values are the same on any ranks, and in a run that goes on in the middle."""
         self.write(LEVELS)
         self.silt("run", self.case)
         first, last = silt_results.open(self.case).fields[::2]
@@ -281,7 +223,8 @@ position = [12, 12, 4]
                     self.assertTrue((a[name] == b[name]).all(), (ranks, path.name, name))
 
     def test_compression_changes_sizes_only(self):
-        """A flow at rest but for a ball: most of it is zeros. With more ranks than whole chunks, and layers cut among them."""
+        """A flow at rest but for a ball: most of it is zeros. With more ranks than whole chunks, and layers
+        cut among them."""
         self.write(BALLS.replace("every = 20, quantities", "every = 60, compression = 4, quantities").replace("every = 60\n", "every = 60\ncompression = 9\n"))
         packed = self.case / "packed"
         self.silt("run", self.case, "--set", "output.fields.compression=0", "--set", "output.slices.1.compression=0")

@@ -1,21 +1,18 @@
 #!/usr/bin/python3
-"""output_page.py SILT: cases/OUTPUT.md names every file, key, column and data set of a run, and none that is not there."""
+"""output_page.py SILT: cases/OUTPUT.md names every file, key, column and data set of a run, and none that is
+not there."""
 import csv
 import json
-import pathlib
 import re
 import subprocess
-import sys
 import unittest
 
 import h5py
-from silt_test import CASE, CHANNEL, SiltTest
+from silt_test import CASE, CHANNEL, ROOT, SiltTest
 
-ROOT = pathlib.Path(__file__).resolve().parents[3]
+import silt_results  # on the path by silt_test
+
 PAGE = ROOT / "cases" / "OUTPUT.md"
-sys.path.insert(0, str(ROOT / "scripts"))
-
-import silt_results  # noqa: E402
 
 # of a run that was stopped, of one that went on, with coarser cells, with bodies of many sizes, on a graphics processor
 SOMETIMES = {"exit_text", "resumed_at", "levels", "sizes", "bodies/scale", "card", "bus", "bus.bytes_per_body_and_step"}
@@ -74,14 +71,10 @@ class Series(SiltTest):
     """series.csv against report.json, bodies.h5 and what mechanics says."""
     REPORTS = CASE.replace("[output]", "[output]\nreport = { every = 20 }").replace("every = 7 }", "every = 20 }")
 
-    def rows(self, folder=None):
-        with open((folder or self.out) / "series.csv", newline="") as stream:
-            return list(csv.DictReader(stream))
-
     def test_last_row_is_the_report(self):
         self.write(self.REPORTS)
         self.silt("run", self.case)
-        rows, report = self.rows(), self.report()
+        rows, report = self.rows("series.csv"), self.report()
         self.assertEqual([row["steps"] for row in rows], ["0", "20", "40", "60"])
         self.assertEqual(float(rows[-1]["quantities.height"]), report["quantities"]["height"])
         self.assertEqual(float(rows[-1]["momentum.fluid.z"]), report["momentum"]["fluid"][2])
@@ -100,7 +93,7 @@ time = 20
 """)
         self.silt("run", self.case, "--steps", 34)
         self.silt("resume", self.case, "--set", "run.steps=40")
-        rows, report = self.rows(), self.report()
+        rows, report = self.rows("series.csv"), self.report()
         now = [float(row["quantities.drag"] or "nan") for row in rows]
         self.assertEqual(len(now), 41)
         self.assertGreater(now[19], 0)  # before its time, too
@@ -122,36 +115,37 @@ time = 20
         with h5py.File(self.out / "bodies.h5") as file:
             v = file["bodies/velocity"][:].reshape(-1, 2, 3)
             w = file["bodies/angular_velocity"][:].reshape(-1, 2, 3)
-        for row, v, w in zip(self.rows(), v, w):
+        for row, v, w in zip(self.rows("series.csv"), v, w):
             self.assertAlmostEqual(float(row["energy.bodies"]), 0.5 * (mass * (v**2).sum() + inertia * (w**2).sum()), delta=1e-12)
             self.assertAlmostEqual(float(row["momentum.bodies.x"]), mass * v[:, 0].sum(), delta=1e-11)
 
     def test_same_on_any_ranks(self):
         self.write(self.REPORTS)
         self.silt("run", self.case)
-        alone = self.rows()
+        alone = self.rows("series.csv")
         self.silt("run", self.case, ranks=4)
         clocks = re.compile("seconds|mlups")
-        for a, b in zip(alone, self.rows()):
+        for a, b in zip(alone, self.rows("series.csv")):
             self.assertEqual({k: x for k, x in a.items() if not clocks.search(k)}, {k: x for k, x in b.items() if not clocks.search(k)})
 
     def test_goes_on_where_the_run_does(self):
         self.write(self.REPORTS)
         self.silt("run", self.case, "--steps", 50)
         with open(self.out / "series.csv", "a") as stream:  # of a run that was killed later on
-            stream.write(self.rows()[-1]["steps"].join(["", "9,1,"]) + "\n70,1,2")
+            stream.write(self.rows("series.csv")[-1]["steps"].join(["", "9,1,"]) + "\n70,1,2")
         self.silt("resume", self.case, "--set", "run.steps=60")
-        self.assertEqual([row["steps"] for row in self.rows()], ["0", "20", "40", "50", "60"])
+        self.assertEqual([row["steps"] for row in self.rows("series.csv")], ["0", "20", "40", "50", "60"])
 
     def test_odd_names(self):
-        """Names with what CSV takes for its own: read by Python's csv, by silt_results, by the pages, and by a run that goes on."""
+        """Names with what CSV takes for its own: read by Python's csv, by silt_results, by the pages, and by
+        a run that goes on."""
         names = ["drag, total", 'say "x"', "a\nb", "c\rd\r\ne", '"', ",", "'", " ü ", "a.b", "torque.max", "low.min", "=1+1", "$x^", "_1",
                  "\u2028\u0085\x0b", "#", "\\", "<b>&amp;"]
         quantities = "".join(f"[[quantities]]\nname = {json.dumps(name)}\ntype = \"mean-height\"\n" for name in names)
         self.write(self.REPORTS + quantities)
         self.silt("run", self.case, "--steps", 50)
         self.silt("resume", self.case, "--set", "run.steps=60")
-        report, rows = self.report(), self.rows()
+        report, rows = self.report(), self.rows("series.csv")
         self.assertEqual(list(report["quantities"]), ["height", *names])
         self.assertEqual([row["steps"] for row in rows], ["0", "20", "40", "50", "60"])
         series = silt_results.open(self.out).series
@@ -171,7 +165,7 @@ time = 20
         text = (self.out / "series.csv").read_text()
         (self.out / "series.csv").write_text(text.replace("quantities.height", "quantities.depth"))
         self.silt("resume", self.case, "--set", "run.steps=60")
-        self.assertEqual([row["steps"] for row in self.rows()], ["60"])
+        self.assertEqual([row["steps"] for row in self.rows("series.csv")], ["60"])
         self.assertEqual(len((self.out / "series.1.csv").read_text().splitlines()), 5)
 
 

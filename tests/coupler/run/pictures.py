@@ -1,51 +1,27 @@
 #!/usr/bin/python3
-"""pictures.py SILT: scripts/render and scripts/plot on a run: no body is cut off by the frame, the scale bar is as long as it says, a film shows the
-bodies where they were, walls are those of the run, what is solid is no fluid at rest, and no label covers another."""
-import importlib.machinery
-import importlib.util
+"""pictures.py SILT: scripts/render and scripts/plot on a run: no body is cut off by the frame, the scale bar
+is as long as it says, a film shows the bodies where they were, walls are those of the run, what is solid is
+no fluid at rest, and no label covers another."""
 import os
 import pathlib
 import shutil
 import subprocess
-import sys
 import unittest
 
 import numpy as np
 from PIL import Image
-from silt_test import SiltTest
+from silt_test import SCRIPTS, SiltTest, module_of, script
+from silt_runs import domain_of, shape_of  # on the path by silt_test
 
-SCRIPTS = pathlib.Path(__file__).resolve().parents[3] / "scripts"
 RENDER = SCRIPTS / "render"
 RADIUS, APART = 2.5, 17
 # Two balls in a periodic box; a part of the left one, which moves, is beyond its side.
-SCENE = """
-[units]
-system = "lattice"
-[domain]
-size = [24, 16, 16]
-boundary = "periodic"
-[contacts]
-margin = 0.1
-[[shapes]]
-name = "ball"
-type = "sphere"
-radius = 2.5
-[[bodies]]
-shape = "ball"
-name = "left"
-density = 1
-positions = [[1, 8, 8]]
-velocity = [0.05, 0, 0]
-[[bodies]]
-shape = "ball"
-name = "right"
-density = 1
-positions = [[18, 8, 8]]
-[run]
-steps = 40
-[output]
-bodies = { every = 10 }
-"""
+SCENE = (domain_of([24, 16, 16]) + "[contacts]\nmargin = 0.1\n" +
+         shape_of("ball", "sphere", "radius = 2.5") +
+         '[[bodies]]\nshape = "ball"\nname = "left"\ndensity = 1\npositions = [[1, 8, 8]]\n' +
+         "velocity = [0.05, 0, 0]\n" +
+         '[[bodies]]\nshape = "ball"\nname = "right"\ndensity = 1\npositions = [[18, 8, 8]]\n' +
+         "[run]\nsteps = 40\n[output]\nbodies = { every = 10 }\n")
 # A ball in an upright tube, with fluid.
 TUBE = """
 title = "a ball in a tube with a title that is longer than a line of a picture can be"
@@ -99,10 +75,7 @@ def centres(picture):
 
 def plotted(case, name):
     """Returns the figure that scripts/plot makes of a case under a name, as it is when it has been drawn."""
-    sys.path.insert(0, str(SCRIPTS))
-    loader = importlib.machinery.SourceFileLoader("plot", str(SCRIPTS / "plot"))
-    plot = importlib.util.module_from_spec(importlib.util.spec_from_loader("plot", loader))
-    loader.exec_module(plot)
+    plot = module_of("plot")
     plot.plt.close = lambda figure: None
     getattr(plot, name)(plot.Run(plot.silt_results.open(case)))
     figure = plot.plt.figure(plot.plt.get_fignums()[-1])
@@ -120,7 +93,7 @@ class Walls(SiltTest):
         (self.case / "case.toml").write_text(TUBE.replace("1.1e-4", "0.6e-4"))
 
     def test_render(self):
-        subprocess.run([RENDER, self.case, "--size", "320", *FACING, "--no-caption"], check=True, capture_output=True)
+        script("render", self.case, "--size", "320", *FACING, "--no-caption")
         picture = np.asarray(opened(self.out / "render.png")).astype(int)
         ball = (picture[:, :, 2] > picture[:, :, 0] + 60).any(axis=0)
         tube = (np.abs(picture - [picture[-10, picture.shape[1] // 2]]).max(axis=2) < 60)[-10]  # below the ball
@@ -134,7 +107,7 @@ class Walls(SiltTest):
 
     def test_what_is_solid_is_no_fluid_at_rest(self):
         """In the middle plane a third of the width is wall: 8 of 24 cells; the ball has the colour of its kind."""
-        subprocess.run([SCRIPTS / "plot", self.case], check=True, capture_output=True)
+        script("plot", self.case)
         picture = np.asarray(opened(self.out / "slice.png")).astype(int)
         row = picture[picture.shape[0] // 4]
         wall = (np.abs(row - 0xBB).max(axis=1) < 3).sum()
@@ -142,7 +115,8 @@ class Walls(SiltTest):
         self.assertAlmostEqual(wall / (wall + fluid), 8 / 24, delta=0.02)
 
     def test_labels_of_a_small_domain(self):
-        """Micrometres, with room between the labels, in a narrow box too; nothing is wider than what can be read on a screen 390 pixels wide."""
+        """Micrometres, with room between the labels, in a narrow box too; nothing is wider than what can be
+        read on a screen 390 pixels wide."""
         narrow = TUBE.replace("2.4e-4, 2.4e-4", "8e-5, 8e-5").replace("[1.2e-4, 1.2e-4, 3e-4]", "[4e-5, 4e-5, 3e-4]")
         narrow = narrow.replace("time_step = 1e-6", "time_step = 8e-4").replace("kinematic_viscosity = 1e-5", "kinematic_viscosity = 1.25e-8")
         self.write(narrow[:narrow.index("[[walls]]")] + narrow[narrow.index("[[shapes]]"):])

@@ -2,22 +2,17 @@
 """reads_results.py SILT: silt_results gives what is in the files, and the program of its page runs as it stands."""
 import contextlib
 import io
-import pathlib
 import re
 import subprocess
-import sys
 import types
 import unittest
 
 import h5py
 import numpy as np
-from silt_test import CASE, SiltTest
+from silt_test import CASE, ROOT, SiltTest, script
 
-ROOT = pathlib.Path(__file__).resolve().parents[3]
-sys.path.insert(0, str(ROOT / "scripts"))
-
-import silt_results  # noqa: E402
-from silt_results import structure  # noqa: E402
+import silt_results  # on the path by silt_test
+from silt_results import structure
 
 
 # Bodies whose file's or parts' origin is not their centre of mass come to rest on one another.
@@ -71,8 +66,7 @@ axis = [1, 1, 3]""", "CLUBS": "positions = [[0.01, 0.03, 0.08], [0.04, 0.07, 0.0
 
 class PositionFiles(SiltTest):
     def test_another_case_begins_with_them(self):
-        scripts = ROOT / "scripts"
-        subprocess.run([scripts / "make_mesh", "gear", self.case / "rock.obj"], check=True, stdout=subprocess.DEVNULL)
+        script("make_mesh", "gear", self.case / "rock.obj")
         corners = (self.case / "rock.obj").read_text().splitlines()
         corners = [f"v {float(w[1]) + 1.5} {float(w[2]) - 0.7} {w[3]}" if w[0] == "v" else " ".join(w) for w in map(str.split, corners)]
         (self.case / "rock.obj").write_text("\n".join(corners) + "\n")
@@ -164,7 +158,8 @@ class Structure(unittest.TestCase):
             self.assertTrue(0.98 < r[g.argmax()] < 1.02)
 
     def test_bodies_at_random(self):
-        """g is 1 within what so many pairs scatter, over periodic sides, between walls, of a kind and in a part of the domain."""
+        """g is 1 within what so many pairs scatter, over periodic sides, between walls, of a kind and in a
+        part of the domain."""
         position = np.random.default_rng(1).uniform(0, [2, 3, 1.5], (3000, 3))
         for periodic, options in (((True, True, True), {}), ((False, False, False), {}), ((True, False, True), {"kind": "odd"}),
                                   ((True, True, True), {"box": [[0.2, 0, 0.1], [1.6, 3, 1.5]]})):

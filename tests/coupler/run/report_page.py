@@ -1,23 +1,19 @@
 #!/usr/bin/python3
-"""report_page.py SILT: scripts/report puts a run on one page that needs nothing else, says what is true and in which units, and fits a phone."""
+"""report_page.py SILT: scripts/report puts a run on one page that needs nothing else, says what is true and
+in which units, and fits a phone."""
 import html.parser
 import os
-import pathlib
 import re
 import shutil
 import subprocess
-import sys
 import time
 import unittest
 import urllib.parse
 
-ROOT = pathlib.Path(__file__).resolve().parents[3]
-sys.path.append(str(ROOT / "tests"))
+from silt_test import CASE, ENVIRONMENT, SCRIPTS, SILT, UNSTABLE, SiltTest
 
-from run_script import run_script  # noqa: E402
-from silt_test import CASE, ENVIRONMENT, SILT, UNSTABLE, SiltTest  # noqa: E402
+from run_script import run_script  # on the path by silt_test
 
-SCRIPTS = ROOT / "scripts"
 BROWSER = next((path for name in ("chromium", "chromium-browser", "google-chrome") if (path := shutil.which(name))), None)
 REFERENCE = """
 [[quantity]]
@@ -101,8 +97,8 @@ class Page(SiltTest):
         self.assertLessEqual(of, 500)
 
     def test_units_and_sources(self):
-        """Every axis has its unit, in letters that a phone shows, every quantity too; where a reference is from is told, and so are the speeds
-        of each kind."""
+        """Every axis has its unit, in letters that a phone shows, every quantity too; where a reference is
+        from is told, and so are the speeds of each kind."""
         kinds = CASE.replace("positions = [[6, 8, 8], [18, 8, 9]]", 'name = "slow ones"\nposition = [6, 8, 8]\n[[bodies]]\nname = "fast ones"\n'
                              'shape = "ball"\ndensity = 2\nvelocity = [0.03, 0, 0]\nposition = [18, 8, 9]')
         for system, time, length, speed in (("lattice", "steps", "cells", "cells/step"), ("si", "s", "m", "m/s")):
@@ -161,7 +157,7 @@ class Page(SiltTest):
         self.assertIn("class=bad>deviates", text)
 
     def test_bounds_are_no_theory(self):
-        """What is found is said to be between them, and by no deviation from their middle."""
+        """The page says that what is found is between them, and by no deviation from their middle."""
         for bounds, word in (("[7.5, 8.5]", "inside"), ("[8.5, 9.5]", "outside")):
             self.write(CASE)
             (self.case / "reference.toml").write_text(REFERENCE.replace("value = {value}\ntolerance = 0.1", f"between = {bounds}"))

@@ -51,7 +51,7 @@ class Faults(SiltTest):
         self.assertFalse((self.case / "out.1").exists())
 
     def test_a_guard_speaks_beside_leftovers(self):
-        """Its ranks agree by this file who speaks."""
+        """The ranks of a guard agree by this file who speaks."""
         self.write(UNSTABLE)
         self.silt("run", self.case, "--steps", 1)
         (self.out / "report.json.part").write_text("of a killed run")
@@ -224,7 +224,8 @@ class Faults(SiltTest):
             self.assertIn(f"the state it stopped in: {state}", errors)
 
     def test_too_little_memory_ends_with_an_error(self):
-        """From where the program's libraries are not even loaded to where it runs, in steps of 4 MB: an error, no crash."""
+        """The limits begin where the program's libraries are not even loaded to where it runs, in steps of 4
+        MB: an error, no crash."""
         self.write(CASE.replace("[gravity]", '[contacts]\nbackend = "bullet"\nbroad_phase = "bullet"\n[gravity]'))
         codes = set()
         for megabytes in range(40, 130, 4):
@@ -302,7 +303,7 @@ class Faults(SiltTest):
             self.assertRegex(result.stderr, rf"{self.out}/[\w.]+: .*File too large .*ulimit -f")
 
     def test_rows_and_report_of_a_run_that_was_complete(self):
-        """As one that was killed after its last checkpoint may have left them."""
+        """A run that was killed after its last checkpoint may have left them so."""
         self.write(CASE.replace("[output]", "[output]\nreport = { every = 20 }"))
         self.silt("run", self.case)
         whole, rows = self.report(), (self.out / "series.csv").read_text().splitlines()

@@ -1,6 +1,7 @@
 #!/usr/bin/python3
-"""same_bits_of_every_libm.py SILT CASES: no state depends on how the C library rounds sines, logarithms and the like. glibc has
-others for processors without fused multiply-add, and can be told to take them. Exit code 77, "Skipped", where they round alike."""
+"""same_bits_of_every_libm.py SILT CASES: no state depends on how the C library rounds sines, logarithms and
+the like. glibc has others for processors without fused multiply-add, and can be told to take them. Exit code
+77, "Skipped", where they round alike."""
 import json
 import os
 import pathlib

@@ -1,27 +1,23 @@
 #!/usr/bin/python3
-"""same_bits_on_every_device.py SILT CASES: the passes of a device, run on the processor on any number of ranks, give the state of its
-kernels, and a run goes on from one's checkpoint on the other, to the bit. What is not there is refused by name. All cases:
-scripts/hashes --device host."""
-import json
-import os
+"""same_bits_on_every_device.py SILT CASES: the passes of a device, run on the processor on any number of
+ranks, give the state of its kernels, and a run goes on from one's checkpoint on the other, to the bit. What
+is not there is refused by name. All cases: scripts/hashes --device host."""
 import pathlib
-import subprocess
 import sys
 import tempfile
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2]))
+from silt_runs import report_of, run  # noqa: E402
 
 silt, cases = sys.argv[1], pathlib.Path(sys.argv[2])
 
 
-def silt_run(*words, ranks=1):
-    launcher = ["mpirun", "--oversubscribe", "--allow-run-as-root", "--quiet", "-np", str(ranks)] if ranks > 1 else []
-    done = subprocess.run([*launcher, silt, *map(str, words)], capture_output=True, text=True,
-                          env=dict(os.environ, OMPI_MCA_mpi_yield_when_idle="1", OMPI_MCA_rmaps_base_oversubscribe="1"))
-    assert done.returncode == 0, done.stderr
-    return done
+def silt_run(*words, **options):
+    return run(silt, *words, **options)
 
 
 def state(out):
-    report = json.loads((out / "report.json").read_text())
+    report = report_of(out)
     return report["device"], report["state_hash"]
 
 
@@ -46,8 +42,8 @@ with tempfile.TemporaryDirectory() as folder:
     silt_run("resume", case, "--out", out, "--steps", 40, "--device", "cpu")
     assert state(out) == ("cpu", whole), (state(out), whole)
 
-    refused = subprocess.run([silt, "run", case, "--out", out, "--device", "gup"], capture_output=True, text=True)
-    assert refused.returncode == 2 and 'must be one of cpu, host, gpu; did you mean' in refused.stderr, refused.stderr
-    asked = subprocess.run([silt, "run", case, "--out", out, "--overwrite", "--steps", "2", "--device", "gpu"], capture_output=True, text=True)
+    refused = silt_run("run", case, "--out", out, "--device", "gup", code=2)
+    assert 'must be one of cpu, host, gpu; did you mean' in refused.stderr, refused.stderr
+    asked = silt_run("run", case, "--out", out, "--overwrite", "--steps", 2, "--device", "gpu", code=None)
     if asked.returncode:
         assert asked.returncode == 2 and 'run.device is "gpu"' in asked.stderr and 'use run.device = "cpu"' in asked.stderr, asked.stderr

@@ -1,6 +1,7 @@
 #!/usr/bin/python3
-"""same_bits_on_every_isa.py SILT CASES ISA: the kernels of an instruction set and the portable ones give the same state, to
-the bit. Exit code 77 where this machine lacks the instruction set: its ctest entry then reads "Skipped"."""
+"""same_bits_on_every_isa.py SILT CASES ISA: the kernels of an instruction set and the portable ones give the
+same state, to the bit. Exit code 77 where this machine lacks the instruction set: its ctest entry then reads
+"Skipped"."""
 import json
 import os
 import pathlib

@@ -1,91 +1,34 @@
 #!/usr/bin/python3
-"""series.py SILT: [[output.series]] and [[output.probes]] against mechanics, the same files on any ranks and across a restart."""
+"""series.py SILT: [[output.series]] and [[output.probes]] against mechanics, the same files on any ranks and
+across a restart."""
 import math
-import pathlib
 import subprocess
-import sys
 import time
 import unittest
 
 import numpy as np
 from silt_test import CASE, CHANNEL, ENVIRONMENT, SiltTest
+from silt_runs import WALLS_ACROSS_Z, body_of, domain_of, fill_of, shape_of  # on the path by silt_test
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[3] / "scripts"))
-
-import silt_results  # noqa: E402
+import silt_results  # on the path by silt_test
 
 WEIGHT = 2.5 * 4 / 3 * math.pi * 3**3 * 1e-5
 
 # One ball lies on the floor, one on a fixed cube, beside the middle of its upper face.
-RESTING = """
-[units]
-system = "lattice"
-[domain]
-size = [32, 16, 24]
-boundary = { x = "periodic", y = "periodic", z = ["no-slip", "no-slip"] }
-blocks = [8, 8, 24]
-[gravity]
-acceleration = [0, 0, -1e-5]
-[[shapes]]
-name = "ball"
-type = "sphere"
-radius = 3
-[[shapes]]
-name = "cube"
-type = "box"
-edges = [8, 8, 8]
-[[bodies]]
-shape = "ball"
-density = 2.5
-positions = [[8, 8, 3], [25, 8, 13]]
-[[bodies]]
-shape = "cube"
-density = 1
-motion = "fixed"
-position = [24, 8, 6]
-[run]
-steps = 60
-"""
+RESTING = (domain_of([32, 16, 24], WALLS_ACROSS_Z) +
+           "blocks = [8, 8, 24]\n[gravity]\nacceleration = [0, 0, -1e-5]\n" +
+           shape_of("ball", "sphere", "radius = 3") + shape_of("cube", "box", "edges = [8, 8, 8]") +
+           body_of("ball", 2.5, "positions = [[8, 8, 3], [25, 8, 13]]") +
+           body_of("cube", 1, 'motion = "fixed"', "position = [24, 8, 6]") + "[run]\nsteps = 60\n")
 
 # A crowd that moves through a fluid past a post and a turning rod, and bounces off the floor.
-CROWD = """
-[units]
-system = "lattice"
-[domain]
-size = [32, 16, 16]
-boundary = { x = "periodic", y = "periodic", z = ["no-slip", "no-slip"] }
-blocks = [8, 8, 8]
-[fluid]
-relaxation_time = 0.8
-body_force = [1e-5, 0, 0]
-[gravity]
-acceleration = [0, 0, -1e-4]
-[[shapes]]
-name = "ball"
-type = "sphere"
-radius = 2.5
-[[shapes]]
-name = "rod"
-type = "capsule"
-radius = 2
-length = 6
-[[fill]]
-shape = "ball"
-density = 2
-count = 12
-gap = 0.2
-[[bodies]]
-shape = "rod"
-density = 1
-motion = "prescribed"
-angular_velocity = [0.01, 0, 0]
-position = [16, 8, 8]
-[run]
-steps = 60
-[output]
-checkpoint = { every = 25, keep = 5 }
-bodies = { every = 1 }
-"""
+CROWD = (domain_of([32, 16, 16], WALLS_ACROSS_Z) + "blocks = [8, 8, 8]\n" +
+         "[fluid]\nrelaxation_time = 0.8\nbody_force = [1e-5, 0, 0]\n" +
+         "[gravity]\nacceleration = [0, 0, -1e-4]\n" + shape_of("ball", "sphere", "radius = 2.5") +
+         shape_of("rod", "capsule", "radius = 2", "length = 6") + fill_of("ball", 2, 12, "gap = 0.2") +
+         body_of("rod", 1, 'motion = "prescribed"', "angular_velocity = [0.01, 0, 0]", "position = [16, 8, 8]") +
+         "[run]\nsteps = 60\n" +
+         "[output]\ncheckpoint = { every = 25, keep = 5 }\nbodies = { every = 1 }\n")
 
 
 def series(name, every, quantities):
@@ -158,7 +101,8 @@ class Series(SiltTest):
         return [(self.out / f"series_{name}.csv").read_bytes() for name in ("motions", "loads")]
 
     def test_against_the_bodies(self):
-        """Statistics of the velocities in bodies.h5; action and reaction of all that bodies touch; Newton's law for all balls."""
+        """Statistics of the velocities in bodies.h5; action and reaction of all that bodies touch; Newton's
+        law for all balls."""
         self.write(self.crowd().replace("bodies = { every = 1 }", "bodies = { every = 1, contacts = true }"))
         self.silt("run", self.case)
         run = silt_results.open(self.case)
@@ -187,7 +131,7 @@ class Series(SiltTest):
         self.assertEqual(len(set(values.values())), len(columns), values)
 
     def test_action_and_reaction(self):
-        """What dry balls feel is what the floor and the rod feel, less."""
+        """Dry balls feel the opposite of what the floor and the rod feel."""
         columns = {**of("contact-force", body="ball"), **of("contact-force", body="rod"), **of("contact-force", side="z-low"),
                    **of("contact-torque", body="rod")}
         text = CROWD.replace("[fluid]\nrelaxation_time = 0.8\nbody_force = [1e-5, 0, 0]\n", "") + series("loads", 1, columns)
@@ -214,14 +158,12 @@ class Series(SiltTest):
             self.assertEqual(self.files(), whole, ranks)
             if ranks == 2:  # and no step waits for it
                 self.assertEqual(*(r["traffic"]["blocking_collectives_per_step"] for r in (self.report(), without)))
-        for step in (50, 60):
-            (self.out / f"checkpoint_{step:012}.h5").unlink()
+        self.forget(50, 60)
         self.silt("resume", self.case, ranks=2)  # from step 25: rows of later steps are there, and a half one
         self.assertEqual(self.files(), whole)
         with open(self.out / "series_loads.csv", "a") as stream:
             stream.write("61,61,")
-        for step in (50, 60):
-            (self.out / f"checkpoint_{step:012}.h5").unlink()
+        self.forget(50, 60)
         self.silt("resume", self.case)
         self.assertEqual(self.files(), whole)
 
@@ -240,28 +182,11 @@ class Series(SiltTest):
 
 
 # A fluid sheared between walls that slide against each other, with wide cells in the middle.
-COUETTE = """
-[units]
-system = "lattice"
-[domain]
-size = [16, 16, 48]
-boundary = { x = "periodic", y = "periodic", z = [{ type = "moving", velocity = [-0.024, 0, 0] }, { type = "moving", velocity = [0.024, 0, 0] }] }
-[coarsening]
-levels = 1
-distance = 8
-fine_sides = ["z-low", "z-high"]
-[fluid]
-relaxation_time = 2
-precision = "double"
-[run]
-steps = 4000
-[[output.probes]]
-name = "across"
-line = [[0, 3.1, 0.5], [16, 12.9, 47.5]]
-count = 40
-every = 100
-quantities = ["velocity", "shear-rate"]
-"""
+COUETTE = (domain_of([16, 16, 48], '{ x = "periodic", y = "periodic", z = [{ type = "moving", velocity = [-0.024, 0, 0] }, { type = "moving", velocity = [0.024, 0, 0] }] }') +
+           '[coarsening]\nlevels = 1\ndistance = 8\nfine_sides = ["z-low", "z-high"]\n' +
+           '[fluid]\nrelaxation_time = 2\nprecision = "double"\n[run]\nsteps = 4000\n' +
+           '[[output.probes]]\nname = "across"\nline = [[0, 3.1, 0.5], [16, 12.9, 47.5]]\ncount = 40\n' +
+           'every = 100\nquantities = ["velocity", "shear-rate"]\n')
 
 
 def probes(name, lines):
@@ -269,7 +194,8 @@ def probes(name, lines):
 
 
 def trilinear(field, name, points):
-    """Of the file's image, by the weights of those of eight cells that are fluid; periodic along x and y."""
+    """Returns values of the file's image, by the weights of those of eight cells that are fluid; periodic
+    along x and y."""
     values, solid = field[name], field["solid"] != 0
     found = []
     for x in points:
@@ -312,8 +238,7 @@ class Probes(SiltTest):
         for ranks in (2, 4, 8):
             self.silt("run", self.case, "--overwrite", ranks=ranks)
             self.assertEqual((self.out / "probes_cloud.csv").read_bytes(), whole, ranks)
-        for step in (50, 60):
-            (self.out / f"checkpoint_{step:012}.h5").unlink()
+        self.forget(50, 60)
         self.silt("resume", self.case)
         self.assertEqual((self.out / "probes_cloud.csv").read_bytes(), whole)
 

@@ -1,86 +1,39 @@
 #!/usr/bin/python3
-"""surfaces.py SILT: scripts/surfaces, read back by VTK: the surfaces of every shape enclose its volume about its place, and move as it does;
-walls, from files of every kind, are where the run has them."""
-import pathlib
-import subprocess
-import sys
+"""surfaces.py SILT: scripts/surfaces, read back by VTK: the surfaces of every shape enclose its volume about
+its place, and move as it does; walls, from files of every kind, are where the run has them."""
 import unittest
 import xml.etree.ElementTree as ElementTree
 
 import numpy as np
-from silt_test import SiltTest
+from silt_test import SiltTest, script
+from silt_runs import domain_of, entry_of  # on the path by silt_test
 from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkIOXML import vtkXMLPolyDataReader
 
-SCRIPTS = pathlib.Path(__file__).resolve().parents[3] / "scripts"
-sys.path.insert(0, str(SCRIPTS))
-
-import silt_results  # noqa: E402
+import silt_results  # on the path by silt_test
 
 SHAPES = {"sphere": "radius = 3", "box": "edges = [4, 5, 6]", "capsule": "radius = 2\nlength = 4", "cylinder": "radius = 2.5\nlength = 5",
           "ellipsoid": "diameters = [4, 6, 8]", "cone": "radius = 3\nheight = 5",
           "polyhedron": "vertices = [[0, 0, 0], [6, 0, 0], [0, 6, 0], [0, 0, 6], [3, 3, 4]]",
           "compound": 'parts = [{ type = "box", edges = [2, 3, 4], position = [-1, 0, 0] }, { type = "box", edges = [3, 3, 3], position = [1.5, 0, 0] }]',
           "mesh": 'file = "ring.stl"'}
-SCENE = """
-[units]
-system = "lattice"
-[domain]
-size = [120, 16, 16]
-boundary = { x = "periodic", y = ["no-slip", "no-slip"], z = ["no-slip", "no-slip"] }
-[run]
-steps = 20
-[output]
-bodies = { every = 10, contacts = true }
-"""
+SCENE = (domain_of([120, 16, 16], '{ x = "periodic", y = ["no-slip", "no-slip"], z = ["no-slip", "no-slip"] }') +
+         "[run]\nsteps = 20\n[output]\nbodies = { every = 10, contacts = true }\n")
 
 
-# Cubes of four cells, from a file of each kind: one turns about a point that moves, one oscillates, one follows a table, one is at rest, turned.
-WALLS = """
-[units]
-system = "lattice"
-[domain]
-size = [48, 16, 16]
-boundary = "periodic"
-[fluid]
-relaxation_time = 0.8
-[[walls]]
-name = "turning"
-type = "mesh"
-solid = "inside"
-file = "binary.stl"
-scale = 4
-position = [6, 6, 6]
-motion = { angular_velocity = 0.01, axis = "z", point = [8, 6, 6], velocity = [0.02, 0, 0] }
-[[walls]]
-name = "swinging"
-type = "mesh"
-solid = "inside"
-file = "text.stl"
-scale = 4
-position = [18, 6, 6]
-motion = { oscillation = { amplitude = [0, 2, 0], frequency = 0.005, phase = 90 } }
-[[walls]]
-name = "led"
-type = "mesh"
-solid = "inside"
-file = "cube.ply"
-scale = 4
-position = [28, 6, 6]
-motion = { table = "motion.csv" }
-[[walls]]
-name = "resting"
-type = "mesh"
-solid = "inside"
-file = "cube.obj"
-scale = 4
-position = [42, 6, 6]
-axis_angle = { axis = [0, 0, 1], degrees = 30 }
-[run]
-steps = 100
-[output]
-fields = { every = 50, quantities = ["body-id"] }
-"""
+# Cubes of four cells, from a file of each kind: one turns about a point that moves, one oscillates, one
+# follows a table, one is at rest, turned.
+def cube(name, file, x, *lines):
+    return entry_of("walls", [f'name = "{name}"', 'type = "mesh"', 'solid = "inside"', f'file = "{file}"', "scale = 4"],
+                    f"position = [{x}, 6, 6]", *lines)
+
+
+WALLS = (domain_of([48, 16, 16]) + "[fluid]\nrelaxation_time = 0.8\n" +
+         cube("turning", "binary.stl", 6, 'motion = { angular_velocity = 0.01, axis = "z", point = [8, 6, 6], velocity = [0.02, 0, 0] }') +
+         cube("swinging", "text.stl", 18, "motion = { oscillation = { amplitude = [0, 2, 0], frequency = 0.005, phase = 90 } }") +
+         cube("led", "cube.ply", 28, 'motion = { table = "motion.csv" }') +
+         cube("resting", "cube.obj", 42, "axis_angle = { axis = [0, 0, 1], degrees = 30 }") +
+         '[run]\nsteps = 100\n[output]\nfields = { every = 50, quantities = ["body-id"] }\n')
 MOTION = "t,x,y,z,a,b,c\n0,0,0,0,0,0,0\n# a remark\n\n50,1,0,0,0,0,0.5\n150,9,0,0,0,0,1.5\n200,9,0,0,0,0,1.5\n"
 
 
@@ -115,9 +68,9 @@ def expected(time):
     """Returns where the corners of the four cubes are at a time, from their motions by hand."""
     angle = 0.01 * time
     turning = np.array([8 + 0.02 * time, 6, 6]) + 2 * np.array([-np.cos(angle), -np.sin(angle), 0])
-    # Parabolas through three rows of the table: x has the slope 0.04 at 50 (t^2 / 2500 through 0, 1 and 9) and 8/300 at 150, where the
-    # last row is 50 after and no further; of the angle 0.01 and 1/300. Half-way a cubic is the mean and an eighth of the length times the
-    # difference of the slopes.
+    # Parabolas through three rows of the table: x has the slope 0.04 at 50 (t^2 / 2500 through 0, 1 and 9)
+    # and 8/300 at 150, where the last row is 50 after and no further; of the angle 0.01 and 1/300. Half-way a
+    # cubic is the mean and an eighth of the length times the difference of the slopes.
     led = {0: (0, 0), 50: (1, 0.5), 100: (5 + 100 / 8 * (0.04 - 8 / 300), 1 + 100 / 8 * (0.01 - 1 / 300))}[time]
     return [placed(turning, angle), placed([18, 6 + 2 * np.sin(np.pi / 2 + 0.01 * np.pi * time), 6], 0),
             placed([28 + led[0], 6, 6], led[1]), placed([42, 6, 6], np.radians(30))]
@@ -130,7 +83,7 @@ def points_of(polygons):
 class Surfaces(SiltTest):
     def setUp(self):
         super().setUp()
-        subprocess.run([SCRIPTS / "make_mesh", "torus", self.case / "ring.stl", "--radius", "3", "--tube", "1.2"], check=True, capture_output=True)
+        script("make_mesh", "torus", self.case / "ring.stl", "--radius", "3", "--tube", "1.2")
         text = SCENE
         for number, (shape, sizes) in enumerate(SHAPES.items()):
             text += f'[[shapes]]\nname = "{shape}"\ntype = "{shape}"\n{sizes}\n'
@@ -141,9 +94,7 @@ class Surfaces(SiltTest):
         self.series = silt_results.open(self.case).bodies
 
     def surfaces(self, *arguments, code=0):
-        result = subprocess.run([SCRIPTS / "surfaces", self.case, *arguments], capture_output=True, text=True)
-        self.assertEqual(result.returncode, code, result.stderr)
-        return result.stdout + result.stderr
+        return script("surfaces", self.case, *arguments, code=code)
 
     def read(self, name):
         reader = vtkXMLPolyDataReader()
@@ -169,7 +120,8 @@ class Surfaces(SiltTest):
         self.assertEqual(set(cells["id"]), set(rows["id"]))
 
     def test_points_move_as_they_say(self):
-        """From step 0 to 10, by the means of their velocities then: exact but for the third order of a turn by 0.1."""
+        """Points move from step 0 to 10 by the means of their velocities then: exact but for the third order
+        of a turn by 0.1."""
         self.surfaces()
         first, later = self.read("bodies_000000000000.vtp"), self.read("bodies_000000000010.vtp")
         middle = sum(vtk_to_numpy(p.GetPointData().GetArray("surface_velocity")) for p in (first, later)) / 2
@@ -195,8 +147,7 @@ class Surfaces(SiltTest):
     def test_they_are_results(self):
         """A run that begins anew moves them aside with the others; scripts/clean takes them for results."""
         self.surfaces()
-        said = subprocess.run([SCRIPTS / "clean", self.case], capture_output=True, text=True).stdout
-        self.assertIn("out", said)
+        self.assertIn("out", script("clean", self.case))
         self.silt("run", self.case, "--overwrite")
         self.assertFalse((self.out / "bodies.pvd").exists())
 
@@ -206,7 +157,7 @@ class Walls(SiltTest):
         cube_files(self.case)
         self.write(WALLS)
         self.silt("run", self.case, *arguments)
-        subprocess.run([SCRIPTS / "surfaces", self.case], check=True, capture_output=True)
+        script("surfaces", self.case)
         return silt_results.open(self.case)
 
     def test_walls_of_every_kind_of_file_are_where_they_are(self):
@@ -233,7 +184,8 @@ class Walls(SiltTest):
         self.look_at_mask(run)
 
     def look_at_mask(self, run):
-        """Cells whose centres are in one of the cubes are wall, all others are not; a wall that moves has moved on by a step at most."""
+        """Cells whose centres are in one of the cubes are wall, all others are not; a wall that moves has
+        moved on by a step at most."""
         field = run.fields[-1]
         centres = np.stack(np.meshgrid(field.x, field.y, field.z, indexing="ij"), axis=-1)
         inside, near = np.zeros(field.size, bool), np.zeros(field.size, bool)
@@ -252,7 +204,7 @@ class Walls(SiltTest):
         moved = self.run_with("--overwrite", "--set", "walls.3.position=[40, 5, 6]", "--set", "walls.0.motion.angular_velocity=0")
         for name in ("binary.stl", "text.stl", "cube.ply", "cube.obj", "motion.csv", "case.toml"):
             (self.case / name).write_text("")
-        subprocess.run([SCRIPTS / "surfaces", self.case, self.out], check=True, capture_output=True)
+        script("surfaces", self.case, self.out)
         self.assertLess(np.abs(moved.scene.walls[3].corners(70) - before - [-2, -1, 0]).max(), 1e-12)
         self.assertLess(np.abs(moved.scene.walls[0].corners(50) - moved.scene.walls[0].corners(0) - [1, 0, 0]).max(), 1e-12)
 

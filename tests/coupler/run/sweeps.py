@@ -1,5 +1,6 @@
 #!/usr/bin/python3
-"""sweeps.py SILT: scripts/sweep runs a case with each choice of values once, goes on with what was broken off, and says what came out."""
+"""sweeps.py SILT: scripts/sweep runs a case with each choice of values once, goes on with what was broken
+off, and says what came out."""
 import csv
 import json
 import pathlib

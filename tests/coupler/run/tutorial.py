@@ -1,6 +1,7 @@
 #!/usr/bin/python3
-"""tutorial.py SILT [FOLDER]: cases/TUTORIAL.md runs as it stands, comes to the figures that it tells of, and its notebook is made of it.
-FOLDER: where the module `silt` is; without it the part that needs it is left out."""
+"""tutorial.py SILT [FOLDER]: cases/TUTORIAL.md runs as it stands, comes to the figures that it tells of, and
+its notebook is made of it. FOLDER: where the module `silt` is; without it the part that needs it is left
+out."""
 import contextlib
 import io
 import os
