@@ -141,7 +141,7 @@ void RigidStep::kick(BodySet& bodies, std::size_t row, double dt) const {
 void RigidStep::take_velocities(BodySet& bodies, double dt) {
   StepObserver* const observer = observer_ && observer_->wants_contact_impulses() ? observer_ : nullptr;
   for (const std::size_t row : velocities_.rows) {
-    if (row >= bodies.owned || !bodies.is_free(row)) continue;
+    if (row >= bodies.owned || !bodies.takes_impulses(row)) continue;
     const auto& [v, w] = velocities_.now[row];
     const Vec3 contacts = w - bodies.angular_velocity[row];
     Vec3 angular_impulse = Vec3::Zero();
@@ -164,7 +164,7 @@ void RigidStep::take_velocities(BodySet& bodies, double dt) {
   const double share = 1 - resolver_.first_kick();
   if (share == 0) return;
   for (std::size_t row = 0; row < bodies.owned; ++row)
-    if (bodies.is_free(row) && !velocities_.misses_kick[row]) kick(bodies, row, share * dt);
+    if (bodies.takes_impulses(row) && !velocities_.misses_kick[row]) kick(bodies, row, share * dt);
 }
 
 /// Split impulses move bodies apart without giving them speed.

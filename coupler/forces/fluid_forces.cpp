@@ -137,7 +137,7 @@ template <class T>
 void FluidForces<T>::finish_body(lbm::Block<T>& block, const lbm::LinkSlots& slots,
                                  SurfaceLinks<T>& surface) {
   const std::size_t row = surface.row;
-  if (row >= bodies_->owned || !bodies_->is_free(row) || surface.sums.invalid) return;
+  if (row >= bodies_->owned || !bodies_->takes_impulses(row) || surface.sums.invalid) return;
   add_sums(surface, true, sums_);
   settle(*bodies_, row);
   surface.finished = true;
@@ -198,7 +198,7 @@ std::int64_t FluidForces<T>::move(lbm::Fluid<T>& fluid, std::span<BlockLinks<T>>
   for (std::size_t row = 0; row < bodies.owned; ++row) {
     if (finished[row]) continue;
     settle(bodies, row);
-    if (bodies.is_free(row))
+    if (bodies.takes_impulses(row))
       Eigen::Map<Vec6>(corrections.data() + row * 6) = time_.take_velocity_change(bodies, row, sums_);
     else
       add_link_force(bodies, row, sums_);
@@ -234,7 +234,7 @@ std::int64_t FluidForces<T>::correct(lbm::Block<T>& block, BlockLinks<T>& links,
   std::vector<typename BlockLinks<T>::Group> open;
   for (std::uint32_t k = 0; k < links.surfaces.size(); ++k) {
     SurfaceLinks<T>& surface = links.surfaces[k];
-    if (surface.finished || !bodies.is_free(surface.row)) continue;
+    if (surface.finished || !bodies.takes_impulses(surface.row)) continue;
     const double* const d = corrections.data() + surface.row * 6;
     set_motion(surface.motion, Vec3(d[0], d[1], d[2]), Vec3(d[3], d[4], d[5]));
     if (is_at_rest(surface.motion)) continue;

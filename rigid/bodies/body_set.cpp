@@ -163,7 +163,7 @@ bool BodySet::is_isotropic(std::size_t row) const {
 }
 
 Mat3 BodySet::inverse_inertia_W(std::size_t row) const {
-  if (!is_free(row)) return Mat3::Zero();
+  if (!takes_impulses(row)) return Mat3::Zero();
   if (locked(row) & locked_rotations) return inverse_about_free_axes(*this, row);
   if (is_isotropic(row)) return Mat3::Identity() * (1.0 / inertia_B[row](0, 0));
   const Mat3 r = orientation[row].toRotationMatrix();

@@ -211,7 +211,7 @@ struct BodySet : BodyIdentities, BodyMotions, BodyMasses {
   /// Moves by itself, or held at rest. What is neither has infinite mass for good.
   bool is_dynamic(std::size_t row) const { return motion[row] == Motion::free; }
   /// Moved by contacts.
-  bool is_free(std::size_t row) const { return is_dynamic(row) && !is_at_rest(row); }
+  bool takes_impulses(std::size_t row) const { return is_dynamic(row) && !is_at_rest(row); }
   /// Moved by contacts and forces.
   bool is_awake(std::size_t row) const { return is_dynamic(row) && wakefulness[row] == Wakefulness::awake; }
   bool is_at_rest(std::size_t row) const {
@@ -252,7 +252,7 @@ struct BodySet : BodyIdentities, BodyMotions, BodyMasses {
   bool is_isotropic(std::size_t row) const;  // the same moment of inertia about every axis
   /// Mass of the fluid that the body displaces.
   double displaced_mass(std::size_t row) const { return mass[row] * (1 - weight_in_fluid[row]); }
-  double inverse_mass(std::size_t row) const { return is_free(row) ? 1.0 / mass[row] : 0.0; }
+  double inverse_mass(std::size_t row) const { return takes_impulses(row) ? 1.0 / mass[row] : 0.0; }
   Pose pose(std::size_t row) const { return {position[row], orientation[row]}; }
   Twist twist(std::size_t row) const { return {velocity[row], angular_velocity[row]}; }
   Vec3 velocity_at(std::size_t row, const Vec3& r_W) const {

@@ -327,8 +327,9 @@ std::optional<Passing> DetectContacts::find_passing(const Pair& p, const Piece& 
   const double dt = p.call.dt;
   const auto moving = [&](const Piece& piece, std::size_t row, const Vec3& position, std::uint32_t code) {
     const ConvexShape* convex = piece.of->mesh ? nullptr : &piece.of->parts[piece.index].shape;
-    const Vec3 fall = bodies.is_free(row) ? Vec3(dt * dt * bodies.weight_in_fluid[row] * p.call.world.gravity)
-                                          : Vec3(Vec3::Zero());
+    const Vec3 fall = bodies.takes_impulses(row)
+                          ? Vec3(dt * dt * bodies.weight_in_fluid[row] * p.call.world.gravity)
+                          : Vec3(Vec3::Zero());
     Pose after{position + dt * bodies.velocity[row],
                (cayley(dt * bodies.angular_velocity[row]) * bodies.orientation[row]).normalized()};
     MovingPart part{convex, piece.of->mesh.get(), code, piece.pose, piece.of->pose_of(piece.index, after), {},

@@ -57,7 +57,7 @@ void SffdResolver::involve(const BodySet& bodies, std::size_t row) {
   b.involved = true;
   b.pairs = 0;
   involved_.push_back(row);
-  const bool free = bodies.is_free(row);
+  const bool free = bodies.takes_impulses(row);
   b.moves = row < bodies.owned && free;
   b.asks_for_impulses = row < bodies.owned && bodies.is_dynamic(row);
   b.inverse_mass = bodies.inverse_mass(row);
@@ -87,7 +87,7 @@ std::size_t SffdResolver::collect_pairs(BodySet& bodies, const std::vector<Conta
     involve(bodies, row_b);
     if (!bodies_[row_a].asks_for_impulses && !bodies_[row_b].asks_for_impulses)
       return;  // its owners' business
-    const bool moves = bodies.is_free(row_a) || bodies.is_free(row_b);
+    const bool moves = bodies.takes_impulses(row_a) || bodies.takes_impulses(row_b);
     hold_or_release(bodies, row_a, of_pair, !moves);
     hold_or_release(bodies, row_b, of_pair, !moves);
     if (!moves) return;
@@ -111,7 +111,7 @@ void SffdResolver::start(const Step& step) {
   sums_.resize(bodies.size() + 1);
   state_.back() = {};
   for (const std::size_t row : involved_) {
-    store(state_[row], step.velocities.now[row], bodies.is_free(row) ? bodies_[row].pairs : 0);
+    store(state_[row], step.velocities.now[row], bodies.takes_impulses(row) ? bodies_[row].pairs : 0);
     sums_[row] = {};
   }
   Recall recall(bodies);
