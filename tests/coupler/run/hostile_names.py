@@ -155,20 +155,20 @@ class Submit(unittest.TestCase):
     def test_what_was_asked_for(self):
         script("submit", self.case, "-n", 8, "--nodes", 2, "--time", "02:00:00", "--partition", "short", "--account", "fluids", "--no-submit",
                 "--set", "run.steps=50", "--out", self.folder / "results", "--resume")
-        script = (self.case / "submit.sh").read_text()
-        self.assertEqual(directives(script), {"job-name": "silt-case", "ntasks": "8", "nodes": "2", "time": "02:00:00", "partition": "short",
+        text = (self.case / "submit.sh").read_text()
+        self.assertEqual(directives(text), {"job-name": "silt-case", "ntasks": "8", "nodes": "2", "time": "02:00:00", "partition": "short",
                                               "account": "fluids", "output": "%x-%j.log", "distribution": "block:cyclic"})
-        words = shlex.split(script.splitlines()[-1])
+        words = shlex.split(text.splitlines()[-1])
         self.assertEqual(words[:4], ["exec", "mpirun", "-n", "8"])
         self.assertIn("--bind-to", words)
         for option, value in {"--time-limit": "6900", "--set": "run.steps=50", "resume": str(self.case), "--out": str(self.folder / "results")}.items():
             self.assertEqual(words[words.index(option) + 1], value)  # 6900: 300 s before the end
         self.assertEqual(subprocess.run(["bash", "-n", self.case / "submit.sh"]).returncode, 0)
         script("submit", self.case, "-n", 16, "--nodes", 2, "--gpus", 4, "--no-submit")
-        script = (self.case / "submit.sh").read_text()
-        self.assertEqual(directives(script)["gpus-per-node"], "4")
-        self.assertIn("srun --ntasks-per-node=1 nvidia-cuda-mps-control -d", script)
-        words = shlex.split(script.splitlines()[-1])
+        text = (self.case / "submit.sh").read_text()
+        self.assertEqual(directives(text)["gpus-per-node"], "4")
+        self.assertIn("srun --ntasks-per-node=1 nvidia-cuda-mps-control -d", text)
+        words = shlex.split(text.splitlines()[-1])
         self.assertEqual(words[words.index("--device") + 1], "gpu")
         self.assertEqual(subprocess.run(["bash", "-n", self.case / "submit.sh"]).returncode, 0)
         if shutil.which("sbatch") and subprocess.run(["sinfo"], capture_output=True).returncode == 0:
