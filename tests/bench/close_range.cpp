@@ -145,9 +145,9 @@ std::string bodies(const std::string& kind, const Approach& s, double radius, in
 
 /// Returns the sphere's force and torque by theory.
 Resistance exact(const std::string& kind, double gap, double radius) {
-  if (kind == "pair") return {testing::approach_of_two(1 + 0.5 * gap / radius), 0};
-  if (kind == "slide") return {testing::slide_force(gap / radius), testing::slide_torque(gap / radius)};
-  return {testing::approach_to_wall(1 + gap / radius), 0};
+  if (kind == "pair") return {silt::testing::approach_of_two(1 + 0.5 * gap / radius), 0};
+  if (kind == "slide") return {silt::testing::slide_force(gap / radius), silt::testing::slide_torque(gap / radius)};
+  return {silt::testing::approach_to_wall(1 + gap / radius), 0};
 }
 
 }  // namespace
