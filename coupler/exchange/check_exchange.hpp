@@ -37,8 +37,8 @@ class ExpectedBodies {
 };
 
 /// Checks that every body has one owner, the rank that holds its centre; that there are as many as expected;
-/// that sections of bodies are sorted and found by their ids; that copies equal their owners' bodies to the
-/// bit. Begun after one step, ended in a later one, so that nobody waits for all ranks.
+/// that sections of bodies are sorted and found by their ids; that copies are bitwise their owners'
+/// bodies. The check begins after one step and ends in a later one, so that no rank waits for all.
 class CheckUnderWay {
  public:
   /// Looks at this rank's bodies, with messages to ranks that hold their copies, and starts the sums that

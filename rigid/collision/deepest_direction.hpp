@@ -15,16 +15,16 @@ struct Approach {
   CommonPoint where;  // not set for two boxes
 };
 
-/// Nothing where the shapes are found to be more than `tolerance` apart. Two boxes are answered by
+/// Returns nothing where the shapes are found to be more than `tolerance` apart. Two boxes are answered by
 /// deepest_separation(), all others by deepest_direction().
 std::optional<Approach> nearest_approach(const ConvexCore& a, const ConvexCore& b, double tolerance);
 
-/// Nothing where the cores are found to be more than `reach` apart. With a curved core, and no polyhedron of
-/// many corners, climb() is tried at once, from the direction between the centres or, with an ellipsoid, from
-/// the normal to the plane that would part two ellipsoids of these widths; else, and where that has no proof,
-/// GJK for cores that are apart, and walk_uphill() for those that overlap, both from the direction between
-/// the centres, lead to where proven_direction() starts. Polytopes that overlap have their least depth by
-/// least_depth(), if they have few edges.
+/// Returns nothing where the cores are found to be more than `reach` apart. With a curved core, and no
+/// polyhedron of many corners, climb() is tried at once, from the direction between the centres or, with an
+/// ellipsoid, from the normal to the plane that would part two ellipsoids of these widths; else, and where
+/// that has no proof, GJK for cores that are apart, and walk_uphill() for those that overlap, both from the
+/// direction between the centres, lead to where proven_direction() starts. Polytopes that overlap have their
+/// least depth by least_depth(), if they have few edges.
 std::optional<Approach> deepest_direction(const ConvexCore& a, const ConvexCore& b, double reach);
 
 /// Returns the approach that climb() finds from n. If both cores have a point on the normal that it found,
@@ -39,7 +39,7 @@ Vec3 between_centres(const ConvexCore& a, const ConvexCore& b);
 
 // ---- box_separation.cpp: closed forms for two boxes, exact up to rounding (1e-12 of the size) ----
 
-/// Nothing where the gap is found to exceed `tolerance` (cores apart by more than tolerance + radii).
+/// Returns nothing where the gap is found to exceed `tolerance` (cores apart by more than tolerance + radii).
 /// Overlapping cores: the largest of the separating-axis candidates (the faces of the Minkowski difference:
 /// face normals and crossed edges; Gottschalk, Lin, Manocha, SIGGRAPH 1996, section 5). Cores apart: the
 /// closest features of two polytopes are a vertex and anything (16 distances from a point to a box) or two

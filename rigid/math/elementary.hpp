@@ -6,7 +6,7 @@
 
 namespace silt::rigid::elementary {
 
-/// Both to 1.2 ulp for |x| < 1; for larger |x| to 1.5 * 2^-53 (1 + 2^-30 |x|), and no meaning beyond 2^30.
+/// Both are exact to 1.2 ulp for |x| < 1; for larger |x| to 1.5 * 2^-53 (1 + 2^-30 |x|), and have no meaning beyond 2^30.
 double sin(double x);
 double cos(double x);
 /// The angle of (x, y) from the x axis, in [-pi, pi], to 5 ulp; atan2(0, 0) is 0.
