@@ -6,7 +6,8 @@
 
 namespace silt::rigid::elementary {
 
-/// Both are exact to 1.2 ulp for |x| < 1; for larger |x| to 1.5 * 2^-53 (1 + 2^-30 |x|), and have no meaning beyond 2^30.
+/// Both are exact to 1.2 ulp for |x| < 1 and to 1.5 * 2^-53 (1 + 2^-30 |x|) beyond; above 2^30 they have no
+/// meaning.
 double sin(double x);
 double cos(double x);
 /// The angle of (x, y) from the x axis, in [-pi, pi], to 5 ulp; atan2(0, 0) is 0.
