@@ -18,24 +18,28 @@ namespace {
 using rigid::Vec3;
 
 constexpr double cube_edge = 2;
-/// One box on the other, in the field of the earth, the k-th above the lowest
-/// at offsets[k] along x; the topmost `ratio` times as heavy as the others.
-CaseText stack(const std::vector<double>& offsets, double ratio = 1) {
+/// Boxes of an edge of 2 in the field of the earth, steps of a millisecond, cells of 0.1 m; the last one is
+/// `ratio` times as heavy as the others.
+CaseText boxes_at(const std::vector<Vec3>& positions, const std::array<int, 3>& cells, double ratio = 1) {
   CaseText c;
-  const int n = static_cast<int>(offsets.size());
-  c.domain = domain_of({40, 20, 2 * n + 10},
-                       "{ x = \"periodic\", y = \"periodic\", z = [\"no-slip\", \"no-slip\"] }");
+  c.domain = domain_of(cells, "{ x = \"periodic\", y = \"periodic\", z = [\"no-slip\", \"no-slip\"] }");
   c.fluid.clear();
-  c.rest =
-      "[gravity]\nacceleration = [0, 0, -9.81e-5]\n[contacts]\nfriction = "
-      "0.5\nmargin = 0.2\n";
+  c.rest = "[gravity]\nacceleration = [0, 0, -9.81e-5]\n[contacts]\nfriction = 0.5\nmargin = 0.2\n";
   c.shapes = shape_of("box", "box", "edges = [2, 2, 2]");
   c.bodies.clear();
-  for (int k = 0; k < n; ++k)
-    c.bodies += body_of("box", k + 1 == n ? ratio : 1,
-                        "position = [" + std::to_string(10 + offsets[k]) + ", 10, " +
-                            std::to_string((k + 0.5) * cube_edge) + "]");
+  for (const Vec3& x : positions)
+    c.bodies += body_of("box", &x == &positions.back() ? ratio : 1,
+                        "position = [" + std::to_string(x[0]) + ", " + std::to_string(x[1]) + ", " +
+                            std::to_string(x[2]) + "]");
   return c;
+}
+
+/// One box on the other, the k-th above the lowest at offsets[k] along x; the topmost `ratio` times as heavy.
+CaseText stack(const std::vector<double>& offsets, double ratio = 1) {
+  const int n = static_cast<int>(offsets.size());
+  std::vector<Vec3> positions;
+  for (int k = 0; k < n; ++k) positions.emplace_back(10 + offsets[k], 10, (k + 0.5) * cube_edge);
+  return boxes_at(positions, {40, 20, 2 * n + 10}, ratio);
 }
 
 /// Returns how far a body of the stack has moved at most, in edges.
@@ -89,24 +93,6 @@ std::string stop_of(Simulation&& simulation, std::int64_t steps) {
   return tests::error_of<GuardStop>([&] { simulation.run(steps); });
 }
 
-/// Boxes of an edge of 2 in the field of the earth, steps of a millisecond, cells of 0.1 m.
-CaseText boxes_at(const std::vector<Vec3>& positions, int height) {
-  CaseText c;
-  c.domain =
-      domain_of({24, 24, height}, "{ x = \"periodic\", y = \"periodic\", z = [\"no-slip\", \"no-slip\"] }");
-  c.fluid.clear();
-  c.rest =
-      "[gravity]\nacceleration = [0, 0, -9.81e-5]\n[contacts]\nfriction = "
-      "0.5\nmargin = 0.2\n";
-  c.shapes = shape_of("box", "box", "edges = [2, 2, 2]");
-  c.bodies.clear();
-  for (const Vec3& x : positions)
-    c.bodies += body_of("box", 1,
-                        "position = [" + std::to_string(x[0]) + ", " + std::to_string(x[1]) + ", " +
-                            std::to_string(x[2]) + "]");
-  return c;
-}
-
 /// Layers of n by n boxes, n from 6 down to 1, each over the gaps of the one below.
 CaseText pyramid() {
   std::vector<Vec3> positions;
@@ -114,14 +100,14 @@ CaseText pyramid() {
     for (int i = 0; i < 6 - layer; ++i)
       for (int j = 0; j < 6 - layer; ++j)
         positions.push_back({5.0 + layer + 2 * i, 5.0 + layer + 2 * j, 1.0 + 2 * layer});
-  return boxes_at(positions, 24);
+  return boxes_at(positions, {24, 24, 24});
 }
 
 /// Thirty boxes over each other, a tenth of an edge apart, every second one a twentieth aside.
 CaseText loose_stack() {
   std::vector<Vec3> positions;
   for (int i = 0; i < 30; ++i) positions.push_back({8 + 0.1 * (i % 2), 8, 1.1 + 2.2 * i});
-  return boxes_at(positions, 70);
+  return boxes_at(positions, {24, 24, 70});
 }
 
 TEST(ContactGuards, FfdIsStoppedWhereItMakesEnergyAndSffdGoesOn) {
