@@ -16,14 +16,12 @@
 #include <string>
 #include <vector>
 
-#include "coupler/simulation.hpp"
 #include "lbm/fluid.hpp"
 #include "tests/bench/bound.hpp"
-#include "tests/bench/layers.hpp"
 #include "tests/bench/main.hpp"
+#include "tests/bench/moving_layers.hpp"
 #include "tests/bench/periodic_box.hpp"
 #include "tests/bench/work.hpp"
-#include "tests/coupler/case/case_text.hpp"
 
 namespace silt::bench {
 namespace {
@@ -64,52 +62,10 @@ double count_of(lbm::Int3 n) {
   return double(n.x) * n.y * n.z;
 }
 
-/// Steps from one mapping of all bodies to the next, as fast as they are (mapping_poses.cpp).
-constexpr int round_of_mapping = 9;
-
 /// Whole rounds of mapping, an even number of steps; long enough for a clock.
 int steps_a_turn(double cells) {
   return 2 * round_of_mapping * std::max(1, int(1e6 / cells));
 }
-
-/// A scene, and the seconds a step of it took: all, and stage by stage.
-class Scene {
- public:
-  explicit Scene(const Layers& layers)
-      : layers_(layers), simulation_(coupler::testing::simulation_of(layers.text())) {
-    for (int t = 0; t < round_of_mapping; ++t) step();
-  }
-  void take_turn(int steps) {
-    const StageSeconds before = simulation_.stage_seconds();
-    for (int t = 0; t < steps; ++t) step();
-    double all = 0;
-    for (std::size_t k = 0; k < stages_.size(); ++k) {
-      const double seconds = (simulation_.stage_seconds()[k] - before[k]) / steps;
-      all += seconds;
-      stages_[k].add(seconds);
-    }
-    whole_.add(all);
-  }
-  const Layers& layers() const { return layers_; }
-  double links() const { return double(simulation_.links()); }
-  double fluid_cells() { return double(simulation_.look_at_flow().fluid_cells); }
-  const Spread& whole() const { return whole_; }
-  double seconds_of(Stage stage) const { return stages_[int(stage)].middle(); }
-
- private:
-  /// The fluid would slow the bodies down: they are set going again before every step (not timed).
-  void step() {
-    const auto v = layers_.velocity();
-    rigid::BodySet& bodies = simulation_.bodies();
-    for (std::size_t row = 0; row < bodies.owned; ++row)
-      bodies.set_velocity(row, {v[0], v[1], v[2]}, rigid::Vec3::Zero());
-    simulation_.step();
-  }
-  Layers layers_;
-  coupler::Simulation simulation_;
-  Spread whole_;
-  std::array<Spread, std::size_t(Stage::count)> stages_;
-};
 
 /// The fluid alone and the bound, against which all scenes of one box are measured.
 class Machine {
@@ -143,7 +99,7 @@ struct Work {
   double flops = 0, bytes = 0;
 };
 
-std::map<Stage, Work> work_of(const Scene& scene, double cells) {
+std::map<Stage, Work> work_of(const MovingLayers& scene, double cells) {
   const LinkWork link = link_work(scene.layers().scheme, scene.layers().time == "implicit", sizeof(float));
   return {{Stage::stream_collide, {cells * flops_per_cell_with_force, cells * bytes_per_cell<float>}},
           {Stage::force_evaluation, {scene.links() * link.flops, scene.links() * link.bytes}}};
@@ -182,7 +138,7 @@ class Report {
                                Rates({cells * flops_per_cell, cells * bytes_per_cell<float>}, alone), machine,
                                peak_));
   }
-  void add(Scene& scene, const Machine& machine) {
+  void add(MovingLayers& scene, const Machine& machine) {
     const double cells = machine.cells(), links = scene.links(), alone = machine.alone().middle();
     const Spread over = ratio(scene.whole(), machine.alone());
     const std::string key = plan_.key(scene.layers());
@@ -218,7 +174,7 @@ class Report {
   }
 
  private:
-  void add_rates(const Scene& scene, const Machine& machine, const std::string& key) {
+  void add_rates(const MovingLayers& scene, const Machine& machine, const std::string& key) {
     Work all;
     for (const auto& [stage, work] : work_of(scene, machine.cells())) {
       all.flops += work.flops, all.bytes += work.bytes;
@@ -237,8 +193,8 @@ class Report {
 void measure(const std::vector<Layers>& group, const Plan& plan, Report& report) {
   const lbm::Int3 n = group[0].cells();
   Machine machine(n);
-  std::vector<std::unique_ptr<Scene>> scenes;
-  for (const Layers& l : group) scenes.push_back(std::make_unique<Scene>(l));
+  std::vector<std::unique_ptr<MovingLayers>> scenes;
+  for (const Layers& l : group) scenes.push_back(std::make_unique<MovingLayers>(l));
   for (int turn = 0; turn < plan.turns; ++turn) {
     machine.take_turn();
     for (auto& scene : scenes) scene->take_turn(steps_a_turn(machine.cells()));

@@ -1,7 +1,7 @@
-// The fluid alone on a device, with walls, an outlet, levels and messages: its bits against those of the
-// processor's kernels, its speed, and the share of the speed at which the device's memory copies. On a
-// machine without a graphics processor the device is the host, for a look. It runs for some two minutes by
-// itself, in need of MPI and CUDA's driver alone.
+// The fluid on a device, alone with walls, an outlet, levels and messages, and with layers of moving bodies
+// (layers.hpp): its bits against those of the processor's kernels, its speed, the share of the speed at which
+// the device's memory copies, and the time of each stage. On a machine without a graphics processor the
+// device is the host, for a look.
 //   scripts/bench device [--quick] [--json FILE]
 #include <algorithm>
 #include <bit>
@@ -14,6 +14,7 @@
 #include "device/device.hpp"
 #include "lbm/slot_exchange.hpp"
 #include "tests/bench/figures.hpp"
+#include "tests/bench/moving_layers.hpp"
 #include "tests/bench/periodic_box.hpp"
 #include "tests/bench/spread.hpp"
 #include "tests/lbm/levelled_cut.hpp"
@@ -102,6 +103,26 @@ std::vector<std::int64_t> totals(Device device) {
   return all;
 }
 
+/// The state of a case after some steps. The layers are in motion, so that links are mapped and cells refilled.
+template <class T>
+std::vector<std::uint64_t> state_of(Device device, const Layers& layers) {
+  coupler::Simulation simulation = coupler::testing::simulation_of(
+      layers.text(), MPI_COMM_SELF,
+      {"run.device=" + std::string(device_names[int(device)]), std::string("fluid.precision=") + precision_of<T>});
+  for (int t = 0; t < 30; ++t) simulation.step();
+  return {simulation.hash()};
+}
+
+template <class T>
+void compare_bodies(Device device, Figures& out) {
+  for (const char* body : {"d6", "d10", "box", "star"})
+    for (const char* scheme : {"bounce-back", "cli", "parabolic", "multireflection"}) {
+      const Layers layers{'b', body, 48, scheme, "implicit", 0.03};
+      tell<T>(std::string("bodies.") + body + "." + scheme, state_of<T>(Device::cpu, layers),
+              state_of<T>(device, layers), out);
+    }
+}
+
 template <class T>
 void compare(Device device, Figures& out) {
   const auto both = [&](const std::string& name, const lbm::CollisionSpec& spec, int levels, bool open) {
@@ -165,6 +186,26 @@ void measure_levels(Device device, int n, Figures& out) {
       mlups.middle();
 }
 
+/// Moving spheres in a box: cells updated in a second, the seconds of each stage, bytes over the bus.
+void measure_bodies(Device device, const Layers& layers, Figures& out) {
+  MovingLayers scene(layers, {"run.device=" + std::string(device_names[int(device)])});
+  const lbm::Int3 n = layers.cells();
+  const double cells = double(n.x) * n.y * n.z;
+  const BusBytes before = scene.simulation().bus_bytes_in_steps();
+  constexpr int turns = 3, steps = 2 * round_of_mapping;
+  for (int r = 0; r < turns; ++r) scene.take_turn(steps);
+  const BusBytes bus = scene.simulation().bus_bytes_in_steps() - before;
+  const double mlups = cells / scene.whole().middle() * 1e-6;
+  printf("layers %c of %s in %d x %d x %d: %.0f MLUPS, %.0f links, %zu bodies, %.2f MB a step over the bus;",
+         layers.name, layers.body.c_str(), n.x, n.y, n.z, mlups, scene.links(), scene.simulation().bodies().owned,
+         double(bus.to_device + bus.from_device) / (turns * steps) * 1e-6);
+  for (int k = 0; k < int(coupler::Stage::count); ++k)
+    if (const double ms = scene.seconds_of(coupler::Stage(k)) * 1e3; ms > 0.005)
+      printf(" %s %.2f ms", std::string(coupler::stage_names[k]).c_str(), ms);
+  printf("\n");
+  out.figures[std::string("device.bodies.") + layers.name + "." + layers.body + ".mlups"] = mlups;
+}
+
 /// Bytes a second, read and written, in copying.
 double copying(Device device, [[maybe_unused]] std::int64_t bytes) {
   if (device != Device::gpu) return 0;
@@ -205,6 +246,8 @@ void run(const Options& o) {
   Figures out;
   compare<float>(device, out);
   compare<double>(device, out);
+  compare_bodies<float>(device, out);
+  compare_bodies<double>(device, out);
   const bool small = o.quick || device != Device::gpu;
   const double copied = copying(device, std::int64_t{1} << (o.quick ? 26 : 32));
   if (copied > 0) printf("copying: %.0f GB/s\n", copied * 1e-9);
@@ -216,6 +259,9 @@ void run(const Options& o) {
   messages<double>(device, small ? 32 : 256, out);
   measure_levels<float>(device, small ? 96 : 384, out);
   measure_levels<double>(device, small ? 96 : 384, out);
+  for (const char name : {'a', 'b'})
+    for (const char* body : {"d6", "d10", "d20"})
+      measure_bodies(device, {name, body, small ? 48 : 384, "multireflection"}, out);
   out.write(o.json);
 }
 
