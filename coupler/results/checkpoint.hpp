@@ -64,8 +64,11 @@ std::vector<lbm::LevelBox> saved_levels(const adapters::CheckpointReader&, int c
 /// Writes what a start from a checkpoint asks of the run that wrote it, besides its state.
 void write_origin_of_start(adapters::CheckpointWriter&, const Case&, std::int64_t step);
 
-/// Collective. Makes the simulation that begins, at step 0, with what the checkpoint holds.
-/// std::runtime_error on every rank for one that the case cannot begin with.
+/// Collective. Returns the state with which the case begins, but for the populations of the fluid.
+/// std::runtime_error on every rank for a checkpoint that the case cannot begin with.
+SavedState start_from(const adapters::CheckpointReader&, const Case&);
+
+/// Collective. Makes the simulation that begins, at step 0, with what the checkpoint holds; errors as above.
 std::unique_ptr<Simulation> simulation_from(const adapters::CheckpointReader&, Case, MPI_Comm);
 
 }  // namespace silt::coupler

@@ -82,6 +82,7 @@ BodyRecord body_from(const BodyRecord& was, BodySpec body, const CentredShape& s
   return r;
 }
 
+/// The bodies of the other run as those of the case.
 SavedState state_from(const CheckpointReader& reader, const Case& setup, const Scales& scales) {
   std::vector<std::string> kinds;
   std::istringstream names(reader.text("start.kinds"));
@@ -107,6 +108,10 @@ SavedState state_from(const CheckpointReader& reader, const Case& setup, const S
   });
   state.bodies.impulses.resize(state.bodies.records.size());
   return state;
+}
+
+bool takes_fluid(const CheckpointReader& reader, const Case& setup) {
+  return setup.fluid && reader.has_cells("populations");
 }
 
 /// Velocity, pressure and rate of strain stay what they are in the units of the case.
@@ -149,16 +154,20 @@ void write_origin_of_start(adapters::CheckpointWriter& writer, const Case& setup
   if (setup.fluid) writer.set("start.relaxation_time", setup.fluid->relaxation_time);
 }
 
-std::unique_ptr<Simulation> simulation_from(const CheckpointReader& reader, Case setup, MPI_Comm comm) {
+SavedState start_from(const CheckpointReader& reader, const Case& setup) {
   const Scales scales = scales_of(reader, setup);
-  const bool takes_fluid = setup.fluid && reader.has_cells("populations");
-  if (takes_fluid && reader.text("start.walls") != walls_after(setup, 0))
+  if (takes_fluid(reader, setup) && reader.text("start.walls") != walls_after(setup, 0))
     reader.refuse(
         "its [[walls]] are not where those of the case begin, and what fluid is there is not known");
-  if (takes_fluid) require_populations(reader, setup);
-  const SavedState state = state_from(reader, setup, scales);
+  if (takes_fluid(reader, setup)) require_populations(reader, setup);
+  return state_from(reader, setup, scales);
+}
+
+std::unique_ptr<Simulation> simulation_from(const CheckpointReader& reader, Case setup, MPI_Comm comm) {
+  const SavedState state = start_from(reader, setup);
+  const Scales scales = scales_of(reader, setup);
   std::function<void(const Case&, Flow&)> set_populations;
-  if (takes_fluid)
+  if (takes_fluid(reader, setup))
     set_populations = [&](const Case& of, Flow& flow) {
       read_populations(reader, of, flow);
       if (!scales.keep_fluid()) rescale(flow.fields(), scales);

@@ -10,7 +10,6 @@
 #include "coupler/case/case_check.hpp"
 #include "coupler/case/case_file.hpp"
 #include "coupler/placement/given_bodies.hpp"
-#include "coupler/placement/place_bodies.hpp"
 #include "coupler/results/body_output.hpp"
 #include "coupler/results/checkpoint.hpp"
 #include "coupler/run/run_estimate.hpp"
@@ -156,6 +155,15 @@ std::unique_ptr<adapters::CheckpointReader> checkpoint_of_start(const Case& setu
   return first_sound_checkpoint(there, comm, note);
 }
 
+/// Returns the bodies of the other run with which a case begins; adds what is to be said of its checkpoints.
+std::vector<rigid::BodyRecord> bodies_of_start(const Case& setup, std::vector<Diagnostic>& warnings) {
+  if (!setup.start) return {};
+  std::string note;
+  const auto reader = checkpoint_of_start(setup, MPI_COMM_SELF, note);
+  if (!note.empty()) warnings.push_back({Diagnostic::Severity::warning, setup.place("initial.from"), note});
+  return start_from(*reader, setup).bodies.records;
+}
+
 }  // namespace
 
 std::string examine_case(const RunOptions& options) {
@@ -164,11 +172,10 @@ std::string examine_case(const RunOptions& options) {
   const int ranks = options.ranks > 0 ? options.ranks : parallel::ranks_of(MPI_COMM_WORLD);
   require_memory(setup, memory_of_machines(MPI_COMM_WORLD) * machines_for(ranks));
   require_buildable(setup, ranks);
-  const lbm::Domain domain = make_domain(setup, 1);
-  require_sound_start(setup, domain, MPI_COMM_SELF);
+  require_sound_start(setup, make_domain(setup, 1), MPI_COMM_SELF);
   const Quantities quantities(setup);
   if (setup.output.bodies.every > 0) drawn_kinds(setup);
-  const RunEstimate estimate = estimate_run(setup, place_bodies(setup, domain, MPI_COMM_SELF), ranks);
+  const RunEstimate estimate = estimate_run(setup, bodies_of_start(setup, warnings), ranks);
   if (const auto found = time_warning(setup, estimate)) warnings.push_back(*found);
   if (const auto found = disk_warning(setup, estimate.disk, result_folder(options)))
     warnings.push_back(*found);

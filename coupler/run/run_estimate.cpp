@@ -90,16 +90,21 @@ struct Scenery {
   double volume = 0;
 };
 
-Scenery scenery_of(const Case& setup, const PlacedBodies& placed) {
+Scenery scenery_of(const Case& setup, std::span<const rigid::BodyRecord> continued) {
   Scenery all;
   const auto shapes = centred_shapes(setup);
   for (const CentredShape& shape : shapes) all.world.shapes.push_back(shape.shape);
-  all.bodies.resize(placed.size());
-  all.bodies.owned = placed.size();
   std::size_t row = 0;
-  placed.for_each([&](rigid::BodyId id, const BodySpec& body) {
-    all.bodies.assign(row++, body_record(id, body, shapes[body.shape], setup.fluid.has_value()));
+  const auto add = [&](const rigid::BodyRecord& body) {
+    all.bodies.assign(row++, body);
     all.volume += shapes[body.shape].volume;
+  };
+  all.bodies.resize(all.bodies.owned = continued.size());
+  std::ranges::for_each(continued, add);
+  const PlacedBodies placed = place_bodies(setup, make_domain(setup, 1), MPI_COMM_SELF, &all.bodies);
+  all.bodies.resize(all.bodies.owned += placed.size());
+  placed.for_each([&](rigid::BodyId id, const BodySpec& body) {
+    add(body_record(id, body, shapes[body.shape], setup.fluid.has_value()));
   });
   return all;
 }
@@ -269,7 +274,7 @@ std::string seconds_text(double seconds) {
 
 }  // namespace
 
-RunEstimate estimate_run(const Case& setup, const PlacedBodies& placed, int ranks) {
+RunEstimate estimate_run(const Case& setup, std::span<const rigid::BodyRecord> continued, int ranks) {
   const double cell = seconds_of_a_cell();
   WorkCosts costs(setup);
   // Cells wait for memory, bodies for the processor: what they take is not in proportion on every machine.
@@ -278,7 +283,8 @@ RunEstimate estimate_run(const Case& setup, const PlacedBodies& placed, int rank
   costs.impulse = setup.contacts.substeps * in_tenths_of_a_cell(seconds_of_an_impulse);
   if (lbm::reads_beyond(setup.coupling.wall_scheme))
     costs.link = std::llround(multireflection_link * double(costs.link));
-  const Scenery all = scenery_of(setup, placed);
+  const Scenery all = scenery_of(setup, continued);
+  const std::size_t bodies = all.bodies.owned;
   WorkMap work(make_domain(setup, 1));
   add_bodies(all.bodies, costs, work);
   add_surfaces(all.bodies, all.world, costs, work);
@@ -302,14 +308,14 @@ RunEstimate estimate_run(const Case& setup, const PlacedBodies& placed, int rank
   const double crowd = std::max(1., ranks / cores);
   estimate.seconds_a_step =
       shares.largest / 10 * cell * crowd + overhead_of_a_step + (ranks > 1 ? overhead_of_ranks : 0);
-  estimate.seconds_of_output = seconds_of_output(setup, double(placed.size()), cell, share) * crowd / ranks;
+  estimate.seconds_of_output = seconds_of_output(setup, double(bodies), cell, share) * crowd / ranks;
   const double of_fluid = share * fluid_memory(setup);
   const double start = seconds_of_a_start + of_fluid * of_a_new_byte * cell * crowd / ranks;
   estimate.seconds = start + estimate.seconds_a_step * double(setup.steps) + estimate.seconds_of_output;
-  estimate.memory = of_fluid + memory_of_a_rank * ranks + memory_of_a_body * double(placed.size()) +
+  estimate.memory = of_fluid + memory_of_a_rank * ranks + memory_of_a_body * double(bodies) +
                     memory_of_a_link * (wall_links + links_of_bodies(setup, all)) +
                     (setup.output.mean ? memory_of_a_mean * setup.volume() : 0);
-  estimate.disk = disk_needed(setup, placed.size(), share);
+  estimate.disk = disk_needed(setup, bodies, share);
   return estimate;
 }
 

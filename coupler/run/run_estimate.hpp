@@ -2,11 +2,12 @@
 // The time, memory and disk of a run, and how evenly ranks share its work, foreseen from its case.
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "coupler/case/case_error.hpp"
-#include "coupler/placement/place_bodies.hpp"
+#include "rigid/bodies/body_set.hpp"
 
 namespace silt::coupler {
 
@@ -26,8 +27,9 @@ struct RunEstimate {
 /// Estimates a run on so many ranks of machines like this one: work as cuts of the domain count it
 /// (balance/body_work.hpp), a cell by what this machine's memory moves now, and contacts by what beds of
 /// such bodies have. Meant to be within a factor of 2; what was found is in measurements.md, "Estimates
-/// of runs". Takes some milliseconds besides the bodies.
-RunEstimate estimate_run(const Case&, const PlacedBodies&, int ranks);
+/// of runs". Takes some milliseconds besides the bodies: those that another run leaves to the case, and those
+/// that the case places, for which CaseError says that there is no room.
+RunEstimate estimate_run(const Case&, std::span<const rigid::BodyRecord> continued, int ranks);
 
 /// Returns the bytes of the files of a run with so many bodies, and this share of the cells if all were
 /// finest.

@@ -24,7 +24,7 @@ CaseText ball_in_a_stream(const std::string& coarsening) {
 }
 
 RunEstimate foreseen(const Case& setup, int ranks = 1) {
-  return estimate_run(setup, place_bodies(setup, make_domain(setup, 1), MPI_COMM_SELF), ranks);
+  return estimate_run(setup, {}, ranks);
 }
 
 TEST(LevelsForeseen, CellsMemoryAndUpdates) {

@@ -35,9 +35,23 @@ class Program(SiltTest):
         next_case.mkdir()
         text = CASE.replace("velocity = [0.02, 0, 0]\npositions = [[6, 8, 8], [18, 8, 9]]", "").replace("0.8", "1.1")
         (next_case / "case.toml").write_text(text + '\n[initial]\nfrom = "../case/out"\n')
-        fault = self.silt("run", next_case, code=2).stderr
-        self.assertRegex(fault, "case.toml:.*initial.from is '../case/out', and there is no checkpoint in .*output.checkpoint")
+        def fault(*options):
+            """Returns what a check and a run of the next case complain of."""
+            said = [self.silt(command, next_case, *options, code=2).stderr for command in ("check", "run")]
+            self.assertEqual(*said)
+            return said[0]
+        self.assertRegex(fault(), "case.toml:.*initial.from is '../case/out', and there is no checkpoint in .*output.checkpoint")
         self.silt("run", self.case)
+        self.assertIn("has not the shape that the case gives 'ball'", fault("--set", "shapes[0].radius=2"))
+        self.assertIn("of another lattice than the case's", fault("--set", "domain.size=[24, 16, 24]"))
+        one_more = "fill=[{ shape='ball', density=2, count=1, box=[[4, 5, 5], [10, 11, 11]] }]"  # where one is
+        self.assertIn("only 0 bodies fitted", fault("--set", one_more))
+        self.assertRegex(self.silt("check", next_case).stdout, "estimate")
+        newest = max(self.out.glob("checkpoint_*.h5"))
+        whole = newest.read_bytes()
+        newest.write_bytes(whole[:-100])
+        self.assertRegex(self.silt("check", next_case).stdout, f"warning: passed over: .*{newest.name}")
+        newest.write_bytes(whole)
         self.silt("run", next_case, "--steps", "20")
         hashes = [json.loads((next_case / "out/report.json").read_text())["state_hash"]]
         self.silt("run", next_case, "--steps", "20", "--overwrite", ranks=3)
