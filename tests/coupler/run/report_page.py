@@ -79,6 +79,10 @@ class Page(SiltTest):
         for word in ("Completed", "stream collide", "change over its mass", "kinematic viscosity", self.report()["state_hash"],
                      "pairs asked for", "body force"):
             self.assertIn(word, outline.text)
+        times = text[text.index("Where the time went"):text.index("<h2>Contacts")]
+        parts = [float(seconds) for seconds in re.findall(r">([0-9.e+-]+) s</td>", times)]
+        self.assertAlmostEqual(sum(parts), self.report()["wall_seconds"], delta=0.005 * sum(parts))
+        self.assertIn("output, between the steps", times)
         self.assertEqual(text.count("<img "), len(list(self.out.glob("*.png"))))
         for link in outline.links:
             self.assertTrue((self.out / urllib.parse.unquote(link)).exists(), link)
