@@ -24,10 +24,13 @@ RunOutputs::RunOutputs(PreparedRun& run, const std::filesystem::path& folder, Pr
 void RunOutputs::begin_log() {
   const Scene& scene = simulation_.scene();
   if (!run_.folder.note.empty()) progress_.say(run_.folder.note);
-  progress_.log(fmt::format("silt {} ({}), {}, {}, {} ranks, {} blocks, {}, {}\n{}", provenance_.version,
-                            provenance_.commit, provenance_.compiler, provenance_.host, scene.ranks,
-                            scene.domain.blocks(), instruction_set(), provenance_.created,
-                            derived_table(setup())));
+  const auto count = [](int n, const char* what) {
+    return fmt::format("{} {}{}", n, what, n == 1 ? "" : "s");
+  };
+  progress_.log(fmt::format("silt {} ({}), {}, {}, {}, {}, {}, {}\n{}", provenance_.version,
+                            provenance_.commit, provenance_.compiler, provenance_.host,
+                            count(scene.ranks, "rank"), count(scene.domain.blocks(), "block"),
+                            instruction_set(), provenance_.created, derived_table(setup())));
   for (const Diagnostic& warning : run_.warnings) progress_.say(warning.line());
 }
 

@@ -179,7 +179,7 @@ class Module(SiltTest):
                 simulation.step()
         self.same_files(out, self.out)
         log = (out / "run.log").read_text()
-        self.assertRegex(log, r"^silt [^\n]*1 ranks(?s:.*)kinematic viscosity(?s:.*)warning: bodies.0..shape(?s:.*)\nstep 60/60 ")
+        self.assertRegex(log, r"^silt [^\n]*1 rank, 8 blocks,(?s:.*)kinematic viscosity(?s:.*)warning: bodies.0..shape(?s:.*)\nstep 60/60 ")
         done = subprocess.run([ROOT / "scripts/report", self.case, out], capture_output=True, text=True)
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertIn("Completed", (out / "report.html").read_text())
