@@ -9,41 +9,37 @@
 #include "adapters/automatic/collision_factory.hpp"
 #include "coupler/case/case_sections.hpp"
 #include "coupler/case/fill_room.hpp"
+#include "coupler/case/unit_slips.hpp"
 #include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {
 namespace {
 
-constexpr double most_density = 1e9;                 // times the fluid's
-constexpr double low_ratio = 0.02, high_ratio = 50;  // of a body's density and the fluid's
-// kg/m3: of solids from foam to osmium, of fluids from hydrogen to mercury
-constexpr double lightest_solid = 10, heaviest_solid = 25000, lightest_fluid = 0.05, heaviest_fluid = 20000;
-constexpr double cubic_centimetres = 1000;  // kg/m3 in g/cm3
+constexpr double most_density = 1e9;                             // times the fluid's
+constexpr double low_ratio = 0.02, high_ratio = 50;              // of a body's density and the fluid's
+constexpr double lightest_fluid = 0.05, heaviest_fluid = 20000;  // kg/m3: from hydrogen to mercury
 
-bool is_of_a_solid(double density) {
-  return density >= lightest_solid && density <= heaviest_solid;
+/// ": if bodies[0].density is in g/cm3, write 1120 (kg/m3)", or "".
+std::string meant(const Case& setup, const std::string& key, double density) {
+  const std::string slip = density_slip(setup, key, density);
+  return slip.empty() ? "" : ": " + slip;
 }
 
-/// Returns what the density was perhaps meant to be; both are in kg/m3.
-std::string meant(const std::string& key, double density, double fluid) {
-  if (is_of_a_solid(density * cubic_centimetres) && !is_of_a_solid(density))
-    return fmt::format(": if {} is in g/cm3, write {} (kg/m3)", key, shown(density * cubic_centimetres));
-  if (is_of_a_solid(fluid * cubic_centimetres) && is_of_a_solid(density))
-    return fmt::format(": if fluid.density is in g/cm3, write {} (kg/m3)", shown(fluid * cubic_centimetres));
-  if (!is_of_a_solid(density) && is_of_a_solid(density / cubic_centimetres))
-    return fmt::format(": {} kg/m3 would be that of a solid", shown(density / cubic_centimetres));
-  return "";
+void warn_of_no_solid(const Case& setup, Findings& findings, const std::string& key, double found) {
+  findings.warning(key, "{} is {} kg/m3; solids have {} to {}{}", key, shown(found), lightest_solid,
+                   heaviest_solid, meant(setup, key, found));
 }
 
 /// Compares a density with the fluid's; the lightest that explicit coupling bears depends on the shape.
 void check_ratio(const Case& setup, Findings& findings, const std::string& key, const Entry& body) {
-  const double density = body.density;
+  const double density = body.density, found = setup.units.physical(density, dimension::density);
   if (density < low_ratio || density > high_ratio)
     findings.warning(key, "{} is {} times the fluid's; the method was measured from {} to {}{}", key,
                      shown(density), low_ratio, high_ratio,
-                     setup.units.si
-                         ? meant(key, setup.units.physical(density, dimension::density), setup.units.density)
-                         : ": in lattice units densities are relative to the fluid's");
+                     setup.units.si ? meant(setup, key, found)
+                                    : ": in lattice units densities are relative to the fluid's");
+  else if (!is_of_a_solid(found) && !meant(setup, key, found).empty())
+    warn_of_no_solid(setup, findings, key, found);
   if (const double least = least_explicit_density(setup, setup.shapes[body.shape]); density < least)
     findings.warning(key,
                      "{} is {} times the fluid's; with coupling.time = \"explicit\" shape '{}' is stable "
@@ -65,8 +61,7 @@ void check_density(const Case& setup, Findings& findings, const Entry& body) {
   if (setup.fluid)
     check_ratio(setup, findings, key, body);
   else if (setup.units.si && !is_of_a_solid(found))
-    findings.warning(key, "{} is {} kg/m3; solids have {} to {}{}", key, shown(found), lightest_solid,
-                     heaviest_solid, meant(key, found, 0));
+    warn_of_no_solid(setup, findings, key, found);
 }
 
 constexpr double fewest_cells_across = 6;    // at 5 the drag of a dilute array is off by about 1 %

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "coupler/case/case_sections.hpp"
+#include "coupler/case/unit_slips.hpp"
 #include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {
@@ -114,12 +115,18 @@ void check_gain(const Case& setup, Findings& findings, const char* key, double g
 
 void check_gravity(const Case& setup, Findings& findings) {
   constexpr const char* key = "gravity.acceleration";
-  const double most = setup.gravity_over_time.most();
-  check_gain(setup, findings, key, most * setup.gravity.cwiseAbs().maxCoeff(), most_gravity);
+  const double most = setup.gravity_over_time.most(), gained = most * setup.gravity.cwiseAbs().maxCoeff();
   const double gravity = most * setup.units.physical(setup.gravity.norm(), dimension::acceleration);
-  if (setup.units.si && gravity > most_metres)
-    findings.warning(key, "{} is {} m/s2; that of the Earth is 9.81, which is 9810 mm/s2", key,
-                     shown(gravity));
+  const std::string slip = gravity_slip(setup);
+  const std::string text = fmt::format("{} is {} m/s2; that of the Earth is 9.81, which is 9810 mm/s2{}{}",
+                                       key, shown(gravity), slip.empty() ? "" : ": ", slip);
+  if (slip.empty()) check_gain(setup, findings, key, gained, most_gravity);
+  if (!slip.empty() && gained > most_gravity)
+    findings.error(key,
+                   "{}; now it adds {} cells a step to a velocity in every step, and at most {} is possible",
+                   text, shown(gained), most_gravity);
+  else if (setup.units.si && gravity > most_metres)
+    findings.warning(key, "{}", text);
   const bool all_periodic =
       setup.periodic(0) && setup.periodic(1) && setup.periodic(2) && setup.walls.empty();
   const bool held = setup.any_given([](const BodySpec& b) { return b.motion != rigid::Motion::free; });
@@ -148,25 +155,34 @@ void check_weight(const Case& setup, Findings& findings) {
                      heavy->key, setup.units.si ? "-9.81" : "-1e-4");
 }
 
+/// Returns the cure, or what must be mended before it where a unit is wrong.
+std::string cure_of_motion(const Case& setup, const std::string& cure) {
+  const std::string slip = motion_slip(setup);
+  return slip.empty() ? cure : slip;
+}
+
 void check_fall(const Case& setup, Findings& findings, const Fall& fall) {
   const double gravity = setup.gravity.norm(), speed = speed_of(setup, fall, gravity);
   if (!(speed > doubtful_velocity)) return;
   const auto is_slow = [&](double share) {
     return speed_of(setup, fall, share * gravity) <= doubtful_velocity;
   };
+  const std::string key = fall.entry + ".density";
+  const std::string slip = density_slip(setup, key, setup.units.physical(fall.density, dimension::density));
   // shorter steps, or (in lattice units) less gravity
-  const std::string cure = setup.units.si ? time_step_cure(setup, doubtful_velocity / speed)
+  const std::string cure = setup.units.si ? (slip.empty() ? "" : slip + "; else ") +
+                                                time_step_cure(setup, doubtful_velocity / speed)
                                           : fmt::format("use {} times as much gravity.acceleration",
                                                         shown(rounded_down(last_for_which(is_slow, 1, 60))));
   const std::string found =
       fmt::format("{} comes to {} cells a step{} as it {} (a sphere of its volume)", fall.entry, shown(speed),
                   in_si(setup, speed), fall.density > 1 ? "falls" : "rises");
-  const std::string key = fall.entry + ".density";
   if (speed > impossible_velocity)
-    findings.error(key, "{}; at most {} is possible: {}", found, impossible_velocity, cure);
+    findings.error(key, "{}; at most {} is possible: {}", found, impossible_velocity,
+                   cure_of_motion(setup, cure));
   else
     findings.warning(key, "{}; above {} the fluid is noticeably compressible: {}", found, doubtful_velocity,
-                     cure);
+                     cure_of_motion(setup, cure));
 }
 
 /// The largest velocity of laminar flow under the body force, between walls across it or, where there are
@@ -197,8 +213,9 @@ void check_flow(const Case& setup, Findings& findings) {
                    "fluid.body_force drives laminar flow at up to {} cells a step{}; above {} the fluid is "
                    "noticeably compressible: {}",
                    shown(speed), in_si(setup, speed), doubtful_velocity,
-                   setup.units.si ? time_step_cure(setup, factor)
-                                  : fmt::format("use {} times as much", shown(rounded_down(factor))));
+                   cure_of_motion(setup, setup.units.si ? time_step_cure(setup, factor)
+                                                        : fmt::format("use {} times as much",
+                                                                      shown(rounded_down(factor)))));
 }
 
 /// A mean velocity can be given only where the flow goes round, and in steps of one length.

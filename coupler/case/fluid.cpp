@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "coupler/case/case_sections.hpp"
+#include "coupler/case/unit_slips.hpp"
 
 namespace silt::coupler {
 
@@ -173,8 +174,7 @@ constexpr double doubtful_relaxation_low = 0.51, doubtful_relaxation_high = 2, h
 constexpr double most_relaxation = 1e4, usual_relaxation = 1;
 constexpr double least_measured = 1e-4;  // of tau - 1/2, by any collision model (scripts/stability)
 constexpr double most_magic = 1e3;
-constexpr double most_cells = 1e13;                // far beyond the largest machines: a slip of the pen
-constexpr double thinnest = 5e-8, thickest = 0.5;  // m2/s: of fluids from liquid metal to honey
+constexpr double most_cells = 1e13;  // far beyond the largest machines: a slip of the pen
 
 const char* viscosity_key(const Case& setup) {
   return setup.places.count("fluid.kinematic_viscosity") ? "fluid.kinematic_viscosity"
@@ -204,16 +204,43 @@ void check_thick(const Case& setup, Findings& findings, double tau) {
                      doubtful_relaxation_high, cure, tau > high_relaxation ? doubt : "");
 }
 
+void check_thin(const Case& setup, Findings& findings, double tau) {
+  const std::string lengths = length_slip(setup);
+  findings.warning(viscosity_key(setup),
+                   "the relaxation time is 0.5 + {}; no collision model was measured below 0.5 + {}: the "
+                   "viscosity is too small for these cells by a factor of {}{}{}",
+                   shown(tau - 0.5), least_measured, shown(rounded_up(least_measured / (tau - 0.5))),
+                   lengths.empty() ? "" : "; ", lengths);
+}
+
+/// Says that a viscosity is of no fluid and, where another unit makes it one, what that is and nothing else.
+/// Returns whether it is so.
+bool is_in_another_unit(const Case& setup, Findings& findings) {
+  const double tau = setup.fluid->relaxation_time;
+  const double found = setup.units.physical(setup.fluid->kinematic_viscosity, dimension::viscosity);
+  if (!setup.units.si || (found >= thinnest && found <= thickest)) return false;
+  const std::string slip = viscosity_slip(setup);
+  const std::string text = fmt::format(
+      "the kinematic viscosity is {} m2/s; fluids have {} (a liquid metal) to {} (thick "
+      "syrup), water has 1e-06, which is 1 mm2/s{}{}",
+      shown(found), shown(thinnest), shown(thickest), slip.empty() ? "" : ": ", slip);
+  if (slip.empty() || tau <= most_relaxation)
+    findings.warning(viscosity_key(setup), "{}", text);
+  else
+    findings.error(viscosity_key(setup),
+                   "{}; now it makes the relaxation time {}, and at most {} is possible", text, shown(tau),
+                   shown(most_relaxation));
+  return !slip.empty();
+}
+
 void check_viscosity(const Case& setup, Findings& findings) {
   const double tau = setup.fluid->relaxation_time;
   const char* key = viscosity_key(setup);
+  if (is_in_another_unit(setup, findings)) return;
   if (!(tau > 0.5))
     findings.error(key, "the relaxation time is {}; it must be above 0.5 (a viscosity above 0)", shown(tau));
   else if (tau - 0.5 < least_measured)
-    findings.warning(key,
-                     "the relaxation time is 0.5 + {}; no collision model was measured below 0.5 + {}: the "
-                     "viscosity is too small for these cells by a factor of {}",
-                     shown(tau - 0.5), least_measured, shown(rounded_up(least_measured / (tau - 0.5))));
+    check_thin(setup, findings, tau);
   else if (tau < doubtful_relaxation_low && !lbm::model_of(setup.fluid->collision).has_eddies())
     findings.warning(key,
                      "the relaxation time is {}; below {} runs tend to blow up: use fluid.collision = "
@@ -221,12 +248,6 @@ void check_viscosity(const Case& setup, Findings& findings) {
                      shown(tau), doubtful_relaxation_low);
   else if (tau > doubtful_relaxation_high)
     check_thick(setup, findings, tau);
-  const double found = setup.units.physical(setup.fluid->kinematic_viscosity, dimension::viscosity);
-  if (setup.units.si && !(found >= thinnest && found <= thickest))
-    findings.warning(key,
-                     "the kinematic viscosity is {} m2/s; fluids have {} (a liquid metal) to {} (thick "
-                     "syrup), water has 1e-06, which is 1 mm2/s",
-                     shown(found), shown(thinnest), shown(thickest));
 }
 
 void check_collision(const Case& setup, Findings& findings) {

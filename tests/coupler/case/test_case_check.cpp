@@ -31,6 +31,16 @@ TEST(CaseCheck, ALegalSceneHasNothingToSay) {
   }
 }
 
+TEST(CaseCheck, WarnsOfDensitiesInGramsThoughTheirRatioIsRight) {
+  CaseText c = si_case();
+  c.fluid = "[fluid]\ndensity = 1\nkinematic_viscosity = 1e-5\n";
+  c.bodies = body_of("ball", 1.2, "position = [0.016, 0.016, 0.016]");
+  c.rest = gravity;
+  EXPECT_TEXT(warnings(c),
+              "bodies[0].density is 1.2 kg/m3; solids have 10 to 25000: if fluid.density and "
+              "bodies[0].density are in g/cm3, write 1000 and 1200 (kg/m3)");
+}
+
 TEST(CaseCheck, WarnsOfDoubtfulRelaxationTimes) {
   CaseText c;
   c.fluid = "[fluid]\nrelaxation_time = 0.505\n";

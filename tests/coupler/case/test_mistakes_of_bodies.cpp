@@ -42,7 +42,7 @@ const std::vector<Mistake> in_fluid = {
      "density = 1120",
      "density = 1120000",
      "",
-     {"1166.67 times the fluid's", "1120 kg/m3 would be that of a solid"}},
+     {"1166.67 times the fluid's", "if bodies[0].density is in g/m3, write 1120 (kg/m3)"}},
     {"PositionOfTwoNumbers",
      "position = [0.008, 0.008, 0.024]",
      "position = [0.008, 0.008]",

@@ -1,0 +1,27 @@
+#pragma once
+// Numbers of SI cases that would be in their place in another unit, and how to write them: "if
+// gravity.acceleration is in mm/s2, write 9.81 (m/s2)", or "" where nothing says so.
+#include <string>
+
+namespace silt::coupler {
+
+struct Case;
+
+inline constexpr double thinnest = 5e-8, thickest = 0.5;  // m2/s: of fluids from liquid metal to honey
+inline constexpr double lightest_solid = 10, heaviest_solid = 25000;  // kg/m3: from foam to osmium
+
+inline bool is_of_a_solid(double density) {
+  return density >= lightest_solid && density <= heaviest_solid;
+}
+
+/// Of a fluid too thick, or of gravity a thousand times that of the Earth.
+std::string viscosity_slip(const Case&);
+std::string gravity_slip(const Case&);
+/// Of either: where it is not "", it is the cure of whatever follows from them.
+std::string motion_slip(const Case&);
+/// Of cells so large that the fluid's viscosity is nothing in them.
+std::string length_slip(const Case&);
+/// Of the density of a body (kg/m3) that the key gives, or of the fluid about it.
+std::string density_slip(const Case&, const std::string& key, double density);
+
+}  // namespace silt::coupler
