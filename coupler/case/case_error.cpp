@@ -39,6 +39,31 @@ bool are_kin(std::string_view a, std::string_view b) {
          (begin_alike && std::max(a.size(), b.size()) <= 2 * stem);
 }
 
+/// What papers and other programs call a key, where no letters tell; its value, if that is another one.
+struct Symbol {
+  std::string_view written, key, value;
+};
+constexpr Symbol symbols[] = {{"nu", "kinematic_viscosity", ""},
+                              {"mu", "kinematic_viscosity", " (mu/density)"},
+                              {"dynamic_viscosity", "kinematic_viscosity", " (dynamic_viscosity/density)"},
+                              {"tau", "relaxation_time", ""},
+                              {"omega", "relaxation_time", " (1/omega)"},
+                              {"omega", "angular_velocity", ""},
+                              {"rho", "density", ""},
+                              {"e", "restitution", ""},
+                              {"mu", "friction", ""},
+                              {"g", "acceleration", ""},
+                              {"dx", "cell_size", ""},
+                              {"dt", "time_step", ""}};
+
+/// Returns the symbol for one of the names that is written so, or null.
+const Symbol* symbol_for(std::string_view written, std::span<const std::string> names) {
+  const auto found = std::ranges::find_if(symbols, [&](const Symbol& symbol) {
+    return symbol.written == written && std::ranges::count(names, symbol.key) > 0;
+  });
+  return found == std::end(symbols) ? nullptr : found;
+}
+
 std::string lower_case(std::string_view text) {
   std::string lower(text);
   std::transform(lower.begin(), lower.end(), lower.begin(),
@@ -94,8 +119,11 @@ std::string joined(std::span<const std::string> names, std::string_view separato
 
 std::string suggestion(std::string_view wanted, std::span<const std::string> names) {
   if (names.empty()) return "; none is known here";
-  const std::string nearest = nearest_name(wanted, names);
-  return (nearest.empty() ? ";" : fmt::format("; did you mean '{}'?", nearest)) + " known: " + joined(names);
+  const Symbol* symbol = symbol_for(lower_case(wanted), names);
+  const std::string nearest = symbol ? std::string(symbol->key) : nearest_name(wanted, names);
+  return (nearest.empty() ? ";"
+                          : fmt::format("; did you mean '{}'{}?", nearest, symbol ? symbol->value : "")) +
+         " known: " + joined(names);
 }
 
 std::string shown(double x) {

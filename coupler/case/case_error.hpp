@@ -45,7 +45,8 @@ std::string listed(std::span<const Diagnostic>);
 std::string nearest_name(std::string_view as_written, std::span<const std::string> names);
 /// Returns "a, b, c".
 std::string joined(std::span<const std::string> names, std::string_view separator = ", ");
-/// Returns "; did you mean 'kinematic_viscosity'? known: a, b, c", without the question if nothing is close.
+/// Returns "; did you mean 'kinematic_viscosity'? known: a, b, c", without the question if nothing is close
+/// and what was written is a usual symbol ("nu") of none of them.
 std::string suggestion(std::string_view wanted, std::span<const std::string> names);
 /// Returns the shortest text that reads back as x to six digits: 1e-06, 0.25.
 std::string shown(double x);

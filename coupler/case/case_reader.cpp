@@ -17,6 +17,18 @@ std::string found(const Node& node) {
   return written(node);
 }
 
+/// Returns what a key for gravity in another place or form is to be instead.
+std::string gravity_from(const Node& node) {
+  std::string value = "[x, y, z]";
+  if (node.numbers(3)) value = written(node);
+  if (node.is_number()) value = fmt::format("[0, 0, {}]", shown(-std::abs(node.number())));
+  return fmt::format("write gravity.acceleration = {}", value);
+}
+
+bool is_gravity(const Node& node) {
+  return node.key == "gravity" || node.key == "g";
+}
+
 /// Returns a path without indices: entries of an array have the path of the array.
 std::string path_of_child(const Node& node, const std::string& path, const Node& child) {
   if (node.kind == Node::Kind::array) return path;
@@ -48,7 +60,8 @@ void ReadContext::report_unread(const Node& table, const std::string& path) {
     if (!element && asked != known_keys.end() && !is_known(child.key)) {
       fail(child.key_place, "unknown key '{}' {}{}", child.key,
            path.empty() ? "at the top of the file" : "in [" + path + "]",
-           suggestion(child.key, asked->second));
+           is_gravity(child) && path != "gravity" ? "; " + gravity_from(child)
+                                                  : suggestion(child.key, asked->second));
     } else if (!child.children.empty()) {
       report_unread(child, child_path);
     }
@@ -192,7 +205,7 @@ std::optional<std::string> TableReader::choice(std::string_view key,
 TableReader TableReader::table(std::string_view key) {
   const Node* node = find(key);
   if (node && node->kind != Node::Kind::table) {
-    refuse(key, "a table");
+    refuse(key, is_gravity(*node) ? "a table: " + gravity_from(*node) : "a table");
     node = nullptr;
   }
   return {*context_, node, path(key), place(key)};

@@ -125,6 +125,21 @@ TEST(CaseErrors, NearestNames) {
   EXPECT_EQ(nearest_name("colour", names), "");
 }
 
+TEST(CaseErrors, SymbolsAreTheKeysThatTheyStandFor) {
+  const CaseText c;
+  const auto fluid = [&](const std::string& written) { return c.fault({"fluid." + written + "=0.8"}); };
+  EXPECT_TEXT(fluid("tau"), "did you mean 'relaxation_time'?");
+  EXPECT_TEXT(fluid("omega"), "did you mean 'relaxation_time' (1/omega)?");
+  EXPECT_TEXT(fluid("nu"), "did you mean 'kinematic_viscosity'?");
+  EXPECT_TEXT(fluid("mu"), "did you mean 'kinematic_viscosity' (mu/density)?");
+  EXPECT_TEXT(c.fault({"contacts.e=0.5"}), "did you mean 'restitution'?");
+  EXPECT_TEXT(c.fault({"contacts.restitution_coefficient=0.5"}), "did you mean 'restitution'?");
+  EXPECT_TEXT(c.fault({"contacts.mu=0.5"}), "did you mean 'friction'?");
+  EXPECT_TEXT(c.fault({"bodies[0].omega=[1, 0, 0]"}), "did you mean 'angular_velocity'?");
+  EXPECT_TEXT(c.fault({"gravity=[0, 0, -1e-4]"}),
+              "gravity is [0, 0, -1e-04]; it must be a table: write gravity.acceleration = [0, 0, -1e-04]");
+}
+
 TEST(CaseErrors, OverridesAreNamedInMessages) {
   const CaseText c;
   EXPECT_EQ(c.fault({"fluid.relaxation_time=0.4"}),
