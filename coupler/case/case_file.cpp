@@ -232,12 +232,6 @@ std::string read_new_name(TableReader& reader, std::vector<std::string>& names, 
   return names.emplace_back(name);
 }
 
-Case read_case_text(const std::string& text, const std::string& file,
-                    const std::vector<std::string>& overrides) {
-  CaseSource source{file, text, {}};
-  return read_case(source, overrides);
-}
-
 Case read_case(CaseSource& source, const std::vector<std::string>& overrides) {
   const Node root = tree_of_case(source.text, source.file, overrides);
   Case setup;

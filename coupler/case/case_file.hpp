@@ -47,10 +47,6 @@ Case read_case(const std::filesystem::path& directory, const std::vector<std::st
 /// Reads from a source as read_case does from a directory; the files that it had to read are in it then.
 Case read_case(CaseSource&, const std::vector<std::string>& overrides = {});
 
-/// Reads text at hand as read_case does a file; `file` labels the messages.
-Case read_case_text(const std::string& text, const std::string& file,
-                    const std::vector<std::string>& overrides = {});
-
 /// Returns what a case file says after the overrides. Each sets one value, making tables on the way; a key
 /// that says the same thing in another way (run.steps and run.time) is removed. "key.path=", without a value,
 /// takes the key, table or entry of a list away; it must be there. Throws CaseError.

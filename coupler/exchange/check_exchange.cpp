@@ -24,21 +24,13 @@ std::uint64_t hash_of_id(rigid::BodyId id) {
   return XXH3_64bits(&id, sizeof id);
 }
 
-void put_columns(parallel::Bytes& to, const rigid::HolderState& state,
-                 std::span<const rigid::HolderColumn> columns) {
-  for (const rigid::HolderColumn& c : columns) {
-    parallel::put(to, state[c]);
-    parallel::put(to, state.whole(c));
-  }
-}
-
 /// Returns the bytes that a copy shares with its owner's body: all but those that the owner keeps to itself.
 parallel::Bytes shared_bytes(const rigid::BodyRecord& r) {
   parallel::Bytes bytes;
   const auto put = [&](const auto&... members) { (parallel::put(bytes, members), ...); };
   put(static_cast<const rigid::Kinematics&>(r), r.id, r.shape, r.material, r.kind, r.motion, r.wakefulness,
       r.image, r.mass, r.weight_in_fluid, r.inertia_B);
-  put_columns(bytes, r.holder_state, column::copied);
+  for (const rigid::HolderColumn& c : column::copied) put(r.holder_state[c], r.holder_state.whole(c));
   return bytes;
 }
 
@@ -147,12 +139,6 @@ OwnedBodies owned_here(const rigid::BodySet& bodies) {
 }
 
 }  // namespace
-
-std::uint64_t hash_of(const rigid::BodyRecord& r) {
-  parallel::Bytes bytes = shared_bytes(r);
-  put_columns(bytes, r.holder_state, column::saved);
-  return hash_of(bytes);
-}
 
 ExpectedBodies::ExpectedBodies(const rigid::BodySet& bodies) : share_(owned_here(bodies)) {}
 

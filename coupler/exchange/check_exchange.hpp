@@ -10,9 +10,6 @@
 
 namespace silt::coupler {
 
-/// Hashes everything a record holds, bit by bit.
-std::uint64_t hash_of(const rigid::BodyRecord&);
-
 /// The bodies that all ranks own: equal before and after a synchronisation if every body has exactly one
 /// owner.
 struct OwnedBodies {

@@ -46,51 +46,33 @@ std::array<int, 3> by_length(const Vec3& half_axes) {
   return order;
 }
 
-/// The nearest point and the displacement to it, both without cancellation.
-struct NearestPoint {
-  Vec3 point, displacement;  // point = x + displacement
-};
-
-/// The nearest point of the surface is x_i = e_i^2 y_i / (t + e_i^2), t the root beyond minus the square of
-/// the shortest half axis e. In units of that: u = t / e^2 + 1, r_i = e_i^2 / e^2, d_i = r_i - 1.
-NearestPoint nearest(const Vec3& half_axes, const Vec3& x) {
+/// Returns how far the nearest point of the surface is, without cancellation. In the octant of y = |x| it is
+/// e_i^2 y_i / (t + e_i^2), t the root beyond minus the square of the shortest half axis e. In units of that:
+/// u = t / e^2 + 1, r_i = e_i^2 / e^2, d_i = r_i - 1.
+double distance_to_surface(const Vec3& half_axes, const Vec3& x) {
   const Vec3 y = x.cwiseAbs();
   const int shortest = by_length(half_axes)[2];
   const double e = half_axes[shortest];
   SecularEquation equation;
-  Vec3 r;
   for (int i = 0; i < 3; ++i) {
-    r[i] = (half_axes[i] / e) * (half_axes[i] / e);
     equation.d[i] = (half_axes[i] - e) / e * ((half_axes[i] + e) / e);
     equation.c[i] = half_axes[i] / e * (y[i] / e);  // r_i y_i / e_i
   }
   const double u = equation.root();
-  const Vec3 p = equation.p(u);
-  NearestPoint n;
-  for (int i = 0; i < 3; ++i) {
-    n.point[i] = half_axes[i] * p[i];
-    n.displacement[i] = equation.c[i] > 0 ? y[i] * (1 - u) / (u + equation.d[i]) : 0;
-  }
+  Vec3 way;  // from y to it
+  for (int i = 0; i < 3; ++i) way[i] = equation.c[i] > 0 ? y[i] * (1 - u) / (u + equation.d[i]) : 0;
   if (u == 0) {  // from the middle plane the nearest points lie on either side of it
+    const Vec3 p = equation.p(u);
     const double others = p.squaredNorm() - p[shortest] * p[shortest];
-    n.displacement[shortest] = n.point[shortest] = e * std::sqrt(std::max(0.0, 1 - others));
+    way[shortest] = e * std::sqrt(std::max(0.0, 1 - others));
   }
-  for (int i = 0; i < 3; ++i)
-    if (x[i] < 0) {
-      n.point[i] = -n.point[i];
-      n.displacement[i] = -n.displacement[i];
-    }
-  return n;
+  return way.norm();
 }
 
 }  // namespace
 
-Vec3 Ellipsoid::nearest_point(const Vec3& x) const {
-  return nearest(half_axes, x).point;
-}
-
 double Ellipsoid::signed_distance(const Vec3& x) const {
-  const double distance = nearest(half_axes, x).displacement.norm();
+  const double distance = distance_to_surface(half_axes, x);
   if (contains(x)) return -distance;
   return std::max(distance, std::numeric_limits<double>::min());
 }

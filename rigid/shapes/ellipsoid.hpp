@@ -12,13 +12,10 @@ struct Ellipsoid {
 
   bool contains(const Vec3& x) const { return x.cwiseQuotient(half_axes).squaredNorm() <= 1; }
   /// The error is below 1e-14 of the largest axis plus 1e-14 of the distance, for axes of any ratio; the sign
-  /// agrees with contains.
+  /// agrees with contains. Source: D. Eberly, "Distance from a Point to an Ellipse, an Ellipsoid, or a
+  /// Hyperellipsoid" (2013), the reduction to one root; the root not by his bisection but as in trust-region
+  /// steps (More and Sorensen, SIAM J. Sci. Stat. Comput. 4 (1983)).
   double signed_distance(const Vec3& x) const;
-  /// The point of the surface nearest to x (one of them where several are), inside and outside. Source: D.
-  /// Eberly, "Distance from a Point to an Ellipse, an Ellipsoid, or a Hyperellipsoid" (2013), the reduction
-  /// to one root; the root not by his bisection but as in trust-region steps (More and Sorensen, SIAM J. Sci.
-  /// Stat. Comput. 4 (1983)).
-  Vec3 nearest_point(const Vec3& x) const;
   std::optional<LineInterval> line_interval(const Vec3& o, const Vec3& d) const;
   BoundingBox bounding_box(const Pose&) const;
   double reach(const Pose&) const;

@@ -8,7 +8,8 @@
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
   using namespace silt::coupler;
   try {
-    require_runnable(read_case_text({reinterpret_cast<const char*>(bytes), size}, "seeds/case.toml", {}));
+    CaseSource source{"seeds/case.toml", {reinterpret_cast<const char*>(bytes), size}, {}};
+    require_runnable(read_case(source));
   } catch (const CaseError&) {
   }
   return 0;

@@ -26,7 +26,8 @@ void resume_from(const std::filesystem::path& path) {
   using namespace silt;
   const adapters::CheckpointReader reader(MPI_COMM_SELF, path);
   const coupler::CaseOrigin origin = coupler::read_origin(reader);
-  const coupler::Case scene = coupler::read_case_text(origin.text, "seeds/case.toml", {});
+  coupler::CaseSource source{"seeds/case.toml", origin.text, {}};
+  const coupler::Case scene = coupler::read_case(source);
   coupler::read_state(reader, scene);
   coupler::read_history(reader, scene);
 }

@@ -34,8 +34,13 @@ std::string fill_of(const std::string& shape, double density, int count, const s
                      lines);
 }
 
+Case read_case_text(const std::string& text, const Overrides& overrides) {
+  CaseSource source{"case.toml", text, {}};
+  return read_case(source, overrides);
+}
+
 Simulation simulation_of(const std::string& text, MPI_Comm comm, const Overrides& overrides) {
-  return {read_case_text(text, "case.toml", overrides), comm};
+  return {read_case_text(text, overrides), comm};
 }
 
 std::vector<Diagnostic> judgement(const Case& setup, MPI_Comm comm) {
@@ -60,7 +65,7 @@ std::string fault_of(const Case& setup, MPI_Comm comm) {
 }
 
 Case CaseText::read(const Overrides& overrides) const {
-  return read_case_text(text(), "case.toml", overrides);
+  return read_case_text(text(), overrides);
 }
 
 std::string CaseText::fault(const Overrides& overrides) const {

@@ -31,6 +31,9 @@ std::string sphere_of(const std::string& name, double diameter);
 std::string body_of(const std::string& shape, double density, const std::string& lines);
 std::string fill_of(const std::string& shape, double density, int count, const std::string& lines);
 
+/// Reads a text as read_case does a file, which the messages call case.toml.
+Case read_case_text(const std::string& text, const Overrides& = {});
+
 /// Returns everything that is wrong or doubtful about a case: what it alone tells, then, if that lets it run,
 /// what is found where its bodies are placed.
 std::vector<Diagnostic> judgement(const Case&, MPI_Comm = MPI_COMM_SELF);

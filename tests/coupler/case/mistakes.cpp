@@ -16,7 +16,7 @@ namespace {
 /// Everything that is said of a text, a line each.
 std::vector<std::string> said_of(const std::string& text) {
   std::string all;
-  const std::string unread = error_of([&] { all = listed(judgement(read_case_text(text, "case.toml"))); });
+  const std::string unread = error_of([&] { all = listed(judgement(read_case_text(text))); });
   std::istringstream stream(unread + all);
   std::vector<std::string> lines;
   for (std::string line; std::getline(stream, line);) lines.push_back(line);

@@ -42,7 +42,7 @@ std::string quantity_type_names() {
 
 /// Returns what a key may be, by the message of the reader.
 std::string choices(const std::string& text) {
-  const std::string mark = "must be one of ", message = error_of([&] { read_case_text(text, "case.toml"); });
+  const std::string mark = "must be one of ", message = error_of([&] { read_case_text(text); });
   const auto begin = message.find(mark) + mark.size();
   return message.substr(begin, message.find('\n', begin) - begin);
 }

@@ -152,7 +152,7 @@ Names as_set(const std::string& joined_names) {
 std::map<std::string, Names> known_keys(const std::string& text) {
   const std::regex complaint(
       R"(unknown key 'zzz' (?:at the top of the file|in \[([a-z_.]*)\]); known: (.*))");
-  std::istringstream lines(error_of([&] { read_case_text(text, ""); }));
+  std::istringstream lines(error_of([&] { read_case_text(text); }));
   std::map<std::string, Names> keys;
   std::smatch found;
   for (std::string line; std::getline(lines, line);)

@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 #include <random>
+#include <string_view>
 
 #include "adapters/automatic/collision_factory.hpp"
 #include "coupler/exchange/check_exchange.hpp"
@@ -22,6 +23,31 @@ namespace silt::coupler::testing {
 
 using rigid::BodyId;
 using rigid::Vec3;
+
+/// Hashes values bit by bit.
+class BitHash {
+ public:
+  template <class... T>
+  void add(const T&... values) {
+    (parallel::put(bytes_, values), ...);
+  }
+  std::uint64_t value() const {
+    return std::hash<std::string_view>{}({reinterpret_cast<const char*>(bytes_.data()), bytes_.size()});
+  }
+
+ private:
+  parallel::Bytes bytes_;
+};
+
+/// Hashes everything that is saved of a record.
+inline std::uint64_t hash_of(const rigid::BodyRecord& r) {
+  BitHash hash;
+  hash.add(r.position, r.orientation, r.velocity, r.angular_velocity, r.angular_momentum, r.id, r.shape,
+           r.material, r.kind, r.motion, r.wakefulness, r.image, r.mass, r.weight_in_fluid, r.inertia_B);
+  for (const rigid::HolderColumn& column : column::saved)
+    hash.add(r.holder_state[column], r.holder_state.whole(column));
+  return hash.value();
+}
 
 inline int ranks_of(MPI_Comm comm) {
   int n = 1;
@@ -127,17 +153,10 @@ class Witness : public ParallelBodyExchange {
 
  private:
   static std::uint64_t hash_of_contact(const rigid::Contact& c) {
-    rigid::BodyRecord r;  // borrowed: hashes all bits of what is put into it
-    r.id = c.a;
-    r.holder_state[column::mapping_position][0] = std::bit_cast<double>(c.b);
-    r.holder_state[column::mapping_position][1] = std::bit_cast<double>(c.feature);
-    r.image[0] = c.image.x, r.image[1] = c.image.y, r.image[2] = c.image.z;
-    for (int d = 0; d < 3; ++d)
-      r.position[d] = c.normal[d], r.velocity[d] = c.r_a[d], r.angular_velocity[d] = c.r_b[d];
-    r.mass = c.gap;
-    r.weight_in_fluid = c.restitution;
-    r.holder_state[column::mapping_orientation][0] = c.friction;
-    return hash_of(r);
+    BitHash hash;
+    hash.add(c.a, c.b, c.feature, c.image, c.gap, c.restitution, c.friction);
+    for (const Vec3* v : {&c.normal, &c.r_a, &c.r_b}) hash.add((*v)[0], (*v)[1], (*v)[2]);
+    return hash.value();
   }
 };
 

@@ -15,7 +15,7 @@ struct LevelScene {
   rigid::World world;
   rigid::BodySet bodies;  // all of them
 
-  explicit LevelScene(const std::string& text) : setup(read_case_text(text, "case.toml")) {
+  explicit LevelScene(const std::string& text) : setup(read_case_text(text)) {
     world.shapes = setup.shapes;
     for (const rigid::Shape& s : setup.shapes) world.bounding_radii.push_back(rigid::bounding_radius(s));
     for (const BodySpec& body : setup.bodies) {
