@@ -75,7 +75,8 @@ std::optional<double> number_in(std::string_view word) {
 
 std::string shown_word(std::string_view word) {
   if (word.empty()) return "the end of the file";
-  const std::string text = "'" + std::string(word.substr(0, 40)) + "'";
+  std::string text = "'";
+  text.append(word.substr(0, 40)) += '\'';
   const std::size_t comma = word.find(',');
   std::string with_point(word);
   if (comma != word.npos) with_point[comma] = '.';

@@ -210,13 +210,20 @@ struct HandKey {
   const char *name, *type, *unit, *fallback, *meaning;
 };
 
+/// Returns a spec that nobody has filled.
+template <class Spec>
+const Spec& blank_of() {
+  static const Spec blank;
+  return blank;
+}
+
 template <class Spec, class Member, class Kind>
 KeyText text_of(const Key<Spec, Member, Kind>& key) {
   KeyText text{key.name, key.kind.type(), key.kind.unit_text(), "", key.meaning};
   if (key.fallback)
     text.fallback = key.fallback;
   else if constexpr (requires { key.kind.text(Member{}); })
-    text.fallback = key.kind.text(Spec{}.*key.member);
+    text.fallback = key.kind.text(blank_of<Spec>().*key.member);
   return text;
 }
 inline KeyText text_of(const HandKey& key) {

@@ -33,7 +33,9 @@ void expect_sound(const Points& points) {
     const ContactPoint& p = points[k];
     EXPECT_NEAR(p.normal.norm(), 1, 1e-12);
     EXPECT_LE((p.on_b - p.on_a - p.gap * p.normal).norm(), 1e-11);
-    if (k > 0) EXPECT_LT(points[k - 1].feature, p.feature);
+    if (k > 0) {
+      EXPECT_LT(points[k - 1].feature, p.feature);
+    }
   }
 }
 
@@ -150,7 +152,9 @@ TEST_P(MeshPairs, ABallOfTrianglesIsNearlyABall) {
       ASSERT_FALSE(found.empty()) << kind << ' ' << i;
       EXPECT_GE(deepest(found).gap, deepest(right).gap - 1e-9) << kind << ' ' << i;
       EXPECT_LE(deepest(found).gap, deepest(right).gap + off + 1e-9) << kind << ' ' << i;
-      if (kind == "sphere") EXPECT_EQ(found.size(), 1u) << "outside of what is convex one point is nearest";
+      if (kind == "sphere") {
+        EXPECT_EQ(found.size(), 1u) << "outside of what is convex one point is nearest";
+      }
     }
 }
 
@@ -205,8 +209,12 @@ TEST_P(MeshPairs, PlanesAndTubesMeetTheFurthestCorners) {
     ASSERT_EQ(in_tube.empty(), to_tube > 0.3);
     expect_sound(on_plane);
     expect_sound(in_tube);
-    if (!on_plane.empty()) EXPECT_NEAR(deepest(on_plane).gap, to_plane, 1e-12);
-    if (!in_tube.empty()) EXPECT_NEAR(deepest(in_tube).gap, to_tube, 1e-12);
+    if (!on_plane.empty()) {
+      EXPECT_NEAR(deepest(on_plane).gap, to_plane, 1e-12);
+    }
+    if (!in_tube.empty()) {
+      EXPECT_NEAR(deepest(in_tube).gap, to_tube, 1e-12);
+    }
   }
 }
 

@@ -144,7 +144,9 @@ TEST(LoadBalance, CellsOfLevelsAreSharedOut) {
   Simulation s = corner().start(MPI_COMM_WORLD);
   const Evenness start = s.balance_record().at_start;
   EXPECT_LE(start.after, start.before);
-  if (ranks() == 2) EXPECT_LE(start.after, 1.2);
+  if (ranks() == 2) {
+    EXPECT_LE(start.after, 1.2);
+  }
 }
 
 TEST(LoadBalance, EvenScenesKeepTheEqualCut) {

@@ -32,7 +32,8 @@ Int3 cell_of(int n, int layer) {
 /// period in a group of their own.
 CutLinks<double> links_of(int layer, int side, double q, WallScheme scheme, const WallFluid<double>& fluid,
                           Int3 cells) {
-  CutLinks<double> links{fluid, {{0, 0, layer}, {0, 0, 0}, 2.0 * width, false}, {}, {}, {}, {}, {}, {}};
+  auto links = CutLinks<double>::in(std::pmr::get_default_resource());
+  links.fluid = fluid, links.frame = {{0, 0, layer}, {0, 0, 0}, 2.0 * width, false};
   const auto outside = [](int x) { return x < 0 || x >= width; };
   for (const bool across : {false, true}) {
     LinkGroup group{std::uint32_t(links.place.size()), 0, scheme, {0, 0, layer}, -1};

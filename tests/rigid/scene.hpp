@@ -33,9 +33,9 @@ struct Scene {
     world.material_count = 1;
     extent.size = size;
   }
-  int shape(const Shape& s) {
-    world.shapes.push_back(s);
+  int shape(Shape s) {
     world.bounding_radii.push_back(bounding_radius(s));
+    world.shapes.push_back(std::move(s));
     return static_cast<int>(world.shapes.size()) - 1;
   }
   /// A body of density 1 times `mass` / its volume. Returns its id; ids count up from 0.

@@ -23,8 +23,7 @@ const std::string case_text = "title = \"\u00e4\"\n" + std::string(100000, '#');
 
 template <class T>
 void write(const Layout& layout, const std::filesystem::path& path, int keep = 0) {
-  const adapters::Provenance provenance{"0.1.0", "abc", "t", case_text, 3, "auto", "g++", "host", "now"};
-  CheckpointWriter writer(layout.comm, path, provenance);
+  CheckpointWriter writer(layout.comm, path, tests::made_from(case_text, 3));
   writer.set("step", std::int64_t{1} << 60);
   writer.set("time", 0.1);
   writer.set("backend", "analytic");
@@ -260,8 +259,7 @@ TEST(Checkpoint, is_the_same_file_from_any_number_of_ranks) {
       owned.impulses.push_back(impulses(id));
     }
     const std::vector<CellBox> boxes = blocks_of(r, n, cells, {4, 6, 5});
-    CheckpointWriter writer(comm, scratch / name,
-                            {"0.1.0", "abc", "t", "text", 3, "auto", "g++", "host", "now"});
+    CheckpointWriter writer(comm, scratch / name, tests::made_from("text", 3));
     writer.set("step", std::int64_t{7});
     write_populations<float>(writer, boxes);
     writer.bodies(owned.rows(), kept_columns);

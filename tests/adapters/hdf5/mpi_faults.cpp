@@ -65,7 +65,7 @@ bool same_impulse(const rigid::StoredImpulse& a, const rigid::StoredImpulse& b) 
 
 void write_checkpoint(MPI_Comm comm, const std::filesystem::path& path, const std::vector<CellBox>& boxes,
                       std::array<int, 3> lattice = cells) {
-  adapters::CheckpointWriter writer(comm, path, {"0.1", "c", "t", "text\n", 1, "auto", "g++", "", ""});
+  adapters::CheckpointWriter writer(comm, path, made_from("text\n"));
   writer.set("step", std::int64_t{77});
   writer.set("label", "some text");
   writer.cells("populations", adapters::Storage::single, lattice, 19, boxes,

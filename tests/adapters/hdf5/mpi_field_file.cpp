@@ -19,8 +19,7 @@ using Run = SliceExchange::Run;
 
 constexpr std::array<int, 3> grid_cells{13, 8, 21};
 const adapters::ImageGrid grid{grid_cells, {-1, 0, 2}, {0.5, 0.5, 0.5}, "m", "s"};
-const adapters::Provenance provenance{"0.1.0", "abc", "a title", "title = \"a title\"\n", 1, "auto",
-                                      "g++",   "",    ""};
+const adapters::Provenance provenance = tests::made_from("title = \"a title\"\n");
 
 double value(int x, int y, int z, int c) {
   return 0.1 * x + 10 * y - 1000.0 / (z + 1) + 0.01 * c;

@@ -53,6 +53,16 @@ inline std::filesystem::path checkpoint_path(const std::filesystem::path& folder
   return adapters::step_path(folder, "checkpoint", step, ".h5");
 }
 
+/// Returns what wrote a file, with the text of a case and a number of ranks.
+inline adapters::Provenance made_from(const std::string& case_text, int ranks = 1) {
+  adapters::Provenance provenance;
+  provenance.version = "0.1.0", provenance.commit = "abc";
+  provenance.title = "a title", provenance.case_text = case_text;
+  provenance.ranks = ranks;
+  provenance.backend = "auto", provenance.compiler = "g++";
+  return provenance;
+}
+
 /// Cuts a lattice into blocks of the given size and deals them to `ranks`: in turn, or in runs; the last rank
 /// of several is left without any when `leave_one_idle`.
 inline std::vector<adapters::CellBox> blocks_of(int rank, int ranks, std::array<int, 3> cells,

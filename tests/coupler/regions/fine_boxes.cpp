@@ -131,10 +131,11 @@ TEST(FineBoxes, CurvedWallsAreAmongFinestCells) {
   lbm::for_cells({}, tree.cells(), [&](Int3 x) {
     const double radius = std::sqrt(std::pow(x.x + 0.5 - 48, 2) + std::pow(x.y + 0.5 - 48, 2));
     near += std::abs(radius - 44) < 6;
-    if (std::abs(radius - 44) < 6)
+    if (std::abs(radius - 44) < 6) {
       EXPECT_EQ(field.at(x), 0);
-    else if (radius < 44 - 6 - 2 * 4 * std::sqrt(3.))
+    } else if (radius < 44 - 6 - 2 * 4 * std::sqrt(3.)) {
       EXPECT_EQ(field.at(x), 1);
+    }
   });
   EXPECT_LT(field.count(0), 2 * near);
   EXPECT_LT(tree.leaves(), 200);

@@ -30,7 +30,7 @@ TEST_P(SffdImpacts, HeadOnCollisionOneToTwo) {
 /// A ball of mass 1 and speed 1 and one of mass 2 go on together: the former loses 2/3 of its velocity in the
 /// one sweep that the pair needs.
 TEST_P(SffdImpacts, WhatTheLastSweepChangedIsAVelocity) {
-  for (const auto [sweeps, change] : {std::pair{1, 2. / 3}, std::pair{2, 0.}}) {
+  for (const auto& [sweeps, change] : {std::pair{1, 2. / 3}, std::pair{2, 0.}}) {
     Scene s(0, 0);
     s.settings.max_sweeps = sweeps;
     const int ball = s.shape(Sphere{0.5});

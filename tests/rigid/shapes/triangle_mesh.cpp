@@ -174,7 +174,9 @@ TEST(TriangleMesh, LinesThroughEdgesAndCornersAreCountedOnce) {
     for (int y = -5; y <= 5; ++y)
       for (int x = -5; x <= 5; ++x) {
         const int norm = std::abs(x) + std::abs(y) + std::abs(z);
-        if (norm != 4) EXPECT_EQ(mesh.encloses(Vec3(x, y, z)), norm < 4) << x << ' ' << y << ' ' << z;
+        if (norm != 4) {
+          EXPECT_EQ(mesh.encloses(Vec3(x, y, z)), norm < 4) << x << ' ' << y << ' ' << z;
+        }
       }
 }
 
