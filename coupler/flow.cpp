@@ -177,8 +177,7 @@ class FlowOf final : public Flow {
     }
     for (std::size_t b = 0; sides_vary && b < links_.size(); ++b) {
       if (!lbm::knows_opposite_wall(coupling_.wall_scheme)) break;
-      links_[b].gaps.pair(links_[b].surfaces, fluid_.domain(), map_.blocks()[b].box);
-      if (links_[b].on_device) links_[b].list_for_device();
+      pair_gaps(b);
     }
     if (!control_ && !drive_.over_time.varies()) return;
     const Vec3 given = drive_.over_time.at(time) * drive_.body_force;
@@ -203,7 +202,7 @@ class FlowOf final : public Flow {
   void remap(const rigid::BodySet& bodies, const BodyChanges& changes) {
     const ChangedCells cells = changed_cells(map_.blocks());
     take_cells(+1, cells.covered, bodies, changes);
-    refill(fluid_, map_.blocks(), cells, bodies, changes.gone, coupling_.refill);
+    refill(fluid_, map_.blocks(), cells, bodies, changes.gone, coupling_.refill, uncovered_);
     take_cells(-1, cells.uncovered, bodies, changes);
     counts_.covered = cells.covered.size(), counts_.uncovered = cells.uncovered.size();
     rebuild_links(bodies);
@@ -251,20 +250,29 @@ class FlowOf final : public Flow {
     for (std::size_t b = 0; b < links_.size(); ++b) {
       const BlockMap& map = map_.blocks()[b];
       BlockLinks<T>& block = links_[b];
+      if (block.on_device) block.on_device->set_fluid(fluid);
       if (map.changed) {
         fluid_.set_idle(int(b), !map.has_fluid());
         build_links<T>(map, world_, bodies,
                        {coupling_, fluid, fluid_.pass_order(int(b)), &meshes_,
                         mapped_on_device_.empty() ? nullptr : &mapped_on_device_[b]},
                        block.surfaces);
-        block.order_groups(fluid_.pass_order(int(b)));
-        if (lbm::knows_opposite_wall(coupling_.wall_scheme))
-          block.gaps.pair(block.surfaces, fluid_.domain(), map.box);
-        if (block.on_device) block.list_for_device();
+        if (!block.on_device) block.order_groups(fluid_.pass_order(int(b)));
+        pair_gaps(b);
       }
       counts_.links += block.count;
     }
     if (pairs_) choose_pairs();
+  }
+
+  void pair_gaps(std::size_t b) {
+    BlockLinks<T>& block = links_[b];
+    const bool is_told = lbm::knows_opposite_wall(coupling_.wall_scheme);
+    if (is_told) block.gaps.pair(block.surfaces, fluid_.domain(), map_.blocks()[b].box);
+    if (block.on_device)
+      block.list_for_device();
+    else if (is_told)
+      block.gaps.set_distances(block.surfaces);
   }
 
   void choose_pairs() {
@@ -287,6 +295,7 @@ class FlowOf final : public Flow {
   std::vector<BlockLinks<T>> links_;
   std::vector<DeviceMapping<T>> mapped_on_device_;  // of the blocks, or none
   MeshDistances meshes_{map_.meshes()};
+  UncoveredCells uncovered_{fluid_.device()};
   std::optional<lbm::PairsAcross<T>> pairs_;  // under schemes that read beyond
   std::vector<SideColumns> columns_;          // of the blocks, for pairs_
   bool pushes_bodies_;

@@ -1,6 +1,9 @@
 #include "device/device.hpp"
 
+#include <cstring>
 #include <new>
+
+#include "device/host_device.hpp"
 
 namespace silt {
 
@@ -12,6 +15,9 @@ std::string choose(int rank, int ranks);
 std::shared_ptr<void> zeroed(std::size_t bytes);
 std::pmr::memory_resource* memory();
 std::pmr::memory_resource* message_memory();
+std::pmr::memory_resource* own_memory();
+void copy_in_turn(void* to, const void* from, std::size_t bytes);
+void clear_in_turn(void* memory, std::size_t bytes);
 #else
 std::string unusable() {
   return "this program was built without CUDA; configure it with -D SILT_WITH_CUDA=ON where nvcc is, or use "
@@ -26,7 +32,9 @@ std::string choose(int, int) {
 std::shared_ptr<void> zeroed(std::size_t) {
   throw std::bad_alloc();
 }
-constexpr auto memory = std::pmr::new_delete_resource, message_memory = memory;
+void copy_in_turn(void*, const void*, std::size_t) {}
+void clear_in_turn(void*, std::size_t) {}
+constexpr auto memory = std::pmr::new_delete_resource, message_memory = memory, own_memory = memory;
 #endif
 }  // namespace cuda
 
@@ -48,6 +56,24 @@ std::pmr::memory_resource* memory_of(Device device) {
 
 std::pmr::memory_resource* message_memory(Device device) {
   return device == Device::gpu ? cuda::message_memory() : std::pmr::new_delete_resource();
+}
+
+std::pmr::memory_resource* own_memory(Device device) {
+  if (device == Device::gpu) return cuda::own_memory();
+  return device == Device::host ? own_memory_of_host() : std::pmr::new_delete_resource();
+}
+
+void copy_in_turn(Device device, void* to, const void* from, std::size_t bytes) {
+  if (device == Device::gpu)
+    cuda::copy_in_turn(to, from, bytes);
+  else
+    put_off([=] { std::memcpy(to, from, bytes); });
+}
+void clear_in_turn(Device device, void* memory, std::size_t bytes) {
+  if (device == Device::gpu)
+    cuda::clear_in_turn(memory, bytes);
+  else
+    put_off([=] { std::memset(memory, 0, bytes); });
 }
 
 std::shared_ptr<void> zeroed_on_gpu(std::size_t bytes) {

@@ -7,6 +7,7 @@
 #include <memory_resource>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -33,9 +34,16 @@ std::string description(Device);
 /// what is to be said where ranks share one and no MPS server lets them use it at the same time; else "".
 std::string choose(Device, int rank, int ranks);
 
-/// Memory that the processor and the device both read and write; that for messages stays the processor's.
+/// Memory that the processor and the device both read and write, at the price of pages that move to and fro;
+/// memory that the processor alone reads and writes, and the device copies from and to; and memory that the
+/// device alone does.
 std::pmr::memory_resource* memory_of(Device);
 std::pmr::memory_resource* message_memory(Device);
+std::pmr::memory_resource* own_memory(Device);
+/// Copies bytes from or to the device's own memory, in turn with its passes. Returns before it is done.
+void copy_in_turn(Device, void* to, const void* from, std::size_t bytes);
+/// Sets bytes of the device's own memory to zero in the same way.
+void clear_in_turn(Device, void* memory, std::size_t bytes);
 /// Returns bytes of zero which the processor and the graphics processor both read and write: pages move to
 /// where they are used. Throws std::bad_alloc.
 std::shared_ptr<void> zeroed_on_gpu(std::size_t bytes);
@@ -52,9 +60,7 @@ struct UnwrittenElements : std::pmr::polymorphic_allocator<T> {
   UnwrittenElements select_on_container_copy_construction() const { return {}; }
   template <class U, class... From>
   void construct(U* at, From&&... from) {
-    if constexpr (sizeof...(From) == 0)
-      ::new (static_cast<void*>(at)) U;
-    else
+    if constexpr (sizeof...(From) > 0 || !std::is_trivially_copyable_v<U>)
       Base::construct(at, std::forward<From>(from)...);
   }
 };

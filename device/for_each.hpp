@@ -7,6 +7,7 @@
 #include <string>
 
 #include "cpu/device_code.hpp"
+#include "device/host_device.hpp"
 
 namespace silt::inline SILT_ISA {
 
@@ -101,8 +102,9 @@ template <class Body>
 void for_rows(int entries, int rows, const Body& body) {
   constexpr int warp = 32, most = 256;
   if (entries == 0 || rows == 0) return;
-  const int wanted = (entries + warp - 1) / warp * warp, threads = wanted < most ? wanted : most;
-  one_of_rows<<<dim3(unsigned(rows), unsigned((entries + threads - 1) / threads)), threads>>>(entries, body);
+  const int parts = (entries + most - 1) / most;  // of a row, of equal length
+  const int threads = ((entries + parts - 1) / parts + warp - 1) / warp * warp;
+  one_of_rows<<<dim3(unsigned(rows), unsigned(parts)), threads>>>(entries, body);
   check(cudaGetLastError());
 }
 /// Calls body(k, member) for each entry and each member of the team that does it together.
@@ -130,19 +132,27 @@ SILT_DEVICE inline unsigned next_of(unsigned* count) {
 
 template <class Body>
 void for_each(std::int64_t entries, const Body& body) {
-  for (std::int64_t k = 0; k < entries; ++k) body(k);
+  put_off([entries, body] {
+    for (std::int64_t k = 0; k < entries; ++k) body(k);
+  });
 }
 template <class Body>
 void for_rows(int entries, int rows, const Body& body) {
-  for (int row = 0; row < rows; ++row)
+  put_off([entries, rows, body] {
+    for (int row = 0; row < rows; ++row)
 #pragma GCC ivdep
-    for (int k = 0; k < entries; ++k) body(k, row);
+      for (int k = 0; k < entries; ++k) body(k, row);
+  });
 }
 template <class Body>
 void for_teams(std::int64_t entries, const Body& body) {
-  for (std::int64_t k = 0; k < entries; ++k) body(k, Team{0, 1});
+  put_off([entries, body] {
+    for (std::int64_t k = 0; k < entries; ++k) body(k, Team{0, 1});
+  });
 }
-inline void wait() {}
+inline void wait() {
+  do_what_was_put_off();
+}
 inline unsigned next_of(unsigned* count) {
   return (*count)++;
 }

@@ -4,6 +4,7 @@
 #include <memory>
 #include <memory_resource>
 #include <new>
+#include <stdexcept>
 #include <string>
 
 namespace silt::cuda {
@@ -16,6 +17,9 @@ std::string version(int number) {  // 13000 for 13.0
 using Allocate = cudaError_t(void**, std::size_t);
 cudaError_t allocate_managed(void** memory, std::size_t bytes) {
   return cudaMallocManaged(memory, bytes);
+}
+cudaError_t allocate_own(void** memory, std::size_t bytes) {
+  return cudaMalloc(memory, bytes);
 }
 cudaError_t allocate_pinned(void** memory, std::size_t bytes) {
   return cudaMallocHost(memory, bytes);
@@ -71,10 +75,28 @@ std::pmr::memory_resource* memory() {
   static std::pmr::unsynchronized_pool_resource pool(managed());
   return &pool;
 }
-/// Pages stay, and the card writes to them: MPI sends from there.
+/// Pages stay, and the card copies from and to them: MPI sends from there.
 std::pmr::memory_resource* message_memory() {
   static Memory<allocate_pinned, cudaFreeHost> pinned;
   return &pinned;
+}
+std::pmr::memory_resource* own_memory() {
+  static Memory<allocate_own, cudaFree> own;
+  return &own;
+}
+
+namespace {
+void require(cudaError_t found) {
+  if (found != cudaSuccess)
+    throw std::runtime_error(std::string("the graphics processor failed: ") + cudaGetErrorString(found));
+}
+}  // namespace
+
+void copy_in_turn(void* to, const void* from, std::size_t bytes) {
+  require(cudaMemcpyAsync(to, from, bytes, cudaMemcpyDefault));
+}
+void clear_in_turn(void* memory, std::size_t bytes) {
+  require(cudaMemsetAsync(memory, 0, bytes));
 }
 
 std::shared_ptr<void> zeroed(std::size_t bytes) {

@@ -59,17 +59,20 @@ struct RowEnd {
 template <class T>
 class Block {
  public:
-  /// Rows are not padded: a gap in a row costs the bandwidth of the cache lines it breaks, and more. A row is
-  /// one cell longer than the block, a plane one row: no direction crosses out on both sides, so the ghost
-  /// after a row is also the one before the next.
+  /// A row is one cell longer than the block, a plane one row: no direction crosses out on both sides, so the
+  /// ghost after a row is also the one before the next. On the processor rows are not padded: a gap in a row
+  /// costs the bandwidth of the cache lines it breaks, and more. On a graphics processor, whose threads read
+  /// 32 elements together, rows begin at multiples of so many.
   explicit Block(const CellBox& box, Device device = Device::cpu) : box_(box) {
-    constexpr int line = 64 / sizeof(T), page = 4096 / sizeof(T);  // elements
+    constexpr int line = 64 / sizeof(T), page = 4096 / sizeof(T), together = 32;  // elements
     row_ = box.size.x + 1;
+    if (device != Device::cpu) row_ = (row_ + together - 1) / together * together;
     plane_ = row_ * (box.size.y + 1);
     if (plane_ % page == 0) plane_ += 5 * line;  // planes must not share cache sets
     direction_ = plane_ * (box.size.z + 1) + line;
     constexpr int skew = 27 * line;  // spreads 19 directions evenly over a page
     direction_ += (skew - direction_ % page + page) % page;
+    if (device != Device::cpu) direction_ = (direction_ + together - 1) / together * together;
     if (device == Device::gpu)
       memory_ = std::static_pointer_cast<T[]>(zeroed_on_gpu(bytes()));
     else

@@ -90,26 +90,16 @@ struct CutLinks {
   DeviceArray<T> q;                  // at a time that `age` counts from
   DeviceArray<T> rate;               // of q, a step; empty: of none
   T age = 0;                         // steps since then; may be negative
-  std::pmr::vector<T> opposite_q,
-      opposite_u;  // OppositeWall of the links of `single_cell_gap`; empty: of none
+  DeviceArray<T> opposite_q, opposite_u;  // OppositeWall of the links of `single_cell_gap`; empty: of none
   /// The index of its pair in the block's PairsAcross, for each link of groups `across`, padded as they are.
-  std::pmr::vector<std::uint32_t> across;
+  DeviceArray<std::uint32_t> across;
 
   /// Returns a surface without links in a memory that a device may reach.
   static CutLinks in(std::pmr::memory_resource* memory) {
     using Values = DeviceArray<T>;
     using Places = DeviceArray<std::uint32_t>;
-    using Told = std::pmr::vector<T>;
-    return {{},
-            {},
-            {},
-            Places(memory),
-            Values(memory),
-            Values(memory),
-            0,
-            Told(memory),
-            Told(memory),
-            std::pmr::vector<std::uint32_t>(memory)};
+    return {{}, {}, {}, Places(memory), Values(memory), Values(memory), 0, Values(memory), Values(memory),
+            Places(memory)};
   }
 
   /// A hint that a group will be wanted soon.
@@ -177,10 +167,10 @@ struct SurfaceMotion {
 };
 
 /// The largest |f* + f_opp| for which no term leaves its range (method.md, equation 22).
-inline double largest_exchange(const SurfaceFrame& frame, const SurfaceMotion& m) {
+inline double largest_exchange(double reach, const SurfaceMotion& m) {
   double u = 0;
-  for (int k = 0; k < 3; ++k) u += std::fabs(m.v[k]) + frame.reach * std::fabs(m.omega[k]);
-  return 32 / ((1 + frame.reach) * (1 + u));
+  for (int k = 0; k < 3; ++k) u += std::fabs(m.v[k]) + reach * std::fabs(m.omega[k]);
+  return 32 / ((1 + reach) * (1 + u));
 }
 
 /// Sums are in fixed point, so that they do not depend on the order or the partition of links (method.md,

@@ -43,7 +43,7 @@ void apply(const GroupInBlock<T>& here, const SurfaceMotion& motion, ForceForm f
   const WallDistances<T> distance(links, group);
   const int count = int(group.count);
   T* const data = block.data() + block.middle() + block.cell(group.corner);
-  GroupSums<T> total(form == ForceForm::galilean ? T(1) : T(0), T(largest_exchange(frame, motion)));
+  GroupSums<T> total(form == ForceForm::galilean ? T(1) : T(0), T(largest_exchange(frame.reach, motion)));
   int l = 0;
   for (; l < count; l += L::count) {
     const LinkRows<T> rows = fetch.at(l);

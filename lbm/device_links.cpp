@@ -1,5 +1,7 @@
 #include "lbm/device_links.hpp"
 
+#include <algorithm>
+
 #include "lbm/device_passes.hpp"
 #include "lbm/link_passes.hpp"
 
@@ -7,76 +9,77 @@ namespace silt::lbm {
 
 template <class T>
 void DeviceLinks<T>::clear() {
-  groups_.clear(), crossing_.clear(), opposites_.clear(), surfaces_.clear();
+  surfaces_.here().clear(), first_group_.here().clear(), opposites_.here().clear();
+  group_count_ = 0, is_listed_ = has_crossings_ = false;
 }
 
 template <class T>
-void DeviceLinks<T>::add(const CutLinks<T>& links) {
-  const auto part = [](const auto& values, std::uint32_t first) {
-    return values.empty() ? nullptr : values.data() + first;
-  };
-  for (const LinkGroup& g : links.groups) {
-    auto& groups = g.crossing ? crossing_ : groups_;
-    groups.push_back({std::uint32_t(surfaces_.size()), g.count, g.scheme, g.corner,
-                      part(links.place, g.begin), part(links.q, g.begin), part(links.rate, g.begin),
-                      part(links.opposite_q, g.opposite), part(links.opposite_u, g.opposite),
-                      g.across ? part(links.across, g.across_begin) : nullptr});
-    to_device(groups.back());
-  }
-  surfaces_.push_back({links.fluid, links.frame, T(0), {}, 0, false, {}, 0});
-  to_device(surfaces_.back(), links.opposite_q, links.opposite_u);
+void DeviceLinks<T>::add(const DeviceSurface<T>* surface, std::span<const LinkGroup> groups) {
+  surfaces_.here().push_back({surface, {}, 0, T(0), false});
+  first_group_.here().push_back(group_count_);
+  group_count_ += std::uint32_t(groups.size());
+  for (const LinkGroup& group : groups) has_crossings_ |= group.crossing;
 }
 
 template <class T>
-void DeviceLinks<T>::add_opposite(T& velocity, std::uint32_t other, Int3 cell, int direction) {
-  opposites_.push_back({&velocity, other, cell, c[direction]});
-  to_device(opposites_.back());
-}
-
-template <class T>
-void DeviceLinks<T>::set_motion(std::size_t k, const SurfaceMotion& motion, T age) {
-  DeviceSurface<T>& surface = surfaces_[k];
-  surface.motion = motion, surface.age = age, surface.limit = largest_exchange(surface.frame, motion);
-  surface.sums = {}, surface.beyond_range = 0, surface.open = false;
-  to_device(motion, age, surface.limit, surface.sums, surface.beyond_range, surface.open);
+void DeviceLinks<T>::set_motion(std::size_t k, const SurfaceMotion& motion, double reach, T age) {
+  SurfaceStep<T>& surface = surfaces_.here()[k];
+  surface.motion = motion, surface.age = age, surface.limit = largest_exchange(reach, motion);
+  surface.open = false;
 }
 
 template <class T>
 void DeviceLinks<T>::set_increment(std::size_t k, const SurfaceMotion& increment) {
-  surfaces_[k].motion = increment, surfaces_[k].open = true;
-  to_device(increment, surfaces_[k].open);
+  surfaces_.here()[k].motion = increment, surfaces_.here()[k].open = true;
 }
 
 template <class T>
 LinkSums DeviceLinks<T>::sums(std::size_t k) const {
-  LinkSums sums = surfaces_[k].sums;
-  sums.invalid = surfaces_[k].beyond_range != 0;
-  from_device(sums, surfaces_[k].beyond_range);
+  const DeviceSums& of = sums_.here()[k];
+  LinkSums sums;
+  std::copy_n(of.force, 3, sums.force), std::copy_n(of.torque, 3, sums.torque);
+  sums.mass = of.mass, sums.invalid = of.beyond_range != 0;
   return sums;
 }
 
 template <class T>
 LinkPass<T> DeviceLinks<T>::pass_over(Block<T>& block, const LinkSlots& slots) {
-  slots_[0] = slots;
-  to_device(slots);
+  slots_.here().assign(1, slots);
   return {block.data() + block.middle(),
           std::int32_t(block.row_stride()),
           std::int32_t(block.plane_stride()),
-          slots_.data(),
-          surfaces_.data(),
+          slots_.send(),
+          fluid_,
+          surfaces_.send(),
+          sums_.there(),
           nullptr,
           false};
+}
+
+/// Lists the groups of all surfaces and what links in gaps are told, if that has changed.
+template <class T>
+void DeviceLinks<T>::list_groups() {
+  if (is_listed_) return;
+  is_listed_ = true;
+  opposites_.send();
+  groups_.clear(), groups_.resize(group_count_);
+  SILT_ON(device_, link_passes<T>)()
+      .list_groups({surfaces_.there(), surfaces_.size()}, first_group_.send(), groups_.data());
 }
 
 template <class T>
 void DeviceLinks<T>::apply(Block<T>& block, const LinkSlots& slots, const BeyondPair<T>* pairs_across,
                            ForceForm form) {
+  sums_.here().resize(surfaces_.size());
+  sums_.clear();
   LinkPass<T> pass = pass_over(block, slots);
   pass.pairs_across = pairs_across, pass.galilean = form == ForceForm::galilean;
+  list_groups();
   const LinkPasses<T>& passes = SILT_ON(device_, link_passes<T>)();
-  passes.set_opposites(opposites_, surfaces_.data());
+  passes.set_opposites({opposites_.there(), opposites_.size()}, pass);
   passes.apply(groups_, pass);
-  passes.apply_crossing(crossing_, pass);  // after all others, for these read what crossing links write
+  if (has_crossings_) passes.apply_crossing(groups_, pass);  // others read what crossing links write
+  sums_.fetch();
   wait(device_);
 }
 
@@ -85,13 +88,12 @@ std::int64_t DeviceLinks<T>::correct(Block<T>& block, const LinkSlots& slots) {
   const LinkPass<T> pass = pass_over(block, slots);
   const auto mass = [&] {
     std::int64_t sum = 0;
-    for (const DeviceSurface<T>& surface : surfaces_) sum += surface.sums.mass, from_device(sum);
+    for (const DeviceSums& of : sums_.here()) sum += of.mass;
     return sum;
   };
   const std::int64_t before = mass();
-  const LinkPasses<T>& passes = SILT_ON(device_, link_passes<T>)();
-  passes.correct(groups_, pass);
-  passes.correct(crossing_, pass);
+  SILT_ON(device_, link_passes<T>)().correct(groups_, pass);
+  sums_.fetch();
   wait(device_);
   return mass() - before;
 }

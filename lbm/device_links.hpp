@@ -2,45 +2,64 @@
 // The cut links of a block as a device applies them: all groups of the block in one list, a team a group, and
 // what a step sets and sums of each surface.
 #include <cstdint>
-#include <memory_resource>
-#include <vector>
+#include <span>
 
-#include "device/device.hpp"
+#include "device/mirror.hpp"
 #include "lbm/cut_links.hpp"
 
 namespace silt::lbm {
 
-/// A group of a surface, and its part of the arrays of CutLinks; what a group does not have is a null
-/// pointer.
-template <class T>
-struct DeviceGroup {
-  std::uint32_t surface, count;
-  WallScheme scheme;
-  Int3 corner;
-  const std::uint32_t* place;
-  const T *q, *rate, *opposite_q, *opposite_u;
-  const std::uint32_t* across;
-};
-
+/// What passes know of the links of a surface until these are made again: the frame, groups and arrays of
+/// CutLinks. An array that is empty is a null pointer.
 template <class T>
 struct DeviceSurface {
-  WallFluid<T> fluid;
   SurfaceFrame frame;
-  // of the step under way:
-  T age;
+  const LinkGroup* groups;
+  std::uint32_t group_count;
+  const std::uint32_t *place, *across;
+  const T *q, *rate;
+  T *opposite_q, *opposite_u;
+};
+template <class T>
+DeviceSurface<T> surface_on_device(CutLinks<T>& links, const LinkGroup* groups) {
+  const auto first = [](auto& values) { return values.empty() ? nullptr : values.data(); };
+  return {links.frame,          groups,         std::uint32_t(links.groups.size()), first(links.place),
+          first(links.across),  first(links.q), first(links.rate), first(links.opposite_q),
+          first(links.opposite_u)};
+}
+
+/// A surface in the step under way.
+template <class T>
+struct SurfaceStep {
+  const DeviceSurface<T>* surface;
   SurfaceMotion motion;  // of a correction: the increment
   double limit;          // of what passes along a link
-  bool open;             // the pass is for its links
-  LinkSums sums;
+  T age;
+  bool open;  // the pass is for its links
+};
+
+/// The sums over the links of a surface.
+struct DeviceSums {
+  std::int64_t force[3], torque[3], mass;
   std::int64_t beyond_range;  // teams that found a term which is
 };
 
-/// A link of `single_cell_gap` is told of the velocity of the surface on its other side (SingleCellGaps).
+struct GroupOfSurface {
+  std::uint32_t surface, number;
+};
+
+/// A link of `single_cell_gap`, the place of whose OppositeWall is `place`, and what meets it from its other
+/// side: a side of the domain, link `number` of another surface, or both, where the surface moves and the side
+/// is where the wall is; or nothing.
 template <class T>
 struct OppositeLink {
-  T* velocity;
-  std::uint32_t surface;
-  Int3 cell, along;  // of the link; c_i
+  std::uint32_t surface, place;
+  std::int32_t other;  // surface; -1: none
+  std::uint32_t number;
+  Int3 cell;
+  std::int8_t direction;
+  bool at_side;
+  T side_velocity;
 };
 
 /// The velocity of a rigid surface along c, at the cell of a link: along c it is the same where the link
@@ -66,18 +85,16 @@ class DeviceLinks {
  public:
   explicit DeviceLinks(Device device) : device_(device) {}
 
-  /// The links are those of surfaces added from now on, one after the other, whose arrays lie in memory_of
-  /// the device and stay there.
+  /// The links are those of surfaces added from now on, one after the other, which lie in memory_of the device
+  /// and stay there.
   void clear();
-  void add(const CutLinks<T>&);
-  /// The velocity that a link is told of is that of another surface.
-  void add_opposite(T& velocity, std::uint32_t other, Int3 cell, int direction);
+  void add(const DeviceSurface<T>*, std::span<const LinkGroup>);
+  void add(const OppositeLink<T>& link) { opposites_.here().push_back(link); }
 
-  void set_fluid(const WallFluid<T>& fluid) {
-    for (DeviceSurface<T>& surface : surfaces_) surface.fluid = fluid;
-  }
-  /// Begins a step: surface k moves so, and its distances have this age.
-  void set_motion(std::size_t k, const SurfaceMotion&, T age);
+  void set_fluid(const WallFluid<T>& fluid) { fluid_ = fluid; }
+  /// Begins a step: surface k moves so, no cell of its links is further than `reach` from its reference point,
+  /// and its distances have this age.
+  void set_motion(std::size_t k, const SurfaceMotion&, double reach, T age);
   /// Writes what the surfaces return along all links, and sums force, torque and mass.
   void apply(Block<T>&, const LinkSlots&, const BeyondPair<T>* pairs_across, ForceForm);
   LinkSums sums(std::size_t k) const;
@@ -89,12 +106,18 @@ class DeviceLinks {
 
  private:
   LinkPass<T> pass_over(Block<T>&, const LinkSlots&);
+  void list_groups();
 
   Device device_;
-  std::pmr::vector<DeviceGroup<T>> groups_{memory_of(device_)}, crossing_{memory_of(device_)};
-  std::pmr::vector<OppositeLink<T>> opposites_{memory_of(device_)};
-  std::pmr::vector<DeviceSurface<T>> surfaces_{memory_of(device_)};
-  std::pmr::vector<LinkSlots> slots_{1, memory_of(device_)};  // of the pass
+  WallFluid<T> fluid_;
+  Mirror<SurfaceStep<T>> surfaces_{device_};
+  Mirror<DeviceSums> sums_{device_};                              // of the surfaces
+  Mirror<std::uint32_t> first_group_{device_};                    // of each surface, among those of all
+  DeviceArray<GroupOfSurface> groups_{memory_of(device_)};        // of all surfaces
+  std::uint32_t group_count_ = 0;
+  bool is_listed_ = false, has_crossings_ = false;
+  Mirror<OppositeLink<T>> opposites_{device_};
+  Mirror<LinkSlots> slots_{device_};  // of the pass
 };
 
 }  // namespace silt::lbm

@@ -220,7 +220,7 @@ template <class T>
 void move_slots(const SlotPairs& pairs, std::span<const T> addends, SlotArrays<const T> sources,
                 SlotArrays<T> targets, bool back) {
   for_teams(std::int64_t(pairs.pairs().size()),
-            MoveSlots<T>{pairs.pairs().data(), addends.data(), sources, targets, back});
+            MoveSlots<T>{pairs.on_device(), addends.data(), sources, targets, back});
 }
 
 template <class T>
@@ -249,7 +249,6 @@ void cross_border(const BorderRows<T>& all, const BorderLists<T>& lists,
 template <class T>
 void gather_moments(const ListedCells<T>& cells, Moments* moments, double* densities) {
   for_each(cells.count, GatherMoments<T>{cells, moments, densities});
-  silt::SILT_ISA::wait();
 }
 
 /// Calls visit(pointers to what arrives at the first cell of a row, how far a cell is from it) for the cells

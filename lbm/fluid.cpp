@@ -198,44 +198,45 @@ Moments Fluid<T>::moments(int b, Int3 x) const {
 
 template <class T>
 ListedCells<T> Fluid<T>::listed(std::span<const LocalCell> cells) {
-  listed_blocks_.resize(blocks_.size()), listed_cells_.resize(cells.size());
+  listed_blocks_.here().resize(blocks_.size()), listed_cells_.here().resize(cells.size());
   for (std::size_t b = 0; b < blocks_.size(); ++b)
     for (int i = 0; i < directions; ++i)
-      listed_blocks_[b].arriving[i] = blocks_[b].arriving(i, parity_),
-      listed_blocks_[b].step[i] = blocks_[b].step(i);
+      listed_blocks_.here()[b].arriving[i] = blocks_[b].arriving(i, parity_),
+      listed_blocks_.here()[b].step[i] = blocks_[b].step(i);
   for (std::size_t k = 0; k < cells.size(); ++k) {
     Block<T>& block = blocks_[cells[k].block];
-    listed_cells_[k] = {block.data() + block.cell(cells[k].cell), cells[k].block};
+    listed_cells_.here()[k] = {block.data() + block.cell(cells[k].cell), cells[k].block};
   }
-  if (device_ != Device::cpu) to_device(listed_blocks_, listed_cells_);
-  return {listed_cells_.data(), std::int64_t(cells.size()), listed_blocks_.data()};
+  return {listed_cells_.send(), std::int64_t(cells.size()), listed_blocks_.send()};
 }
 
 template <class T>
 std::span<const Moments> Fluid<T>::moments(std::span<const LocalCell> cells) {
-  cell_moments_.resize(cells.size());
+  std::pmr::vector<Moments>& found = cell_moments_.here();
+  found.resize(cells.size());
   if (device_ != Device::cpu) {
-    passes_on<T>(device_).gather_moments(listed(cells), cell_moments_.data(), nullptr);
-    from_device(cell_moments_);
+    passes_on<T>(device_).gather_moments(listed(cells), cell_moments_.make_room(), nullptr);
+    cell_moments_.fetch(), wait(device_);
   } else {
     for_ahead(
         cells, 6, [&](const LocalCell& x) { prefetch(x.block, x.cell); },
-        [&](std::size_t k) { cell_moments_[k] = moments(cells[k].block, cells[k].cell); });
+        [&](std::size_t k) { found[k] = moments(cells[k].block, cells[k].cell); });
   }
-  return cell_moments_;
+  return found;
 }
 
 template <class T>
 std::span<const double> Fluid<T>::densities(std::span<const LocalCell> cells) {
-  cell_densities_.resize(cells.size());
+  std::pmr::vector<double>& found = cell_densities_.here();
+  found.resize(cells.size());
   if (device_ != Device::cpu) {
-    passes_on<T>(device_).gather_moments(listed(cells), nullptr, cell_densities_.data());
-    from_device(cell_densities_);
+    passes_on<T>(device_).gather_moments(listed(cells), nullptr, cell_densities_.make_room());
+    cell_densities_.fetch(), wait(device_);
   } else {
     const std::span<const Moments> all = moments(cells);
-    for (std::size_t k = 0; k < cells.size(); ++k) cell_densities_[k] = all[k].density_deviation;
+    for (std::size_t k = 0; k < cells.size(); ++k) found[k] = all[k].density_deviation;
   }
-  return cell_densities_;
+  return found;
 }
 
 template <class T>

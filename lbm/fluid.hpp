@@ -126,10 +126,10 @@ class Fluid {
   std::vector<FastCell> fast_in_pass_;  // of a range of rows
   std::vector<Fast> fast_cells_;
   // of single cells, for passes
-  std::pmr::vector<typename ListedCells<T>::Cell> listed_cells_{memory_of(device_)};
-  std::pmr::vector<typename ListedCells<T>::Block> listed_blocks_{memory_of(device_)};
-  std::pmr::vector<Moments> cell_moments_{memory_of(device_)};
-  std::pmr::vector<double> cell_densities_{memory_of(device_)};
+  Mirror<typename ListedCells<T>::Cell> listed_cells_{device_};
+  Mirror<typename ListedCells<T>::Block> listed_blocks_{device_};
+  Mirror<Moments> cell_moments_{device_};
+  Mirror<double> cell_densities_{device_};
   Halo<T> halo_;
 };
 

@@ -122,9 +122,10 @@ struct Halo<T>::Builder {
       Walls& walls = halo.walls_;
       const T addend = T(wall_addend(domain, sides, j));
       const std::pair met(sides, j);
-      const bool is_alike = !walls.addends.empty() && walls.addends.back() == addend &&
-                            (!sides_vary || walls.met.back() == met);
-      if (!walls.pairs.add(from, to, is_alike)) walls.addends.push_back(addend), walls.met.push_back(met);
+      std::pmr::vector<T>& addends = walls.addends.here();
+      const bool is_alike =
+          !addends.empty() && addends.back() == addend && (!sides_vary || walls.met.back() == met);
+      if (!walls.pairs.add(from, to, is_alike)) addends.push_back(addend), walls.met.push_back(met);
     } else {
       const auto part = [](int of) { return std::int8_t(of); };
       outlets[{here, home.axis, home.upper}].push_back(
@@ -144,16 +145,17 @@ struct Halo<T>::Builder {
   template <class Links>
   void add_outlet(const std::tuple<int, int, bool>& key, Links& links) {
     const auto [block, axis, upper] = key;
-    const std::pmr::polymorphic_allocator<> memory(memory_of(halo.device_));
-    Outlet outlet{block, domain.side(axis, upper).density_deviation, std::pmr::vector<OutletCell>(memory),
-                  std::pmr::vector<OutletLink>(memory)};
+    Outlet outlet{block, domain.side(axis, upper).density_deviation, Mirror<OutletCell>(halo.device_),
+                  Mirror<OutletLink>(halo.device_)};
+    std::pmr::vector<OutletCell>& cells = outlet.cells.here();
     std::stable_sort(links.begin(), links.end(),
                      [](const auto& a, const auto& b) { return a.first < b.first; });
     for (const auto& [cell, link] : links) {
       const auto n = std::uint32_t(outlet.links.size());
-      if (outlet.cells.empty() || outlet.cells.back().cell != cell) outlet.cells.push_back({cell, n, n});
-      outlet.links.push_back(link), ++outlet.cells.back().last;
+      if (cells.empty() || cells.back().cell != cell) cells.push_back({cell, n, n});
+      outlet.links.here().push_back(link), ++cells.back().last;
     }
+    outlet.cells.send(), outlet.links.send();
     halo.outlets_.push_back(std::move(outlet));
   }
 };
@@ -164,22 +166,24 @@ Halo<T>::Halo(const Domain& domain, MPI_Comm comm, std::span<Block<T>> blocks,
     : force_(force),
       device_(device),
       slots_(comm, 1, device),
-      sources_(memory_of(device)),
-      targets_(memory_of(device)),
+      sources_(device),
+      targets_(device),
       idle_(blocks.size(), 0),
-      walls_{SlotPairs(memory_of(device)), std::pmr::vector<T>(memory_of(device))} {
+      walls_{SlotPairs(device), Mirror<T>(device)} {
   Builder{*this, domain, parallel::rank_of(comm), blocks, orders}.build();
   for (Block<T>& block : blocks) {
     add_row_ends(domain, block);
-    sources_.push_back(block.data()), targets_.push_back(block.data());
+    sources_.here().push_back(block.data()), targets_.here().push_back(block.data());
   }
+  slots_.send_lists(), walls_.pairs.send(), walls_.addends.send();
+  sources_.send(), targets_.send();
 }
 
 template <class T>
 void Halo<T>::take_side_velocities(const Domain& domain, std::span<Block<T>> blocks) {
   for (std::size_t k = 0; k < walls_.addends.size(); ++k)
-    walls_.addends[k] = T(wall_addend(domain, walls_.met[k].first, walls_.met[k].second));
-  if (device_ != Device::cpu) to_device(walls_.addends);
+    walls_.addends.here()[k] = T(wall_addend(domain, walls_.met[k].first, walls_.met[k].second));
+  walls_.addends.send();
   for (Block<T>& block : blocks) {
     block.clear_row_ends();
     add_row_ends(domain, block);
@@ -188,13 +192,13 @@ void Halo<T>::take_side_velocities(const Domain& domain, std::span<Block<T>> blo
 
 template <class T>
 void Halo<T>::start(Parity parity) {
-  slots_.start(sources_, parity == Parity::settled);
+  slots_.start({sources_.there(), sources_.size()}, parity == Parity::settled);
 }
 
 template <class T>
 void Halo<T>::apply_outlet(Block<T>& block, const Outlet& o, Parity parity) const {
   ReturnFromOutlet<T> cell{
-      block.data(), {}, o.density_deviation, {}, parity == Parity::crossed, o.cells.data(), o.links.data()};
+      block.data(), {}, o.density_deviation, {}, parity == Parity::crossed, o.cells.there(), o.links.there()};
   for (int i = 1; i < directions; ++i) cell.left[i] = block.leaving(i, parity) - block.slot(0);
   for (int d = 0; d < 3; ++d) cell.half_force[d] = 0.5 * force_[d];
   if (device_ != Device::cpu) return passes_on<T>(device_).return_from_outlet(cell, o.cells.size());
@@ -202,7 +206,7 @@ void Halo<T>::apply_outlet(Block<T>& block, const Outlet& o, Parity parity) cons
     constexpr std::size_t ahead = 16;  // the cells of a cache line
     if (n + ahead < o.cells.size())
       for (int i = 1; i < directions; ++i)
-        prefetch_to_read(block.data() + cell.left[i] + o.cells[n + ahead].cell);
+        prefetch_to_read(block.data() + cell.left[i] + cell.cells[n + ahead].cell);
     cell(std::int64_t(n));
   }
 }
@@ -211,17 +215,19 @@ template <class T>
 void Halo<T>::exchange(std::span<Block<T>> blocks, std::span<const char> idle, Parity parity) {
   if (!std::ranges::equal(idle, idle_)) {
     idle_.assign(idle.begin(), idle.end());
-    for (std::size_t b = 0; b < blocks.size(); ++b) targets_[b] = idle[b] ? nullptr : blocks[b].data();
+    for (std::size_t b = 0; b < blocks.size(); ++b) targets_.here()[b] = idle[b] ? nullptr : blocks[b].data();
+    targets_.send();
   }
   const bool back = parity == Parity::settled;
-  slots_.finish(sources_, targets_, back);
-  const SlotArrays<const T> sources{.table = sources_.data()};
-  const SlotArrays<T> targets{.table = targets_.data()};
+  slots_.finish({sources_.there(), sources_.size()}, {targets_.there(), targets_.size()}, back);
+  const SlotArrays<const T> sources{.table = sources_.there()};
+  const SlotArrays<T> targets{.table = targets_.there()};
+  const Mirror<T>& addends = walls_.addends;
   if (device_ != Device::cpu)
-    passes_on<T>(device_).move_slots(walls_.pairs, walls_.addends, sources, targets, back);
+    passes_on<T>(device_).move_slots(walls_.pairs, {addends.there(), addends.size()}, sources, targets, back);
   else
     walls_.pairs.move(sources, targets, back, [&](std::size_t k) {
-      return [addend = walls_.addends[k]](T value) { return value + addend; };
+      return [addend = addends.here()[k]](T value) { return value + addend; };
     });
   for (const Outlet& outlet : outlets_)
     if (!idle[outlet.block]) apply_outlet(blocks[outlet.block], outlet, parity);

@@ -17,7 +17,6 @@
 #include <array>
 #include <cstdint>
 #include <memory>
-#include <memory_resource>
 #include <span>
 #include <vector>
 
@@ -51,14 +50,14 @@ class Halo {
  private:
   struct Walls {  // bounces
     SlotPairs pairs;
-    std::pmr::vector<T> addends;                 // of each pair, by the wall's motion
+    Mirror<T> addends;                           // of each pair, by the wall's motion
     std::vector<std::pair<Int3, int>> met = {};  // the sides that it meets along a direction
   };
   struct Outlet {
     int block;
     double density_deviation;
-    std::pmr::vector<OutletCell> cells;
-    std::pmr::vector<OutletLink> links;
+    Mirror<OutletCell> cells;
+    Mirror<OutletLink> links;
   };
   struct Builder;
 
@@ -66,9 +65,9 @@ class Halo {
 
   std::array<double, 3> force_;
   Device device_;
-  SlotExchange<T> slots_;               // from homes to ghosts; an array is a block
-  std::pmr::vector<const T*> sources_;  // the blocks
-  std::pmr::vector<T*> targets_;        // those that are not idle
+  SlotExchange<T> slots_;     // from homes to ghosts; an array is a block
+  Mirror<const T*> sources_;  // the blocks
+  Mirror<T*> targets_;        // those that are not idle
   std::vector<char> idle_;
   Walls walls_;
   std::vector<Outlet> outlets_;

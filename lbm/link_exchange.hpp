@@ -126,9 +126,9 @@ class GroupSums {
     terms_ += L::count;
     good_ &= L::magnitude(in) + L::magnitude(returned) < limit_;
   }
-  /// Calls add(term, sum) for each of the sums; without a last one that a term was out of range.
-  template <class Add>
-  SILT_DEVICE void add_to(LinkSums& sums, const Add& add) const {
+  /// Calls add(term, sum) for force, torque and mass of these; without a last one that a term was out of range.
+  template <class Sums, class Add>
+  SILT_DEVICE void add_to(Sums& sums, const Add& add) const {
     for (int d = 0; d < 3; ++d) {
       add(force_[d].total(terms_), sums.force[d]);
       add(torque_[d].total(terms_), sums.torque[d]);

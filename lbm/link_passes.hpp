@@ -12,17 +12,20 @@ struct LinkPass {
   T* data;  // the block's cell 0 at Block::middle()
   std::int32_t row, plane;
   const LinkSlots* slots;
-  DeviceSurface<T>* surfaces;
+  WallFluid<T> fluid;
+  const SurfaceStep<T>* surfaces;
+  DeviceSums* sums;  // of the surfaces
   const BeyondPair<T>* pairs_across;
   bool galilean;
 };
 
 template <class T>
 struct LinkPasses {
-  void (*set_opposites)(std::span<const OppositeLink<T>>, const DeviceSurface<T>*);
-  void (*apply)(std::span<const DeviceGroup<T>>, const LinkPass<T>&);
-  void (*apply_crossing)(std::span<const DeviceGroup<T>>, const LinkPass<T>&);
-  void (*correct)(std::span<const DeviceGroup<T>>, const LinkPass<T>&);
+  void (*list_groups)(std::span<const SurfaceStep<T>>, const std::uint32_t* first, GroupOfSurface*);
+  void (*set_opposites)(std::span<const OppositeLink<T>>, const LinkPass<T>&);
+  void (*apply)(std::span<const GroupOfSurface>, const LinkPass<T>&);
+  void (*apply_crossing)(std::span<const GroupOfSurface>, const LinkPass<T>&);
+  void (*correct)(std::span<const GroupOfSurface>, const LinkPass<T>&);
 };
 namespace host {
 template <class T>

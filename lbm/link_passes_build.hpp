@@ -17,24 +17,28 @@ struct FoundLink {
 template <class T>
 struct LinksOfGroup {
   const LinkPass<T>& pass;
-  const DeviceGroup<T>& group;
-  DeviceSurface<T>& surface;
+  const SurfaceStep<T>& step;
+  const DeviceSurface<T>& surface;
+  const LinkGroup& group;
+  DeviceSums& sums;
   PlaceOrigin<T> origin;
   WallDistances<T> distance;
   T* corner;
 
-  SILT_DEVICE LinksOfGroup(const LinkPass<T>& pass, const DeviceGroup<T>& group)
+  SILT_DEVICE LinksOfGroup(const LinkPass<T>& pass, const GroupOfSurface& of)
       : pass(pass),
-        group(group),
-        surface(pass.surfaces[group.surface]),
+        step(pass.surfaces[of.surface]),
+        surface(*step.surface),
+        group(surface.groups[of.number]),
+        sums(pass.sums[of.surface]),
         origin(group.corner, surface.frame, pass.slots->components),
-        distance(group.q, group.rate, surface.age),
+        distance(surface.q + group.begin, surface.rate ? surface.rate + group.begin : nullptr, step.age),
         corner(pass.data + group.corner.x + std::ptrdiff_t{pass.row} * group.corner.y +
                std::ptrdiff_t{pass.plane} * group.corner.z) {
     origin.row = pass.row, origin.plane = pass.plane;
   }
   SILT_DEVICE FoundLink<T> operator[](int l) const {
-    const Places<T> at(group.place + l, origin);
+    const Places<T> at(surface.place + group.begin + l, origin);
     return {at, distance.at(l), at.slots(pass.slots->back)};
   }
 };
@@ -57,12 +61,14 @@ struct ReadLink {
     return links.corner[row == behind_row ? slots().behind : slots().against];
   }
   SILT_DEVICE BeyondPair<T> beyond() const {
-    if (links.group.across) return links.pass.pairs_across[links.group.across[l]];
+    if (links.group.across)
+      return links.pass.pairs_across[links.surface.across[links.group.across_begin + l]];
     return {links.corner[slots().away], links.corner[slots().toward]};
   }
   SILT_DEVICE OppositeWall<T> opposite() const {
-    if (scheme != WallScheme::single_cell_gap || !links.group.opposite_q) return {};
-    return {links.group.opposite_q[l], links.group.opposite_u[l]};
+    if (scheme != WallScheme::single_cell_gap || !links.surface.opposite_q) return {};
+    return {links.surface.opposite_q[links.group.opposite + l],
+            links.surface.opposite_u[links.group.opposite + l]};
   }
 };
 
@@ -70,9 +76,9 @@ struct ReadLink {
 /// written.
 template <WallScheme scheme, int together, class T>
 SILT_DEVICE void apply_group(const LinksOfGroup<T>& links, const Team& member) {
-  DeviceSurface<T>& surface = links.surface;
-  const Motion<T> u(surface.motion);
-  GroupSums<T> sums(links.pass.galilean ? T(1) : T(0), T(surface.limit));
+  const Motion<T> u(links.step.motion);
+  const WallFluid<T>& fluid = links.pass.fluid;
+  GroupSums<T> sums(links.pass.galilean ? T(1) : T(0), T(links.step.limit));
   const int count = int(links.group.count);
   for (int first = together * member.lane; first < count; first += together * member.size) {
     Exchange<T> passed[together];
@@ -83,85 +89,108 @@ SILT_DEVICE void apply_group(const LinksOfGroup<T>& links, const Team& member) {
       const ReadLink<scheme, T> read{links, link, first + k};
       const Places<T>& at = link.at;
       const T ux = u.x(at.r[1], at.r[2]), uy = u.y(at.r[2], at.r[0]), uz = u.z(at.r[0], at.r[1]);
-      passed[k] = exchange<scheme>(read, surface.fluid, at, link.q, at.along(ux, uy, uz), read.opposite());
+      passed[k] = exchange<scheme>(read, fluid, at, link.q, at.along(ux, uy, uz), read.opposite());
       back[k] = link.back;
       sums.add(passed[k], true, at, ux, uy, uz);
     }
     for (int k = 0; k < end; ++k) links.corner[back[k]] = passed[k].back;
   }
-  sums.add_to(surface.sums, [&](std::int64_t term, std::int64_t& sum) { member.add(term, sum); });
-  member.add(sums.in_range() ? 0 : 1, surface.beyond_range);
+  sums.add_to(links.sums, [&](std::int64_t term, std::int64_t& sum) { member.add(term, sum); });
+  member.add(sums.in_range() ? 0 : 1, links.sums.beyond_range);
 }
 
 template <WallScheme scheme, class T>
 SILT_DEVICE void correct_group(const LinksOfGroup<T>& links, const Team& member) {
-  DeviceSurface<T>& surface = links.surface;
-  const Motion<T> u(surface.motion);
+  const Motion<T> u(links.step.motion);
   FixedSum<T> mass;
   for (int l = member.lane; l < int(links.group.count); l += member.size) {
     const FoundLink<T> link = links[l];
     const T before = links.corner[link.back];
-    const T after = corrected<scheme>(before, link.q, link.at, u, surface.fluid);
+    const T after = corrected<scheme>(before, link.q, link.at, u, links.pass.fluid);
     links.corner[link.back] = after;
     add_change(mass, before, after, true);
   }
-  member.add(mass.total(0), surface.sums.mass);
+  member.add(mass.total(0), links.sums.mass);
 }
 
+template <class T>
+struct ListGroups {
+  const SurfaceStep<T>* surfaces;
+  const std::uint32_t* first;
+  GroupOfSurface* groups;
+  SILT_DEVICE void operator()(std::int64_t k, const Team& member) const {
+    const std::uint32_t count = surfaces[k].surface->group_count;
+    for (auto n = std::uint32_t(member.lane); n < count; n += std::uint32_t(member.size))
+      groups[first[k] + n] = {std::uint32_t(k), n};
+  }
+};
+
 /// The two ends of crossing links are beside one another in their groups.
-template <class T, int together>
+template <class T, bool crossing>
 struct ApplyLinks {
   LinkPass<T> pass;
-  const DeviceGroup<T>* groups;
+  const GroupOfSurface* groups;
   SILT_DEVICE void operator()(std::int64_t k, const Team& member) const {
     const LinksOfGroup<T> links(pass, groups[k]);
-    with_scheme(links.group.scheme, [&](auto scheme) { apply_group<scheme(), together>(links, member); });
+    if (links.group.crossing != crossing) return;
+    with_scheme(links.group.scheme, [&](auto scheme) {
+      constexpr int together = crossing ? 2 : 1;
+      apply_group<scheme(), together>(links, member);
+    });
   }
 };
 
 template <class T>
 struct CorrectLinks {
   LinkPass<T> pass;
-  const DeviceGroup<T>* groups;
+  const GroupOfSurface* groups;
   SILT_DEVICE void operator()(std::int64_t k, const Team& member) const {
     const LinksOfGroup<T> links(pass, groups[k]);
-    if (!links.surface.open) return;
+    if (!links.step.open) return;
     with_scheme(links.group.scheme, [&](auto scheme) { correct_group<scheme()>(links, member); });
   }
 };
 
 template <class T>
 struct SetOpposites {
+  LinkPass<T> pass;
   const OppositeLink<T>* links;
-  const DeviceSurface<T>* surfaces;
   SILT_DEVICE void operator()(std::int64_t k) const {
     const OppositeLink<T>& link = links[k];
-    const DeviceSurface<T>& there = surfaces[link.surface];
-    *link.velocity = T(velocity_along(there.frame, there.motion, link.cell, link.along));
+    T q = link.at_side ? T(0.5) : T(0), velocity = link.side_velocity;
+    if (link.other >= 0) {
+      const SurfaceStep<T>& other = pass.surfaces[link.other];
+      const std::int32_t packed = pass.slots->components[link.direction];
+      const Int3 along{component(packed, 0), component(packed, 1), component(packed, 2)};
+      if (!link.at_side) q = other.surface->q[link.number];
+      velocity = T(velocity_along(other.surface->frame, other.motion, link.cell, along));
+    }
+    const DeviceSurface<T>& own = *pass.surfaces[link.surface].surface;
+    own.opposite_q[link.place] = q, own.opposite_u[link.place] = velocity;
   }
 };
 
 template <class T>
-void set_opposites(std::span<const OppositeLink<T>> links, const DeviceSurface<T>* surfaces) {
-  for_each(std::int64_t(links.size()), SetOpposites<T>{links.data(), surfaces});
+void list_groups(std::span<const SurfaceStep<T>> surfaces, const std::uint32_t* first, GroupOfSurface* groups) {
+  for_teams(std::int64_t(surfaces.size()), ListGroups<T>{surfaces.data(), first, groups});
 }
 template <class T>
-void apply_links(std::span<const DeviceGroup<T>> groups, const LinkPass<T>& pass) {
-  for_teams(std::int64_t(groups.size()), ApplyLinks<T, 1>{pass, groups.data()});
+void set_opposites(std::span<const OppositeLink<T>> links, const LinkPass<T>& pass) {
+  for_each(std::int64_t(links.size()), SetOpposites<T>{pass, links.data()});
+}
+template <class T, bool crossing>
+void apply_links(std::span<const GroupOfSurface> groups, const LinkPass<T>& pass) {
+  for_teams(std::int64_t(groups.size()), ApplyLinks<T, crossing>{pass, groups.data()});
 }
 template <class T>
-void apply_crossing_links(std::span<const DeviceGroup<T>> groups, const LinkPass<T>& pass) {
-  for_teams(std::int64_t(groups.size()), ApplyLinks<T, 2>{pass, groups.data()});
-}
-template <class T>
-void correct_links(std::span<const DeviceGroup<T>> groups, const LinkPass<T>& pass) {
+void correct_links(std::span<const GroupOfSurface> groups, const LinkPass<T>& pass) {
   for_teams(std::int64_t(groups.size()), CorrectLinks<T>{pass, groups.data()});
 }
 
 template <class T>
 const LinkPasses<T>& link_passes() {
-  static constexpr LinkPasses<T> passes = {set_opposites<T>, apply_links<T>, apply_crossing_links<T>,
-                                           correct_links<T>};
+  static constexpr LinkPasses<T> passes = {list_groups<T>, set_opposites<T>, apply_links<T, false>,
+                                           apply_links<T, true>, correct_links<T>};
   return passes;
 }
 template const LinkPasses<float>& link_passes();

@@ -72,9 +72,11 @@ struct PairsAcross<T>::Builder {
 template <class T>
 PairsAcross<T>::PairsAcross(const Domain& domain, MPI_Comm comm, std::span<const Block<T>> blocks,
                             Device device)
-    : rank_(parallel::rank_of(comm)), device_(device), slots_(comm, 3, device) {
+    : rank_(parallel::rank_of(comm)), device_(device), slots_(comm, 3, device), sources_(device), targets_(device) {
   for (std::size_t b = 0; b < blocks.size(); ++b) pairs_.emplace_back(memory_of(device));
   Builder{*this, domain, blocks}.build();
+  for (auto& of_block : pairs_) targets_.here().push_back(reinterpret_cast<T*>(of_block.data()));
+  targets_.send();
   for (const Line& line : lines_) add(line, 0, line.length);
 }
 
@@ -89,17 +91,15 @@ void PairsAcross<T>::add(const Line& line, std::uint32_t n, std::uint32_t count)
 
 template <class T>
 void PairsAcross<T>::exchange(std::span<const Block<T>> blocks, Parity parity) {
-  std::pmr::vector<const T*> sources(2 * directions * blocks.size(), memory_of(device_));
+  sources_.here().resize(2 * directions * blocks.size());
   for (int b = 0; b < int(blocks.size()); ++b)
     for (int i = 1; i < directions; ++i) {
-      sources[source(b, i)] = blocks[b].data() + blocks[b].leaving(opposite(i), parity);
-      sources[source(b, i) + 1] = blocks[b].data() + blocks[b].arriving(i, parity);
+      sources_.here()[source(b, i)] = blocks[b].data() + blocks[b].leaving(opposite(i), parity);
+      sources_.here()[source(b, i) + 1] = blocks[b].data() + blocks[b].arriving(i, parity);
     }
-  std::pmr::vector<T*> targets(memory_of(device_));
-  for (auto& of_block : pairs_) targets.push_back(reinterpret_cast<T*>(of_block.data()));
-  if (device_ != Device::cpu) to_device(sources, targets);
-  slots_.start(sources);
-  slots_.finish(sources, targets);
+  sources_.send();
+  slots_.start({sources_.there(), sources_.size()});
+  slots_.finish({sources_.there(), sources_.size()}, {targets_.there(), targets_.size()});
 }
 
 template class PairsAcross<float>;

@@ -95,6 +95,8 @@ class PairsAcross {
   std::vector<std::pmr::vector<BeyondPair<T>>> pairs_;  // of the blocks
   std::vector<Line> lines_;
   SlotExchange<T> slots_;
+  Mirror<const T*> sources_;  // of the exchange under way
+  Mirror<T*> targets_;
 };
 
 template <class T>
@@ -115,7 +117,6 @@ void PairsAcross<T>::choose(Solid&& solid) {
       }
     }
   }
-  slots_.count_lists();
 }
 
 }  // namespace silt::lbm

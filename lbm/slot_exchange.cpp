@@ -13,6 +13,7 @@ void SlotExchange<T>::move(const SlotPairs& pairs, SlotArrays<const T> sources, 
 
 template <class T>
 void SlotExchange<T>::clear() {
+  is_sent_ = false;
   copied_.clear();
   for (auto& [rank, peer] : peers_)
     for (SlotList& list : peer.list) list.clear();
@@ -36,6 +37,7 @@ void SlotExchange<T>::send(std::span<const T* const> sources, bool back, bool ea
 
 template <class T>
 void SlotExchange<T>::start(std::span<const T* const> sources, bool back) {
+  send_lists();
   for (auto& [rank, peer] : peers_) {
     std::pmr::vector<T>& buffer = peer.buffer[!back];
     buffer.resize(peer.list[!back].slots());
@@ -57,11 +59,12 @@ void SlotExchange<T>::finish(std::span<const T* const> sources, std::span<T* con
 }
 
 template <class T>
-void SlotExchange<T>::count_lists() const {
-  if (device_ == Device::cpu) return;
-  to_device(copied_.pairs());
-  for (const auto& [rank, peer] : peers_)
-    for (const SlotList& list : peer.list) to_device(list.places().pairs());
+void SlotExchange<T>::send_lists() {
+  if (is_sent_) return;
+  is_sent_ = true;
+  copied_.send();
+  for (auto& [rank, peer] : peers_)
+    for (SlotList& list : peer.list) list.send();
 }
 
 template <class T>

@@ -16,19 +16,19 @@ template <class T>
 class SlotExchange {
  public:
   /// All messages go by this communicator and tag. Where values are packed and moved by a device, they and
-  /// the pointers to arrays lie in memory that it reaches (memory_of).
+  /// the pointers to arrays lie where it finds them (Mirror::there).
   SlotExchange(MPI_Comm comm, int tag, Device device = Device::cpu)
-      : device_(device), copied_(memory_of(device)), transfers_(comm, tag) {}
+      : device_(device), copied_(device), transfers_(comm, tag) {}
 
   /// The lists: what goes from slot to slot on this rank, and what this one sends another and receives from
   /// it. An exchange may also go back: then received slots are sent, and sent ones received.
-  SlotPairs& copied() { return copied_; }
+  SlotPairs& copied() { return is_sent_ = false, copied_; }
   SlotList& sent(int rank) { return peer(rank).list[0]; }
   SlotList& received(int rank) { return peer(rank).list[1]; }
   /// Lists a run that goes from a rank to a rank, one of which is `here`.
   void add(int from_rank, const SlotRun& from, int to_rank, const SlotRun& to, int here) {
     if (from_rank == to_rank)
-      copied_.add(from, to);
+      copied().add(from, to);
     else if (from_rank == here)
       sent(to_rank).add(from);
     else
@@ -37,8 +37,8 @@ class SlotExchange {
   /// The slots for that rank are not there yet at start(): finish() sends them.
   void hold_back(int rank) { peer(rank).early = false; }
   void clear();
-  /// Call when lists that change from step to step are complete: a device gets them (BusBytes).
-  void count_lists() const;
+  /// Gives a device the lists if they have changed; start() does so at the latest.
+  void send_lists();
 
   /// Sends from these arrays, and awaits what comes.
   void start(std::span<const T* const> sources, bool back = false);
@@ -56,15 +56,16 @@ class SlotExchange {
     SlotList list[2];               // sent, received
     std::pmr::vector<T> buffer[2];  // of the lists
     explicit Peer(Device device)
-        : list{SlotList(memory_of(device)), SlotList(memory_of(device))},
+        : list{SlotList(device), SlotList(device)},
           buffer{std::pmr::vector<T>(message_memory(device)), std::pmr::vector<T>(message_memory(device))} {}
   };
 
-  Peer& peer(int rank) { return peers_.try_emplace(rank, device_).first->second; }
+  Peer& peer(int rank) { return is_sent_ = false, peers_.try_emplace(rank, device_).first->second; }
   void move(const SlotPairs&, SlotArrays<const T> sources, SlotArrays<T> targets, bool back) const;
   void send(std::span<const T* const> sources, bool back, bool early);
 
   Device device_;
+  bool is_sent_ = false;  // a device has the lists as they are
   SlotPairs copied_;
   std::map<int, Peer> peers_;  // by rank
   parallel::Transfers transfers_;

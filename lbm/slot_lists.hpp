@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "cpu/device_code.hpp"
+#include "device/mirror.hpp"
 
 namespace silt::lbm {
 
@@ -37,26 +38,30 @@ class SlotPairs {
   struct Pair {
     SlotRun from, to;
   };
-  explicit SlotPairs(std::pmr::memory_resource* memory = std::pmr::new_delete_resource()) : pairs_(memory) {}
+  explicit SlotPairs(Device device = Device::cpu) : list_(device) {}
 
   /// Returns whether they have joined the last pair of runs.
   bool add(const SlotRun& from, const SlotRun& to, bool may_join = true) {
-    may_join &= !pairs_.empty() && pairs_.back().from.goes_on_with(from) && pairs_.back().to.goes_on_with(to);
+    std::pmr::vector<Pair>& all = list_.here();
+    may_join &= !all.empty() && all.back().from.goes_on_with(from) && all.back().to.goes_on_with(to);
     if (may_join)
-      pairs_.back().from.length += from.length, pairs_.back().to.length += to.length;
+      all.back().from.length += from.length, all.back().to.length += to.length;
     else
-      pairs_.push_back({from, to});
+      all.push_back({from, to});
     return may_join;
   }
-  void clear() { pairs_.clear(); }
-  const std::pmr::vector<Pair>& pairs() const { return pairs_; }
+  void clear() { list_.here().clear(); }
+  const std::pmr::vector<Pair>& pairs() const { return list_.here(); }
+  /// Call before a device moves values, when pairs were added or cleared.
+  void send() { list_.send(); }
+  const Pair* on_device() const { return list_.there(); }
 
   /// Puts change_of(k)(value) of each slot of the k-th pair in its place; `back` goes the other way. Nothing
   /// goes to an array that is a null pointer.
   template <class T, class ChangeOf>
   void move(SlotArrays<const T> sources, SlotArrays<T> targets, bool back, ChangeOf&& change_of) const {
-    for (std::size_t k = 0; k < pairs_.size(); ++k) {
-      const Pair& pair = pairs_[k];
+    for (std::size_t k = 0; k < pairs().size(); ++k) {
+      const Pair& pair = pairs()[k];
       const SlotRun &source = back ? pair.to : pair.from, &target = back ? pair.from : pair.to;
       T* to = targets[target.array];
       if (!to) continue;
@@ -72,13 +77,13 @@ class SlotPairs {
   }
 
  private:
-  std::pmr::vector<Pair> pairs_;
+  Mirror<Pair> list_;
 };
 
 /// Slots in the order in which they were added, and their places in a message.
 class SlotList {
  public:
-  explicit SlotList(std::pmr::memory_resource* memory = std::pmr::new_delete_resource()) : pairs_(memory) {}
+  explicit SlotList(Device device = Device::cpu) : pairs_(device) {}
   void add(const SlotRun& run) {
     pairs_.add(run, {0, slots_, 1, run.length});
     slots_ += run.length;
@@ -86,6 +91,7 @@ class SlotList {
   void clear() { pairs_.clear(), slots_ = 0; }
   /// Pairs of a slot and its place in an array of them all.
   const SlotPairs& places() const { return pairs_; }
+  void send() { pairs_.send(); }
   std::size_t slots() const { return slots_; }
 
  private:

@@ -81,7 +81,8 @@ void FluidForces<T>::begin(const lbm::Fluid<T>& fluid, std::span<const BlockMap>
           time_.is_implicit() ? Vec6(foreseen_change(bodies, surface.row)) : Vec6(Vec6::Zero());
       set_motion(surface.motion, bodies.velocity[surface.row] + foreseen.head<3>(),
                  bodies.angular_velocity[surface.row] + foreseen.tail<3>());
-      if (links[b].on_device) links[b].on_device->set_motion(k, surface.motion, surface.links.age);
+      if (links[b].on_device)
+        links[b].on_device->set_motion(k, surface.motion, surface.links.frame.reach, surface.links.age);
     }
     if (!links[b].on_device) links[b].gaps.set_velocities(links[b].surfaces);
   }

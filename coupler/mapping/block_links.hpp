@@ -17,7 +17,11 @@ namespace silt::coupler {
 template <class T>
 struct SurfaceLinks {
   lbm::CutLinks<T> links{};
-  DeviceArray<std::uint64_t> cells_on_device{};  // BodyMask::bits, where a device lists the links; or none
+  // where a device has the links:
+  DeviceArray<std::uint64_t> cells_on_device{};  // BodyMask::bits, if it lists them
+  DeviceArray<lbm::LinkGroup> groups_on_device{};
+  DeviceArray<lbm::DeviceSurface<T>> on_device{};  // this one
+  std::vector<std::uint32_t> gap_places{};         // of the links of `single_cell_gap`
   lbm::StiffnessSums stiffness{};                // implicit coupling only; renewed with the links
   // of the step under way:
   std::size_t row = 0;  // of the BodySet
@@ -33,46 +37,37 @@ struct SurfaceLinks {
 template <class T>
 class SingleCellGaps {
  public:
-  /// Fills opposite_q of all links, and opposite_u where that is a side's; call when the links of the box
-  /// were built.
-  void pair(std::vector<SurfaceLinks<T>>&, const lbm::Domain&, const lbm::CellBox&);
-  /// Calls visit(surface, n, other surface, cell, direction) for the links that use the velocity of another
-  /// surface: the n-th of a surface's opposite_u.
-  template <class Visit>
-  void for_opposites(Visit&& visit) const {
-    for (const Opposite& o : opposites_) visit(o.surface, o.place, o.of, o.cell, o.direction);
-  }
+  /// Finds the wall on the other side of all links; call when the links of the box were built.
+  void pair(const std::vector<SurfaceLinks<T>>&, const lbm::Domain&, const lbm::CellBox&);
+  /// Fills opposite_q of all links, and opposite_u where that is a side's.
+  void set_distances(std::vector<SurfaceLinks<T>>&) const;
   /// Fills the rest of opposite_u; call when the motions of a step are set, with the surfaces as they were
   /// paired.
   void set_velocities(std::vector<SurfaceLinks<T>>&) const;
-  /// The links that were looked at.
-  std::size_t links() const { return links_.size(); }
+  /// Has a device fill both.
+  void list(lbm::DeviceLinks<T>&) const;
 
  private:
   struct Link {
     std::uint64_t key;             // of the pair
     std::uint32_t surface, place;  // of opposite_q
+    std::uint32_t number;          // of place and q
     std::int32_t direction;
     lbm::Int3 cell;
-    T q;
-  };
-  struct Opposite {
-    std::uint32_t surface, place;  // that wants it
-    std::uint32_t of;              // surface there
-    std::int32_t direction;
-    lbm::Int3 cell;
+    std::int32_t other = -1;  // of the pair, of links_
+    bool at_side = false;
+    T side_velocity = 0;
   };
   struct Group {
     std::uint32_t surface, first, count;  // of opposite_q and opposite_u
   };
   template <class F>
-  void for_pairs(F&&);  // calls f with the two links of each pair
-  void pad(std::vector<SurfaceLinks<T>>&, std::pmr::vector<T> lbm::CutLinks<T>::*values) const;
+  void for_pairs(F&&);  // calls f with the numbers of the two links of each pair
+  void pad(std::vector<SurfaceLinks<T>>&, DeviceArray<T> lbm::CutLinks<T>::*values) const;
 
   std::vector<Link> links_;
   std::vector<Group> groups_;
   std::vector<std::uint32_t> table_;  // of links_, by key; 0: empty, else from 1 on
-  std::vector<Opposite> opposites_;
 };
 
 /// Groups [begin, end) of an order.
@@ -127,14 +122,15 @@ struct BlockLinks {
           visit(surfaces[order[k].surface], group_of(order[k]), next);
         });
   }
-  /// Lists the links for the passes of a device; call when they were built.
+  /// Lists the links for the passes of a device; call when they were built and paired.
   void list_for_device() {
     on_device->clear();
-    for (SurfaceLinks<T>& surface : surfaces) on_device->add(surface.links);
-    gaps.for_opposites([&](std::uint32_t k, std::uint32_t n, std::uint32_t other, lbm::Int3 cell, int i) {
-      on_device->add_opposite(surfaces[k].links.opposite_u[n], other, cell, i);
-    });
-    for (std::size_t n = 0; n < gaps.links(); ++n) from_device(T());  // their distances
+    gaps.list(*on_device);
+    count = 0;
+    for (const SurfaceLinks<T>& surface : surfaces) {
+      on_device->add(surface.on_device.data(), surface.links.groups);
+      for (const lbm::LinkGroup& g : surface.links.groups) count += g.count;
+    }
   }
   /// Fills inner, first_inner, rim and count; call when links were built.
   void order_groups(const lbm::PassOrder& sweep) {

@@ -60,19 +60,31 @@ class LinkWriter {
     if (mask.any) write(shape, links.frame);
     const int exponent = lbm::stiffness_exponent(radius);
     if (mask.any && surface_.leaves_to_device()) {
-      groups_.end_for_device(by_cells_);
+      groups_.end_for_device(by_cells_, *on_device_);
       const BodyMask* const before = mask.before < 0 ? nullptr : &map_.masks_before[mask.before];
-      return surface_.leave_to_device(surface, mask, before, by_cells_, shape, mapped,
-                                      radius > 0 ? T(std::ldexp(1.0, -exponent)) : T(0));
+      surface_.leave_to_device(surface, mask, before, by_cells_, shape, mapped,
+                               radius > 0 ? T(std::ldexp(1.0, -exponent)) : T(0));
+      return tell_device(surface);
     }
     groups_.end();
     surface.cells_on_device.clear();
     surface_.set_rates(links, shape, mapped);
     if (radius > 0) surface.stiffness = lbm::stiffness_of(links, exponent);
-    if (on_device_) to_device(links.place, links.q, links.rate, links.across);
+    if (!on_device_) return;
+    to_device(links.place, links.q, links.rate, links.across);
+    tell_device(surface);
   }
 
  private:
+  void tell_device(SurfaceLinks<T>& surface) {
+    surface.gap_places = groups_.gap_places();
+    const std::span<const lbm::LinkGroup> groups = surface.links.groups;
+    surface.groups_on_device.clear(), surface.groups_on_device.resize(groups.size());
+    surface.on_device.resize(1);
+    on_device_->tell(groups, surface.groups_on_device.data());
+    const lbm::DeviceSurface<T> told = lbm::surface_on_device(surface.links, surface.groups_on_device.data());
+    on_device_->tell(std::span(&told, 1), surface.on_device.data());
+  }
   void write(const rigid::Shape& shape, const lbm::SurfaceFrame& at) {
     const BitFrame& frame = mask_->frame();
     if (frame.pitch > 1 << lbm::place_x_bits || frame.size.y > 1 << lbm::place_y_bits)
@@ -201,7 +213,7 @@ class LinkWriter {
   int reach_;  // of a link, in cells
   lbm::PlacesAcross places_across_;
   const BodyMask* mask_ = nullptr;  // of the body at work
-  bool on_device_;
+  DeviceMapping<T>* on_device_;
   MeasuredSurface<T> surface_;
   CrossingLinks<T> crossings_;
   LinkGroups<T> groups_;
@@ -237,8 +249,10 @@ void build_links(const BlockMap& map, const rigid::World& world, const rigid::Bo
   std::vector<SurfaceLinks<T>> before;
   before.reserve(map.masks.size());
   for (std::size_t k = 0; k < map.masks.size(); ++k)
-    before.push_back(
-        {.links = lbm::CutLinks<T>::in(memory), .cells_on_device = DeviceArray<std::uint64_t>(memory)});
+    before.push_back({.links = lbm::CutLinks<T>::in(memory),
+                      .cells_on_device = DeviceArray<std::uint64_t>(memory),
+                      .groups_on_device = DeviceArray<lbm::LinkGroup>(memory),
+                      .on_device = DeviceArray<lbm::DeviceSurface<T>>(memory)});
   before.swap(surfaces);
   const int link_reach = lbm::link_reach(rules.coupling.wall_scheme);
   PlacedMeshes placed;

@@ -3,7 +3,6 @@
 // lists by the cells that bodies cover, then wall distances, their rates and the stiffness of bodies of
 // convex parts, a team a group of links. Of the cells the device is told those that have changed.
 #include <cstdint>
-#include <memory_resource>
 #include <span>
 #include <vector>
 
@@ -11,7 +10,7 @@
 #include "coupler/mapping/block_links.hpp"
 #include "coupler/mapping/cell_bits.hpp"
 #include "coupler/mapping/surface_primitives.hpp"
-#include "device/device.hpp"
+#include "device/mirror.hpp"
 
 namespace silt::coupler {
 
@@ -58,7 +57,6 @@ struct SurfaceToMap {
   const std::uint64_t* cells;  // of the surface, in its frame
   std::uint32_t* place;
   T *q, *rate;
-  lbm::StiffnessSums stiffness;
 };
 
 struct GroupToMap {
@@ -74,16 +72,26 @@ struct ChangedWord {
   std::uint64_t *at, bits;
 };
 
+/// What the processor has listed goes to an array, in words of 32 bits.
+struct ToldRun {
+  std::uint32_t* to;
+  std::uint32_t first, count;
+};
+
 /// The passes read and write these arrays.
 template <class T>
 struct LinksToMap {
   const GroupToMap* groups;
   std::size_t group_count;
-  SurfaceToMap<T>* surfaces;
+  const SurfaceToMap<T>* surfaces;
+  lbm::StiffnessSums* stiffness;  // of the surfaces
   const SurfacePart<T>* parts;
   const Plane<T>* planes;
   const ChangedWord* words;
   std::size_t word_count;
+  const ToldRun* runs;
+  std::size_t run_count;
+  const std::uint32_t* told;
   const std::uint64_t* solid;  // CellBits of the block
   lbm::Int3 size;
   int solid_words;  // of a row
@@ -104,6 +112,17 @@ class DeviceMapping {
   /// of which it had links, if it had any; `arm` that of SurfaceToMap.
   void add(SurfaceLinks<T>&, const BodyMask&, const BodyMask* before, std::span<const ListedGroup>,
            const SurfaceView<T>&, T arm);
+  /// These values go to an array in memory_of the device.
+  template <class Value>
+  void tell(std::span<const Value> values, Value* to) {
+    static_assert(sizeof(Value) % sizeof(std::uint32_t) == 0);
+    const auto* const words = reinterpret_cast<const std::uint32_t*>(values.data());
+    const std::size_t count = values.size_bytes() / sizeof *words;
+    std::pmr::vector<std::uint32_t>& all = told_.here();
+    runs_.here().push_back(
+        {reinterpret_cast<std::uint32_t*>(to), std::uint32_t(all.size()), std::uint32_t(count)});
+    all.insert(all.end(), words, words + count);
+  }
   /// The rates of the surface added last are wanted as well, from how it will be after so many steps.
   void add_rates(const SurfaceView<T>&, const lbm::SurfaceFrame&, double steps);
   /// Sets all that is wanted. The surfaces have stayed where they were.
@@ -118,11 +137,14 @@ class DeviceMapping {
   lbm::WallScheme scheme_{};
   DeviceArray<std::uint64_t> solid_{memory_of(device_)};
   std::vector<SurfaceLinks<T>*> wanted_;
-  std::pmr::vector<GroupToMap> groups_{memory_of(device_)};
-  std::pmr::vector<SurfaceToMap<T>> surfaces_{memory_of(device_)};
-  std::pmr::vector<SurfacePart<T>> parts_{memory_of(device_)};
-  std::pmr::vector<Plane<T>> planes_{memory_of(device_)};
-  std::pmr::vector<ChangedWord> words_{memory_of(device_)};
+  Mirror<GroupToMap> groups_{device_};
+  Mirror<SurfaceToMap<T>> surfaces_{device_};
+  Mirror<lbm::StiffnessSums> stiffness_{device_};
+  Mirror<SurfacePart<T>> parts_{device_};
+  Mirror<Plane<T>> planes_{device_};
+  Mirror<ChangedWord> words_{device_};
+  Mirror<ToldRun> runs_{device_};
+  Mirror<std::uint32_t> told_{device_};
 };
 
 namespace host {

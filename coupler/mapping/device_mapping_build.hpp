@@ -1,6 +1,7 @@
 // The passes of device_mapping.hpp and refill_cell.hpp, for the one file of each device that includes this
 // (SILT_ISA, SILT_SCALAR).
 #include <algorithm>
+#include <cstring>
 #include <type_traits>
 
 #include "coupler/mapping/device_mapping.hpp"
@@ -14,6 +15,16 @@ namespace silt::coupler::SILT_ISA {
 struct SetWords {
   const ChangedWord* words;
   SILT_DEVICE void operator()(std::int64_t k) const { *words[k].at = words[k].bits; }
+};
+
+template <class T>
+struct CopyTold {
+  LinksToMap<T> all;
+  SILT_DEVICE void operator()(std::int64_t k, const Team& member) const {
+    const ToldRun& run = all.runs[k];
+    for (std::uint32_t n = std::uint32_t(member.lane); n < run.count; n += std::uint32_t(member.size))
+      memcpy(run.to + n, all.told + run.first + n, sizeof *run.to);  // which is of any type
+  }
 };
 
 /// Lists the links of a group, direction by direction and row by row.
@@ -85,7 +96,7 @@ struct MeasureGroup {
   }
   SILT_DEVICE void operator()(std::int64_t k, const Team& member) const {
     const GroupToMap& group = all.groups[k];
-    SurfaceToMap<T>& surface = all.surfaces[group.surface];
+    const SurfaceToMap<T>& surface = all.surfaces[group.surface];
     measure(group, surface, member);
     if (surface.arm != 0)
       lbm::with_scheme(group.scheme,
@@ -104,7 +115,7 @@ struct MeasureGroup {
     }
   }
   template <lbm::WallScheme scheme>
-  SILT_DEVICE void add_stiffness_of(const GroupToMap& group, SurfaceToMap<T>& surface,
+  SILT_DEVICE void add_stiffness_of(const GroupToMap& group, const SurfaceToMap<T>& surface,
                                     const Team& member) const {
     using Term = std::conditional_t<sizeof(T) == 4, std::int32_t, std::int64_t>;
     constexpr int entries = 21;
@@ -114,16 +125,16 @@ struct MeasureGroup {
       lbm::SILT_ISA::add_stiffness<scheme>(at, surface.q[l], true, surface.fluid, surface.arm,
                                            [&](int e, T term) { h[e] += Term(term); });
     }
-    for (int e = 0; e < entries; ++e) member.add(h[e], surface.stiffness.h[e]);
+    for (int e = 0; e < entries; ++e) member.add(h[e], all.stiffness[group.surface].h[e]);
   }
 };
 
 template <class T>
 void map_links(const LinksToMap<T>& all) {
   for_each(std::int64_t(all.word_count), SetWords{all.words});
+  for_teams(std::int64_t(all.run_count), CopyTold<T>{all});
   for_teams(std::int64_t(all.group_count), ListGroup<T>{all});
   for_teams(std::int64_t(all.group_count), MeasureGroup<T>{all});
-  wait();
 }
 
 template <class T>

@@ -39,7 +39,7 @@ enum class GapKind { single_cell, two_cells, across, count };
 template <class T>
 class LinkGroups {
  public:
-  explicit LinkGroups(WallScheme scheme) {
+  explicit LinkGroups(WallScheme scheme) : knows_opposite_(lbm::knows_opposite_wall(scheme)) {
     for (auto& kinds : deferred_) {
       kinds[int(GapKind::single_cell)].scheme = WallScheme::single_cell_gap;
       kinds[int(GapKind::two_cells)].scheme = lbm::two_cell_gap_scheme(scheme);
@@ -49,7 +49,7 @@ class LinkGroups {
 
   void begin(lbm::CutLinks<T>& links) {
     links_ = &links;
-    links.groups.clear(), links.across.clear(), used_ = 0;
+    links.groups.clear(), across_.clear(), used_ = gaps_ = 0;
   }
   /// Begins a list, with room for so many links of so many planes.
   LinkList<T> list(lbm::Int3 corner, int planes, int ready, std::size_t room) {
@@ -70,8 +70,9 @@ class LinkGroups {
   void add(const LinkList<T>& list, WallScheme scheme) {
     if (list.n == 0) return;
     list.pad(list.place), list.pad(list.q);
-    links_->groups.push_back({used_, list.n, scheme, list.corner, list.ready});
+    links_->groups.push_back({used_, list.n, scheme, list.corner, list.ready, gaps_});
     used_ += lbm::padded(list.n);
+    if (scheme == WallScheme::single_cell_gap && knows_opposite_) gaps_ += lbm::padded(list.n);
   }
   std::size_t count() const { return links_->groups.size(); }
   void end_deferred() {
@@ -87,17 +88,18 @@ class LinkGroups {
   void end() {
     links_->place.assign(place_.begin(), place_.begin() + used_);
     links_->q.assign(q_.begin(), q_.begin() + used_);
+    links_->across.assign(across_.begin(), across_.end());
+    links_->opposite_q.assign(gaps_, T(0)), links_->opposite_u.assign(gaps_, T(0));
   }
   /// The places of some groups are left to a device, and the distances of all that are not crossing. It does
   /// not fill its groups up, nor look at what does.
-  void end_for_device(std::span<const ListedGroup> by_cells) {
-    const auto room = [&](auto& values) { values.clear(), values.resize(used_); };
+  void end_for_device(std::span<const ListedGroup> by_cells, DeviceMapping<T>& device) {
+    const auto room = [](auto& values, std::size_t count) { values.clear(), values.resize(count); };
     const auto tell = [&](const lbm::LinkGroup& g, const auto& from, auto& to) {
-      const std::span all(from.data() + g.begin, lbm::padded(g.count));
-      std::copy(all.begin(), all.end(), to.begin() + g.begin);
-      to_device(all);
+      device.tell(std::span(from.data() + g.begin, g.count), to.data() + g.begin);
     };
-    room(links_->place), room(links_->q);
+    room(links_->place, used_), room(links_->q, used_), room(links_->across, across_.size());
+    room(links_->opposite_q, gaps_), room(links_->opposite_u, gaps_);
     for (const lbm::LinkGroup& g : links_->groups) {
       const bool is_listed = !by_cells.empty() && &g == &links_->groups[by_cells.front().number];
       if (is_listed)
@@ -106,7 +108,16 @@ class LinkGroups {
         tell(g, place_, links_->place);
       if (g.crossing) tell(g, q_, links_->q);
     }
-    to_device(links_->across);
+    if (!across_.empty()) device.tell(std::span<const std::uint32_t>(across_), links_->across.data());
+  }
+  /// Returns the places of the links that are told of the opposite wall, group by group.
+  std::vector<std::uint32_t> gap_places() const {
+    std::vector<std::uint32_t> all;
+    if (!knows_opposite_) return all;
+    for (const lbm::LinkGroup& g : links_->groups)
+      if (g.scheme == WallScheme::single_cell_gap)
+        all.insert(all.end(), place_.begin() + g.begin, place_.begin() + g.begin + lbm::padded(g.count));
+    return all;
   }
 
  private:
@@ -135,17 +146,20 @@ class LinkGroups {
     add(copied(from.place, from.q, from.corner, from.ready), from.scheme);
     if (!from.pair.empty()) {
       lbm::LinkGroup& group = links_->groups.back();
-      group.across = true, group.across_begin = std::uint32_t(links_->across.size());
+      group.across = true, group.across_begin = std::uint32_t(across_.size());
       from.pair.resize(lbm::padded(group.count), from.pair.back());
-      links_->across.insert(links_->across.end(), from.pair.begin(), from.pair.end());
+      across_.insert(across_.end(), from.pair.begin(), from.pair.end());
     }
     from.place.clear(), from.pair.clear(), from.q.clear(), from.ready = -1;
   }
 
+  bool knows_opposite_;
   lbm::CutLinks<T>* links_ = nullptr;  // of the body at work
   std::vector<std::uint32_t> place_;
   std::vector<T> q_;
+  std::vector<std::uint32_t> across_;
   std::uint32_t used_ = 0;                     // of place_ and q_
+  std::uint32_t gaps_ = 0;                     // of the arrays for links of `single_cell_gap`
   Deferred deferred_[2][int(GapKind::count)];  // inside, at the rim
 };
 

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <tuple>
 
-#include "coupler/mapping/refill_cell.hpp"
 #include "lbm/slot_exchange.hpp"
 #include "parallel/communicator.hpp"
 
@@ -110,20 +109,13 @@ std::vector<lbm::Moments> remote_moments(lbm::Fluid<T>& fluid, const std::vector
   return wanted;
 }
 
-/// The cells that were uncovered, and moments of neighbours in other blocks, as passes find them.
-struct Uncovered {
-  std::pmr::vector<UncoveredCell> cells;
-  std::pmr::vector<lbm::Moments> told;
-};
-
 template <class T>
-Uncovered uncovered_cells(lbm::Fluid<T>& fluid, const std::vector<BlockMap>& maps,
-                          const ChangedCells& changed) {
+void list_uncovered(lbm::Fluid<T>& fluid, const std::vector<BlockMap>& maps, const ChangedCells& changed,
+                    UncoveredCells& all) {
   const std::vector<lbm::Moments> remote = remote_moments(fluid, maps, changed);
   const lbm::Domain& domain = fluid.domain();
   const int rank = parallel::rank_of(fluid.comm());
-  std::pmr::memory_resource* const memory = memory_of(fluid.device());
-  Uncovered all{std::pmr::vector<UncoveredCell>(memory), std::pmr::vector<lbm::Moments>(memory)};
+  all.cells.here().clear(), all.told.here().clear();
   std::vector<std::uint8_t> is_remote;  // of those elsewhere
   std::vector<lbm::LocalCell> local;    // the others
   for (const CoveredCell& u : changed.uncovered) {
@@ -142,12 +134,11 @@ Uncovered uncovered_cells(lbm::Fluid<T>& fluid, const std::vector<BlockMap>& map
       is_remote.push_back(block < 0);
       if (block >= 0) local.push_back({block, g - there.box.lower});
     }
-    all.cells.push_back(cell);
+    all.cells.here().push_back(cell);
   }
   auto next_remote = remote.begin();
   auto next_local = fluid.moments(local).begin();
-  for (const bool away : is_remote) all.told.push_back(away ? *next_remote++ : *next_local++);
-  return all;
+  for (const bool away : is_remote) all.told.here().push_back(away ? *next_remote++ : *next_local++);
 }
 
 }  // namespace
@@ -190,10 +181,11 @@ std::vector<lbm::LocalCell> places(const std::vector<CoveredCell>& cells) {
 
 template <class T>
 void refill(lbm::Fluid<T>& fluid, const std::vector<BlockMap>& maps, const ChangedCells& cells,
-            const rigid::BodySet& bodies, const rigid::BodySet& gone, Refill scheme) {
+            const rigid::BodySet& bodies, const rigid::BodySet& gone, Refill scheme,
+            UncoveredCells& uncovered) {
   const auto& domain = fluid.domain();
   const auto& force = fluid.spec().force;
-  Uncovered uncovered = uncovered_cells(fluid, maps, cells);
+  list_uncovered(fluid, maps, cells, uncovered);
   for (std::size_t n = 0; n < cells.uncovered.size(); ++n) {
     const CoveredCell& u = cells.uncovered[n];
     for (const rigid::BodySet* set : {&bodies, &gone}) {
@@ -201,19 +193,18 @@ void refill(lbm::Fluid<T>& fluid, const std::vector<BlockMap>& maps, const Chang
       if (row >= set->size()) continue;
       const Int3 cell = maps[u.block].box.lower + u.cell;
       const rigid::Vec3 v = set->velocity_at(row, nearest_arm(domain, set->position[row], cell));
-      for (int d = 0; d < 3; ++d) uncovered.cells[n].momentum[d] = v[d] - 0.5 * force[d];
+      for (int d = 0; d < 3; ++d) uncovered.cells.here()[n].momentum[d] = v[d] - 0.5 * force[d];
     }
   }
-  const RefillCells<T> pass{fluid.listed(places(cells.uncovered)), uncovered.cells.data(),
-                            uncovered.told.data(), force, scheme == Refill::grad};
+  const RefillCells<T> pass{fluid.listed(places(cells.uncovered)), uncovered.cells.send(),
+                            uncovered.told.send(), force, scheme == Refill::grad};
   if (fluid.device() == Device::cpu) return pass.run_here();
   SILT_ON(fluid.device(), refill_cells<T>)(pass);
-  to_device(uncovered.cells, uncovered.told);
 }
 
 template void refill(lbm::Fluid<float>&, const std::vector<BlockMap>&, const ChangedCells&,
-                     const rigid::BodySet&, const rigid::BodySet&, Refill);
+                     const rigid::BodySet&, const rigid::BodySet&, Refill, UncoveredCells&);
 template void refill(lbm::Fluid<double>&, const std::vector<BlockMap>&, const ChangedCells&,
-                     const rigid::BodySet&, const rigid::BodySet&, Refill);
+                     const rigid::BodySet&, const rigid::BodySet&, Refill, UncoveredCells&);
 
 }  // namespace silt::coupler

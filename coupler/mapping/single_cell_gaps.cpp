@@ -23,45 +23,57 @@ std::uint64_t key_of(Int3 cell, int direction) {
 }  // namespace
 
 template <class T>
-void SingleCellGaps<T>::pair(std::vector<SurfaceLinks<T>>& surfaces, const lbm::Domain& domain,
+void SingleCellGaps<T>::pair(const std::vector<SurfaceLinks<T>>& surfaces, const lbm::Domain& domain,
                              const lbm::CellBox& box) {
   links_.clear(), groups_.clear();
-  opposites_.clear();
   for (std::uint32_t k = 0; k < surfaces.size(); ++k) {
-    lbm::CutLinks<T>& links = surfaces[k].links;
-    std::uint32_t room = 0;
-    for (lbm::LinkGroup& g : links.groups) {
+    const SurfaceLinks<T>& surface = surfaces[k];
+    for (const lbm::LinkGroup& g : surface.links.groups) {
       if (g.scheme != lbm::WallScheme::single_cell_gap) continue;
-      g.opposite = room, room += lbm::padded(g.count);
+      const std::uint32_t* const place =
+          surface.gap_places.empty() ? &surface.links.place[g.begin] : &surface.gap_places[g.opposite];
       groups_.push_back({k, g.opposite, g.count});
       for (std::uint32_t l = 0; l < g.count; ++l) {
-        const std::uint32_t p = links.place[g.begin + l];
-        const Int3 cell = g.corner + lbm::place_cell(p);
-        const int i = lbm::place_direction(p);
-        links_.push_back({key_of(cell, i), k, g.opposite + l, i, cell, links.q[g.begin + l]});
+        const Int3 cell = g.corner + lbm::place_cell(place[l]);
+        const int i = lbm::place_direction(place[l]);
+        const Int3 walls = domain.walls_met(box.lower + cell - lbm::c[i]);
+        const bool at_side = walls != Int3{0, 0, 0};
+        links_.push_back({key_of(cell, i), k, g.opposite + l, g.begin + l, i, cell, -1, at_side,
+                          at_side ? T(domain.wall_velocity_along(walls, i)) : T(0)});
       }
     }
-    links.opposite_q.assign(room, T(0)), links.opposite_u.assign(room, T(0));
   }
-  for_pairs([&](const Link& a, const Link& b) {
-    surfaces[a.surface].links.opposite_q[a.place] = b.q, surfaces[b.surface].links.opposite_q[b.place] = a.q;
-    opposites_.push_back({a.surface, a.place, b.surface, a.direction, a.cell});
-    opposites_.push_back({b.surface, b.place, a.surface, b.direction, b.cell});
+  for_pairs([&](std::uint32_t a, std::uint32_t b) {
+    links_[a].other = std::int32_t(b), links_[b].other = std::int32_t(a);
   });
+}
+
+template <class T>
+void SingleCellGaps<T>::set_distances(std::vector<SurfaceLinks<T>>& surfaces) const {
   for (const Link& link : links_) {
-    const Int3 walls = domain.walls_met(box.lower + link.cell - lbm::c[link.direction]);
-    if (walls == Int3{0, 0, 0}) continue;
     lbm::CutLinks<T>& links = surfaces[link.surface].links;
-    links.opposite_q[link.place] = T(0.5);
-    links.opposite_u[link.place] = T(domain.wall_velocity_along(walls, link.direction));
+    const Link* const other = link.other < 0 ? nullptr : &links_[link.other];
+    links.opposite_q[link.place] = link.at_side ? T(0.5)
+                                   : other      ? surfaces[other->surface].links.q[other->number]
+                                                : T(0);
+    links.opposite_u[link.place] = link.side_velocity;
   }
   pad(surfaces, &lbm::CutLinks<T>::opposite_q), pad(surfaces, &lbm::CutLinks<T>::opposite_u);
+}
+
+template <class T>
+void SingleCellGaps<T>::list(lbm::DeviceLinks<T>& to) const {
+  for (const Link& link : links_) {
+    const Link* const other = link.other < 0 ? nullptr : &links_[link.other];
+    to.add({link.surface, link.place, other ? std::int32_t(other->surface) : -1, other ? other->number : 0,
+            link.cell, std::int8_t(link.direction), link.at_side, link.side_velocity});
+  }
 }
 
 /// Fills the groups up with copies of their last links' values.
 template <class T>
 void SingleCellGaps<T>::pad(std::vector<SurfaceLinks<T>>& surfaces,
-                            std::pmr::vector<T> lbm::CutLinks<T>::*values) const {
+                            DeviceArray<T> lbm::CutLinks<T>::*values) const {
   for (const Group& g : groups_) {
     T* const first = (surfaces[g.surface].links.*values).data() + g.first;
     std::fill(first + g.count, first + lbm::padded(g.count), first[g.count - 1]);
@@ -81,7 +93,7 @@ void SingleCellGaps<T>::for_pairs(F&& f) {
     while (table_[at] != 0 && links_[table_[at] - 1].key != links_[n].key)
       at = (at + 1) & (table_.size() - 1);
     if (table_[at] != 0)
-      f(links_[table_[at] - 1], links_[n]);
+      f(table_[at] - 1, n);
     else
       table_[at] = n + 1;
   }
@@ -89,10 +101,13 @@ void SingleCellGaps<T>::for_pairs(F&& f) {
 
 template <class T>
 void SingleCellGaps<T>::set_velocities(std::vector<SurfaceLinks<T>>& surfaces) const {
-  for (const Opposite& o : opposites_)
-    surfaces[o.surface].links.opposite_u[o.place] = T(
-        lbm::velocity_along(surfaces[o.of].links.frame, surfaces[o.of].motion, o.cell, lbm::c[o.direction]));
-  if (!opposites_.empty()) pad(surfaces, &lbm::CutLinks<T>::opposite_u);
+  for (const Link& link : links_) {
+    if (link.other < 0) continue;
+    const SurfaceLinks<T>& other = surfaces[links_[link.other].surface];
+    surfaces[link.surface].links.opposite_u[link.place] =
+        T(lbm::velocity_along(other.links.frame, other.motion, link.cell, lbm::c[link.direction]));
+  }
+  pad(surfaces, &lbm::CutLinks<T>::opposite_u);
 }
 
 template class SingleCellGaps<float>;

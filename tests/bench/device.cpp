@@ -196,9 +196,10 @@ void measure_bodies(Device device, const Layers& layers, Figures& out) {
   for (int r = 0; r < turns; ++r) scene.take_turn(steps);
   const BusBytes bus = scene.simulation().bus_bytes_in_steps() - before;
   const double mlups = cells / scene.whole().middle() * 1e-6;
-  printf("layers %c of %s in %d x %d x %d: %.0f MLUPS, %.0f links, %zu bodies, %.2f MB a step over the bus;",
-         layers.name, layers.body.c_str(), n.x, n.y, n.z, mlups, scene.links(), scene.simulation().bodies().owned,
-         double(bus.to_device + bus.from_device) / (turns * steps) * 1e-6);
+  const std::size_t bodies = scene.simulation().bodies().owned;
+  printf("layers %c of %s in %d x %d x %d: %.0f MLUPS, %.0f links, %zu bodies, %.0f bytes a body and step over the bus;",
+         layers.name, layers.body.c_str(), n.x, n.y, n.z, mlups, scene.links(), bodies,
+         double(bus.to_device + bus.from_device) / (turns * steps) / double(bodies));
   for (int k = 0; k < int(coupler::Stage::count); ++k)
     if (const double ms = scene.seconds_of(coupler::Stage(k)) * 1e3; ms > 0.005)
       printf(" %s %.2f ms", std::string(coupler::stage_names[k]).c_str(), ms);

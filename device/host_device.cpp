@@ -1,0 +1,62 @@
+#include "device/host_device.hpp"
+
+#include <sys/mman.h>
+
+#include <map>
+#include <new>
+#include <utility>
+#include <vector>
+
+namespace silt {
+
+namespace {
+
+/// Whole pages, locked but while passes run.
+class LockedMemory final : public std::pmr::memory_resource {
+ public:
+  void lock(bool locked) {
+    for (const auto& [memory, bytes] : all_) mprotect(memory, bytes, locked ? PROT_NONE : PROT_READ | PROT_WRITE);
+  }
+
+ private:
+  void* do_allocate(std::size_t bytes, std::size_t) override {
+    void* const memory = mmap(nullptr, bytes, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    if (memory == MAP_FAILED) throw std::bad_alloc();
+    all_[memory] = bytes;
+    return memory;
+  }
+  void do_deallocate(void* memory, std::size_t bytes, std::size_t) override {
+    munmap(memory, bytes);
+    all_.erase(memory);
+  }
+  bool do_is_equal(const std::pmr::memory_resource& other) const noexcept override { return this == &other; }
+
+  std::map<void*, std::size_t> all_;
+};
+
+LockedMemory& locked_memory() {
+  static auto* const memory = new LockedMemory;  // which outlives all arrays
+  return *memory;
+}
+
+std::vector<std::function<void()>> yet_to_do;
+
+}  // namespace
+
+void put_off(std::function<void()> work) {
+  yet_to_do.push_back(std::move(work));
+}
+
+void do_what_was_put_off() {
+  if (yet_to_do.empty()) return;
+  locked_memory().lock(false);
+  for (const auto& work : yet_to_do) work();
+  yet_to_do.clear();
+  locked_memory().lock(true);
+}
+
+std::pmr::memory_resource* own_memory_of_host() {
+  return &locked_memory();
+}
+
+}  // namespace silt
