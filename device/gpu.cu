@@ -17,6 +17,11 @@ std::string version(int number) {  // 13000 for 13.0
   return std::to_string(number / 1000) + "." + std::to_string(number % 1000 / 10);
 }
 
+void require(cudaError_t found) {
+  if (found != cudaSuccess)
+    throw std::runtime_error(std::string("the graphics processor failed: ") + cudaGetErrorString(found));
+}
+
 using Allocate = cudaError_t(void**, std::size_t);
 cudaError_t allocate_managed(void** memory, std::size_t bytes) {
   return cudaMallocManaged(memory, bytes);
@@ -51,18 +56,19 @@ std::string unusable() {
 std::string choose(int rank, int ranks) {
   int count = 1, card = 0, is_shared = 0;
   if (cudaGetDeviceCount(&count) != cudaSuccess || cudaSetDevice(card = rank % count) != cudaSuccess ||
-      cudaDeviceGetAttribute(&is_shared, cudaDevAttrMpsEnabled, card) != cudaSuccess || ranks <= count || is_shared)
+      cudaDeviceGetAttribute(&is_shared, cudaDevAttrMpsEnabled, card) != cudaSuccess || ranks <= count ||
+      is_shared)
     return "";
   return std::to_string(ranks) + " ranks share " + std::to_string(count) +
-         " graphics processor(s) in turn, which takes up to four times as long; start NVIDIA's MPS server before: "
-         "nvidia-cuda-mps-control -d";
+         " graphics processor(s) in turn, which takes up to four times as long; start NVIDIA's MPS server "
+         "before: nvidia-cuda-mps-control -d";
 }
 
 std::string description() {
   cudaDeviceProp card;
   int driver = 0, runtime = 0, chosen = 0;
-  if (cudaGetDevice(&chosen) != cudaSuccess || cudaGetDeviceProperties(&card, chosen) != cudaSuccess || cudaDriverGetVersion(&driver) != cudaSuccess ||
-      cudaRuntimeGetVersion(&runtime) != cudaSuccess)
+  if (cudaGetDevice(&chosen) != cudaSuccess || cudaGetDeviceProperties(&card, chosen) != cudaSuccess ||
+      cudaDriverGetVersion(&driver) != cudaSuccess || cudaRuntimeGetVersion(&runtime) != cudaSuccess)
     return "";
   return std::string(card.name) + ", " + std::to_string(card.totalGlobalMem >> 30) +
          " GiB, driver for CUDA " + version(driver) + ", built with CUDA " + version(runtime);
@@ -73,9 +79,9 @@ std::pmr::memory_resource* managed() {
   static Memory<allocate_managed, cudaFree> managed;
   return &managed;
 }
-/// An allocation of CUDA's takes long, and whole pages; lists are many, and small. This pool hands out parts of
-/// large allocations, in sizes of powers of two, and touches none of them: a page that the processor writes
-/// leaves the card.
+/// An allocation of CUDA's takes long, and whole pages; lists are many, and small. This pool hands out parts
+/// of large allocations, in sizes of powers of two, and touches none of them: a page that the processor
+/// writes leaves the card.
 class Pool final : public std::pmr::memory_resource {
   static constexpr std::size_t least = 256, most = std::size_t{1} << 22, chunk = std::size_t{1} << 25;
   static int size_class(std::size_t bytes) { return std::bit_width((std::max(bytes, least) - 1) / least); }
@@ -117,13 +123,6 @@ std::pmr::memory_resource* own_memory() {
   static Memory<allocate_own, cudaFree> own;
   return &own;
 }
-
-namespace {
-void require(cudaError_t found) {
-  if (found != cudaSuccess)
-    throw std::runtime_error(std::string("the graphics processor failed: ") + cudaGetErrorString(found));
-}
-}  // namespace
 
 void copy_in_turn(void* to, const void* from, std::size_t bytes) {
   require(cudaMemcpyAsync(to, from, bytes, cudaMemcpyDefault));

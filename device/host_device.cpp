@@ -15,7 +15,8 @@ namespace {
 class LockedMemory final : public std::pmr::memory_resource {
  public:
   void lock(bool locked) {
-    for (const auto& [memory, bytes] : all_) mprotect(memory, bytes, locked ? PROT_NONE : PROT_READ | PROT_WRITE);
+    for (const auto& [memory, bytes] : all_)
+      mprotect(memory, bytes, locked ? PROT_NONE : PROT_READ | PROT_WRITE);
   }
 
  private:

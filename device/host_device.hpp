@@ -1,7 +1,7 @@
 #pragma once
-// The device `host` behaves as a graphics processor may at its worst, so that tests see what would fail there: it
-// does its passes and copies only when somebody waits for them, and what it calls its own memory can be read
-// and written by these alone.
+// The device `host` behaves as a graphics processor may at its worst, so that tests see what would fail
+// there: it does its passes and copies only when somebody waits for them, and what it calls its own memory
+// can be read and written by these alone.
 #include <functional>
 #include <memory_resource>
 

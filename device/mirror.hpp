@@ -10,9 +10,9 @@
 
 namespace silt {
 
-/// An array of the processor, and its mirror where the passes of a device read and write it. Neither sees what
-/// the other one does until the elements are sent or fetched. The device `cpu` has no mirror: its passes are
-/// the processor's own.
+/// An array of the processor, and its mirror where the passes of a device read and write it. Neither sees
+/// what the other one does until the elements are sent or fetched. The device `cpu` has no mirror: its passes
+/// are the processor's own.
 template <class T>
 class Mirror {
   static_assert(std::is_trivially_copyable_v<T>);

@@ -86,10 +86,10 @@ struct CutLinks {
   WallFluid<T> fluid;  // that the links stand in
   SurfaceFrame frame;
   std::vector<LinkGroup> groups;
-  DeviceArray<std::uint32_t> place;  // of whole groups, padded
-  DeviceArray<T> q;                  // at a time that `age` counts from
-  DeviceArray<T> rate;               // of q, a step; empty: of none
-  T age = 0;                         // steps since then; may be negative
+  DeviceArray<std::uint32_t> place;       // of whole groups, padded
+  DeviceArray<T> q;                       // at a time that `age` counts from
+  DeviceArray<T> rate;                    // of q, a step; empty: of none
+  T age = 0;                              // steps since then; may be negative
   DeviceArray<T> opposite_q, opposite_u;  // OppositeWall of the links of `single_cell_gap`; empty: of none
   /// The index of its pair in the block's PairsAcross, for each link of groups `across`, padded as they are.
   DeviceArray<std::uint32_t> across;
@@ -98,7 +98,15 @@ struct CutLinks {
   static CutLinks in(std::pmr::memory_resource* memory) {
     using Values = DeviceArray<T>;
     using Places = DeviceArray<std::uint32_t>;
-    return {{}, {}, {}, Places(memory), Values(memory), Values(memory), 0, Values(memory), Values(memory),
+    return {{},
+            {},
+            {},
+            Places(memory),
+            Values(memory),
+            Values(memory),
+            0,
+            Values(memory),
+            Values(memory),
             Places(memory)};
   }
 

@@ -63,8 +63,8 @@ void DeviceLinks<T>::list_groups() {
   is_listed_ = true;
   opposites_.send();
   groups_.clear(), groups_.resize(group_count_);
-  SILT_ON(device_, link_passes<T>)()
-      .list_groups({surfaces_.there(), surfaces_.size()}, first_group_.send(), groups_.data());
+  SILT_ON(device_, link_passes<T>)
+  ().list_groups({surfaces_.there(), surfaces_.size()}, first_group_.send(), groups_.data());
 }
 
 template <class T>

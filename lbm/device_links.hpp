@@ -23,8 +23,14 @@ struct DeviceSurface {
 template <class T>
 DeviceSurface<T> surface_on_device(CutLinks<T>& links, const LinkGroup* groups) {
   const auto first = [](auto& values) { return values.empty() ? nullptr : values.data(); };
-  return {links.frame,          groups,         std::uint32_t(links.groups.size()), first(links.place),
-          first(links.across),  first(links.q), first(links.rate), first(links.opposite_q),
+  return {links.frame,
+          groups,
+          std::uint32_t(links.groups.size()),
+          first(links.place),
+          first(links.across),
+          first(links.q),
+          first(links.rate),
+          first(links.opposite_q),
           first(links.opposite_u)};
 }
 
@@ -48,9 +54,9 @@ struct GroupOfSurface {
   std::uint32_t surface, number;
 };
 
-/// A link of `single_cell_gap`, the place of whose OppositeWall is `place`, and what meets it from its other
-/// side: a side of the domain, link `number` of another surface, or both, where the surface moves and the side
-/// is where the wall is; or nothing.
+/// A link of `single_cell_gap`, whose OppositeWall is at `place`, and the wall on its other side: a side of
+/// the domain; or a surface, whose link `number` comes from there; or both, and then the wall is where the
+/// side is and moves as the surface does; or none.
 template <class T>
 struct OppositeLink {
   std::uint32_t surface, place;
@@ -85,15 +91,15 @@ class DeviceLinks {
  public:
   explicit DeviceLinks(Device device) : device_(device) {}
 
-  /// The links are those of surfaces added from now on, one after the other, which lie in memory_of the device
-  /// and stay there.
+  /// The links are those of surfaces added from now on, one after the other, which lie in memory_of the
+  /// device and stay there.
   void clear();
   void add(const DeviceSurface<T>*, std::span<const LinkGroup>);
   void add(const OppositeLink<T>& link) { opposites_.here().push_back(link); }
 
   void set_fluid(const WallFluid<T>& fluid) { fluid_ = fluid; }
-  /// Begins a step: surface k moves so, no cell of its links is further than `reach` from its reference point,
-  /// and its distances have this age.
+  /// Begins a step: surface k moves so, no cell of its links is further than `reach` from its reference
+  /// point, and its distances have this age.
   void set_motion(std::size_t k, const SurfaceMotion&, double reach, T age);
   /// Writes what the surfaces return along all links, and sums force, torque and mass.
   void apply(Block<T>&, const LinkSlots&, const BeyondPair<T>* pairs_across, ForceForm);
@@ -111,9 +117,9 @@ class DeviceLinks {
   Device device_;
   WallFluid<T> fluid_;
   Mirror<SurfaceStep<T>> surfaces_{device_};
-  Mirror<DeviceSums> sums_{device_};                              // of the surfaces
-  Mirror<std::uint32_t> first_group_{device_};                    // of each surface, among those of all
-  DeviceArray<GroupOfSurface> groups_{memory_of(device_)};        // of all surfaces
+  Mirror<DeviceSums> sums_{device_};                        // of the surfaces
+  Mirror<std::uint32_t> first_group_{device_};              // of each surface, among those of all
+  DeviceArray<GroupOfSurface> groups_{memory_of(device_)};  // of all surfaces
   std::uint32_t group_count_ = 0;
   bool is_listed_ = false, has_crossings_ = false;
   Mirror<OppositeLink<T>> opposites_{device_};

@@ -126,7 +126,7 @@ class GroupSums {
     terms_ += L::count;
     good_ &= L::magnitude(in) + L::magnitude(returned) < limit_;
   }
-  /// Calls add(term, sum) for force, torque and mass of these; without a last one that a term was out of range.
+  /// Calls add(term, sum) for force, torque and mass; in_range() says whether the terms can be relied on.
   template <class Sums, class Add>
   SILT_DEVICE void add_to(Sums& sums, const Add& add) const {
     for (int d = 0; d < 3; ++d) {

@@ -171,7 +171,8 @@ struct SetOpposites {
 };
 
 template <class T>
-void list_groups(std::span<const SurfaceStep<T>> surfaces, const std::uint32_t* first, GroupOfSurface* groups) {
+void list_groups(std::span<const SurfaceStep<T>> surfaces, const std::uint32_t* first,
+                 GroupOfSurface* groups) {
   for_teams(std::int64_t(surfaces.size()), ListGroups<T>{surfaces.data(), first, groups});
 }
 template <class T>

@@ -72,7 +72,11 @@ struct PairsAcross<T>::Builder {
 template <class T>
 PairsAcross<T>::PairsAcross(const Domain& domain, MPI_Comm comm, std::span<const Block<T>> blocks,
                             Device device)
-    : rank_(parallel::rank_of(comm)), device_(device), slots_(comm, 3, device), sources_(device), targets_(device) {
+    : rank_(parallel::rank_of(comm)),
+      device_(device),
+      slots_(comm, 3, device),
+      sources_(device),
+      targets_(device) {
   for (std::size_t b = 0; b < blocks.size(); ++b) pairs_.emplace_back(memory_of(device));
   Builder{*this, domain, blocks}.build();
   for (auto& of_block : pairs_) targets_.here().push_back(reinterpret_cast<T*>(of_block.data()));

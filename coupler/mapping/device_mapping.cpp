@@ -72,21 +72,10 @@ void DeviceMapping<T>::add_rates(const SurfaceView<T>& view, const lbm::SurfaceF
 template <class T>
 void DeviceMapping<T>::run() {
   stiffness_.here().assign(surfaces_.size(), {});
-  const LinksToMap<T> pass{groups_.send(),
-                           groups_.size(),
-                           surfaces_.send(),
-                           stiffness_.send(),
-                           parts_.send(),
-                           planes_.send(),
-                           words_.send(),
-                           words_.size(),
-                           runs_.send(),
-                           runs_.size(),
-                           told_.send(),
-                           solid_.data(),
-                           map_->box.size,
-                           map_->solid.words(),
-                           scheme_};
+  const LinksToMap<T> pass{groups_.send(), groups_.size(),      surfaces_.send(), stiffness_.send(),
+                           parts_.send(),  planes_.send(),      words_.send(),    words_.size(),
+                           runs_.send(),   runs_.size(),        told_.send(),     solid_.data(),
+                           map_->box.size, map_->solid.words(), scheme_};
   SILT_ON(device_, map_links<T>)(pass);
   stiffness_.fetch();
   lbm::wait(device_);

@@ -103,12 +103,13 @@ std::vector<std::int64_t> totals(Device device) {
   return all;
 }
 
-/// The state of a case after some steps. The layers are in motion, so that links are mapped and cells refilled.
+/// The state of a case after some steps of layers in motion: links are mapped, and cells refilled.
 template <class T>
 std::vector<std::uint64_t> state_of(Device device, const Layers& layers) {
-  coupler::Simulation simulation = coupler::testing::simulation_of(
-      layers.text(), MPI_COMM_SELF,
-      {"run.device=" + std::string(device_names[int(device)]), std::string("fluid.precision=") + precision_of<T>});
+  coupler::Simulation simulation =
+      coupler::testing::simulation_of(layers.text(), MPI_COMM_SELF,
+                                      {"run.device=" + std::string(device_names[int(device)]),
+                                       std::string("fluid.precision=") + precision_of<T>});
   for (int t = 0; t < 30; ++t) simulation.step();
   return {simulation.hash()};
 }
@@ -197,9 +198,11 @@ void measure_bodies(Device device, const Layers& layers, Figures& out) {
   const BusBytes bus = scene.simulation().bus_bytes_in_steps() - before;
   const double mlups = cells / scene.whole().middle() * 1e-6;
   const std::size_t bodies = scene.simulation().bodies().owned;
-  printf("layers %c of %s in %d x %d x %d: %.0f MLUPS, %.0f links, %zu bodies, %.0f bytes a body and step over the bus;",
-         layers.name, layers.body.c_str(), n.x, n.y, n.z, mlups, scene.links(), bodies,
-         double(bus.to_device + bus.from_device) / (turns * steps) / double(bodies));
+  printf(
+      "layers %c of %s in %d x %d x %d: %.0f MLUPS, %.0f links, %zu bodies, %.0f bytes a body and step over "
+      "the bus;",
+      layers.name, layers.body.c_str(), n.x, n.y, n.z, mlups, scene.links(), bodies,
+      double(bus.to_device + bus.from_device) / (turns * steps) / double(bodies));
   for (int k = 0; k < int(coupler::Stage::count); ++k)
     if (const double ms = scene.seconds_of(coupler::Stage(k)) * 1e3; ms > 0.005)
       printf(" %s %.2f ms", std::string(coupler::stage_names[k]).c_str(), ms);
