@@ -192,17 +192,17 @@ struct LinkSums {
   bool invalid = false;   // a term might have been out of range, or was not a number
 };
 
-/// The stiffness of a surface, H = sum k J J^T with J = [c, r x c], is how force and torque fall with its
-/// velocity (method.md, equation 23). Upper triangle, rows vx vy vz wx wy wz, in quanta of stiffness_quantum
+/// The resistance of a surface, H = sum k J J^T with J = [c, r x c], is how force and torque fall with its
+/// velocity (method.md, equation 23). Upper triangle, rows vx vy vz wx wy wz, in quanta of resistance_quantum
 /// for the first three rows and columns, and 2^exponent times that for each of the others: 2^exponent is no
 /// less than |r x c|. In single precision the terms of 64 links fit 32 bits.
-struct StiffnessSums {
+struct ResistanceSums {
   std::int64_t h[21] = {};
 };
 template <class T>
-inline constexpr double stiffness_quantum = sizeof(T) == 4 ? 0x1p-24 : 0x1p-44;
+inline constexpr double resistance_quantum = sizeof(T) == 4 ? 0x1p-24 : 0x1p-44;
 /// The exponent of a surface no cell of which is further than `radius` from its reference point.
-inline int stiffness_exponent(double radius) {
+inline int resistance_exponent(double radius) {
   int e = 0;
   while (double(1 << e) < 1.5 * (radius + 2)) ++e;
   return e;
@@ -238,15 +238,15 @@ struct GroupInBlock {
   bool far = false;  // its populations are not at hand: they are fetched ahead of use
 };
 
-/// The kernels of links, as each build has them (cut_links_kernel.cpp, link_stiffness_kernel.cpp).
+/// The kernels of links, as each build has them (cut_links_kernel.cpp, link_resistance_kernel.cpp).
 template <class T>
 struct LinkKernels {
   void (*apply)(const GroupInBlock<T>&, const SurfaceMotion&, ForceForm, LinkSums&);
   void (*correct)(const GroupInBlock<T>&, const SurfaceMotion& increment, LinkSums&);
 };
 template <class T>
-using Stiffness = StiffnessSums (*)(const CutLinks<T>&, int exponent);
-SILT_BUILDS(template <class T> LinkKernels<T> link_kernels(); template <class T> Stiffness<T> stiffness();)
+using Resistance = ResistanceSums (*)(const CutLinks<T>&, int exponent);
+SILT_BUILDS(template <class T> LinkKernels<T> link_kernels(); template <class T> Resistance<T> resistance();)
 template <class T>
 const LinkKernels<T>& link_kernels() {
   static const LinkKernels<T> kernels = SILT_CHOSEN(link_kernels<T>)();
@@ -265,11 +265,11 @@ void correct_cut_links(const GroupInBlock<T>& at, const SurfaceMotion& increment
   link_kernels<T>().correct(at, increment, sums);
 }
 
-/// The stiffness of all links of a surface, which depends on geometry only. `exponent` is that of the surface
-/// (stiffness_exponent).
+/// The resistance of all links of a surface, which depends on geometry only. `exponent` is that of the
+/// surface (resistance_exponent).
 template <class T>
-StiffnessSums stiffness_of(const CutLinks<T>& links, int exponent) {
-  return SILT_CHOSEN(stiffness<T>)()(links, exponent);
+ResistanceSums resistance_of(const CutLinks<T>& links, int exponent) {
+  return SILT_CHOSEN(resistance<T>)()(links, exponent);
 }
 
 }  // namespace silt::lbm

@@ -33,7 +33,7 @@ Vec6 force_of(const std::int64_t* row) {
   return f;
 }
 
-Mat6 stiffness_of(const std::int64_t* entry, double quantum, int exponent) {
+Mat6 resistance_of(const std::int64_t* entry, double quantum, int exponent) {
   const double quanta[3] = {quantum, std::ldexp(quantum, exponent), std::ldexp(quantum, 2 * exponent)};
   Mat6 h;
   for (int r = 0; r < 6; ++r)
@@ -135,13 +135,13 @@ double least_moment(const Mat3& inertia) {
 
 }  // namespace
 
-bool largest_eigenvalue_is_within(double limit, const Mat6& stiffness, double mass, const Mat3& inertia_B) {
-  if (stiffness(0, 0) > limit * mass) return false;  // light bodies
+bool largest_eigenvalue_is_within(double limit, const Mat6& resistance, double mass, const Mat3& inertia_B) {
+  if (resistance(0, 0) > limit * mass) return false;  // light bodies
   const double moment = least_moment(inertia_B);
   if (!(moment > 0)) return false;
   Vec6 scale;
   scale << Vec3::Constant(1 / std::sqrt(mass)), Vec3::Constant(1 / std::sqrt(moment));
-  return scale.cwiseProduct(stiffness.cwiseAbs() * scale).maxCoeff() <= limit;
+  return scale.cwiseProduct(resistance.cwiseAbs() * scale).maxCoeff() <= limit;
 }
 
 void add_link_force(rigid::BodySet& bodies, std::size_t row, const RowSums& sums) {
@@ -149,14 +149,14 @@ void add_link_force(rigid::BodySet& bodies, std::size_t row, const RowSums& sums
 }
 
 CouplingInTime::CouplingInTime(const rigid::World& world, const CouplingSpec& spec, int substeps,
-                               double relaxation_time, double stiffness_quantum)
+                               double relaxation_time, double resistance_quantum)
     : world_(world),
       substeps_(substeps),
       of_stiff_links_(spec.time == TimeCoupling::implicit_ ? TimeScheme::implicit_ : TimeScheme::explicit_),
       of_soft_links_(spec.force == ForceForm::exact ? TimeScheme::explicit_ : TimeScheme::one_pass),
       soft_limit_(spec.force == ForceForm::exact ? explicit_limit(relaxation_time)
                                                  : one_pass_limit(relaxation_time)),
-      stiffness_quantum_(stiffness_quantum) {}
+      resistance_quantum_(resistance_quantum) {}
 
 /// F + F_ext.
 Vec6 CouplingInTime::load_on(const rigid::BodySet& bodies, std::size_t row, const Vec6& link_force) const {
@@ -177,8 +177,8 @@ Vec6 CouplingInTime::load_on(const rigid::BodySet& bodies, std::size_t row, cons
 /// Adds F + left - H delta, with (M + H) delta = load + left, to the row's accumulators; returns delta.
 Vec6 CouplingInTime::solve(rigid::BodySet& bodies, std::size_t row, const Links& links, const Vec6& load,
                            const Vec6& left) const {
-  const Vec6 delta = solution_of(mass_matrix(bodies, row) + links.stiffness, load + left);
-  add_force(bodies, row, links.force + left - links.stiffness * delta);
+  const Vec6 delta = solution_of(mass_matrix(bodies, row) + links.resistance, load + left);
+  add_force(bodies, row, links.force + left - links.resistance * delta);
   return delta;
 }
 
@@ -191,7 +191,7 @@ Vec6 CouplingInTime::take_explicitly(rigid::BodySet& bodies, std::size_t row, co
 Vec6 CouplingInTime::take_implicitly(rigid::BodySet& bodies, std::size_t row, const Links& links) const {
   Eigen::Map<Vec6> foreseen = foreseen_change(bodies, row);
   const Vec6 load = load_on(bodies, row, links.force);
-  const Vec6 correction = solve(bodies, row, links, load, links.stiffness * foreseen) - foreseen;
+  const Vec6 correction = solve(bodies, row, links, load, links.resistance * foreseen) - foreseen;
   foreseen.setZero();
   deferred_impulse(bodies, row) = load / 2;
   return correction;
@@ -201,7 +201,7 @@ Vec6 CouplingInTime::take_in_one_pass(rigid::BodySet& bodies, std::size_t row, c
   Eigen::Map<Vec6> foreseen = foreseen_change(bodies, row), deferred = deferred_impulse(bodies, row);
   const Vec6 load = load_on(bodies, row, links.force);
   foreseen = solve(bodies, row, links, load, deferred - load / 2);
-  deferred = load / 2 + links.stiffness * foreseen;
+  deferred = load / 2 + links.resistance * foreseen;
   return Vec6::Zero();
 }
 
@@ -210,10 +210,10 @@ Vec6 CouplingInTime::take_velocity_change(rigid::BodySet& bodies, std::size_t ro
   Links links;
   links.force = force_of(sums.force(row));
   if (!is_implicit()) return take_explicitly(bodies, row, links.force);
-  const int exponent = lbm::stiffness_exponent(world_.bounding_radii[bodies.shape[row]]);
-  links.stiffness = stiffness_of(sums.stiffness(row), stiffness_quantum_, exponent);
+  const int exponent = lbm::resistance_exponent(world_.bounding_radii[bodies.shape[row]]);
+  links.resistance = resistance_of(sums.resistance(row), resistance_quantum_, exponent);
   const bool soft =
-      largest_eigenvalue_is_within(soft_limit_, links.stiffness, bodies.mass[row], bodies.inertia_B[row]);
+      largest_eigenvalue_is_within(soft_limit_, links.resistance, bodies.mass[row], bodies.inertia_B[row]);
   switch (soft ? of_soft_links_ : of_stiff_links_) {
     case TimeScheme::explicit_:
       return take_explicitly(bodies, row, links.force);

@@ -21,10 +21,10 @@ using Mat6 = Eigen::Matrix<double, 6, 6>;
 
 /// Returns whether the largest eigenvalue of M^-1 H is at most `limit` for certain (method.md, equation 36):
 /// M is the mass matrix of a body, H (symmetric, forces before torques, world frame, lattice units) the
-/// stiffness of its links. The eigenvalue is bounded from above, by the row sums of H scaled with the mass
+/// resistance of its links. The eigenvalue is bounded from above, by the row sums of H scaled with the mass
 /// and with the least that a principal moment can be. So a body near the limit may be refused, but none
 /// beyond it is let through. `inertia_B` may be in any frame of the body.
-bool largest_eigenvalue_is_within(double limit, const Mat6& stiffness, double mass,
+bool largest_eigenvalue_is_within(double limit, const Mat6& resistance, double mass,
                                   const rigid::Mat3& inertia_B);
 
 /// How the links of a body move it in a step: explicitly, implicitly with a second pass, or in one pass (36).
@@ -33,12 +33,12 @@ enum class TimeScheme { explicit_, implicit_, one_pass };
 /// Each body in each step is coupled by one of two schemes, as its links are soft or stiff beside its mass.
 class CouplingInTime {
  public:
-  /// `substeps` are those of the bodies' step, for the impulses they remember; `stiffness_quantum` is
-  /// lbm::stiffness_quantum of the fluid's precision.
+  /// `substeps` are those of the bodies' step, for the impulses they remember; `resistance_quantum` is
+  /// lbm::resistance_quantum of the fluid's precision.
   CouplingInTime(const rigid::World&, const CouplingSpec&, int substeps, double relaxation_time,
-                 double stiffness_quantum);
+                 double resistance_quantum);
 
-  /// Returns whether links may have to be corrected, for which their stiffness is needed.
+  /// Returns whether links may have to be corrected, for which their resistance is needed.
   bool is_implicit() const { return of_stiff_links_ == TimeScheme::implicit_; }
   /// Adds the force that the links give in the end to the row's accumulators, foresees the change of the next
   /// step, and returns the change of velocity and angular velocity with which the links are to be corrected:
@@ -48,7 +48,7 @@ class CouplingInTime {
  private:
   struct Links {
     Vec6 force;
-    Mat6 stiffness;
+    Mat6 resistance;
   };
   Vec6 take_explicitly(rigid::BodySet&, std::size_t row, const Vec6& force) const;
   Vec6 take_implicitly(rigid::BodySet&, std::size_t row, const Links&) const;
@@ -60,7 +60,7 @@ class CouplingInTime {
   int substeps_;
   TimeScheme of_stiff_links_, of_soft_links_;
   double soft_limit_;  // largest eigenvalue of M^-1 H of soft links
-  double stiffness_quantum_;
+  double resistance_quantum_;
 };
 
 }  // namespace silt::coupler

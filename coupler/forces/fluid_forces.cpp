@@ -24,12 +24,12 @@ bool is_at_rest(const lbm::SurfaceMotion& m) {
 }
 
 template <class T>
-void add_sums(const SurfaceLinks<T>& surface, bool stiffness, RowSums& sums) {
+void add_sums(const SurfaceLinks<T>& surface, bool resistance, RowSums& sums) {
   std::int64_t* const force = sums.force(surface.row);
   for (int d = 0; d < 3; ++d) force[d] += surface.sums.force[d], force[3 + d] += surface.sums.torque[d];
-  if (!stiffness) return;
-  std::int64_t* const h = sums.stiffness(surface.row);
-  for (int e = 0; e < RowSums::stiffness_width; ++e) h[e] += surface.stiffness.h[e];
+  if (!resistance) return;
+  std::int64_t* const h = sums.resistance(surface.row);
+  for (int e = 0; e < RowSums::resistance_width; ++e) h[e] += surface.resistance.h[e];
 }
 
 }  // namespace
@@ -45,7 +45,7 @@ FluidForces<T>::FluidForces(const CouplingSpec& spec, const ParallelBodyExchange
                             double relaxation_time)
     : spec_(spec),
       exchange_(exchange),
-      time_(exchange.world(), spec, substeps, relaxation_time, lbm::stiffness_quantum<T>),
+      time_(exchange.world(), spec, substeps, relaxation_time, lbm::resistance_quantum<T>),
       sums_(time_.is_implicit(), spec.force == ForceForm::exact) {}
 
 template <class T>

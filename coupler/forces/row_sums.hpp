@@ -7,14 +7,14 @@
 namespace silt::coupler {
 
 /// One row of integers for each row of the BodySet: force (3) and torque (3) in lbm::link_quantum; under
-/// implicit coupling the stiffness of its links (21) in the quanta of lbm::StiffnessSums; in the form `exact`
-/// how many cells it has and the sum of the coordinates of their lower corners (4).
+/// implicit coupling the resistance of its links (23) in the quanta of lbm::ResistanceSums; in the form
+/// `exact` how many cells it has and the sum of the coordinates of their lower corners (4).
 class RowSums {
  public:
-  static constexpr int force_width = 6, stiffness_width = 21, cells_width = 4;
+  static constexpr int force_width = 6, resistance_width = 21, cells_width = 4;
 
-  RowSums(bool stiffness, bool cells)
-      : cells_begin_(force_width + (stiffness ? stiffness_width : 0)),
+  RowSums(bool resistance, bool cells)
+      : cells_begin_(force_width + (resistance ? resistance_width : 0)),
         width_(cells_begin_ + (cells ? cells_width : 0)) {}
   /// All zero.
   void reset(std::size_t rows) { all_.assign(rows * width_, 0); }
@@ -23,8 +23,8 @@ class RowSums {
   std::span<std::int64_t> all() { return all_; }
   std::int64_t* force(std::size_t row) { return all_.data() + row * width_; }
   const std::int64_t* force(std::size_t row) const { return all_.data() + row * width_; }
-  std::int64_t* stiffness(std::size_t row) { return force(row) + force_width; }
-  const std::int64_t* stiffness(std::size_t row) const { return force(row) + force_width; }
+  std::int64_t* resistance(std::size_t row) { return force(row) + force_width; }
+  const std::int64_t* resistance(std::size_t row) const { return force(row) + force_width; }
   std::int64_t* cells(std::size_t row) { return force(row) + cells_begin_; }
   const std::int64_t* cells(std::size_t row) const { return force(row) + cells_begin_; }
 

@@ -50,7 +50,7 @@ class LinkWriter {
         surface_(scheme, meshes, device),
         groups_(scheme) {}
 
-  /// The links' frame is set already. `radius` is that of a ball about the body, if its stiffness is wanted;
+  /// The links' frame is set already. `radius` is that of a ball about the body, if its resistance is wanted;
   /// else 0.
   void body(const BodyMask& mask, const rigid::Shape& shape, const MappedMotion& mapped, double radius,
             SurfaceLinks<T>& surface) {
@@ -58,7 +58,7 @@ class LinkWriter {
     lbm::CutLinks<T>& links = surface.links;
     groups_.begin(links);
     if (mask.any) write(shape, links.frame);
-    const int exponent = lbm::stiffness_exponent(radius);
+    const int exponent = lbm::resistance_exponent(radius);
     if (mask.any && surface_.leaves_to_device()) {
       groups_.end_for_device(by_cells_, *on_device_);
       const BodyMask* const before = mask.before < 0 ? nullptr : &map_.masks_before[mask.before];
@@ -69,7 +69,7 @@ class LinkWriter {
     groups_.end();
     surface.cells_on_device.clear();
     surface_.set_rates(links, shape, mapped);
-    if (radius > 0) surface.stiffness = lbm::stiffness_of(links, exponent);
+    if (radius > 0) surface.resistance = lbm::resistance_of(links, exponent);
     if (!on_device_) return;
     to_device(links.place, links.q, links.rate, links.across);
     tell_device(surface);
@@ -267,9 +267,9 @@ void build_links(const BlockMap& map, const rigid::World& world, const rigid::Bo
     lbm::CutLinks<T>& links = surfaces[k].links;
     links.fluid = rules.fluid, links.frame = surface_frame(map, mask, link_reach);
     const std::int32_t shape = bodies.shape[mask.row];
-    const bool is_stiff = rules.coupling.time == TimeCoupling::implicit_ && bodies.is_dynamic(mask.row);
+    const bool has_resistance = rules.coupling.time == TimeCoupling::implicit_ && bodies.is_dynamic(mask.row);
     writer.body(mask, world.shapes[shape], mapped_motion(bodies, mask.row),
-                is_stiff ? world.bounding_radii[shape] : 0, surfaces[k]);
+                has_resistance ? world.bounding_radii[shape] : 0, surfaces[k]);
   });
   if (rules.device) rules.device->run();
 }

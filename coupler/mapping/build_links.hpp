@@ -24,7 +24,7 @@ struct LinkRules {
   DeviceMapping<T>* device = nullptr;  // that the links are for; none: the cpu
 };
 
-/// Builds the links of the block's masks, surface by surface, with the stiffness of free bodies under
+/// Builds the links of the block's masks, surface by surface, with the resistance of free bodies under
 /// implicit coupling; those that the last mapping kept are kept, given the surfaces of the mapping before.
 /// Links whose formula would read the cell behind where that is not fluid (a single-cell gap) go into groups
 /// of `single_cell_gap`; those that would read beyond it where that is not fluid, into groups of

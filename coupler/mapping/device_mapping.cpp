@@ -71,16 +71,16 @@ void DeviceMapping<T>::add_rates(const SurfaceView<T>& view, const lbm::SurfaceF
 
 template <class T>
 void DeviceMapping<T>::run() {
-  stiffness_.here().assign(surfaces_.size(), {});
-  const LinksToMap<T> pass{groups_.send(), groups_.size(),      surfaces_.send(), stiffness_.send(),
+  resistance_.here().resize(surfaces_.size());
+  const LinksToMap<T> pass{groups_.send(), groups_.size(),      surfaces_.send(), resistance_.clear(),
                            parts_.send(),  planes_.send(),      words_.send(),    words_.size(),
                            runs_.send(),   runs_.size(),        told_.send(),     solid_.data(),
                            map_->box.size, map_->solid.words(), scheme_};
   SILT_ON(device_, map_links<T>)(pass);
-  stiffness_.fetch();
+  resistance_.fetch();
   lbm::wait(device_);
   for (std::size_t k = 0; k < wanted_.size(); ++k)
-    if (surfaces_.here()[k].arm != 0) wanted_[k]->stiffness = stiffness_.here()[k];
+    if (surfaces_.here()[k].arm != 0) wanted_[k]->resistance = resistance_.here()[k];
 }
 
 template class DeviceMapping<float>;

@@ -1,6 +1,6 @@
 #pragma once
 // The links of bodies of a block that are mapped again, as passes of a device (device/for_each.hpp): their
-// lists by the cells that bodies cover, then wall distances, their rates and the stiffness of bodies of
+// lists by the cells that bodies cover, then wall distances, their rates and the resistance of bodies of
 // convex parts, a team a group of links. Of the cells the device is told those that have changed.
 #include <cstdint>
 #include <span>
@@ -52,7 +52,7 @@ struct SurfaceToMap {
   lbm::WallFluid<T> fluid;
   SurfaceAtTime now, last;  // in the middle of the steps that it is mapped for, and in the last of them
   double steps;             // between; 0: distances have no rates
-  T arm;                    // of the stiffness (stiffness_exponent); 0: nobody asks for it
+  T arm;                    // of the resistance (resistance_exponent); 0: nobody asks for it
   BitFrame frame;
   const std::uint64_t* cells;  // of the surface, in its frame
   std::uint32_t* place;
@@ -84,7 +84,7 @@ struct LinksToMap {
   const GroupToMap* groups;
   std::size_t group_count;
   const SurfaceToMap<T>* surfaces;
-  lbm::StiffnessSums* stiffness;  // of the surfaces
+  lbm::ResistanceSums* resistance;  // of the surfaces
   const SurfacePart<T>* parts;
   const Plane<T>* planes;
   const ChangedWord* words;
@@ -139,7 +139,7 @@ class DeviceMapping {
   std::vector<SurfaceLinks<T>*> wanted_;
   Mirror<GroupToMap> groups_{device_};
   Mirror<SurfaceToMap<T>> surfaces_{device_};
-  Mirror<lbm::StiffnessSums> stiffness_{device_};
+  Mirror<lbm::ResistanceSums> resistance_{device_};
   Mirror<SurfacePart<T>> parts_{device_};
   Mirror<Plane<T>> planes_{device_};
   Mirror<ChangedWord> words_{device_};

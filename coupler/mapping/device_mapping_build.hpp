@@ -8,7 +8,7 @@
 #include "coupler/mapping/refill_cell.hpp"
 #include "coupler/mapping/surface_distance.hpp"
 #include "device/for_each.hpp"
-#include "lbm/link_stiffness.hpp"
+#include "lbm/link_resistance.hpp"
 
 namespace silt::coupler::SILT_ISA {
 
@@ -100,7 +100,7 @@ struct MeasureGroup {
     measure(group, surface, member);
     if (surface.arm != 0)
       lbm::with_scheme(group.scheme,
-                       [&](auto scheme) { add_stiffness_of<scheme()>(group, surface, member); });
+                       [&](auto scheme) { add_resistance_of<scheme()>(group, surface, member); });
   }
   SILT_DEVICE void measure(const GroupToMap& group, const SurfaceToMap<T>& surface,
                            const Team& member) const {
@@ -115,17 +115,17 @@ struct MeasureGroup {
     }
   }
   template <lbm::WallScheme scheme>
-  SILT_DEVICE void add_stiffness_of(const GroupToMap& group, const SurfaceToMap<T>& surface,
-                                    const Team& member) const {
+  SILT_DEVICE void add_resistance_of(const GroupToMap& group, const SurfaceToMap<T>& surface,
+                                     const Team& member) const {
     using Term = std::conditional_t<sizeof(T) == 4, std::int32_t, std::int64_t>;
     constexpr int entries = 21;
     std::int64_t h[entries] = {};
     for (int l = int(group.begin) + member.lane; l < int(group.begin + group.count); l += member.size) {
       const lbm::SILT_ISA::Places<T> at(surface.place + l, origin(group, surface.now));
-      lbm::SILT_ISA::add_stiffness<scheme>(at, surface.q[l], true, surface.fluid, surface.arm,
-                                           [&](int e, T term) { h[e] += Term(term); });
+      lbm::SILT_ISA::add_resistance<scheme>(at, surface.q[l], true, surface.fluid, surface.arm,
+                                            [&](int e, T term) { h[e] += Term(term); });
     }
-    for (int e = 0; e < entries; ++e) member.add(h[e], all.stiffness[group.surface].h[e]);
+    for (int e = 0; e < entries; ++e) member.add(h[e], all.resistance[group.surface].h[e]);
   }
 };
 

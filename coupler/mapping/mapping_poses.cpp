@@ -38,7 +38,7 @@ double steps_within(double tolerance, double speed) {
 }
 
 /// Returns whether wall distances follow the surface between mappings. Under `exact` they do not: the
-/// stiffness, found when links are built, has to be that of the links, or the sum of all momenta would
+/// resistance, found when links are built, has to be that of the links, or the sum of all momenta would
 /// change.
 bool distances_follow(const CouplingSpec& coupling) {
   return lbm::follows_distance(coupling.wall_scheme) && coupling.force != ForceForm::exact;

@@ -67,6 +67,14 @@ BodyRecord body_from(const BodyRecord& was, BodySpec body, const CentredShape& s
   if (std::abs(size * shape.volume / shape.inertia.trace() - 1) > 1e-6)
     throw std::runtime_error(fmt::format("body {} has not the shape that the case gives '{}'", was.id,
                                          setup.kind_names[body.kind]));
+  for (int d = 0; d < 3; ++d)
+    if (!(was.position[d] >= 0 && was.position[d] <= setup.cells[d]))
+      throw std::runtime_error(
+          fmt::format("body {} is at [{:.6g}, {:.6g}, {:.6g}] cells, outside of the {} x {} x {} cells of "
+                      "the case; enlarge "
+                      "domain.size",
+                      was.id, was.position[0], was.position[1], was.position[2], setup.cells[0],
+                      setup.cells[1], setup.cells[2]));
   const double* const q = was.orientation;
   body.pose = {Vec3(was.position), {q[0], q[1], q[2], q[3]}};
   body.unit = true;

@@ -34,13 +34,12 @@ enum Cost {
   corrected_at_hand,
   corrected_fetched,
   corrected_waited,
-  stiffness,
+  resistance,
   costs
 };
 constexpr std::array<const char*, costs> cost_names = {
-    "applied, at hand",   "applied, fetched",   "applied, waited for",
-    "corrected, at hand", "corrected, fetched", "corrected, waited for",
-    "stiffness"};
+    "applied, at hand",   "applied, fetched",      "applied, waited for", "corrected, at hand",
+    "corrected, fetched", "corrected, waited for", "resistance"};
 
 lbm::WallScheme scheme_of(const std::string& name) {
   const auto& names = lbm::wall_scheme_names;
@@ -92,11 +91,11 @@ class Links {
           {fluid_.blocks()[0], links_.slots, links, group, after, nullptr, &listed_, fetch}, {}, sums_);
     });
   }
-  void sum_stiffness() {
-    for (const auto& surface : links_.surfaces) stiffness_ += lbm::stiffness_of(surface.links, 3).h[0];
+  void sum_resistance() {
+    for (const auto& surface : links_.surfaces) resistance_ += lbm::resistance_of(surface.links, 3).h[0];
   }
   /// Keeps what was computed from being left out.
-  bool finite() const { return !sums_.invalid && stiffness_ >= 0; }
+  bool finite() const { return !sums_.invalid && resistance_ >= 0; }
 
  private:
   template <class F>
@@ -118,7 +117,7 @@ class Links {
   std::vector<Group> one_;
   lbm::LinkSums sums_;
   lbm::ListedLinks listed_;
-  std::int64_t stiffness_ = 0;
+  std::int64_t resistance_ = 0;
 };
 
 std::array<Spread, costs> measured(Links& links, int turns) {
@@ -138,7 +137,7 @@ std::array<Spread, costs> measured(Links& links, int turns) {
     cost[corrected_at_hand].add(again([&] { links.correct(links.one(), false); }) / hot);
     cost[corrected_fetched].add(seconds([&] { links.correct(links.all(), true, true); }) / cold);
     cost[corrected_waited].add(seconds([&] { links.correct(links.all(), true, false); }) / cold);
-    cost[stiffness].add(seconds([&] { links.sum_stiffness(); }) / double(links.count()) * 1e9);
+    cost[resistance].add(seconds([&] { links.sum_resistance(); }) / double(links.count()) * 1e9);
   }
   return cost;
 }

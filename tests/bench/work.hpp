@@ -43,7 +43,7 @@ struct LinkWork {
   double flops, bytes;
 };
 /// Returns the work of a cut link in a step: what comes back, force, torque and mass; with implicit coupling
-/// also the correction. (The stiffness is part of the object mapping.)
+/// also the correction. (The resistance is part of the object mapping.)
 inline LinkWork link_work(std::string_view scheme, bool implicit, std::size_t bytes_of_a_population) {
   using enum lbm::WallScheme;
   const bool behind = scheme != "bounce-back", beyond = scheme == "multireflection";

@@ -1,5 +1,5 @@
 // The kernels of cut links: what returns does not depend on how links are listed or their distances change,
-// and their stiffness is how the force falls with the velocity.
+// and their resistance is how the force falls with the velocity.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -192,26 +192,26 @@ std::array<double, 6> force_of(const CutLinks<T>& links, const SurfaceMotion& mo
   return force;
 }
 
-/// Each link's term of the force is off by half its quantum, that of the stiffness by two of its own.
+/// Each link's term of the force is off by half its quantum, that of the resistance by two of its own.
 template <class T>
 void expect_slope_of_force(WallScheme scheme) {
-  constexpr double rounding = link_quantum / (2 * small) + 2 * stiffness_quantum<T>;
+  constexpr double rounding = link_quantum / (2 * small) + 2 * resistance_quantum<T>;
   const CutLinks<T> links = wall_links<T>(scheme);
-  const int exponent = stiffness_exponent(links.frame.reach);
-  const StiffnessSums sums = stiffness_of(links, exponent);
+  const int exponent = resistance_exponent(links.frame.reach);
+  const ResistanceSums sums = resistance_of(links, exponent);
   int e = 0;
   for (int a = 0; a < 6; ++a)
     for (int b = a; b < 6; ++b, ++e) {
       SurfaceMotion motion;
       (b < 3 ? motion.v : motion.omega)[b % 3] = small;
       const double arms = std::ldexp(1.0, exponent * ((a >= 3) + (b >= 3)));
-      EXPECT_NEAR(double(sums.h[e]) * stiffness_quantum<T> * arms, -force_of(links, motion)[a] / small,
+      EXPECT_NEAR(double(sums.h[e]) * resistance_quantum<T> * arms, -force_of(links, motion)[a] / small,
                   rounding * double(links.place.size()) * arms)
           << "row " << a << ", column " << b;
     }
 }
 
-TEST(LinkStiffness, IsHowTheForceFallsWithTheVelocity) {
+TEST(LinkResistance, IsHowTheForceFallsWithTheVelocity) {
   for (const WallScheme scheme :
        {WallScheme::bounce_back, WallScheme::cli, WallScheme::parabolic, WallScheme::multireflection}) {
     SCOPED_TRACE(wall_scheme_names[int(scheme)]);

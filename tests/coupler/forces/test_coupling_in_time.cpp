@@ -21,8 +21,8 @@ Eigen::Quaterniond random_turn(std::mt19937& random, double angle) {
   return Eigen::Quaterniond(Eigen::AngleAxisd(angle * number(random), axis.normalized()));
 }
 
-/// The stiffness of links with random places and directions on a body, as in FluidForces: sum k J J^T.
-Mat6 random_stiffness(std::mt19937& random, const Vec3& reach) {
+/// The resistance of links with random places and directions on a body, as in FluidForces: sum k J J^T.
+Mat6 random_resistance(std::mt19937& random, const Vec3& reach) {
   std::uniform_real_distribution<double> number(-1, 1);
   const auto vec = [&] { return Vec3(number(random), number(random), number(random)); };
   Mat6 h = Mat6::Zero();
@@ -54,7 +54,7 @@ TEST(EigenvalueBound, IsNeverClaimedAboveTheLimit) {
     const Vec3 reach(1 + 9 * number(random), 1 + 9 * number(random), 1 + 9 * number(random));
     const double mass = 10 + 100 * number(random);
     const Vec3 moments = mass / 5 * (Vec3::Constant(reach.squaredNorm()) - reach.cwiseAbs2());
-    const Mat6 h = random_stiffness(random, reach);
+    const Mat6 h = random_resistance(random, reach);
     const Mat3 inertia_B = turned(moments, random_turn(random, 0.3)),
                inertia_W = turned(moments, random_turn(random, M_PI));
     const double eigenvalue = largest_eigenvalue(h, mass, inertia_W);

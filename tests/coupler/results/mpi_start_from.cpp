@@ -271,6 +271,11 @@ TEST(StartFrom, WhatDoesNotFitIsRefused) {
               }),
               "of another lattice than the case's");
   EXPECT_TEXT(error([](CaseText& c) {
+                c.fluid = "";
+                c.domain = domain_of({24, 24, 12});
+              }),
+              "outside of the 24 x 24 x 12 cells of the case; enlarge domain.size");
+  EXPECT_TEXT(error([](CaseText& c) {
                 c.units = "[units]\nsystem = \"si\"\ncell_size = 0.5\ntime_step = 1\n";
                 c.domain = domain_of({12, 12, 12});
                 c.shapes = sphere_of("sphere", 3.5);

@@ -1,9 +1,9 @@
-// Built once an instruction set: the stiffness of a surface against its links.
+// Built once an instruction set: the resistance of a surface against its links.
 #include <algorithm>
 #include <cmath>
 #include <type_traits>
 
-#include "lbm/link_stiffness.hpp"
+#include "lbm/link_resistance.hpp"
 
 namespace silt::lbm::SILT_ISA {
 namespace {
@@ -13,7 +13,7 @@ constexpr int entries = 21;  // the upper triangle of k J J^T
 template <class T>
 using Entries = typename Lanes<T>::Quanta[entries];
 
-/// Adds the stiffness of a group. In single precision its terms have 32 bits.
+/// Adds the resistance of a group. In single precision its terms have 32 bits.
 template <WallScheme scheme, class T>
 void add_group(const CutLinks<T>& links, const LinkGroup& group, int exponent, Entries<T>& sums) {
   using L = Lanes<T>;
@@ -30,19 +30,19 @@ void add_group(const CutLinks<T>& links, const LinkGroup& group, int exponent, E
     for (int l = first; l < std::min(first + chunk, count); l += L::count) {
       const Places<T> at(place + l, origin);
       const V q = load<V>(distance + l);
-      add_stiffness<scheme>(at, q, L::below(count - l), links.fluid, arm,
-                            [&](int e, const V& term) { h[e] += __builtin_convertvector(term, Terms); });
+      add_resistance<scheme>(at, q, L::below(count - l), links.fluid, arm,
+                             [&](int e, const V& term) { h[e] += __builtin_convertvector(term, Terms); });
     }
     for (int e = 0; e < entries; ++e) sums[e] += __builtin_convertvector(h[e], typename L::Quanta);
   }
 }
 
 template <class T>
-StiffnessSums of_links(const CutLinks<T>& links, int exponent) {
+ResistanceSums of_links(const CutLinks<T>& links, int exponent) {
   Entries<T> lanes = {};
   for (const LinkGroup& group : links.groups)
     with_scheme(group.scheme, [&](auto scheme) { add_group<scheme()>(links, group, exponent, lanes); });
-  StiffnessSums sums;
+  ResistanceSums sums;
   for (int e = 0; e < entries; ++e)
     for (int l = 0; l < Lanes<T>::count; ++l) sums.h[e] += lanes[e][l];
   return sums;
@@ -51,10 +51,10 @@ StiffnessSums of_links(const CutLinks<T>& links, int exponent) {
 }  // namespace
 
 template <class T>
-Stiffness<T> stiffness() {
+Resistance<T> resistance() {
   return of_links<T>;
 }
-template Stiffness<float> stiffness();
-template Stiffness<double> stiffness();
+template Resistance<float> resistance();
+template Resistance<double> resistance();
 
 }  // namespace silt::lbm::SILT_ISA
