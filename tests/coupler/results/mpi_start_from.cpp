@@ -271,7 +271,7 @@ TEST(StartFrom, WhatDoesNotFitIsRefused) {
               }),
               "of another lattice than the case's");
   EXPECT_TEXT(error([](CaseText& c) {
-                c.fluid = "";
+                c.fluid = c.rest = "";
                 c.domain = domain_of({24, 24, 12});
               }),
               "outside of the 24 x 24 x 12 cells of the case; enlarge domain.size");
