@@ -63,7 +63,8 @@ class Links {
     coupler::build_links<float>(map.blocks()[0], scene_.scene().world, scene_.bodies(),
                                 {coupling, fluid, fluid_.pass_order(0)}, links_.surfaces);
     links_.order_groups(fluid_.pass_order(0));
-    links_.gaps.pair(links_.surfaces, fluid_.domain(), box), links_.gaps.set_distances(links_.surfaces);
+    if (lbm::knows_opposite_wall(coupling.wall_scheme))
+      links_.gaps.pair(links_.surfaces, fluid_.domain(), box), links_.gaps.set_distances(links_.surfaces);
     links_.slots = lbm::link_slots(fluid_.blocks()[0], lbm::Parity::crossed);
     const std::uint32_t middle = links_.inner[links_.inner.size() / 2].surface;
     for (std::uint32_t g = 0; g < links_.surfaces[middle].links.groups.size(); ++g)

@@ -224,6 +224,26 @@ TEST(LockedAxes, ABallThatMayNotTurnSlides) {
   EXPECT_EQ(s.bodies.orientation[0].coeffs(), Quat::Identity().coeffs());
 }
 
+/// A torque turns a skew box about the axes that are free alone: there I alpha is the torque.
+TEST(LockedAxes, EachIsHeldByItself) {
+  const Vec3 torque(1, -2, 3);
+  for (int axis = 0; axis < 3; ++axis) {
+    Scene s = with_locked(locked_about(axis), 0, 0);
+    const Quat turn = Quat(0.8, 0.3, -0.2, 0.4).normalized();
+    s.add_with_id(0, s.shape(Box{Vec3(0.3, 0.1, 0.05)}), Vec3(50, 50, 50), Vec3::Zero(), Vec3::Zero(), 1,
+                  turn);
+    s.start();
+    const Vec3 alpha = s.bodies.inverse_inertia_W(0) * torque;
+    const Mat3 r = turn.toRotationMatrix();
+    const Vec3 moment = r * s.bodies.inertia_B[0] * r.transpose() * alpha;
+    EXPECT_EQ(alpha[axis], 0);
+    for (int d = 0; d < 3; ++d) {
+      if (d == axis) continue;
+      EXPECT_NEAR(moment[d], torque[d], 1e-12) << axis;
+    }
+  }
+}
+
 /// A body that turns about one axis keeps its speed, however its principal axes lie.
 TEST(LockedAxes, ASkewBoxTurnsEvenlyAboutItsAxis) {
   Scene s = with_locked(locked_about(0) | locked_about(1), 0, 0);
