@@ -1,25 +1,20 @@
 // The calls of CUDA besides passes.
+#define SILT_ISA gpu
 #include <cuda_runtime.h>
 
-#include <algorithm>
-#include <bit>
 #include <memory>
 #include <memory_resource>
 #include <new>
-#include <stdexcept>
 #include <string>
-#include <vector>
+
+#include "device/for_each.hpp"
+#include "device/untouched_pool.hpp"
 
 namespace silt::cuda {
 
 namespace {
 std::string version(int number) {  // 13000 for 13.0
   return std::to_string(number / 1000) + "." + std::to_string(number % 1000 / 10);
-}
-
-void require(cudaError_t found) {
-  if (found != cudaSuccess)
-    throw std::runtime_error(std::string("the graphics processor failed: ") + cudaGetErrorString(found));
 }
 
 using Allocate = cudaError_t(void**, std::size_t);
@@ -79,39 +74,8 @@ std::pmr::memory_resource* managed() {
   static Memory<allocate_managed, cudaFree> managed;
   return &managed;
 }
-/// An allocation of CUDA's takes long, and whole pages; lists are many, and small. This pool hands out parts
-/// of large allocations, in sizes of powers of two, and touches none of them: a page that the processor
-/// writes leaves the card.
-class Pool final : public std::pmr::memory_resource {
-  static constexpr std::size_t least = 256, most = std::size_t{1} << 22, chunk = std::size_t{1} << 25;
-  static int size_class(std::size_t bytes) { return std::bit_width((std::max(bytes, least) - 1) / least); }
-
-  void* do_allocate(std::size_t bytes, std::size_t alignment) override {
-    if (bytes > most) return managed()->allocate(bytes, alignment);
-    const std::size_t size = least << size_class(bytes);
-    std::vector<void*>& free = free_[size_class(bytes)];
-    if (free.empty()) {
-      if (left_ < size) next_ = static_cast<char*>(managed()->allocate(chunk)), left_ = chunk;
-      free.push_back(next_);
-      next_ += size, left_ -= size;
-    }
-    void* const memory = free.back();
-    free.pop_back();
-    return memory;
-  }
-  void do_deallocate(void* memory, std::size_t bytes, std::size_t alignment) override {
-    if (bytes > most) return managed()->deallocate(memory, bytes, alignment);
-    free_[size_class(bytes)].push_back(memory);
-  }
-  bool do_is_equal(const std::pmr::memory_resource& other) const noexcept override { return this == &other; }
-
-  std::vector<void*> free_[16];
-  char* next_ = nullptr;
-  std::size_t left_ = 0;
-};
-
 std::pmr::memory_resource* memory() {
-  static auto* const pool = new Pool;  // which outlives all arrays
+  static auto* const pool = new UntouchedPool(managed());  // which outlives all arrays
   return pool;
 }
 /// Pages stay, and the card copies from and to them: MPI sends from there.
@@ -125,10 +89,10 @@ std::pmr::memory_resource* own_memory() {
 }
 
 void copy_in_turn(void* to, const void* from, std::size_t bytes) {
-  require(cudaMemcpyAsync(to, from, bytes, cudaMemcpyDefault));
+  gpu::check(cudaMemcpyAsync(to, from, bytes, cudaMemcpyDefault));
 }
 void clear_in_turn(void* memory, std::size_t bytes) {
-  require(cudaMemsetAsync(memory, 0, bytes));
+  gpu::check(cudaMemsetAsync(memory, 0, bytes));
 }
 
 std::shared_ptr<void> zeroed(std::size_t bytes) {

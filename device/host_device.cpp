@@ -7,11 +7,13 @@
 #include <utility>
 #include <vector>
 
+#include "device/untouched_pool.hpp"
+
 namespace silt {
 
 namespace {
 
-/// Whole pages, locked but while passes run.
+/// Whole pages, locked but while passes run. The pool above it asks for a few large pieces.
 class LockedMemory final : public std::pmr::memory_resource {
  public:
   void lock(bool locked) {
@@ -57,7 +59,8 @@ void do_what_was_put_off() {
 }
 
 std::pmr::memory_resource* own_memory_of_host() {
-  return &locked_memory();
+  static auto* const pool = new UntouchedPool(&locked_memory());
+  return pool;
 }
 
 }  // namespace silt

@@ -43,6 +43,11 @@ LinkSums DeviceLinks<T>::sums(std::size_t k) const {
 }
 
 template <class T>
+const LinkPasses<T>& DeviceLinks<T>::passes() const {
+  return SILT_ON(device_, link_passes<T>)();
+}
+
+template <class T>
 LinkPass<T> DeviceLinks<T>::pass_over(Block<T>& block, const LinkSlots& slots) {
   slots_.here().assign(1, slots);
   return {block.data() + block.middle(),
@@ -63,8 +68,7 @@ void DeviceLinks<T>::list_groups() {
   is_listed_ = true;
   opposites_.send();
   groups_.clear(), groups_.resize(group_count_);
-  SILT_ON(device_, link_passes<T>)
-  ().list_groups({surfaces_.there(), surfaces_.size()}, first_group_.send(), groups_.data());
+  passes().list_groups({surfaces_.there(), surfaces_.size()}, first_group_.send(), groups_.data());
 }
 
 template <class T>
@@ -75,10 +79,10 @@ void DeviceLinks<T>::apply(Block<T>& block, const LinkSlots& slots, const Beyond
   LinkPass<T> pass = pass_over(block, slots);
   pass.pairs_across = pairs_across, pass.galilean = form == ForceForm::galilean;
   list_groups();
-  const LinkPasses<T>& passes = SILT_ON(device_, link_passes<T>)();
-  passes.set_opposites({opposites_.there(), opposites_.size()}, pass);
-  passes.apply(groups_, pass);
-  if (has_crossings_) passes.apply_crossing(groups_, pass);  // others read what crossing links write
+  passes().set_opposites({opposites_.there(), opposites_.size()}, pass);
+  passes().apply(groups_, pass);
+  // after all others, for these read what crossing links write
+  if (has_crossings_) passes().apply_crossing(groups_, pass);
   sums_.fetch();
   wait(device_);
 }
@@ -92,7 +96,7 @@ std::int64_t DeviceLinks<T>::correct(Block<T>& block, const LinkSlots& slots) {
     return sum;
   };
   const std::int64_t before = mass();
-  SILT_ON(device_, link_passes<T>)().correct(groups_, pass);
+  passes().correct(groups_, pass);
   sums_.fetch();
   wait(device_);
   return mass() - before;

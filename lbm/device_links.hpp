@@ -9,8 +9,8 @@
 
 namespace silt::lbm {
 
-/// What passes know of the links of a surface until these are made again: the frame, groups and arrays of
-/// CutLinks. An array that is empty is a null pointer.
+/// A surface as passes find it until its links are made again: the frame, groups and arrays of CutLinks. An
+/// array that is empty is a null pointer.
 template <class T>
 struct DeviceSurface {
   SurfaceFrame frame;
@@ -85,6 +85,8 @@ SILT_DEVICE inline double velocity_along(const SurfaceFrame& frame, const Surfac
 
 template <class T>
 struct LinkPass;
+template <class T>
+struct LinkPasses;
 
 template <class T>
 class DeviceLinks {
@@ -111,6 +113,7 @@ class DeviceLinks {
   std::int64_t correct(Block<T>&, const LinkSlots&);
 
  private:
+  const LinkPasses<T>& passes() const;
   LinkPass<T> pass_over(Block<T>&, const LinkSlots&);
   void list_groups();
 

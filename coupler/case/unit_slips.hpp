@@ -14,14 +14,15 @@ inline bool is_of_a_solid(double density) {
   return density >= lightest_solid && density <= heaviest_solid;
 }
 
-/// Of a fluid too thick, or of gravity a thousand times that of the Earth.
+/// Each returns "" or the cure of a slip: that a fluid is too thick; that gravity is 100 or 1000 times that
+/// of the Earth.
 std::string viscosity_slip(const Case&);
 std::string gravity_slip(const Case&);
-/// Of either: where it is not "", it is the cure of whatever follows from them.
+/// Returns both: where it is not "", it is the cure of whatever follows from them.
 std::string motion_slip(const Case&);
-/// Of cells so large that the fluid's viscosity is nothing in them.
+/// Returns the cure where cells are so large that the fluid's viscosity is nothing in them.
 std::string length_slip(const Case&);
-/// Of the density of a body (kg/m3) that the key gives, or of the fluid about it.
+/// Returns the cure of the density of a body (kg/m3) that the key gives, or of the fluid about it.
 std::string density_slip(const Case&, const std::string& key, double density);
 
 }  // namespace silt::coupler

@@ -7,7 +7,7 @@
 namespace silt::coupler {
 
 /// One row of integers for each row of the BodySet: force (3) and torque (3) in lbm::link_quantum; under
-/// implicit coupling the resistance of its links (23) in the quanta of lbm::ResistanceSums; in the form
+/// implicit coupling the resistance of its links (21) in the quanta of lbm::ResistanceSums; in the form
 /// `exact` how many cells it has and the sum of the coordinates of their lower corners (4).
 class RowSums {
  public:

@@ -20,9 +20,9 @@ struct SurfaceLinks {
   // where a device has the links:
   DeviceArray<std::uint64_t> cells_on_device{};  // BodyMask::bits, if it lists them
   DeviceArray<lbm::LinkGroup> groups_on_device{};
-  DeviceArray<lbm::DeviceSurface<T>> on_device{};  // this one
-  std::vector<std::uint32_t> gap_places{};         // of the links of `single_cell_gap`
-  lbm::ResistanceSums resistance{};                // implicit coupling only; renewed with the links
+  DeviceArray<lbm::DeviceSurface<T>> record_on_device{};  // one
+  std::vector<std::uint32_t> gap_places{};                // of the links of `single_cell_gap`
+  lbm::ResistanceSums resistance{};                       // implicit coupling only; renewed with the links
   // of the step under way:
   std::size_t row = 0;  // of the BodySet
   lbm::SurfaceMotion motion{};
@@ -128,7 +128,7 @@ struct BlockLinks {
     gaps.list(*on_device);
     count = 0;
     for (const SurfaceLinks<T>& surface : surfaces) {
-      on_device->add(surface.on_device.data(), surface.links.groups);
+      on_device->add(surface.record_on_device.data(), surface.links.groups);
       for (const lbm::LinkGroup& g : surface.links.groups) count += g.count;
     }
   }

@@ -80,11 +80,12 @@ class LinkWriter {
     surface.gap_places = groups_.gap_places();
     const std::span<const lbm::LinkGroup> groups = surface.links.groups;
     surface.groups_on_device.clear(), surface.groups_on_device.resize(groups.size());
-    surface.on_device.resize(1);
+    surface.record_on_device.resize(1);
     on_device_->tell(groups, surface.groups_on_device.data());
     const lbm::DeviceSurface<T> told = lbm::surface_on_device(surface.links, surface.groups_on_device.data());
-    on_device_->tell(std::span(&told, 1), surface.on_device.data());
+    on_device_->tell(std::span(&told, 1), surface.record_on_device.data());
   }
+
   void write(const rigid::Shape& shape, const lbm::SurfaceFrame& at) {
     const BitFrame& frame = mask_->frame();
     if (frame.pitch > 1 << lbm::place_x_bits || frame.size.y > 1 << lbm::place_y_bits)
@@ -252,7 +253,7 @@ void build_links(const BlockMap& map, const rigid::World& world, const rigid::Bo
     before.push_back({.links = lbm::CutLinks<T>::in(memory),
                       .cells_on_device = DeviceArray<std::uint64_t>(memory),
                       .groups_on_device = DeviceArray<lbm::LinkGroup>(memory),
-                      .on_device = DeviceArray<lbm::DeviceSurface<T>>(memory)});
+                      .record_on_device = DeviceArray<lbm::DeviceSurface<T>>(memory)});
   before.swap(surfaces);
   const int link_reach = lbm::link_reach(rules.coupling.wall_scheme);
   PlacedMeshes placed;
@@ -267,9 +268,10 @@ void build_links(const BlockMap& map, const rigid::World& world, const rigid::Bo
     lbm::CutLinks<T>& links = surfaces[k].links;
     links.fluid = rules.fluid, links.frame = surface_frame(map, mask, link_reach);
     const std::int32_t shape = bodies.shape[mask.row];
-    const bool has_resistance = rules.coupling.time == TimeCoupling::implicit_ && bodies.is_dynamic(mask.row);
+    const bool wants_resistance =
+        rules.coupling.time == TimeCoupling::implicit_ && bodies.is_dynamic(mask.row);
     writer.body(mask, world.shapes[shape], mapped_motion(bodies, mask.row),
-                has_resistance ? world.bounding_radii[shape] : 0, surfaces[k]);
+                wants_resistance ? world.bounding_radii[shape] : 0, surfaces[k]);
   });
   if (rules.device) rules.device->run();
 }

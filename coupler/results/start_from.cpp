@@ -71,8 +71,7 @@ BodyRecord body_from(const BodyRecord& was, BodySpec body, const CentredShape& s
     if (!(was.position[d] >= 0 && was.position[d] <= setup.cells[d]))
       throw std::runtime_error(
           fmt::format("body {} is at [{:.6g}, {:.6g}, {:.6g}] cells, outside of the {} x {} x {} cells of "
-                      "the case; enlarge "
-                      "domain.size",
+                      "the case; enlarge domain.size",
                       was.id, was.position[0], was.position[1], was.position[2], setup.cells[0],
                       setup.cells[1], setup.cells[2]));
   const double* const q = was.orientation;
@@ -90,7 +89,7 @@ BodyRecord body_from(const BodyRecord& was, BodySpec body, const CentredShape& s
   return r;
 }
 
-/// The bodies of the other run as those of the case.
+/// Returns the bodies of the other run as those of the case.
 SavedState state_from(const CheckpointReader& reader, const Case& setup, const Scales& scales) {
   std::vector<std::string> kinds;
   std::istringstream names(reader.text("start.kinds"));
