@@ -13,6 +13,7 @@ import math
 import numpy as np
 
 import stokes_scene as scene
+from drag_laws import between
 from problem import Found, Goal, Run
 from stokes_periodic import PeriodicBox, solve, sphere_points, uniform
 
@@ -23,33 +24,6 @@ FINE = 10
 LEAST_GAP = 1e-3             # between surfaces, radii: so that rounding makes no overlap
 FEW_GAP = 0.3                # the same of the eight, whose reference would need many points in narrow gaps
 SWEEPS = 300                 # of a Monte Carlo run; the spheres forget where they began within a tenth of it
-
-
-def hill_koch_ladd(phi):
-    if phi >= 0.4:
-        return 10 * phi / (1 - phi)**3
-    w = math.exp(-10 * (0.4 - phi) / phi)
-    dilute = (1 + 3 * math.sqrt(phi / 2) + 135 / 64 * phi * math.log(phi) + 17.14 * phi) / (
-        1 + 0.681 * phi - 8.48 * phi**2 + 8.16 * phi**3)
-    return (1 - w) * dilute + w * 10 * phi / (1 - phi)**3
-
-
-def van_der_hoef(phi):
-    return 10 * phi / (1 - phi)**3 + (1 - phi) * (1 + 1.5 * math.sqrt(phi))
-
-
-def tenneti(phi):
-    return (1 + 5.81 * phi) / (1 - phi)**3 + 0.48 * phi**(1 / 3) / (1 - phi)**4
-
-
-LAWS = (hill_koch_ladd, van_der_hoef, tenneti)
-
-
-def between(phi):
-    """Returns the least and largest K of the laws."""
-    found = [law(phi) for law in LAWS]
-    return min(found), max(found)
-
 
 SETUPS = ["few.phi0.2"]
 GOALS = [Goal(f"accuracy.random_array.{setup}.d{FINE}.error", 3.0) for setup in SETUPS] + [
