@@ -1,7 +1,7 @@
 """A bed of equal spheres dropped one after another, in diameters: periodic across, z upwards from the centres of the lowest.
 
-The lowest spheres lie at random on a floor until no more finds room. Then each comes to rest on three others, at the lowest place where
-the three bear its weight. So every sphere touches others as in a dry bed: nearly, because surfaces are GAP apart.
+The lowest spheres lie at random on a floor until no more finds room. Each of the others lies on three, at the lowest place of all that
+there are, which for that reason bear its weight. So spheres touch as in a dry bed: nearly, because surfaces are GAP apart.
 """
 import itertools
 
@@ -33,7 +33,7 @@ def has_room(place, bed, width):
 
 
 def added(bed, places, new, width):
-    """Returns the bed with a sphere more, and the places where others can rest."""
+    """Returns the bed with a sphere more, and the places on three spheres where another has room."""
     near = across(bed - new, width)
     near = near[np.linalg.norm(near, axis=1) < 2 * CONTACT]
     bed = np.vstack([bed, new])
@@ -43,16 +43,14 @@ def added(bed, places, new, width):
 
 
 def resting(a, b):
-    """Returns the centre of a sphere that rests on spheres at 0, a and b, or None."""
+    """Returns the centre of a sphere that lies on spheres at 0, a and b, or None."""
     normal = np.cross(a, b)
     if abs(normal[2]) < 1e-9:
         return None
     middle = np.linalg.solve([a, b, normal], [a @ a / 2, b @ b / 2, 0])
     if (square := CONTACT**2 - middle @ middle) < 0:
         return None
-    centre = middle + np.sqrt(square) * np.sign(normal[2]) * normal / np.linalg.norm(normal)
-    bearing = np.linalg.solve(np.transpose([centre, centre - a, centre - b]), [0, 0, 1])
-    return centre if (bearing > 0).all() else None
+    return middle + np.sqrt(square) * np.sign(normal[2]) * normal / np.linalg.norm(normal)
 
 
 def solid_fraction(bed, width, low, high):

@@ -21,7 +21,7 @@ from harness.judge import as_found  # noqa: E402
 
 MODULES = {name: problems.load(FOLDER, name) for name in problems.names(FOLDER)}
 # whose figures make something of any numbers
-OF_WHATEVER = ("arrays", "cavity", "frontier", "moving_array", "taylor_green")
+OF_WHATEVER = ("arrays", "bed", "cavity", "frontier", "inertial_arrays", "moving_array", "taylor_green")
 
 
 class Whatever(dict):
@@ -115,6 +115,58 @@ class References(unittest.TestCase):
             loss = (table[t - 0.25][0] - table[t + 0.25][0]) / 0.5
             self.assertAlmostEqual(loss / table[t][1], 1, places=2)
         self.assertAlmostEqual(taylor_green.at(table, 5.0)[0], table[5.0][0])
+
+    def test_arrays_have_their_solid_fraction_and_do_not_overlap(self):
+        import inertial_arrays
+        import numpy as np
+        for lattice in inertial_arrays.MEMBERS:
+            for phi in inertial_arrays.FRACTIONS:
+                edge, diameter, centres = inertial_arrays.spheres_of(lattice, phi, 12, 1)
+                self.assertAlmostEqual(len(centres) * math.pi / 6 * diameter**3 / edge**3, phi)
+                self.assertLess(abs(diameter - 12), 0.6)
+                away = centres[:, None] - centres[None]
+                distance = np.linalg.norm(away - edge * np.round(away / edge), axis=-1) + 99 * np.eye(len(centres))
+                self.assertGreater(min(distance.min(), edge), diameter)
+                if lattice == "fcc":
+                    self.assertAlmostEqual(distance.min(), edge / math.sqrt(2))
+
+    def test_a_run_that_failed_is_not_the_best(self):
+        """The worst of several errors is none where a run is missing."""
+        import inertial_arrays
+        measured = {run.key: Whatever() for run in inertial_arrays.runs("full")}
+        worst = "accuracy.inertial_arrays.fcc.d12.worst_error"
+        self.assertIn(worst, inertial_arrays.figures(measured))
+        del measured["fcc.phi0.3.re50.d12.1"]
+        self.assertNotIn(worst, inertial_arrays.figures(measured))
+
+    def test_spheres_of_a_packing_rest_on_three(self):
+        import numpy as np
+        import packing
+        bed = packing.packing(60, 4, 0)
+        away = packing.across(bed[:, None] - bed[None], 4)
+        distance = np.linalg.norm(away, axis=-1) + 9 * np.eye(len(bed))
+        self.assertGreater(distance.min(), 1 + packing.GAP / 2)
+        touching = distance < 1 + 2 * packing.GAP
+        for sphere in np.flatnonzero(bed[:, 2]):
+            supports = away[sphere][touching[sphere] & (away[sphere][:, 2] > 0)]  # from them to it
+            self.assertGreaterEqual(len(supports), 3)
+            angles = np.sort(np.arctan2(supports[:, 1], supports[:, 0]))
+            self.assertLess(np.diff(angles, append=angles[0] + 2 * math.pi).max(), math.pi)  # on all sides of its weight
+        self.assertAlmostEqual(packing.solid_fraction(bed, 4, -1, 9) * 10 * 16, 60 * math.pi / 6, places=3)
+        top = bed[:, 2].max()
+        self.assertTrue(0.55 < packing.solid_fraction(bed, 4, 0.5, top - 0.5) < 0.64)  # loose to close random packing
+
+    def test_ergun(self):
+        """His law for the bed, against the law written with the superficial velocity, the porosity and lengths in SI units."""
+        import bed
+        import packing
+        viscosity, density, D = 1e-3, 998.0, 4e-3
+        solid = packing.solid_fraction(bed.centres(), 4, 3, bed.centres()[:, 2].max() - 0.5)
+        height = 60 * math.pi / 6 * D**3 / (16 * D**2) / solid
+        for Re in bed.PASSING:
+            U = Re * viscosity / (density * D)
+            gradient = 150 * viscosity * solid**2 * U / ((1 - solid)**3 * D**2) + 1.75 * density * solid * U**2 / ((1 - solid)**3 * D)
+            self.assertAlmostEqual(bed.ergun(Re) * density * U**2 / (gradient * height), 1)
 
 
 if __name__ == "__main__":
