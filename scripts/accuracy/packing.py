@@ -55,6 +55,6 @@ def resting(a, b):
 
 def solid_fraction(bed, width, low, high):
     """Returns the solid share of the space between two heights."""
-    heights = np.linspace(low, high, 2001)
+    heights = low + (np.arange(2000) + 0.5) / 2000 * (high - low)
     sections = np.pi * np.maximum(0, 0.25 - (heights[:, None] - bed[:, 2])**2).sum(1) / width**2
-    return float(np.trapz(sections, heights) / (high - low))
+    return float(sections.mean())
