@@ -1,9 +1,10 @@
 """Flow through a bed of sixty fixed spheres that touch as in a dry packing, from an inlet to an outlet, at Re = 8 and 50.
 
 The bed of packing.py, periodic across, 4 diameters wide and some 4 high, 2 from the inlet and 3 from the outlet; Re = U D / nu
-with the velocity U of the inflow. At Re = 50 trt does not last with 12 cells: these runs are under regularised. flow: the largest difference of the flow through a plane in or behind the bed from the inflow,
-in percent: 0 where walls conserve mass. error: of the pressure drop, the drag over the area, against that at the largest D.
-The drop at the largest D is held to be within a quarter of Ergun's law (Chem. Eng. Prog. 48 (1952) 89), whose own spread that is:
+with the velocity U of the inflow. At Re = 50 trt does not last with 12 cells: these runs are under regularised.
+flow: the largest difference of the flow through a plane in or behind the bed from the inflow, in percent: 0 where walls conserve mass.
+error: of the pressure drop, the drag over the area, against that with D = 24. over_ergun: the drop with D = 24 against Ergun's law
+(Chem. Eng. Prog. 48 (1952) 89), held to be within a quarter, for beds scatter about the law as much:
 150 (1-e)^2 mu U / (e^3 D^2) + 1.75 (1-e) rho U^2 / (e^3 D), e the porosity in the middle of the bed, over as much height as the
 spheres would fill at that porosity.
 """
