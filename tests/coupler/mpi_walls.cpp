@@ -8,6 +8,8 @@
 #include <numbers>
 #include <random>
 
+#include "coupler/exchange/coupling_state.hpp"
+#include "coupler/flow.hpp"
 #include "coupler/results/quantities.hpp"
 #include "coupler/simulation.hpp"
 #include "tests/coupler/case/mesh_case.hpp"
@@ -202,6 +204,34 @@ TEST(MeshWalls, PowerIsTorqueTimesAngularVelocity) {
     EXPECT_LT(values[0], 0) << about << ": the fluid holds it back";
     EXPECT_NEAR(values[1], -speed * values[0], 1e-9 * values[1]) << about;
   }
+}
+
+/// Force and torque of the fluid on the wall in the last step, over the ranks.
+Vec6 load_on_wall(const Simulation& simulation) {
+  const auto own = simulation.scene().flow->account().wall_load(simulation.bodies().walls - 1);
+  Vec6 load;
+  for (int k = 0; k < 6; ++k) load[k] = tests::sum_over_ranks(double(own[k])) * lbm::link_quantum;
+  return load;
+}
+
+/// Whatever cells it covers and leaves: their momentum, 0.06 a cell, would be felt in jolts.
+TEST(MeshWalls, AWallThatMovesWithTheFluidFeelsNothing) {
+  CaseText text = mesh_case("gear.ply",
+                            "scale = 9\nsolid = \"inside\"\nposition = [15.7, 16.2, 16.4]\n"
+                            "motion = { velocity = [0.05, 0.03, -0.02] }");
+  text.domain = domain_of({32, 32, 32});
+  text.fluid =
+      "[fluid]\nrelaxation_time = 0.7\nprecision = \"double\"\n"
+      "initial = { type = \"uniform\", velocity = [0.05, 0.03, -0.02] }\n";
+  text.rest += "[coupling]\nforce = \"exact\"\nmass_correction = false\n";
+  Simulation simulation(read_with(text, gear()), MPI_COMM_WORLD);
+  double largest = 0;
+  for (int step = 0; step < 100; ++step) {
+    simulation.step();
+    largest = std::max(largest, load_on_wall(simulation).cwiseAbs().maxCoeff());
+  }
+  EXPECT_GT(tests::sum_over_ranks(double(simulation.counters().uncovered)), 100);
+  EXPECT_LT(largest, 1e-9);
 }
 
 /// Values of the quantities of a wall after some steps, and what of the fluid there is.
