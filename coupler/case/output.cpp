@@ -67,7 +67,7 @@ constexpr std::tuple columns_keys{
         required},
     HandKey{"columns", "list of strings", "", required, "names of [[quantities]]"},
     Key{"mean_of", &ColumnsSpec::mean_of, Whole{.low = 1, .unit = "steps"},
-        "a row is the mean over so many steps, the last of which is its own; at most `every`"}};
+        "a row is the mean over so many steps, its own the last: no more than from row to row"}};
 constexpr std::tuple probe_keys{
     HandKey{"name", "string", "", required, "of its file, probes_NAME.csv"},
     HandKey{"points", "[[x, y, z], …]", "m", "one of two", "where to look"},
