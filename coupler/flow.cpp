@@ -8,6 +8,7 @@
 #include "coupler/flow_control.hpp"
 #include "coupler/forces/entrained_fluid.hpp"
 #include "coupler/forces/fluid_forces.hpp"
+#include "coupler/forces/turning_walls.hpp"
 #include "coupler/mapping/body_changes.hpp"
 #include "coupler/mapping/build_links.hpp"
 #include "coupler/mapping/map_bodies.hpp"
@@ -18,6 +19,7 @@
 #include "lbm/cut_links.hpp"
 #include "lbm/levels.hpp"
 #include "lbm/pairs_across.hpp"
+#include "parallel/communicator.hpp"
 
 namespace silt::coupler {
 
@@ -96,6 +98,9 @@ class FlowOf final : public Flow {
     map_(bodies);
     counts_.covered = counts_.uncovered = 0;
     if (map_.changed()) remap(bodies, changes);
+    if (is_exact() && parallel::rank_of(fluid_.comm()) == 0)
+      for (const TurningWalls::Impulse& mean : turning_walls_.impulses(bodies))
+        forces_.add_covered(mean.wall, mean.momentum, mean.arm);
     account_.set_mapping(counts_);
     if (pushes_bodies_) push_bodies(bodies);  // before any body is solved for
     give_pending_impacts(bodies);
@@ -232,7 +237,10 @@ class FlowOf final : public Flow {
     const std::size_t row = bodies.row_of(c.body->id);
     if (!is_exact() || row >= bodies.size()) return;
     const Int3 cell = map_.blocks()[c.block].box.lower + c.cell;
-    forces_.add_covered(c.body->id, momentum, nearest_arm(fluid_.domain(), bodies.position[row], cell));
+    const Vec3 arm = nearest_arm(fluid_.domain(), bodies.position[row], cell);
+    const bool is_wall = row >= bodies.first_wall();  // it has no impulse debt
+    const Vec3 own = is_wall ? Vec3(sign * bodies.velocity_at(row, arm)) : Vec3(Vec3::Zero());
+    forces_.add_covered(c.body->id, momentum - own, arm);
   }
 
   /// The body force stands for a pressure gradient, which pushes a body with the force on the fluid it
@@ -306,6 +314,7 @@ class FlowOf final : public Flow {
   } drive_;
   mutable std::optional<FlowControl> control_;
   FluidForces<T> forces_;
+  TurningWalls turning_walls_{world_};
   LinkSchedule schedule_ = LinkSchedule::interleaved;
   MappingCounts counts_;
   bool resumed_ = false;

@@ -65,7 +65,9 @@ constexpr std::tuple columns_keys{
     HandKey{"name", "string", "", required, "of its file, series_NAME.csv"},
     Key{"every", &SeriesSpec::every, Whole{.low = 1, .unit = "steps"}, "the number of steps between two rows",
         required},
-    HandKey{"columns", "list of strings", "", required, "names of [[quantities]]"}};
+    HandKey{"columns", "list of strings", "", required, "names of [[quantities]]"},
+    Key{"mean_of", &ColumnsSpec::mean_of, Whole{.low = 1, .unit = "steps"},
+        "a row is the mean over so many steps, its own the last: no more than from row to row"}};
 constexpr std::tuple probe_keys{
     HandKey{"name", "string", "", required, "of its file, probes_NAME.csv"},
     HandKey{"points", "[[x, y, z], …]", "m", "one of two", "where to look"},
@@ -250,7 +252,13 @@ void check_steady(const Case& setup, Findings& findings) {
 /// A series has what every step has a value of, without a wait for other ranks.
 void check_series(const Case& setup, Findings& findings) {
   for (std::size_t i = 0; i < setup.output.series.size(); ++i) {
-    const std::vector<std::string>& columns = setup.output.series[i].columns;
+    const ColumnsSpec& series = setup.output.series[i];
+    const std::vector<std::string>& columns = series.columns;
+    if (series.mean_of > series.every)
+      findings.error(fmt::format("output.series[{}].mean_of", i),
+                     "output.series[{}].mean_of is {}, and there are {} steps between two rows; it can be as "
+                     "many at most",
+                     i, series.mean_of, series.every);
     const std::string key = fmt::format("output.series[{}].columns", i);
     for (std::size_t k = 0; k < columns.size(); ++k) {
       if (std::count(columns.begin(), columns.begin() + std::ptrdiff_t(k), columns[k]) > 0)

@@ -38,6 +38,10 @@ struct FieldsSpec : SeriesSpec {
 struct ColumnsSpec : SeriesSpec {
   std::string name;                  // of the file
   std::vector<std::string> columns;  // names of quantities
+  std::int64_t mean_of = 1;          // steps up to a row that it is the mean of, at most `every`
+
+  /// Returns whether a row is a mean over this step, among others perhaps.
+  bool takes(std::int64_t step) const { return (step + mean_of - 1) % every < mean_of; }
 };
 
 /// Fields of the fluid at points, rows of a CSV file every so many steps.

@@ -113,6 +113,18 @@ std::string history_name(const QuantitySpec& q, std::size_t k) {
   return fmt::format("quantity.{}#{}", q.name, k);
 }
 
+/// Visits the means of series that a step leaves unfinished, by names that say which rows they are of.
+template <class Means, class Visit>
+void visit_means(const Case& setup, Means& means, Visit&& visit) {
+  for (std::size_t s = 0; s < means.size(); ++s) {
+    const ColumnsSpec& series = setup.output.series[s];
+    if (series.mean_of == 1) continue;
+    for (std::size_t k = 0; k < means[s].size(); ++k)
+      visit(fmt::format("{}.{}.{}#{}", series.name, series.every, series.mean_of, series.columns[k]),
+            means[s][k]);
+  }
+}
+
 /// Returns whether the checkpoint has the watch that the case asks for, not one with another rule.
 bool has_watch_of(const CheckpointReader& reader, const SteadySpec& spec) {
   return reader.has("steady.quantity") && reader.text("steady.quantity") == spec.quantity &&
@@ -170,6 +182,9 @@ void write_state(CheckpointWriter& writer, const Simulation& simulation, const Q
   for (std::size_t i = 0; i < history.size(); ++i)
     for (std::size_t k = 0; k < history[i].size(); ++k)
       writer.set(history_name(setup.quantities[i], k), history[i][k]);
+  visit_means(setup, quantities.means(), [&](const std::string& name, const StepMean& mean) {
+    writer.set(name + ".sum", mean.sum), writer.set(name + ".count", mean.count);
+  });
   if (steady) {
     writer.set("steady.quantity", setup.steady->quantity);
     writer.set("steady.change", setup.steady->change);
@@ -263,6 +278,17 @@ std::vector<QuantityHistory> read_history(const CheckpointReader& reader, const 
     }
   }
   return history;
+}
+
+SeriesMeans read_means(const CheckpointReader& reader, const Case& setup) {
+  SeriesMeans means;
+  for (const ColumnsSpec& series : setup.output.series) means.emplace_back(series.columns.size());
+  visit_means(setup, means, [&](const std::string& name, StepMean& mean) {
+    if (!reader.has(name + ".count")) return;
+    Read{reader}(name + ".sum", mean.sum);
+    Read{reader}(name + ".count", mean.count, 0);
+  });
+  return means;
 }
 
 }  // namespace silt::coupler

@@ -37,6 +37,10 @@ std::unique_ptr<Simulation> resumed_simulation(const adapters::CheckpointReader&
 /// Returns what Quantities had gathered, for its set_history.
 std::vector<QuantityHistory> read_history(const adapters::CheckpointReader&, const Case&);
 
+/// Returns what rows of [[output.series]] had gathered, for Quantities::set_means; nothing of a series of
+/// other rows than the run had.
+SeriesMeans read_means(const adapters::CheckpointReader&, const Case&);
+
 /// Returns the watch of a case, as it was; fresh if the run watched something else; none without run.steady.
 std::optional<SteadyWatch> read_steady_watch(const adapters::CheckpointReader&, const Case&);
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "coupler/case/case.hpp"
 #include "parallel/collectives.hpp"
@@ -31,6 +32,12 @@ double value_in_last_step(const Simulation& simulation, const QuantitySpec& q) {
   parallel::max_over_ranks(comm, largest);
   for (std::size_t k = 0; k < sums.size(); ++k) values[k] = sums[k].value();
   return in_step.of(simulation.setup(), q, simulation.steps_done(), values);
+}
+
+void StepMean::add(double value) {
+  if (std::isnan(value)) return;
+  sum = count > 0 ? sum + value : value;
+  ++count;
 }
 
 namespace {
@@ -67,12 +74,13 @@ Quantities::Quantities(const Case& setup)
       const auto named = [&](const QuantitySpec& q) { return q.name == name; };
       columns.push_back(std::find_if(specs_.begin(), specs_.end(), named) - specs_.begin());
     }
+    means_.emplace_back(columns.size());
   }
 }
 
 bool Quantities::is_in_row(std::size_t quantity, std::int64_t step) const {
   for (std::size_t s = 0; s < series_.size(); ++s)
-    if (step % series_[s].every == 0 &&
+    if (series_[s].takes(step) &&
         std::find(columns_[s].begin(), columns_[s].end(), quantity) != columns_[s].end())
       return true;
   return false;
@@ -149,10 +157,12 @@ void Quantities::fold(const Case& setup, const Look& look, std::vector<double>& 
 
 void Quantities::add_rows(std::int64_t step, const std::vector<double>& in_step) const {
   for (std::size_t s = 0; s < series_.size(); ++s) {
+    if (!series_[s].takes(step)) continue;
+    for (std::size_t k = 0; k < means_[s].size(); ++k) means_[s][k].add(in_step[columns_[s][k]]);
     if (step % series_[s].every != 0) continue;
     rows_[s].last_step = step;
     rows_[s].text += fmt::format("{},{}", step, double(step) * units_.time_step);
-    for (const std::size_t column : columns_[s]) rows_[s].text += ',' + csv_number(in_step[column]);
+    for (StepMean& mean : means_[s]) rows_[s].text += ',' + csv_number(std::exchange(mean, {}).value());
     rows_[s].text += '\n';
   }
 }
@@ -213,6 +223,10 @@ std::vector<QuantityHistory> Quantities::history(const Simulation& simulation) c
 
 void Quantities::set_history(const std::vector<QuantityHistory>& history) {
   if (history.size() == history_.size()) history_ = history;
+}
+
+void Quantities::set_means(const SeriesMeans& means) {
+  if (means.size() == means_.size()) means_ = means;
 }
 
 }  // namespace silt::coupler

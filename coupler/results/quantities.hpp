@@ -13,6 +13,16 @@
 
 namespace silt::coupler {
 
+/// What a column of a series has gathered for its next row: the sum over the steps that have a value, and
+/// their number.
+struct StepMean {
+  double sum = 0, count = 0;
+
+  void add(double value);  // NaN for a step without one
+  double value() const { return count > 0 ? sum / count : no_value; }
+};
+using SeriesMeans = std::vector<std::vector<StepMean>>;  // of each series, by column
+
 class Quantities {
  public:
   /// The sums over the ranks are started when this many steps wait for them.
@@ -40,6 +50,9 @@ class Quantities {
   /// Collective. Returns what observe has gathered, for checkpoints.
   std::vector<QuantityHistory> history(const Simulation&) const;
   void set_history(const std::vector<QuantityHistory>&);
+  /// Returns what rows to come have gathered up to the last settle() or history(), for checkpoints.
+  const SeriesMeans& means() const { return means_; }
+  void set_means(const SeriesMeans&);
 
  private:
   /// A Look is what a quantity adds up of a step: where its terms begin, of which several may have the same.
@@ -71,6 +84,7 @@ class Quantities {
   mutable std::vector<double> largest_;        // the same
   mutable parallel::SumsUnderWay<std::vector<rigid::ExactSum>> sums_under_way_;
   mutable parallel::LargestUnderWay<std::vector<double>> largest_under_way_;
+  mutable SeriesMeans means_;
   mutable std::vector<TableRows> rows_;  // of each series
 };
 

@@ -257,6 +257,7 @@ PreparedRun prepare_resume(const RunOptions& options, MPI_Comm comm, const fs::p
   });
   parallel::together(comm, [&] {
     prepared.quantities->set_history(read_history(reader, *setup));
+    prepared.quantities->set_means(read_means(reader, *setup));
     prepared.steady = read_steady_watch(reader, *setup);
   });
   prepared.simulation = resumed_simulation(reader, std::move(*setup), comm);

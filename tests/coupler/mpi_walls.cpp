@@ -8,8 +8,10 @@
 #include <numbers>
 #include <random>
 
+#include "coupler/flow.hpp"
 #include "coupler/results/quantities.hpp"
 #include "coupler/simulation.hpp"
+#include "parallel/collectives.hpp"
 #include "tests/coupler/case/mesh_case.hpp"
 #include "tests/coupler/case/pipe_case.hpp"
 #include "tests/coupler/same_bits.hpp"
@@ -202,6 +204,51 @@ TEST(MeshWalls, PowerIsTorqueTimesAngularVelocity) {
     EXPECT_LT(values[0], 0) << about << ": the fluid holds it back";
     EXPECT_NEAR(values[1], -speed * values[0], 1e-9 * values[1]) << about;
   }
+}
+
+using WallLoad = std::array<std::int64_t, 6>;  // force and torque, in lbm::link_quantum
+
+/// What the fluid did to the last wall in the last step, over the ranks.
+WallLoad load_on_wall(const Simulation& simulation) {
+  WallLoad load = simulation.scene().flow->account().wall_load(simulation.bodies().walls - 1);
+  parallel::sum_over_ranks(simulation.scene().comm, std::span(load));
+  return load;
+}
+
+/// A wall that turns beside its centre, and cells that it covers and leaves at the borders of blocks.
+TEST(MeshWalls, TheSameLoadOnAnyRanks) {
+  const CaseText text =
+      rotor_case("{ angular_velocity = 0.004, axis = [0.2, 0.1, 1], point = [17, 15, 16.4] }");
+  for (const std::string force : {"galilean", "exact"}) {
+    const auto load = [&](MPI_Comm comm, Overrides cut) {
+      cut.push_back("coupling.force=" + force);
+      Simulation simulation(read_with(text, gear(), cut), comm);
+      simulation.run(60);
+      return load_on_wall(simulation);
+    };
+    EXPECT_EQ(load(MPI_COMM_WORLD, {"domain.blocks=[16, 8, 8]"}), load(MPI_COMM_SELF, {}));
+  }
+}
+
+/// Whatever cells it covers and leaves: their momentum, 0.06 a cell, would be felt in jolts.
+TEST(MeshWalls, AWallThatMovesWithTheFluidFeelsNothing) {
+  CaseText text = mesh_case("gear.ply",
+                            "scale = 9\nsolid = \"inside\"\nposition = [15.7, 16.2, 16.4]\n"
+                            "motion = { velocity = [0.05, 0.03, -0.02] }");
+  text.domain = domain_of({32, 32, 32});
+  text.fluid =
+      "[fluid]\nrelaxation_time = 0.7\nprecision = \"double\"\n"
+      "initial = { type = \"uniform\", velocity = [0.05, 0.03, -0.02] }\n";
+  text.rest += "[coupling]\nforce = \"exact\"\nmass_correction = false\n";
+  Simulation simulation(read_with(text, gear()), MPI_COMM_WORLD);
+  double largest = 0;
+  for (int step = 0; step < 100; ++step) {
+    simulation.step();
+    for (const std::int64_t quanta : load_on_wall(simulation))
+      largest = std::max(largest, std::abs(double(quanta)) * lbm::link_quantum);
+  }
+  EXPECT_GT(tests::sum_over_ranks(double(simulation.counters().uncovered)), 100);
+  EXPECT_LT(largest, 1e-9);
 }
 
 /// Values of the quantities of a wall after some steps, and what of the fluid there is.

@@ -167,6 +167,30 @@ class Series(SiltTest):
         self.silt("resume", self.case)
         self.assertEqual(self.files(), whole)
 
+    def test_means_over_steps(self):
+        """Rows of means against the rows of each step; the same on any ranks, and where a run goes on amid a mean."""
+        columns = {**of("fluid-force", body="rod"), **of("mean-velocity", "z", body="ball"), **of("contact-torque", "x", body="rod")}
+        means = "".join(f'[[output.series]]\nname = "{name}"\nevery = {every}\nmean_of = {count}\ncolumns = {list(columns)}\n'.replace("'", '"')
+                        for name, every, count in (("some", 20, 9), ("all", 15, 15)))
+        self.write(CROWD + series("each", 1, columns) + means)
+        self.silt("run", self.case)
+        each = silt_results.open(self.case).table("each")
+        for name, every, count in (("some", 20, 9), ("all", 15, 15)):
+            table = silt_results.open(self.case).table(name)
+            self.assertEqual(list(table["step"]), list(range(0, 61, every)))
+            for column in columns:
+                self.near(table[column][1:], [each[column][step - count + 1:step + 1].mean() for step in table["step"][1:].astype(int)], 1e-12)
+                np.testing.assert_array_equal(table[column][0], each[column][0])
+        whole = [(self.out / f"series_{name}.csv").read_bytes() for name in ("some", "all")]
+        self.silt("run", self.case, "--overwrite", ranks=4)
+        self.assertEqual([(self.out / f"series_{name}.csv").read_bytes() for name in ("some", "all")], whole)
+        self.forget(50, 60)  # step 25 lies within a mean of 15
+        self.silt("resume", self.case, ranks=2)
+        self.assertEqual([(self.out / f"series_{name}.csv").read_bytes() for name in ("some", "all")], whole)
+        self.silt("run", self.case, "--overwrite", "--set", "run.steps=35")  # and 35 within one of 9
+        self.silt("resume", self.case, "--set", "run.steps=60")
+        self.assertEqual((self.out / "series_some.csv").read_bytes(), whole[0])
+
     def test_a_checkpoint_stands_for_the_rows_before_it(self):
         self.write(self.crowd().replace("steps = 60", "steps = 100000000").replace("bodies = { every = 1 }\n", ""))
         run = subprocess.Popen(self.command(["run", self.case], 1), stdout=subprocess.DEVNULL, env=ENVIRONMENT)
