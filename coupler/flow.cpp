@@ -92,13 +92,11 @@ class FlowOf final : public Flow {
 
   void map_bodies(rigid::BodySet& bodies, const BodyChanges& changes) override {
     cells_changed();
-    if (!holds_bodies_) {
-      renew_mapping_poses(bodies, world_, coupling_, fluid_.passes());
-      map_(bodies);
-      counts_.covered = counts_.uncovered = 0;
-      if (map_.changed()) remap(bodies, changes);
-      account_.set_mapping(counts_);
-    }
+    if (!holds_bodies_) renew_mapping_poses(bodies, world_, coupling_, fluid_.passes());
+    map_(bodies);
+    counts_.covered = counts_.uncovered = 0;
+    if (map_.changed()) remap(bodies, changes);
+    account_.set_mapping(counts_);
     if (pushes_bodies_) push_bodies(bodies);  // before any body is solved for
     give_pending_impacts(bodies);
     forces_.begin(fluid_, map_.blocks(), links_, bodies, changes);

@@ -78,13 +78,16 @@ class HeldScene final : rigid::StepObserver {
     stop_bodies();
   }
 
-  /// Gives the bodies back all that they had, and the copies of them.
+  /// Gives the bodies back all that they had. Copies get velocities from their owners; what else of them
+  /// changes is zero at the start.
   void give_back() {
     rigid::BodySet& bodies = scene_.bodies;
     for (std::size_t row = 0; row < start_.owned; ++row) {
       bodies.assign(row, start_.record(row));
       bodies.stored_impulses[row] = start_.stored_impulses[row];
     }
+    for (std::size_t row = start_.owned; row < bodies.first_wall(); ++row)
+      foreseen_change(bodies, row).setZero();
     for (std::size_t wall = 0; wall < start_.walls; ++wall)
       bodies.assign(bodies.first_wall() + wall, start_.record(start_.first_wall() + wall));
     forget_forces();
