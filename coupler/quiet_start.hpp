@@ -2,21 +2,15 @@
 // A start from rest without sound (method-coupling.md, equation 55). The loads on bodies and fluid act at
 // once, while the pressure by which the fluid of this method answers them comes with the speed of sound, and
 // swings. Here the pressure is there before the first step.
-#include <cstdint>
 
 namespace silt::coupler {
 
-struct Case;
 class Scene;
 
-/// Returns the number of steps in which the pressure is found: those of two crossings of the longest side by
-/// sound, one along a periodic axis. 0 where the case asks for none, where fluid or inlets do not begin at
-/// rest, and where nothing sets off sound: no free body, body force or spring.
-std::int64_t quiet_start_steps(const Case&);
-
 /// Collective, once the flow has started and is driven, before the first step. Lets the loads act for
-/// quiet_start_steps(), in which bodies keep their places; fluid and bodies are brought to rest again and
-/// again. Then the fluid is at rest with the pressure that has come; of all else the state is as before.
+/// quiet_start_steps() of the case, in which bodies keep their places; fluid and bodies are brought to rest
+/// again and again. Then the fluid is at rest with the pressure that has come; of all else the state is as
+/// before.
 void start_quietly(Scene&);
 
 }  // namespace silt::coupler

@@ -8,6 +8,7 @@
 
 #include "coupler/case/case.hpp"
 #include "coupler/case/case_check.hpp"
+#include "coupler/case/quiet_start_steps.hpp"
 #include "coupler/forces/covered_momentum.hpp"
 #include "coupler/forces/fluid_forces.hpp"
 #include "coupler/mapping/map_bodies.hpp"
