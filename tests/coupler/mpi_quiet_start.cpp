@@ -118,13 +118,15 @@ TEST(QuietStart, BodiesThatRestStayAtRest) {
 
 TEST(QuietStart, ChangesTheFluidsPressureAlone) {
   CaseText c = crowd();
+  c.bodies += body_of("sphere", 2, "position = [4, 5, 14]\nvelocity = [0.01, 0, 0.02]");
   Simulation s = c.start(MPI_COMM_WORLD);
   const auto bodies = [&] { return state_hash(MPI_COMM_WORLD, nullptr, s.bodies()); };
-  const std::uint64_t before = bodies();
+  const std::uint64_t before = bodies(), cells = s.look_at_flow().fluid_cells;
   s.start_quietly();
   EXPECT_EQ(bodies(), before);
   EXPECT_EQ(s.steps_done(), 0);
   const FlowTotals totals = s.look_at_flow();
+  EXPECT_EQ(totals.fluid_cells, cells);
   EXPECT_LT(std::abs(totals.momentum[2]), 1e-6);
   EXPECT_GT(totals.max_density - totals.min_density, 1e-3);
   expect_goes_on(s, 9);
