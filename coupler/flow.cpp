@@ -94,7 +94,7 @@ class FlowOf final : public Flow {
 
   void map_bodies(rigid::BodySet& bodies, const BodyChanges& changes) override {
     cells_changed();
-    renew_mapping_poses(bodies, world_, coupling_, fluid_.passes());
+    if (!holds_bodies_) renew_mapping_poses(bodies, world_, coupling_, fluid_.passes());
     map_(bodies);
     counts_.covered = counts_.uncovered = 0;
     if (map_.changed()) remap(bodies, changes);
@@ -134,6 +134,15 @@ class FlowOf final : public Flow {
     account_.end_step(forces_.finish(fluid_, links_, bodies));
   }
 
+  void hold_bodies(bool hold) override {
+    holds_bodies_ = hold;
+    if (hold) return;
+    account_.mass_correction();  // which ends what is under way
+    account_.set_mass_correction({});
+    account_.recount();
+    levels_.set_passes(0);
+    levels_.set_seconds(std::vector<double>(levels()));
+  }
   void set_schedule(LinkSchedule schedule) override { schedule_ = schedule; }
 
   void resume(const MassCorrectionState& state) override {
@@ -318,6 +327,7 @@ class FlowOf final : public Flow {
   LinkSchedule schedule_ = LinkSchedule::interleaved;
   MappingCounts counts_;
   bool resumed_ = false;
+  bool holds_bodies_ = false;
 };
 
 lbm::SideCondition side_condition(const BoundarySpec& b) {

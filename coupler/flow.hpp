@@ -63,6 +63,10 @@ class Flow {
   /// returns with it.
   virtual void evaluate_forces(rigid::BodySet&) = 0;
 
+  /// Until hold_bodies(false) bodies stay where they are on the lattice, whatever their velocities; then the
+  /// account and the number of passes begin again. Collective, between steps of the coarsest cells.
+  virtual void hold_bodies(bool) = 0;
+
   /// Interleaved until this is called.
   virtual void set_schedule(LinkSchedule) = 0;
 

@@ -8,9 +8,11 @@
 
 #include "coupler/case/case.hpp"
 #include "coupler/case/case_check.hpp"
+#include "coupler/case/quiet_start_steps.hpp"
 #include "coupler/forces/covered_momentum.hpp"
 #include "coupler/forces/fluid_forces.hpp"
 #include "coupler/mapping/map_bodies.hpp"
+#include "coupler/quiet_start.hpp"
 #include "coupler/state_hash.hpp"
 #include "cpu/isa.hpp"
 #include "parallel/collectives.hpp"
@@ -120,8 +122,7 @@ bool Simulation::wants_contact_impulses() const {
 
 void Simulation::contact_impulse(rigid::BodySet& bodies, std::size_t row, const Vec3& impulse,
                                  const Vec3& angular_impulse) {
-  vector_in<6>(bodies, row, column::contact_load).head<3>() += impulse;
-  vector_in<6>(bodies, row, column::contact_load).tail<3>() += angular_impulse;
+  add_contact_load(bodies, row, impulse, angular_impulse);
 }
 
 /// The next step, or the first look after it, reports what the last step found out of range.
@@ -134,6 +135,12 @@ auto Simulation::guarded(Work&& work) {
     const std::string what = fmt::format("the force on {} {}", body_name(setup(), found.on), found.what());
     throw CommonGuardStop(overflow_text(setup(), what, step_));
   }
+}
+
+void Simulation::start_quietly() {
+  if (step_ > 0 || quiet_start_steps(setup()) == 0) return;
+  guarded([&] { coupler::start_quietly(scene_); });
+  initial_ = balance();
 }
 
 /// Reports what was found a step ago; what was found in this one is under way.

@@ -56,6 +56,9 @@ class Simulation : private rigid::StepObserver {
              const std::function<void(const Case&, Flow&)>& set_populations);
   Simulation(const Simulation&) = delete;
 
+  /// Before the first step: a start from rest begins with the pressure that its loads ask for, and sets off
+  /// no sound (quiet_start.hpp). Does nothing where quiet_start_steps() of the case is 0. CommonGuardStop.
+  void start_quietly();
   /// Does one step; before it, where the case asks for it and it is time to, looks at how the work is shared,
   /// and moves to a better cut (scene().flow and what it holds are then new ones), and bodies leave and come.
   /// CommonGuardStop comes on every rank, a step after its cause: bodies that gain energy, that move too far

@@ -58,7 +58,7 @@ RigidStepReport RigidStep::substep(BodySet& bodies, double dt, bool last) {
   RigidStepReport report;
   using enum RigidStage;
   RigidClock::Turn stage(clock_, integrate);
-  drift(bodies, bodies.owned + bodies.copies, 0.5 * dt);  // lines 2-6, positions (M1)
+  if (!holds_poses_) drift(bodies, bodies.owned + bodies.copies, 0.5 * dt);  // lines 2-6, positions (M1)
   exchange_.wrap_positions(bodies);
   stage.goes_on(collision_detection);
   report.pairs = detect_contacts_(world_, bodies, exchange_, backend_, dt, contacts_);  // lines 7-12
@@ -85,6 +85,7 @@ void RigidStep::finish(BodySet& bodies, double dt, bool last) {
   if (last) sleep_.look(bodies, contacts_, velocities_, dt);
   if (last && forced_) clear_forces(bodies);
   if (observer_) observer_->before_drift(bodies);
+  if (holds_poses_) return;
   take_position_correction(bodies, dt);
   drift(bodies, bodies.owned, 0.5 * dt);
 }

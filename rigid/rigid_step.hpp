@@ -61,6 +61,8 @@ class RigidStep {
   /// The bodies come from an earlier run: the next step is not their start, in which contacts of chains are
   /// solved more exactly since there is no impulse to begin with.
   void resume() { velocities_.start = false; }
+  /// Bodies keep their poses from now on: contacts and forces change their velocities alone.
+  void hold_poses() { holds_poses_ = true; }
   /// Sets the observer of every sub-step from now on.
   void set_observer(StepObserver& observer) { observer_ = &observer; }
   /// Returns the contacts of the last sub-step that this rank knows: of its bodies, sorted by key.
@@ -90,6 +92,7 @@ class RigidStep {
   Sleep sleep_;
   std::vector<Contact> contacts_;
   StepVelocities velocities_;
+  bool holds_poses_ = false;
   bool forced_ = false;                   // some body is, in this sub-step
   std::vector<std::uint8_t> in_contact_;  // by row
 };

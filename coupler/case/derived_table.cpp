@@ -9,6 +9,7 @@
 #include "coupler/case/case_check.hpp"
 #include "coupler/case/fill_room.hpp"
 #include "coupler/case/fluid_spec.hpp"
+#include "coupler/case/quiet_start_steps.hpp"
 #include "rigid/math/elementary.hpp"
 #include "rigid/shapes/shape.hpp"
 
@@ -139,6 +140,8 @@ void add_fluid(const Case& setup, Table& table) {
   table.line("storage", std::string(precision_names[fluid.precision]));
   const double cells_of_longest_side = *std::ranges::max_element(setup.cells);
   table.quantity("sound crosses it in", cells_of_longest_side * std::sqrt(3.), dimension::time);
+  if (const std::int64_t steps = quiet_start_steps(setup); steps > 0)
+    table.line("quiet start", fmt::format("{} steps before the first find the pressure", steps));
   const double fastest = fastest_given(setup);
   if (fastest > 0) {
     table.quantity("largest given speed", fastest, dimension::velocity);

@@ -62,6 +62,9 @@ constexpr std::tuple fluid_keys{
     Key{"body_force_on_bodies", &FluidSpec::body_force_on_bodies, Flag{},
         "true where the body force stands for a pressure gradient: free bodies feel the force on the fluid "
         "they displace"},
+    Key{"quiet_start", &FluidSpec::quiet_start, Flag{},
+        "a start from rest begins with the pressure that weights, springs and the body force ask for, so "
+        "that it sets off no sound"},
     HandKey{"initial", "table", "", "at rest", "initial state, see below"}};
 
 constexpr std::tuple initial_keys{

@@ -59,6 +59,7 @@ struct FluidSpec {
   rigid::Vec3 superficial_velocity = rigid::Vec3::Zero();
   bool body_force_on_bodies = false;  // it stands for a pressure gradient, which pushes free bodies too
   InitialSpec initial;
+  bool quiet_start = false;  // from rest: with the pressure that the loads ask for
 
   bool has_body_force() const { return !body_force.isZero(0) || !superficial_velocity.isZero(0); }
 };

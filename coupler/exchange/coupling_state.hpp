@@ -128,6 +128,13 @@ inline void note_loads(rigid::BodySet& bodies) {
     vector_in<6>(bodies, row, column::seen_load) << bodies.force[row].value(), bodies.torque[row].value();
 }
 
+/// Notes what contacts have given a body, of which the flow is told in the next step.
+inline void add_contact_load(rigid::BodySet& bodies, std::size_t row, const rigid::Vec3& impulse,
+                             const rigid::Vec3& angular_impulse) {
+  vector_in<3>(bodies, row, column::contact_load) += impulse;
+  vector_in<3>(bodies, row, column::contact_load, 3) += angular_impulse;
+}
+
 /// Begins a step in which no contact has acted yet.
 inline void forget_contact_loads(rigid::BodySet& bodies) {
   for (std::size_t row = 0; row < bodies.owned; ++row)

@@ -222,6 +222,7 @@ PreparedRun prepare_scene(const RunOptions& options, MPI_Comm comm) {
     prepared.simulation = simulation_from(*reader, std::move(*setup), comm);
   } else {
     prepared.simulation = std::make_unique<Simulation>(std::move(*setup), comm);
+    prepared.simulation->start_quietly();
   }
   if (prepared.simulation->setup().output.mean) prepared.mean.emplace(*prepared.simulation);
   return prepared;

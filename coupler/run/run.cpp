@@ -13,6 +13,7 @@
 
 #include "coupler/case/case.hpp"
 #include "coupler/case/case_check.hpp"
+#include "coupler/case/quiet_start_steps.hpp"
 #include "coupler/guard.hpp"
 #include "coupler/results/report.hpp"
 #include "coupler/run/prepare_run.hpp"
@@ -182,6 +183,9 @@ void Run::greet() {
   if (prepared_.resumed)
     progress_.say(fmt::format("goes on from step {} to {}{}", prepared_.first_step, setup().steps,
                               prepared_.earlier_options));
+  if (const std::int64_t steps = quiet_start_steps(setup()); steps > 0 && !prepared_.resumed)
+    progress_.say(fmt::format(
+        "begins with the pressure that the loads ask for, found in {} steps (fluid.quiet_start)", steps));
   progress_.say(fmt::format("results go to {}", folder_.string()));
 }
 
