@@ -37,6 +37,7 @@ class LevelledFlow final : public Flow {
   void stream_collide(StepClock&) override {}
   void communicate() override {}
   void evaluate_forces(rigid::BodySet&) override {}
+  void hold_bodies(bool) override {}
   void set_schedule(LinkSchedule) override {}
   void resume(const MassCorrectionState&) override {}
   void take_over(const Flow&) override {}
