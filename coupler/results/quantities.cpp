@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "coupler/case/case.hpp"
 #include "parallel/collectives.hpp"

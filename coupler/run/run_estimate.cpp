@@ -312,7 +312,8 @@ RunEstimate estimate_run(const Case& setup, std::span<const rigid::BodyRecord> c
   estimate.seconds_of_output = seconds_of_output(setup, double(bodies), cell, share) * crowd / ranks;
   const double of_fluid = share * fluid_memory(setup);
   const double start = seconds_of_a_start + of_fluid * of_a_new_byte * cell * crowd / ranks;
-  estimate.seconds = start + estimate.seconds_a_step * double(quiet_start_steps(setup) + setup.steps) + estimate.seconds_of_output;
+  estimate.seconds = start + estimate.seconds_a_step * double(quiet_start_steps(setup) + setup.steps) +
+                     estimate.seconds_of_output;
   estimate.memory = of_fluid + memory_of_a_rank * ranks + memory_of_a_body * double(bodies) +
                     memory_of_a_link * (wall_links + links_of_bodies(setup, all)) +
                     (setup.output.mean ? memory_of_a_mean * setup.volume() : 0);
