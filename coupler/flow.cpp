@@ -11,6 +11,7 @@
 #include "coupler/forces/turning_walls.hpp"
 #include "coupler/mapping/body_changes.hpp"
 #include "coupler/mapping/build_links.hpp"
+#include "coupler/mapping/changed_mass.hpp"
 #include "coupler/mapping/map_bodies.hpp"
 #include "coupler/mapping/mapping_poses.hpp"
 #include "coupler/mapping/refill.hpp"
@@ -36,13 +37,6 @@ lbm::CollisionSpec collision_of(const FluidSpec& f) {
           f.smagorinsky};
 }
 
-/// Says whether fluid may come and go: then its mass is not to be kept.
-bool is_open(const Case& scene) {
-  return std::ranges::any_of(scene.boundary, [](const BoundarySpec& b) {
-    return b.kind == BoundaryKind::pressure_outlet || b.kind == BoundaryKind::velocity_inlet;
-  });
-}
-
 template <class T>
 std::vector<lbm::CellBox> boxes(const lbm::Fluid<T>& fluid) {
   std::vector<lbm::CellBox> all;
@@ -60,7 +54,7 @@ class FlowOf final : public Flow {
         levels_(fluid_, scene.coarsening ? scene.coarsening->levels : 0),
         map_(fluid_.domain(), world_, boxes(fluid_), lbm::link_reach(coupling_.wall_scheme)),
         fields_(make_fields<T>(fluid_, map_.blocks())),
-        account_(*fields_, comm, coupling_.mass_correction && scene.has_surfaces() && !is_open(scene)),
+        account_(*fields_, comm),
         links_(fluid_.blocks().size()),
         pushes_bodies_(scene.fluid->body_force_on_bodies && scene.fluid->has_body_force()),
         drive_{scene.fluid->body_force, scene.fluid->body_force_over_time, scene.boundary},
@@ -78,13 +72,22 @@ class FlowOf final : public Flow {
     if (!lbm::reads_beyond(coupling_.wall_scheme) || world_.shapes.empty()) return;
     pairs_.emplace(fluid_.domain(), comm, fluid_.blocks(), scene.device);
     for (const BlockMap& map : map_.blocks()) columns_.emplace_back(map.solid);
-    for (std::size_t b = 0; b < links_.size(); ++b) links_[b].pairs_across = pairs_->of(int(b));
+    for (std::size_t b = 0; b < links_.size(); ++b) {
+      links_[b].pairs_across = pairs_->of(int(b));
+      links_[b].excess_across = pairs_->excess_of(int(b));
+    }
   }
 
   int levels() const override { return levels_.count(); }
-  FluidFields& fields(int level) override { return level == 0 ? *fields_ : *coarser_[level - 1]->fields; }
+  FluidFields& fields(int level) override {
+    complete_cells();
+    return own_fields(level);
+  }
   double seconds(int level) const override { return levels_.seconds()[level]; }
-  FlowAccount& account() override { return account_; }
+  FlowAccount& account() override {
+    complete_cells();
+    return account_;
+  }
 
   void drive(std::int64_t step) override {
     if (control_ && control_->is_due(step)) control_->look(step, fields_->sums());
@@ -107,9 +110,8 @@ class FlowOf final : public Flow {
     forces_.begin(fluid_, map_.blocks(), links_, bodies, changes);
   }
   void stream_collide(StepClock& clock) override {
-    const double correction = account_.begin_pass();
+    account_.begin_pass();
     cells_changed();
-    if (account_.corrects_mass()) levels_.set_mass_correction(correction);
     levels_.begin_step();
     if (world_.shapes.empty() || schedule_ == LinkSchedule::sequential) return levels_.stream_collide();
     fluid_.begin_pass();
@@ -132,26 +134,27 @@ class FlowOf final : public Flow {
     if (schedule_ == LinkSchedule::sequential)
       for (int b = 0; b < int(links_.size()); ++b) apply_inner(b, links_[b].all_inner());
     account_.end_step(forces_.finish(fluid_, links_, bodies));
+    if (pairs_) pairs_->return_excess(fluid_.blocks());
   }
 
   void hold_bodies(bool hold) override {
     holds_bodies_ = hold;
     if (hold) return;
-    account_.mass_correction();  // which ends what is under way
-    account_.set_mass_correction({});
-    account_.recount();
+    account_.begin_pass();  // which ends what is under way
+    account_.set_mass_taken(0);
     levels_.set_passes(0);
     levels_.set_seconds(std::vector<double>(levels()));
   }
   void set_schedule(LinkSchedule schedule) override { schedule_ = schedule; }
 
-  void resume(const MassCorrectionState& state) override {
-    account_.set_mass_correction(state);
-    levels_.set_passes(state.steps);
+  void resume(std::int64_t step, rigid::FixedSum mass_taken) override {
+    account_.set_mass_taken(mass_taken);
+    levels_.set_passes(step);
     resumed_ = true;
   }
   void take_over(const Flow& other) override {
     const auto& from = static_cast<const FlowOf&>(other);
+    from.complete_cells();
     lbm::move_populations(from.levels_, levels_);
     account_.take_over(from.account_);
     levels_.set_passes(from.fluid_.passes());
@@ -167,7 +170,6 @@ class FlowOf final : public Flow {
     cells_changed();
     if (resumed_) return;
     forces_.start(map_.blocks(), bodies);
-    account_.recount();
   }
 
  private:
@@ -205,8 +207,15 @@ class FlowOf final : public Flow {
     }
   }
 
+  FluidFields& own_fields(int level) { return level == 0 ? *fields_ : *coarser_[level - 1]->fields; }
   void cells_changed() {
-    for (int level = 0; level < levels(); ++level) fields(level).changed();
+    for (int level = 0; level < levels(); ++level) own_fields(level).changed();
+    complete_ = false;
+  }
+  /// Cells take up their excess before anybody reads them; a step does that as they collide.
+  void complete_cells() const {
+    if (!complete_) fluid_.take_up_excess();
+    complete_ = true;
   }
   void apply_inner(int b, GroupRange groups) {
     forces_.apply_inner(fluid_.blocks()[b], links_[b], groups, schedule_ == LinkSchedule::interleaved);
@@ -214,10 +223,12 @@ class FlowOf final : public Flow {
 
   /// Cells that changed sides, and links.
   void remap(const rigid::BodySet& bodies, const BodyChanges& changes) {
+    complete_cells();
     const ChangedCells cells = changed_cells(map_.blocks());
     take_cells(+1, cells.covered, bodies, changes);
     refill(fluid_, map_.blocks(), cells, bodies, changes.gone, coupling_.refill, uncovered_);
     take_cells(-1, cells.uncovered, bodies, changes);
+    account_.take_mass(pass_on_mass(fluid_, map_.blocks(), cells));
     counts_.covered = cells.covered.size(), counts_.uncovered = cells.uncovered.size();
     rebuild_links(bodies);
   }
@@ -227,19 +238,14 @@ class FlowOf final : public Flow {
   /// Bodies have covered cells (sign 1) or left them (-1).
   void take_cells(int sign, const std::vector<CoveredCell>& cells, const rigid::BodySet& bodies,
                   const BodyChanges& changes) {
-    if (!is_exact() && changes.none()) {
-      if (!account_.corrects_mass()) return;
-      for (const double density : fluid_.densities(places(cells))) account_.gain_cell(-sign, density);
-      return;
-    }
+    if (!is_exact() && changes.none()) return;
     const std::span<const lbm::Moments> moments = fluid_.moments(places(cells));
     for (std::size_t n = 0; n < cells.size(); ++n) take_cell(sign, cells[n], moments[n], bodies, changes);
   }
   void take_cell(int sign, const CoveredCell& c, const lbm::Moments& m, const rigid::BodySet& bodies,
                  const BodyChanges& changes) {
     const bool comes_or_goes = sign > 0 ? changes.is_new(c.body->id) : changes.has_gone(c.body->id);
-    if (!account_.corrects_mass() && !is_exact() && !comes_or_goes) return;
-    account_.gain_cell(-sign, m.density_deviation);
+    if (!is_exact() && !comes_or_goes) return;
     const auto u = fluid_.velocity(m);
     const Vec3 momentum = sign * Vec3(u[0], u[1], u[2]);
     if (comes_or_goes) return account_.bring(-momentum);
@@ -276,10 +282,22 @@ class FlowOf final : public Flow {
                        block.surfaces);
         if (!block.on_device) block.order_groups(fluid_.pass_order(int(b)));
         pair_gaps(b);
+        hold_excess(b);
       }
       counts_.links += block.count;
     }
     if (pairs_) choose_pairs();
+  }
+
+  void hold_excess(std::size_t b) {
+    std::vector<lbm::RowRange> rows;
+    for (std::size_t k = 0; k < links_[b].surfaces.size(); ++k) {
+      if (links_[b].surfaces[k].links.groups.empty()) continue;
+      const BitFrame& frame = map_.blocks()[b].masks[k].frame();
+      const Int3 end = frame.low + frame.size;
+      rows.push_back({frame.low.y, end.y, frame.low.z, end.z});
+    }
+    fluid_.hold_excess(int(b), rows);
   }
 
   void pair_gaps(std::size_t b) {
@@ -303,8 +321,8 @@ class FlowOf final : public Flow {
 
   CouplingSpec coupling_;
   const rigid::World& world_;
-  lbm::Fluid<T> fluid_;    // of the finest cells
-  lbm::Levels<T> levels_;  // all
+  mutable lbm::Fluid<T> fluid_;  // of the finest cells
+  lbm::Levels<T> levels_;        // all
   MapBodies map_;
   std::unique_ptr<FluidFields> fields_;
   std::vector<std::unique_ptr<CoarserFields>> coarser_;
@@ -327,6 +345,7 @@ class FlowOf final : public Flow {
   LinkSchedule schedule_ = LinkSchedule::interleaved;
   MappingCounts counts_;
   bool resumed_ = false;
+  mutable bool complete_ = true;  // no cell has an excess
   bool holds_bodies_ = false;
 };
 

@@ -71,8 +71,8 @@ class Flow {
   virtual void set_schedule(LinkSchedule) = 0;
 
   // ---- before the first step ----
-  /// After a restart, once the populations are written: goes on with this account of the mass.
-  virtual void resume(const MassCorrectionState&) = 0;
+  /// After a restart, once the populations are written: goes on from a step with this account of the mass.
+  virtual void resume(std::int64_t step, rigid::FixedSum mass_taken) = 0;
   /// Collective, in the place of writing populations and resume(): takes over from the same fluid in other
   /// blocks.
   virtual void take_over(const Flow&) = 0;

@@ -44,21 +44,6 @@ class FieldsOf final : public FluidFields {
     }
     return first;
   }
-  FluidMass mass() const override {
-    FluidMass all;
-    std::pmr::vector<std::int64_t> quanta(memory_of(fluid_.device()));
-    for (std::size_t b = 0; b < maps().size(); ++b)
-      for_fluid_runs(maps()[b], lbm::CellTotals::most_cells, memory_of(fluid_.device()),
-                     [&](std::span<const lbm::LocalRows> runs) {
-                       quanta.resize(runs.size());
-                       fluid_.masses(int(b), runs, quanta.data());
-                       for (std::size_t k = 0; k < runs.size(); ++k) {
-                         all.cells += std::uint64_t(volume()) * std::uint64_t(runs[k].cells * runs[k].rows);
-                         all.mass += volume() * rigid::FixedSum(quanta[k]);
-                       }
-                     });
-    return all;
-  }
   std::uint64_t hash() const override {
     std::uint64_t sum = 0;
     const Int3 n = domain().cells();
@@ -106,6 +91,7 @@ class FieldsOf final : public FluidFields {
         }
         sum += of_run;
       });
+      sum -= flow_into_surfaces(axis, b, low, high);
     });
     return sum * width() * width();
   }
@@ -137,6 +123,21 @@ class FieldsOf final : public FluidFields {
             for (int k = 0; k < cells; ++k)
               if (!(is_solid >> k & 1)) visit(first + k, 1);
         }
+  }
+  /// Half of what passes along an axis through the cut links of bodies and [[walls]] of the cells from low to
+  /// high: a cell's velocity counts it, although it goes through neither face of the layer.
+  rigid::FixedSum flow_into_surfaces(int axis, int b, Int3 low, Int3 high) const {
+    rigid::FixedSum sum = 0;
+    for_cells(low, high, [&](Int3 x) {
+      if (solid(b).test(x)) return;
+      for (int i = 1; i < lbm::directions; ++i) {
+        const Int3 y = x + lbm::c[i];
+        if (lbm::c[i][axis] == 0 || !solid(b).test(y) || maps()[b].walls.test(y)) continue;
+        const double out = fluid_.leaving(b, x, i), back = fluid_.arriving(b, x, lbm::opposite(i));
+        sum += lbm::c[i][axis] * std::llrint(0.5 * (out - back) / flow_quantum);
+      }
+    });
+    return sum;
   }
   /// Adds so many times c (f out + f back) of the cells from low to high, over the directions.
   void add_exchanged(std::span<const int> across, int b, Int3 low, Int3 high, int times,

@@ -16,12 +16,6 @@ namespace silt::coupler {
 
 struct Case;
 
-/// The fluid cells of a rank and their mass in quanta, a coarse cell being as many as finest ones fill it.
-struct FluidMass {
-  std::uint64_t cells = 0;
-  rigid::FixedSum mass = 0;
-};
-
 class FluidFields {
  public:
   virtual ~FluidFields() = default;
@@ -77,8 +71,6 @@ class FluidFields {
     return rigid::Vec3(t.momentum.data()) +
            0.5 * static_cast<double>(t.forces) * rigid::Vec3(spec_.force.data());
   }
-  /// Takes several times as long as the sums: each cell is counted in double precision.
-  virtual FluidMass mass() const = 0;
   /// Returns the wrapping sum of XXH3 of level, global cell index and arriving populations.
   virtual std::uint64_t hash() const = 0;
   /// Returns this rank's share of the force of the fluid on a side of the domain in the last step, in
@@ -87,7 +79,8 @@ class FluidFields {
   /// not a wall.
   virtual std::array<rigid::FixedSum, 3> side_force(int axis, bool upper) const = 0;
   /// Returns this rank's share of the volume that goes along an axis through a layer of cells across it, in a
-  /// step, in flow_quantum and finest units: the sum of the velocities times the face of a cell.
+  /// step, in flow_quantum and finest units: the sum of the velocities times the face of a cell, less what
+  /// goes into bodies and [[walls]] there: in steady flow it is alike for all layers.
   virtual rigid::FixedSum flow_through(int axis, int layer) const = 0;
   static constexpr double flow_quantum = 0x1p-48;
   virtual std::size_t bytes() const = 0;  // of the populations

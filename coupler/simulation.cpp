@@ -83,9 +83,7 @@ void Simulation::resume(const SavedState& saved,
   if (saved.step > 0) scene_.move_walls(saved.step - 1);  // where the last step mapped them
   if (scene_.flow) {
     set_populations(setup(), *scene_.flow);
-    MassCorrectionState correction = saved.mass_correction;
-    correction.steps = saved.step;
-    scene_.flow->resume(correction);
+    scene_.flow->resume(saved.step, scene_.rank == 0 ? saved.mass_taken : rigid::FixedSum{0});
     scene_.flow->start(scene_.bodies);
   }
   step_ = saved.step;
@@ -357,6 +355,13 @@ Balance Simulation::balance() const {
     b.fluid_cells = static_cast<double>(totals.fluid_cells);
   }
   return b;
+}
+
+rigid::FixedSum Simulation::mass_taken() const {
+  struct {
+    rigid::FixedSum mass;
+  } taken{scene_.flow ? scene_.flow->account().mass_taken() : 0};
+  return parallel::sum_over_ranks(scene_.comm, taken).mass;
 }
 
 rigid::FixedVec3 Simulation::momentum_brought() const {

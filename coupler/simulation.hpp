@@ -41,7 +41,7 @@ struct SavedState {
   rigid::BodyId next_id = 1;
   rigid::FixedVec3 momentum_brought;  // by bodies that came and went
   double fluid_speed = 0;
-  MassCorrectionState mass_correction;
+  rigid::FixedSum mass_taken = 0;  // by cells that changed sides, in lbm::mass_quantum
   FlowControl::State flow_control;
   SavedLevels levels;
 };
@@ -96,6 +96,8 @@ class Simulation : private rigid::StepObserver {
   RunCounters counters() const;  // of all ranks
   /// Returns the momentum that bodies that came and went have brought to all there is; collective.
   rigid::FixedVec3 momentum_brought() const;
+  /// Collective. Returns the mass that FlowAccount::mass_taken says, of all ranks.
+  rigid::FixedSum mass_taken() const;
   rigid::BodyId next_id() const { return turnover_.next_id(); }  // the first that no body has had
   /// Returns this rank's bodies that have left since the last call. Local.
   std::vector<Departure> take_departures() { return turnover_.take_departures(); }

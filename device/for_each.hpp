@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <stdexcept>
 #include <string>
+#include <type_traits>
 
 #include "cpu/device_code.hpp"
 #include "device/host_device.hpp"
@@ -119,6 +120,16 @@ void for_teams(std::int64_t entries, const Body& body) {
 inline void wait() {
   check(cudaDeviceSynchronize());
 }
+/// Adds to a number to which others may add at the same time.
+template <class Whole>
+SILT_DEVICE void add_to(Whole& sum, Whole term) {
+#if defined(__CUDA_ARCH__)
+  using Bits = std::conditional_t<sizeof(Whole) == 4, unsigned, unsigned long long>;
+  atomicAdd(reinterpret_cast<Bits*>(&sum), static_cast<Bits>(term));
+#else
+  sum += term;
+#endif
+}
 /// Adds one to a count; returns what it was.
 SILT_DEVICE inline unsigned next_of(unsigned* count) {
 #if defined(__CUDA_ARCH__)
@@ -152,6 +163,10 @@ void for_teams(std::int64_t entries, const Body& body) {
 }
 inline void wait() {
   do_what_was_put_off();
+}
+template <class Whole>
+void add_to(Whole& sum, Whole term) {
+  sum += term;
 }
 inline unsigned next_of(unsigned* count) {
   return (*count)++;

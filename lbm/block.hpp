@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "device/device.hpp"
+#include "lbm/excess.hpp"
 #include "lbm/large_memory.hpp"
 #include "lbm/lattice.hpp"
 
@@ -94,6 +95,7 @@ class Block {
   const CellBox& box() const { return box_; }
   Int3 size() const { return box_.size; }
   bool shares_array(const Block& other) const { return memory_ == other.memory_; }
+  /// Of the populations.
   std::size_t bytes() const { return std::size_t(direction_) * directions * sizeof(T); }
 
   /// The element offset of a cell (ghosts: -1 and size) within a direction, and of a step along c_i.
@@ -121,6 +123,28 @@ class Block {
   std::ptrdiff_t leaving(int i, Parity p) const {
     return p == Parity::settled ? slot(i) + step(i) : slot(opposite(i));
   }
+  /// The excess of cells, by their offsets: null until it is held.
+  ExcessQuanta<T>* excess() { return excess_.get(); }
+  /// The excess of a row, or null if none of its cells has links.
+  ExcessQuanta<T>* excess_of_row(int y, int z) {
+    return excess_ && excess_rows_[y + box_.size.y * z] ? excess_.get() + cell(0, y, z) : nullptr;
+  }
+  /// Cells with links are all in rows [y0, y1) of planes [z0, z1), and in those of other such calls.
+  void hold_excess(const RowRange& rows, Device device = Device::cpu) {
+    if (!excess_) {
+      const std::size_t cells = std::size_t(cell(box_.size.x, box_.size.y - 1, box_.size.z - 1));
+      if (device == Device::gpu)
+        excess_ = std::static_pointer_cast<ExcessQuanta<T>[]>(zeroed_on_gpu(cells * sizeof(ExcessQuanta<T>)));
+      else
+        excess_ = zeroed<ExcessQuanta<T>>(cells);
+      excess_rows_.assign(std::size_t(box_.size.y) * box_.size.z, 0);
+    }
+    for (int z = std::max(rows.z0, 0); z < std::min(rows.z1, box_.size.z); ++z)
+      for (int y = std::max(rows.y0, 0); y < std::min(rows.y1, box_.size.y); ++y)
+        excess_rows_[y + box_.size.y * z] = 1;
+  }
+  /// No cell has links any more; none may have an excess.
+  void hold_no_excess() { std::fill(excess_rows_.begin(), excess_rows_.end(), 0); }
   T* data() { return first_; }
   const T* data() const { return first_; }
 
@@ -137,6 +161,8 @@ class Block {
   std::ptrdiff_t row_, plane_, direction_;
   std::shared_ptr<T[]> memory_;
   T* first_;  // slot (cell 0, 0)
+  std::shared_ptr<ExcessQuanta<T>[]> excess_;
+  std::vector<std::uint8_t> excess_rows_;  // y fastest: whether cells of the row have links
   std::vector<RowEnd<T>> row_ends_[2];
 };
 

@@ -25,6 +25,7 @@ struct Slots {  // A and B of each pair, and the resting populations; a cell is 
       b[k] = block.data() + block.arriving(2 * k + 2, parity);
     }
   }
+  SILT_DEVICE T* arriving(int i) const { return i == 0 ? rest : i % 2 ? a[i / 2] : b[i / 2 - 1]; }
 };
 
 struct AllLanes {

@@ -82,14 +82,10 @@ struct CollisionRates {
       keep_fourth;        // of regularised: what is left of moments beyond those that follow from the stress
   T resolved_square;      // half the square of the stress off equilibrium up to which no eddy is more viscous
   T eddy;                 // 9 C^2; 0: none
-  T mass_correction = 0;  // added to the density of every cell
 
   /// Throws std::invalid_argument for a relaxation time of 1/2 or less.
   explicit CollisionRates(const CollisionSpec&);
-  /// Returns whether there is a force or a mass correction.
-  bool has_source() const {
-    return half_force[0] != 0 || half_force[1] != 0 || half_force[2] != 0 || mass_correction != 0;
-  }
+  bool has_force() const { return half_force[0] != 0 || half_force[1] != 0 || half_force[2] != 0; }
 };
 
 }  // namespace silt::lbm

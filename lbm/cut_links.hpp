@@ -182,14 +182,13 @@ inline double largest_exchange(double reach, const SurfaceMotion& m) {
 }
 
 /// Sums are in fixed point, so that they do not depend on the order or the partition of links (method.md,
-/// equation 22). This is the quantum of force and torque in lattice units; that of mass: moments.hpp.
+/// equation 22). This is the quantum of force and torque in lattice units.
 inline constexpr double link_quantum = 0x1p-44;
 
 /// The sums of the momentum exchange on one surface in one step (method.md, equation 22).
 struct LinkSums {
   std::int64_t force[3] = {}, torque[3] = {};
-  std::int64_t mass = 0;  // density gained by the fluid, in mass quanta
-  bool invalid = false;   // a term might have been out of range, or was not a number
+  bool invalid = false;  // a term might have been out of range, or was not a number
 };
 
 /// The resistance of a surface, H = sum k J J^T with J = [c, r x c], is how force and torque fall with its
@@ -235,14 +234,15 @@ struct GroupInBlock {
   NextGroup<T> next = {};
   const BeyondPair<T>* pairs_across = nullptr;  // of the block, for a group `across`
   ListedLinks* listed = nullptr;                // the same one for calls that name one another as the next
-  bool far = false;  // its populations are not at hand: they are fetched ahead of use
+  bool far = false;                          // its populations are not at hand: they are fetched ahead of use
+  ExcessQuanta<T>* excess_across = nullptr;  // that goes where pairs_across came from
 };
 
 /// The kernels of links, as each build has them (cut_links_kernel.cpp, link_resistance_kernel.cpp).
 template <class T>
 struct LinkKernels {
   void (*apply)(const GroupInBlock<T>&, const SurfaceMotion&, ForceForm, LinkSums&);
-  void (*correct)(const GroupInBlock<T>&, const SurfaceMotion& increment, LinkSums&);
+  void (*correct)(const GroupInBlock<T>&, const SurfaceMotion& increment);
 };
 template <class T>
 using Resistance = ResistanceSums (*)(const CutLinks<T>&, int exponent);
@@ -253,16 +253,17 @@ const LinkKernels<T>& link_kernels() {
   return kernels;
 }
 
-/// Writes what the surface returns along the group's links, and adds force, torque and mass.
+/// Writes what the surface returns along the group's links, adds to the excess of their cells (excess.hpp),
+/// and to force and torque.
 template <class T>
 void apply_cut_links(const GroupInBlock<T>& at, const SurfaceMotion& motion, ForceForm form, LinkSums& sums) {
   link_kernels<T>().apply(at, motion, form, sums);
 }
 
-/// Changes what was returned as if the surface had moved faster by `increment`; adds the mass only.
+/// Changes what was returned as if the surface had moved faster by `increment`.
 template <class T>
-void correct_cut_links(const GroupInBlock<T>& at, const SurfaceMotion& increment, LinkSums& sums) {
-  link_kernels<T>().correct(at, increment, sums);
+void correct_cut_links(const GroupInBlock<T>& at, const SurfaceMotion& increment) {
+  link_kernels<T>().correct(at, increment);
 }
 
 /// The resistance of all links of a surface, which depends on geometry only. `exponent` is that of the

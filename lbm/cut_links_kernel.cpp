@@ -31,11 +31,51 @@ struct Read {
   }
 };
 
+/// Where the excess of a group's links goes.
+template <class T>
+struct ExcessOfGroup {
+  using L = Lanes<T>;
+  using V = typename L::Real;
+  ExcessQuanta<T>* cells;  // from the group's corner on
+  const LinkSlots& slots;
+  const WallFluid<T>& fluid;
+  ExcessQuanta<T>* across;    // of the block's pairs
+  const std::uint32_t* pair;  // of the group's links; null: the cells behind lie in the block
+
+  explicit ExcessOfGroup(const GroupInBlock<T>& here)
+      : cells(here.block.excess() + here.block.cell(here.group.corner)),
+        slots(here.slots),
+        fluid(here.links.fluid),
+        across(here.excess_across),
+        pair(here.group.across ? here.links.across.data() + here.group.across_begin : nullptr) {}
+
+  /// So many links of the vector, which begins with the group's l-th, are counted.
+  template <WallScheme scheme>
+  [[gnu::always_inline]] void add(const V& excess, const Places<T>& at, int l, int links) const {
+    const auto [own, behind] = shared_excess<scheme, T>(L::below(links) ? excess : V{}, fluid);
+    add_to(at.cell, own);
+    if constexpr (reads_beyond(scheme)) {
+      if (!pair) return add_to(at.cell - L::look_up(slots.step, at.direction), behind);
+      for (int k = 0; k < L::count && k < links; ++k) across[pair[l + k]] += behind[k];
+    }
+  }
+
+ private:
+  /// Lane by lane: links of several directions, side by side in a vector, share cells.
+  [[gnu::always_inline]] void add_to(const typename L::Whole& cell, const ExcessLanes<T>& quanta) const {
+    std::int32_t at[L::count];
+    ExcessQuanta<T> of[L::count];
+    store(at, cell), store(of, quanta);
+#pragma GCC unroll 16
+    for (int l = 0; l < L::count; ++l) cells[at[l]] += of[l];
+  }
+};
+
 template <WallScheme scheme, class T>
 void apply(const GroupInBlock<T>& here, const SurfaceMotion& motion, ForceForm form, LinkSums& sums,
            LinkFetch<T>& fetch) {
   using L = Lanes<T>;
-  const auto& [block, slots, links, group, next, pairs, listed, far] = here;
+  const auto& [block, slots, links, group, next, pairs, listed, far, excess_across] = here;
   const SurfaceFrame& frame = links.frame;
   const Motion<T> u(motion);
   const PlaceOrigin<T> origin(block, group.corner, frame);
@@ -43,6 +83,7 @@ void apply(const GroupInBlock<T>& here, const SurfaceMotion& motion, ForceForm f
   const WallDistances<T> distance(links, group);
   const int count = int(group.count);
   T* const data = block.data() + block.middle() + block.cell(group.corner);
+  const ExcessOfGroup<T> excess(here);
   GroupSums<T> total(form == ForceForm::galilean ? T(1) : T(0), T(largest_exchange(frame.reach, motion)));
   int l = 0;
   for (; l < count; l += L::count) {
@@ -60,41 +101,32 @@ void apply(const GroupInBlock<T>& here, const SurfaceMotion& motion, ForceForm f
     const std::uint32_t* const across = group.across ? links.across.data() + group.across_begin + l : nullptr;
     const Exchange<T> e = exchange<scheme>(Read<T>{data, rows, across, pairs}, links.fluid, at, q,
                                            at.along(ux, uy, uz), opposite);
+    const auto counted = L::below(count - l);
     L::scatter(data, rows[back_row], e.back);
-    total.add(e, L::below(count - l), at, ux, uy, uz);
+    excess.template add<scheme>(e.excess, at, l, count - l);
+    total.add(e, counted, at, ux, uy, uz);
   }
   fetch.finish(l);
   total.add_to(sums, [](std::int64_t term, std::int64_t& sum) { sum += term; });
   if (!total.in_range()) sums.invalid = true;
 }
 
-template <WallScheme scheme, class T>
-void correct(const GroupInBlock<T>& here, const SurfaceMotion& increment, LinkSums& sums,
-             LinkFetch<T>& fetch) {
+template <class T>
+void correct(const GroupInBlock<T>& here, const SurfaceMotion& increment, LinkFetch<T>& fetch) {
   using L = Lanes<T>;
-  const auto& [block, slots, links, group, next, pairs, listed, far] = here;
-  using V = typename L::Real;
-  const SurfaceFrame& frame = links.frame;
+  const LinkGroup& group = here.group;
   const Motion<T> u(increment);
-  const PlaceOrigin<T> origin(block, group.corner, frame);
-  const std::uint32_t* const place = links.place.data() + group.begin;
-  const WallDistances<T> distance(links, group);
+  const PlaceOrigin<T> origin(here.block, group.corner, here.links.frame);
+  const std::uint32_t* const place = here.links.place.data() + group.begin;
   const int count = int(group.count);
-  T* const data = block.data() + block.middle() + block.cell(group.corner);
-  FixedSum<T> mass;
+  T* const data = here.block.data() + here.block.middle() + here.block.cell(group.corner);
   int l = 0;
   for (; l < count; l += L::count) {
-    const LinkRows<T> rows = fetch.at(l);
+    const std::int32_t* const slot = fetch.at(l)[back_row];
     const Places<T> at(place + l, origin);
-    const V q = distance.at(l);
-    const std::int32_t* const slot = rows[back_row];
-    const V before = L::gather(data, slot);
-    const V after = corrected<scheme>(before, q, at, u, links.fluid);
-    L::scatter(data, slot, after);
-    add_change(mass, before, after, L::below(count - l));
+    L::scatter(data, slot, corrected(L::gather(data, slot), at, u));
   }
   fetch.finish(l);
-  sums.mass += mass.total(0);
 }
 
 template <class T>
@@ -105,10 +137,10 @@ void apply_group(const GroupInBlock<T>& here, const SurfaceMotion& motion, Force
 }
 
 template <class T>
-void correct_group(const GroupInBlock<T>& here, const SurfaceMotion& increment, LinkSums& sums) {
+void correct_group(const GroupInBlock<T>& here, const SurfaceMotion& increment) {
   ListedLinks own;
   LinkFetch<T> fetch(here, Wanted::returned, here.listed ? *here.listed : own);
-  with_scheme(here.group.scheme, [&](auto scheme) { correct<scheme()>(here, increment, sums, fetch); });
+  correct(here, increment, fetch);
 }
 
 }  // namespace

@@ -38,7 +38,7 @@ LinkSums DeviceLinks<T>::sums(std::size_t k) const {
   const DeviceSums& of = sums_.here()[k];
   LinkSums sums;
   std::copy_n(of.force, 3, sums.force), std::copy_n(of.torque, 3, sums.torque);
-  sums.mass = of.mass, sums.invalid = of.beyond_range != 0;
+  sums.invalid = of.beyond_range != 0;
   return sums;
 }
 
@@ -53,10 +53,12 @@ LinkPass<T> DeviceLinks<T>::pass_over(Block<T>& block, const LinkSlots& slots) {
   return {block.data() + block.middle(),
           std::int32_t(block.row_stride()),
           std::int32_t(block.plane_stride()),
+          block.excess(),
           slots_.send(),
           fluid_,
           surfaces_.send(),
           sums_.there(),
+          nullptr,
           nullptr,
           false};
 }
@@ -73,11 +75,12 @@ void DeviceLinks<T>::list_groups() {
 
 template <class T>
 void DeviceLinks<T>::apply(Block<T>& block, const LinkSlots& slots, const BeyondPair<T>* pairs_across,
-                           ForceForm form) {
+                           ExcessQuanta<T>* excess_across, ForceForm form) {
   sums_.here().resize(surfaces_.size());
   sums_.clear();
   LinkPass<T> pass = pass_over(block, slots);
-  pass.pairs_across = pairs_across, pass.galilean = form == ForceForm::galilean;
+  pass.pairs_across = pairs_across, pass.excess_across = excess_across;
+  pass.galilean = form == ForceForm::galilean;
   list_groups();
   passes().set_opposites({opposites_.there(), opposites_.size()}, pass);
   passes().apply(groups_, pass);
@@ -88,18 +91,9 @@ void DeviceLinks<T>::apply(Block<T>& block, const LinkSlots& slots, const Beyond
 }
 
 template <class T>
-std::int64_t DeviceLinks<T>::correct(Block<T>& block, const LinkSlots& slots) {
-  const LinkPass<T> pass = pass_over(block, slots);
-  const auto mass = [&] {
-    std::int64_t sum = 0;
-    for (const DeviceSums& of : sums_.here()) sum += of.mass;
-    return sum;
-  };
-  const std::int64_t before = mass();
-  passes().correct(groups_, pass);
-  sums_.fetch();
+void DeviceLinks<T>::correct(Block<T>& block, const LinkSlots& slots) {
+  passes().correct(groups_, pass_over(block, slots));
   wait(device_);
-  return mass() - before;
 }
 
 template class DeviceLinks<float>;

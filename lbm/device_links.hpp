@@ -46,7 +46,7 @@ struct SurfaceStep {
 
 /// The sums over the links of a surface.
 struct DeviceSums {
-  std::int64_t force[3], torque[3], mass;
+  std::int64_t force[3], torque[3];
   std::int64_t beyond_range;  // teams that found a term which is
 };
 
@@ -103,14 +103,16 @@ class DeviceLinks {
   /// Begins a step: surface k moves so, no cell of its links is further than `reach` from its reference
   /// point, and its distances have this age.
   void set_motion(std::size_t k, const SurfaceMotion&, double reach, T age);
-  /// Writes what the surfaces return along all links, and sums force, torque and mass.
-  void apply(Block<T>&, const LinkSlots&, const BeyondPair<T>* pairs_across, ForceForm);
+  /// Writes what the surfaces return along all links, adds to the excess of their cells, and sums force
+  /// and torque.
+  void apply(Block<T>&, const LinkSlots&, const BeyondPair<T>* pairs_across, ExcessQuanta<T>* excess_across,
+             ForceForm);
   LinkSums sums(std::size_t k) const;
 
   /// Surface k moved faster by an increment than it was said to; none did until this is called.
   void set_increment(std::size_t k, const SurfaceMotion&);
-  /// Changes what these surfaces returned. Returns the mass that this added.
-  std::int64_t correct(Block<T>&, const LinkSlots&);
+  /// Changes what these surfaces returned.
+  void correct(Block<T>&, const LinkSlots&);
 
  private:
   const LinkPasses<T>& passes() const;

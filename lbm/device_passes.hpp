@@ -55,10 +55,13 @@ struct DevicePasses {
                        std::span<const typename BorderRows<T>::Passing>);
   /// Gathers the moments of single cells, or their density deviations alone; the other pointer is null.
   void (*gather_moments)(const ListedCells<T>&, Moments*, double* densities);
-  /// Sum up the cells of rows of a block.
+  /// Adds masses to single cells, at rest.
+  void (*add_masses)(const ListedCells<T>&, const double*);
+  /// The cells of rows take up their excess, as they do when they collide.
+  void (*take_up_excess)(Block<T>&, Parity, RowRange);
+  /// Sums up the cells of rows of a block.
   void (*total_rows)(const Block<T>&, Parity, std::span<const LocalRows>, const std::array<double, 3>& force,
                      CellTotals*);
-  void (*mass_of_rows)(const Block<T>&, Parity, std::span<const LocalRows>, std::int64_t* quanta);
 };
 namespace host {
 template <class T>

@@ -81,6 +81,24 @@ struct CollideCells {
 };
 
 template <class T>
+struct TakeUpExcess {
+  Slots<T> slots;
+  ExcessQuanta<T>* excess;
+  CellsOfRows cells;
+  SILT_DEVICE void operator()(int x, int row) const {
+    const std::ptrdiff_t at = cells.row_at(row) + x;
+    lbm::take_up_excess<T>(excess[at], [&](int i) -> T& { return slots.arriving(i)[at]; });
+  }
+};
+template <class T>
+void take_up_excess(Block<T>& block, Parity parity, RowRange range) {
+  const int rows = std::max(range.y1 - range.y0, 0) * std::max(range.z1 - range.z0, 0);
+  if (block.excess() && rows > 0)
+    for_rows(block.size().x, rows,
+             TakeUpExcess<T>{Slots<T>(block, parity), block.excess(), CellsOfRows(block, range)});
+}
+
+template <class T>
 struct CloseRows {
   T* data;
   CellsOfRows cells;
@@ -179,6 +197,7 @@ void stream_collide(int b, Block<T>& block, Parity parity, const CollisionRates<
   const CellsOfRows cells(block, range);
   const int rows = std::max(range.y1 - range.y0, 0) * std::max(range.z1 - range.z0, 0);
   if (rows == 0) return;
+  take_up_excess(block, parity, range);
   with_model(rates, [&]<class Model>(Model) {
     const T scale = Model::square_scale(rates);
     const Watch<T> watch{T(speed_of_sound * speed_of_sound) * scale, scale, &fast_list(), b};
@@ -190,7 +209,7 @@ void stream_collide(int b, Block<T>& block, Parity parity, const CollisionRates<
       CollideCells<Model, source, T, WatchedInTurn, Watch<T>>{slots, rates, cells, {first, planes}, watch}
           .run();
     };
-    if (rates.has_source())
+    if (rates.has_force())
       collide_all(std::true_type{});
     else
       collide_all(std::false_type{});
@@ -296,20 +315,6 @@ struct TotalRows {
 };
 
 template <class T>
-struct MassOfRows {
-  CellsOfTeam<T> cells_of;
-  const LocalRows* rows;
-  std::int64_t* quanta;
-  SILT_DEVICE void operator()(std::int64_t k, Team team) const {
-    std::int64_t mass = 0;
-    cells_of(rows[k], team,
-             [&](const auto& g, std::ptrdiff_t at) { mass += mass_quanta(moments_of(g, at)); });
-    mass = team.joined(mass, [](auto a, auto b) { return a + b; });
-    if (team.lane == 0) quanta[k] = mass;
-  }
-};
-
-template <class T>
 void total_rows(const Block<T>& block, Parity parity, std::span<const LocalRows> rows,
                 const std::array<double, 3>& force, CellTotals* totals) {
   TotalRows<T> pass{{block, parity}, {}, rows.data(), totals};
@@ -320,19 +325,27 @@ void total_rows(const Block<T>& block, Parity parity, std::span<const LocalRows>
 }
 
 template <class T>
-void mass_of_rows(const Block<T>& block, Parity parity, std::span<const LocalRows> rows,
-                  std::int64_t* quanta) {
-  for_teams(std::int64_t(rows.size()), MassOfRows<T>{{block, parity}, rows.data(), quanta});
-  wait();
-  to_device(rows), from_device(std::span(quanta, rows.size()));
+struct AddMasses {
+  ListedCells<T> cells;
+  const double* masses;
+  SILT_DEVICE void operator()(std::int64_t k) const {
+    const auto& cell = cells.cells[k];
+    T& rest = cell.data[cells.blocks[cell.block].arriving[0]];
+    rest = T(double(rest) + masses[k]);
+  }
+};
+
+template <class T>
+void add_masses(const ListedCells<T>& cells, const double* masses) {
+  for_each(cells.count, AddMasses<T>{cells, masses});
 }
 
 template <class T>
 const DevicePasses<T>& device_passes() {
   static constexpr DevicePasses<T> passes = {stream_collide<T>, take_fast_cells,       wait,
                                              move_slots<T>,     return_from_outlet<T>, carry_packets<T>,
-                                             cross_border<T>,   gather_moments<T>,     total_rows<T>,
-                                             mass_of_rows<T>};
+                                             cross_border<T>,   gather_moments<T>,     add_masses<T>,
+                                             take_up_excess<T>, total_rows<T>};
   return passes;
 }
 template const DevicePasses<float>& device_passes();

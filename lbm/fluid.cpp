@@ -93,16 +93,9 @@ template <class T>
 Fluid<T>::~Fluid() = default;
 
 template <class T>
-void Fluid<T>::set_mass_correction(double density_per_cell) {
-  rates_->mass_correction = T(density_per_cell);
-}
-
-template <class T>
 void Fluid<T>::set_force(const std::array<double, 3>& force) {
-  const T correction = rates_->mass_correction;
   spec_.force = force;
   *rates_ = CollisionRates<T>(spec_);
-  rates_->mass_correction = correction;
   halo_.set_force(force);
 }
 
@@ -110,6 +103,26 @@ template <class T>
 void Fluid<T>::set_side_velocity(int side, const std::array<double, 3>& velocity) {
   domain_.set_side_velocity(side, velocity);
   halo_.take_side_velocities(domain_, blocks_);
+}
+
+template <class T>
+void Fluid<T>::take_up_excess() {
+  for (Block<T>& block : blocks_) {
+    if (!block.excess()) continue;
+    const Int3 size = block.size();
+    if (device_ != Device::cpu) {
+      passes_on<T>(device_).take_up_excess(block, parity_, {0, size.y, 0, size.z});
+      continue;
+    }
+    for (int z = 0; z < size.z; ++z)
+      for (int y = 0; y < size.y; ++y)
+        if (ExcessQuanta<T>* const excess = block.excess_of_row(y, z))
+          for (int x = 0; x < size.x; ++x)
+            lbm::take_up_excess<T>(excess[x], [&](int i) -> T& {
+              return block.data()[block.arriving(i, parity_) + block.cell(x, y, z)];
+            });
+  }
+  wait(device_);
 }
 
 template <class T>
@@ -265,14 +278,15 @@ void Fluid<T>::totals(int b, std::span<const LocalRows> of, CellTotals* totals_o
 }
 
 template <class T>
-void Fluid<T>::masses(int b, std::span<const LocalRows> of, std::int64_t* quanta) const {
-  if (device_ != Device::cpu) return passes_on<T>(device_).mass_of_rows(blocks_[b], parity_, of, quanta);
-  MomentArrays moments_of_run;
-  for (std::size_t k = 0; k < of.size(); ++k) {
-    const CellBox box{of[k].first, {of[k].cells, of[k].rows, 1}};
-    moments(b, box, moments_of_run);
-    quanta[k] = 0;
-    for (std::int64_t n = 0; n < box.cells(); ++n) quanta[k] += mass_quanta(moments_of_run[n]);
+void Fluid<T>::add_masses(std::span<const LocalCell> cells, std::span<const double> masses) {
+  if (device_ != Device::cpu) {
+    cell_masses_.here().assign(masses.begin(), masses.end());
+    passes_on<T>(device_).add_masses(listed(cells), cell_masses_.send());
+    return wait(device_);
+  }
+  for (std::size_t k = 0; k < cells.size(); ++k) {
+    T& rest = arriving(cells[k].block, cells[k].cell, 0);
+    rest = T(double(rest) + masses[k]);
   }
 }
 

@@ -41,12 +41,17 @@ class Fluid {
   MPI_Comm comm() const { return comm_; }
   Device device() const { return device_; }
 
-  /// Each collision adds this density to every cell from now on, in the shares w_i; 0 adds none.
-  void set_mass_correction(double density_per_cell);
   /// The acceleration from the next collision on.
   void set_force(const std::array<double, 3>&);
   /// The velocity of a side of the domain from the next pass on.
   void set_side_velocity(int side, const std::array<double, 3>&);
+  /// The cells of a block that have links are all in these rows (excess.hpp), and no cell has an excess.
+  void hold_excess(int b, std::span<const RowRange> rows) {
+    blocks_[b].hold_no_excess();
+    for (const RowRange& range : rows) blocks_[b].hold_excess(range, device_);
+  }
+  /// All cells take up their excess, as they would when they collide: what arrives is complete then.
+  void take_up_excess();
   /// A block without a fluid cell need not collide; what its slots hold means nothing then.
   void set_idle(int b, bool idle) { idle_[b] = idle; }
   /// Every cell of the blocks that are not idle collides; parity flips. Messages to other ranks set out as
@@ -92,14 +97,14 @@ class Fluid {
   std::span<const Moments> moments(std::span<const LocalCell>);
   /// Returns the density deviations of single cells: a tenth of what moments bring from a device.
   std::span<const double> densities(std::span<const LocalCell>);
+  /// Adds masses to single cells, each of which is there once, at rest.
+  void add_masses(std::span<const LocalCell>, std::span<const double>);
   /// Returns where a pass finds single cells; the list holds until the next call of listed() or moments().
   ListedCells<T> listed(std::span<const LocalCell>);
   void moments(int b, const CellBox&, MomentArrays&) const;
   /// Return the totals of rows of cells; those of many rows lie in memory that the device reaches.
   CellTotals totals(int b, const LocalRows&) const;
   void totals(int b, std::span<const LocalRows>, CellTotals*) const;
-  /// Gives the masses of rows, in quanta; a cell's is the sum of its populations in double.
-  void masses(int b, std::span<const LocalRows>, std::int64_t* quanta) const;
   std::array<double, 3> velocity(const Moments& m) const { return velocity_of(m, spec_.force); }
   void set_equilibrium(int b, Int3 local_cell, double density_deviation,
                        const std::array<double, 3>& velocity);
@@ -129,7 +134,7 @@ class Fluid {
   Mirror<typename ListedCells<T>::Cell> listed_cells_{device_};
   Mirror<typename ListedCells<T>::Block> listed_blocks_{device_};
   Mirror<Moments> cell_moments_{device_};
-  Mirror<double> cell_densities_{device_};
+  Mirror<double> cell_densities_{device_}, cell_masses_{device_};
   Halo<T> halo_;
 };
 

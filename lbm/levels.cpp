@@ -26,12 +26,6 @@ Levels<T>::Levels(Fluid<T>& finest, int coarser_levels) : finest_(finest), secon
 }
 
 template <class T>
-void Levels<T>::set_mass_correction(double density_per_cell) {
-  for (int level = 0; level < count(); ++level)
-    fluid(level).set_mass_correction(density_per_cell * (1 << level));
-}
-
-template <class T>
 void Levels<T>::set_passes(std::int64_t done) {
   for (int level = 0; level < count(); ++level) fluid(level).set_passes(done >> level);
 }

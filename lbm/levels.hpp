@@ -23,8 +23,7 @@ class Levels {
   Fluid<T>& fluid(int level) { return level == 0 ? finest_ : *coarser_[level - 1]; }
   const Fluid<T>& fluid(int level) const { return level == 0 ? finest_ : *coarser_[level - 1]; }
 
-  /// Both count in finest steps, as those of Fluid do.
-  void set_mass_correction(double density_per_cell);
+  /// Counts in finest steps.
   void set_passes(std::int64_t done);
 
   /// Call before the pass of the finest fluid. A level whose step begins now collides, coarser levels first:

@@ -1,6 +1,7 @@
 #pragma once
 // The exchange between the fluid and a surface along cut links, and its sums: a vector of links at a time, or
 // one (SILT_SCALAR). Where the populations of links are is a matter of who reads them.
+#include "lbm/excess.hpp"
 #include "lbm/fixed_sum.hpp"
 #include "lbm/link_places.hpp"
 
@@ -50,11 +51,35 @@ SILT_DEVICE typename Lanes<T>::Real velocity_along(const Read& read, const WallF
   return at.along(momentum[0], momentum[1], momentum[2]);
 }
 
-/// A vector of links sends `out` to the surface; `back` is what comes back (method.md, equations 9 and 15).
+/// A vector of links sends `out` to the surface; `back` is what comes back (method.md, equations 9 and 15),
+/// and `excess` is what the cells are owed (9a).
 template <class T>
 struct Exchange {
-  typename Lanes<T>::Real out, back;
+  typename Lanes<T>::Real out, back, excess;
 };
+
+/// The excess of a vector of links in quanta: whole numbers as wide as T.
+template <class T>
+using ExcessLanes = typename VectorOf<ExcessQuanta<T>, Lanes<T>::count>::type;
+template <class T>
+SILT_DEVICE ExcessLanes<T> excess_quanta(const typename Lanes<T>::Real& x) {
+  using V = typename Lanes<T>::Real;
+  if constexpr (sizeof(T) == 8) {  // in the low bits of the mantissa
+    constexpr double large = 0x1.8p52 * excess_quantum<T>;
+    return std::bit_cast<ExcessLanes<T>>(V(x + large)) - std::bit_cast<std::int64_t>(large);
+  } else {
+    constexpr T most = T(0x1p30);
+    V y = x * T(1 / excess_quantum<T>);
+    y += y > V{} ? V{} + T(0.5) : V{} - T(0.5);
+    y = y < V{} + most ? y : V{} + most;  // what is not a number, too
+    y = y > V{} - most ? y : V{} - most;
+#if defined(SILT_SCALAR)
+    return ExcessQuanta<T>(y);
+#else
+    return __builtin_convertvector(y, ExcessLanes<T>);
+#endif
+  }
+}
 
 template <WallScheme scheme, class T, class Read, class V = typename Lanes<T>::Real>
 SILT_DEVICE Exchange<T> exchange(const Read& read, const WallFluid<T>& fluid, const Places<T>& at, const V& q,
@@ -80,24 +105,28 @@ SILT_DEVICE Exchange<T> exchange(const Read& read, const WallFluid<T>& fluid, co
     const auto along = velocity_along(read, fluid, at);
     back -= (at.weight6() - s.k) * along + at.weight6() * gap_curvature(q, along, cu, opposite, fluid);
   }
-  return {out, back};
+  return {out, back, (out - back) - at.weight6() * cu};
 }
 
-/// Returns what the surface would have returned, had it moved faster by `u`.
-template <WallScheme scheme, class T, class V = typename Lanes<T>::Real>
-SILT_DEVICE V corrected(const V& before, const V& q, const Places<T>& at, const Motion<T>& u,
-                        const WallFluid<T>& fluid) {
-  const V cu = at.along(u.x(at.r[1], at.r[2]), u.y(at.r[2], at.r[0]), u.z(at.r[0], at.r[1]));
-  return before - coefficients<scheme>(q, at.weight6(), fluid).k * cu;
+/// Returns what comes back along links, which returned `before`, if the surface moves faster by `u`, by which
+/// the links pass the mass of this motion and nothing else (method.md, equation 23).
+template <class T, class V = typename Lanes<T>::Real>
+SILT_DEVICE V corrected(const V& before, const Places<T>& at, const Motion<T>& u) {
+  return before - at.weight6() * at.along(u.x(at.r[1], at.r[2]), u.y(at.r[2], at.r[0]), u.z(at.r[0], at.r[1]));
 }
 
+/// The excess that links give to their own cells, and to the cells behind them.
 template <class T>
-SILT_DEVICE void add_change(FixedSum<T>& mass, const typename Lanes<T>::Real& before,
-                            const typename Lanes<T>::Real& after, const typename Lanes<T>::Mask& counted) {
-  using V = typename Lanes<T>::Real;
-  constexpr T scale = T(1 / mass_quantum);
-  mass.add(counted ? V(after * scale) : V{});
-  mass.subtract(counted ? V(before * scale) : V{});
+struct SharedExcess {
+  ExcessLanes<T> own, behind;
+};
+/// A link that holds the parabola gives half to the cell behind (method.md, equation 9b).
+template <WallScheme scheme, class T>
+SILT_DEVICE SharedExcess<T> shared_excess(const typename Lanes<T>::Real& excess, const WallFluid<T>& fluid) {
+  const ExcessLanes<T> all = excess_quanta<T>(excess);
+  if constexpr (!reads_beyond(scheme)) return {all, ExcessLanes<T>{}};
+  const ExcessLanes<T> behind = excess_quanta<T>(typename Lanes<T>::Real(T(0.5) * fluid.share * excess));
+  return {all - behind, behind};
 }
 
 /// The sums of one group, kept in registers.
@@ -112,7 +141,7 @@ class GroupSums {
   SILT_DEVICE void add(const Exchange<T>& e, const typename L::Mask& counted, const Places<T>& at,
                        const V& ux, const V& uy, const V& uz) {
     const V in = counted ? e.out : V{}, returned = counted ? e.back : V{};
-    constexpr T scale = T(1 / link_quantum), mass_scale = T(1 / mass_quantum);
+    constexpr T scale = T(1 / link_quantum);
     const V sum = (in + returned) * scale, difference = (in - returned) * galilean_;
     const V g[3] = {at.c[0] * sum - ux * difference, at.c[1] * sum - uy * difference,
                     at.c[2] * sum - uz * difference};
@@ -121,25 +150,22 @@ class GroupSums {
     torque_[0].add(r[1] * g[2] - r[2] * g[1]);
     torque_[1].add(r[2] * g[0] - r[0] * g[2]);
     torque_[2].add(r[0] * g[1] - r[1] * g[0]);
-    mass_.add(returned * mass_scale);
-    mass_.subtract(in * mass_scale);
     terms_ += L::count;
     good_ &= L::magnitude(in) + L::magnitude(returned) < limit_;
   }
-  /// Calls add(term, sum) for force, torque and mass; in_range() says whether the terms can be relied on.
+  /// Calls add(term, sum) for force and torque; in_range() says whether the terms can be relied on.
   template <class Sums, class Add>
   SILT_DEVICE void add_to(Sums& sums, const Add& add) const {
     for (int d = 0; d < 3; ++d) {
       add(force_[d].total(terms_), sums.force[d]);
       add(torque_[d].total(terms_), sums.torque[d]);
     }
-    add(mass_.total(0), sums.mass);
   }
   SILT_DEVICE bool in_range() const { return L::all(good_); }
 
  private:
   T galilean_, limit_;
-  FixedSum<T> force_[3], torque_[3], mass_;
+  FixedSum<T> force_[3], torque_[3];
   std::uint64_t terms_ = 0;
   typename L::Mask good_ = V{} == V{};
 };

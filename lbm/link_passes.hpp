@@ -11,11 +11,13 @@ template <class T>
 struct LinkPass {
   T* data;  // the block's cell 0 at Block::middle()
   std::int32_t row, plane;
+  ExcessQuanta<T>* excess;  // of the block's cell 0
   const LinkSlots* slots;
   WallFluid<T> fluid;
   const SurfaceStep<T>* surfaces;
   DeviceSums* sums;  // of the surfaces
   const BeyondPair<T>* pairs_across;
+  ExcessQuanta<T>* excess_across;
   bool galilean;
 };
 

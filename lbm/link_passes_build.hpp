@@ -24,6 +24,7 @@ struct LinksOfGroup {
   PlaceOrigin<T> origin;
   WallDistances<T> distance;
   T* corner;
+  ExcessQuanta<T>* excess;  // of the group's corner
 
   SILT_DEVICE LinksOfGroup(const LinkPass<T>& pass, const GroupOfSurface& of)
       : pass(pass),
@@ -33,9 +34,13 @@ struct LinksOfGroup {
         sums(pass.sums[of.surface]),
         origin(group.corner, surface.frame, pass.slots->components),
         distance(surface.q + group.begin, surface.rate ? surface.rate + group.begin : nullptr, step.age),
-        corner(pass.data + group.corner.x + std::ptrdiff_t{pass.row} * group.corner.y +
-               std::ptrdiff_t{pass.plane} * group.corner.z) {
+        corner(pass.data + corner_cell()),
+        excess(pass.excess + corner_cell()) {
     origin.row = pass.row, origin.plane = pass.plane;
+  }
+  SILT_DEVICE std::ptrdiff_t corner_cell() const {
+    return group.corner.x + std::ptrdiff_t{pass.row} * group.corner.y +
+           std::ptrdiff_t{pass.plane} * group.corner.z;
   }
   SILT_DEVICE FoundLink<T> operator[](int l) const {
     const Places<T> at(surface.place + group.begin + l, origin);
@@ -72,6 +77,19 @@ struct ReadLink {
   }
 };
 
+/// Adds the excess of a link to its cell and the cell behind.
+template <WallScheme scheme, class T>
+SILT_DEVICE void add_excess(const LinksOfGroup<T>& links, const FoundLink<T>& link, int l, T excess) {
+  const auto [own, behind] = shared_excess<scheme, T>(excess, links.pass.fluid);
+  add_to(links.excess[link.at.cell], own);
+  if constexpr (reads_beyond(scheme)) {
+    if (links.group.across)
+      links.pass.excess_across[links.surface.across[links.group.across_begin + l]] += behind;
+    else
+      add_to(links.excess[link.at.cell - links.pass.slots->step[link.at.direction]], behind);
+  }
+}
+
 /// Applies the links of a group that are a member's, so many together: all of these are read before one is
 /// written.
 template <WallScheme scheme, int together, class T>
@@ -91,6 +109,7 @@ SILT_DEVICE void apply_group(const LinksOfGroup<T>& links, const Team& member) {
       const T ux = u.x(at.r[1], at.r[2]), uy = u.y(at.r[2], at.r[0]), uz = u.z(at.r[0], at.r[1]);
       passed[k] = exchange<scheme>(read, fluid, at, link.q, at.along(ux, uy, uz), read.opposite());
       back[k] = link.back;
+      add_excess<scheme>(links, link, first + k, passed[k].excess);
       sums.add(passed[k], true, at, ux, uy, uz);
     }
     for (int k = 0; k < end; ++k) links.corner[back[k]] = passed[k].back;
@@ -99,18 +118,14 @@ SILT_DEVICE void apply_group(const LinksOfGroup<T>& links, const Team& member) {
   member.add(sums.in_range() ? 0 : 1, links.sums.beyond_range);
 }
 
-template <WallScheme scheme, class T>
+template <class T>
 SILT_DEVICE void correct_group(const LinksOfGroup<T>& links, const Team& member) {
   const Motion<T> u(links.step.motion);
-  FixedSum<T> mass;
   for (int l = member.lane; l < int(links.group.count); l += member.size) {
-    const FoundLink<T> link = links[l];
-    const T before = links.corner[link.back];
-    const T after = corrected<scheme>(before, link.q, link.at, u, links.pass.fluid);
-    links.corner[link.back] = after;
-    add_change(mass, before, after, true);
+    const Places<T> at(links.surface.place + links.group.begin + l, links.origin);
+    T& back = links.corner[at.slots(links.pass.slots->back)];
+    back = corrected<T>(back, at, u);
   }
-  member.add(mass.total(0), links.sums.mass);
 }
 
 template <class T>
@@ -147,7 +162,7 @@ struct CorrectLinks {
   SILT_DEVICE void operator()(std::int64_t k, const Team& member) const {
     const LinksOfGroup<T> links(pass, groups[k]);
     if (!links.step.open) return;
-    with_scheme(links.group.scheme, [&](auto scheme) { correct_group<scheme()>(links, member); });
+    correct_group(links, member);
   }
 };
 

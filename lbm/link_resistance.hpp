@@ -5,20 +5,20 @@
 
 namespace silt::lbm::SILT_ISA {
 
-/// Calls add(e, terms) for the entries of k J J^T (ResistanceSums), in quanta; arms are in units of 1 /
+/// Calls add(e, terms) for the entries of 6 w J J^T (ResistanceSums), in quanta; arms are in units of 1 /
 /// `arm`.
-template <WallScheme scheme, class T, class Add, class V = typename Lanes<T>::Real>
-[[gnu::always_inline]] SILT_DEVICE inline void add_resistance(const Places<T>& at, const V& q,
-                                                              const typename Lanes<T>::Mask& counted,
-                                                              const WallFluid<T>& fluid, T arm, Add&& add) {
-  const V k = coefficients<scheme>(q, at.weight6(), fluid).k * T(1 / resistance_quantum<T>);
-  const V x = at.r[0] * arm, y = at.r[1] * arm, z = at.r[2] * arm, weight = counted ? k : V{};
+template <class T, class Add, class V = typename Lanes<T>::Real>
+[[gnu::always_inline]] SILT_DEVICE inline void add_resistance(const Places<T>& at,
+                                                              const typename Lanes<T>::Mask& counted, T arm,
+                                                              Add&& add) {
+  const V weight = counted ? at.weight6() * T(1 / resistance_quantum<T>) : V{};
+  const V x = at.r[0] * arm, y = at.r[1] * arm, z = at.r[2] * arm;
   const auto& c = at.c;
   const V j[6] = {c[0], c[1], c[2], y * c[2] - z * c[1], z * c[0] - x * c[2], x * c[1] - y * c[0]};
   int e = 0;
   for (int a = 0; a < 6; ++a) {
-    const V kj = weight * j[a];
-    for (int b = a; b < 6; ++b, ++e) add(e, kj * j[b]);
+    const V wj = weight * j[a];
+    for (int b = a; b < 6; ++b, ++e) add(e, wj * j[b]);
   }
 }
 

@@ -8,13 +8,13 @@
 namespace silt::lbm::SILT_ISA {
 namespace {
 
-constexpr int entries = 21;  // the upper triangle of k J J^T
+constexpr int entries = 21;  // the upper triangle of 6 w J J^T
 
 template <class T>
 using Entries = typename Lanes<T>::Quanta[entries];
 
 /// Adds the resistance of a group. In single precision its terms have 32 bits.
-template <WallScheme scheme, class T>
+template <class T>
 void add_group(const CutLinks<T>& links, const LinkGroup& group, int exponent, Entries<T>& sums) {
   using L = Lanes<T>;
   using V = typename L::Real;
@@ -22,16 +22,14 @@ void add_group(const CutLinks<T>& links, const LinkGroup& group, int exponent, E
   constexpr int chunk = 64 * L::count;  // links whose terms may be summed, 64 a lane
   const PlaceOrigin<T> origin(group.corner, links.frame);
   const std::uint32_t* const place = links.place.data() + group.begin;
-  const T* const distance = links.q.data() + group.begin;
   const int count = int(group.count);
   const T arm = T(std::ldexp(1.0, -exponent));
   for (int first = 0; first < count; first += chunk) {
     Terms h[entries] = {};
     for (int l = first; l < std::min(first + chunk, count); l += L::count) {
       const Places<T> at(place + l, origin);
-      const V q = load<V>(distance + l);
-      add_resistance<scheme>(at, q, L::below(count - l), links.fluid, arm,
-                             [&](int e, const V& term) { h[e] += __builtin_convertvector(term, Terms); });
+      add_resistance<T>(at, L::below(count - l), arm,
+                        [&](int e, const V& term) { h[e] += __builtin_convertvector(term, Terms); });
     }
     for (int e = 0; e < entries; ++e) sums[e] += __builtin_convertvector(h[e], typename L::Quanta);
   }
@@ -41,7 +39,7 @@ template <class T>
 ResistanceSums of_links(const CutLinks<T>& links, int exponent) {
   Entries<T> lanes = {};
   for (const LinkGroup& group : links.groups)
-    with_scheme(group.scheme, [&](auto scheme) { add_group<scheme()>(links, group, exponent, lanes); });
+    add_group(links, group, exponent, lanes);
   ResistanceSums sums;
   for (int e = 0; e < entries; ++e)
     for (int l = 0; l < Lanes<T>::count; ++l) sums.h[e] += lanes[e][l];

@@ -75,7 +75,6 @@ struct RecursiveRegularised {
       px += h[0];
       py += h[1];
       pz += h[2];
-      rho += r.mass_correction;
     }
     const V azz = trace - (axx + ayy);
 

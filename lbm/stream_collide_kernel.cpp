@@ -58,6 +58,31 @@ struct Pass {
   FirstLanes<typename VectorOf<T>::type, T> rest_of_row;
 };
 
+/// The cells of a row, the first of which is Block::cell `first`, take up their excess: whole vectors with the
+/// bits of single cells.
+template <class T>
+[[gnu::noinline]] void take_up_excess(const Slots<T>& slots, std::ptrdiff_t first, ExcessQuanta<T>* excess,
+                                      int cells) {
+  using V = typename VectorOf<T>::type;
+  constexpr int width = vector_bytes / sizeof(T);
+  using Quanta = typename VectorOf<ExcessQuanta<T>, width>::type;
+  int x = 0;
+  for (; x + width <= cells; x += width) {
+    const Quanta quanta = load<Quanta>(excess + x);
+    if (!any_lane(quanta != Quanta{})) continue;
+    const V density = __builtin_convertvector(quanta, V) * T(excess_quantum<T>);
+    const auto add = [&](T* slot, int i) __attribute__((always_inline)) {
+      const V g = load<V>(slot + first + x);
+      store(slot + first + x, density != V{} ? V(g + T(w(i)) * density) : g);
+    };
+    add(slots.rest, 0);
+    for (int k = 0; k < pairs; ++k) add(slots.a[k], 2 * k + 1), add(slots.b[k], 2 * k + 2);
+    store(excess + x, Quanta{});
+  }
+  for (; x < cells; ++x)
+    lbm::take_up_excess<T>(excess[x], [&](int i) -> T& { return slots.arriving(i)[first + x]; });
+}
+
 /// `watch` sees the cells' squares and where they are.
 template <class Model, bool source, class T, class Watch>
 [[gnu::noinline]] void row_range(const Pass<T> pass, RowRange range, Watch& watch) {
@@ -67,6 +92,8 @@ template <class Model, bool source, class T, class Watch>
   for (int z = range.z0; z < range.z1; ++z)
     for (int y = range.y0; y < range.y1; ++y) {
       const std::ptrdiff_t first = pass.block.cell(0, y, z), end = first + whole;
+      if (ExcessQuanta<T>* const excess = pass.block.excess_of_row(y, z))
+        take_up_excess(pass.slots, first, excess, nx);
       for (std::ptrdiff_t x = first; x < end; x += width)
         collide<Model, source, V>(pass.slots, x, pass.rates, AllLanes{}, watch);
       if (whole < nx) collide<Model, source, V>(pass.slots, end, pass.rates, pass.rest_of_row, watch);
@@ -95,7 +122,7 @@ void planes(Block<T>& block, Parity parity, const CollisionRates<T>& rates, RowR
 template <class Model, class T>
 void rows_under(Block<T>& block, Parity parity, const CollisionRates<T>& rates, RowRange range,
                 const WatchedPlanes& watched) {
-  if (rates.has_source())
+  if (rates.has_force())
     planes<Model, true>(block, parity, rates, range, watched);
   else
     planes<Model, false>(block, parity, rates, range, watched);

@@ -29,7 +29,6 @@ struct TwoRelaxationTimes {
     const V square = xx + yy + zz;
     see(square);
     V isotropic = r.density * rho - square;
-    if constexpr (source) isotropic += T(1. / 36) * r.mass_correction;
     V qx = r.momentum * ux, qy = r.momentum * uy, qz = r.momentum * uz;
     if constexpr (source) {
       qx += r.odd_force[0];

@@ -101,8 +101,6 @@ constexpr std::tuple coupling_keys{
     Key{"refill", &CouplingSpec::refill, Choice{refill_names}, "populations of cells that a body uncovers"},
     Key{"force", &CouplingSpec::force, Choice{force_form_names},
         "momentum exchange; \"exact\" conserves momentum: comparison"},
-    Key{"mass_correction", &CouplingSpec::mass_correction, Flag{},
-        "takes the mass that moving surfaces make or destroy out of the whole fluid again"},
     Key{"remap_tolerance", &CouplingSpec::remap_tolerance,
         Number{dimension::none, range::between(0, 0.4), "cells"},
         "how far a surface may be from where its cells were found last, at most 0.4; 0.15 of it where wall "

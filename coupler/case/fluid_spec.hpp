@@ -84,7 +84,6 @@ struct CouplingSpec {
   TimeCoupling time = TimeCoupling::implicit_;
   Refill refill = Refill::grad;
   ForceForm force = ForceForm::galilean;
-  bool mass_correction = true;
   /// A surface may be this far, in cells, from where its cells were found; mapping/mapping_poses.hpp. At most
   /// 0.4: holders of a body that is more than 1/2 from there might not know of it (exchange/holders.hpp).
   double remap_tolerance = 0.1;

@@ -102,7 +102,8 @@ void FluidForces<T>::apply(lbm::Block<T>& block, const BlockLinks<T>& links, Sur
                            const lbm::LinkGroup& group, const lbm::NextGroup<T>& next, bool at_hand) {
   static const bool last_cache_is_far = silt::last_cache_is_far();
   const bool far = !at_hand || last_cache_is_far;
-  lbm::apply_cut_links<T>({block, links.slots, surface.links, group, next, links.pairs_across, &listed_, far},
+  lbm::apply_cut_links<T>({block, links.slots, surface.links, group, next, links.pairs_across, &listed_, far,
+                           links.excess_across},
                           surface.motion, spec_.force, surface.sums);
 }
 
@@ -118,7 +119,7 @@ void FluidForces<T>::apply_inner(lbm::Block<T>& block, BlockLinks<T>& links, Gro
     if (!time_.is_implicit()) return;
     if (soon < end) prefetch_row(links.surfaces[inner[soon].surface]);
     ++soon;
-    if (--surface.left == 0 && surface.links.frame.whole) finish_body(block, links.slots, surface);
+    if (--surface.left == 0 && surface.links.frame.whole) finish_body(block, links, surface);
   });
 }
 
@@ -135,8 +136,7 @@ void FluidForces<T>::prefetch_row(const SurfaceLinks<T>& surface) {
 
 /// Does for a body on which nobody else has links what move() would do for it later.
 template <class T>
-void FluidForces<T>::finish_body(lbm::Block<T>& block, const lbm::LinkSlots& slots,
-                                 SurfaceLinks<T>& surface) {
+void FluidForces<T>::finish_body(lbm::Block<T>& block, const BlockLinks<T>& links, SurfaceLinks<T>& surface) {
   const std::size_t row = surface.row;
   if (row >= bodies_->owned || !bodies_->takes_impulses(row) || surface.sums.invalid) return;
   add_sums(surface, true, sums_);
@@ -147,12 +147,12 @@ void FluidForces<T>::finish_body(lbm::Block<T>& block, const lbm::LinkSlots& slo
   lbm::SurfaceMotion increment;
   set_motion(increment, d.template head<3>(), d.template tail<3>());
   for (const lbm::LinkGroup& group : surface.links.groups)  // still in cache
-    lbm::correct_cut_links<T>({block, slots, surface.links, group}, increment, surface.sums);
+    lbm::correct_cut_links<T>({block, links.slots, surface.links, group}, increment);
 }
 
 template <class T>
 void FluidForces<T>::apply_on_device(lbm::Block<T>& block, BlockLinks<T>& links) {
-  links.on_device->apply(block, links.slots, links.pairs_across, spec_.force);
+  links.on_device->apply(block, links.slots, links.pairs_across, links.excess_across, spec_.force);
   for (std::size_t k = 0; k < links.surfaces.size(); ++k) links.surfaces[k].sums = links.on_device->sums(k);
 }
 
@@ -167,7 +167,6 @@ void FluidForces<T>::apply_rims(lbm::Fluid<T>& fluid, std::span<BlockLinks<T>> l
         apply(fluid.blocks()[b], links[b], surface, group, next, false);
       });
     for (const SurfaceLinks<T>& surface : links[b].surfaces) {
-      outcome_.mass_gain += surface.sums.mass;
       if (surface.sums.invalid)
         outcome_.out_of_range = std::min(outcome_.out_of_range, bodies_->id[surface.row]);
     }
@@ -187,10 +186,8 @@ void FluidForces<T>::gather(std::span<const BlockLinks<T>> links, const rigid::B
   exchange_.sum_to_owners(bodies, sums_.all(), sums_.width());
 }
 
-/// Returns the mass that the fluid gained through the corrections.
 template <class T>
-std::int64_t FluidForces<T>::move(lbm::Fluid<T>& fluid, std::span<BlockLinks<T>> links,
-                                  rigid::BodySet& bodies) {
+void FluidForces<T>::move(lbm::Fluid<T>& fluid, std::span<BlockLinks<T>> links, rigid::BodySet& bodies) {
   std::vector<std::uint8_t> finished(bodies.size(), 0);
   for (const BlockLinks<T>& block : links)
     for (const SurfaceLinks<T>& surface : block.surfaces)
@@ -204,12 +201,9 @@ std::int64_t FluidForces<T>::move(lbm::Fluid<T>& fluid, std::span<BlockLinks<T>>
     else
       add_link_force(bodies, row, sums_);
   }
-  if (!time_.is_implicit()) return 0;
+  if (!time_.is_implicit()) return;
   share(bodies, corrections);
-  std::int64_t mass = 0;
-  for (std::size_t b = 0; b < links.size(); ++b)
-    mass += correct(fluid.blocks()[b], links[b], bodies, corrections);
-  return mass;
+  for (std::size_t b = 0; b < links.size(); ++b) correct(fluid.blocks()[b], links[b], bodies, corrections);
 }
 
 /// Copies get the corrections of their owners (6 a row), and the changes that these foresee.
@@ -230,8 +224,8 @@ void FluidForces<T>::share(rigid::BodySet& bodies, std::span<double> corrections
 /// The links of bodies that were not finished during the pass return as if they had moved faster by these
 /// corrections (6 a row).
 template <class T>
-std::int64_t FluidForces<T>::correct(lbm::Block<T>& block, BlockLinks<T>& links, const rigid::BodySet& bodies,
-                                     std::span<const double> corrections) {
+void FluidForces<T>::correct(lbm::Block<T>& block, BlockLinks<T>& links, const rigid::BodySet& bodies,
+                             std::span<const double> corrections) {
   std::vector<typename BlockLinks<T>::Group> open;
   for (std::uint32_t k = 0; k < links.surfaces.size(); ++k) {
     SurfaceLinks<T>& surface = links.surfaces[k];
@@ -243,15 +237,11 @@ std::int64_t FluidForces<T>::correct(lbm::Block<T>& block, BlockLinks<T>& links,
     for (std::uint32_t g = 0; g < surface.links.groups.size(); ++g) open.push_back({k, g});
   }
   if (links.on_device) return links.on_device->correct(block, links.slots);
-  std::int64_t mass = 0;
   lbm::ListedLinks listed;
   links.for_groups(open, 0, open.size(), [&](const auto& surface, const auto& group, const auto& next) {
-    lbm::LinkSums sums;
     lbm::correct_cut_links<T>({block, links.slots, surface.links, group, next, nullptr, &listed, true},
-                              surface.motion, sums);
-    mass += sums.mass;
+                              surface.motion);
   });
-  return mass;
 }
 
 template <class T>
@@ -259,7 +249,7 @@ const LinkOutcome& FluidForces<T>::finish(lbm::Fluid<T>& fluid, std::span<BlockL
                                           rigid::BodySet& bodies) {
   apply_rims(fluid, links);
   gather(links, bodies);
-  outcome_.mass_gain += move(fluid, links, bodies);
+  move(fluid, links, bodies);
   return outcome_;
 }
 

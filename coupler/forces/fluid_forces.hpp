@@ -31,7 +31,6 @@ struct ForceOutOfRange : std::overflow_error {
 /// The outcome of one step of this rank's links.
 struct LinkOutcome {
   static constexpr rigid::BodyId nobody = std::numeric_limits<rigid::BodyId>::max();
-  std::int64_t mass_gain = 0;           // density that fluid cells gained, in mass quanta
   rigid::BodyId out_of_range = nobody;  // the least id of bodies whose sums are
   // force and torque on the walls, by their rows, torque about their positions, in lbm::link_quantum
   std::vector<std::array<std::int64_t, 6>> wall_loads;
@@ -69,13 +68,12 @@ class FluidForces {
   void apply(lbm::Block<T>&, const BlockLinks<T>&, SurfaceLinks<T>&, const lbm::LinkGroup&,
              const lbm::NextGroup<T>&, bool at_hand);
   void prefetch_row(const SurfaceLinks<T>&);
-  void finish_body(lbm::Block<T>&, const lbm::LinkSlots&, SurfaceLinks<T>&);
+  void finish_body(lbm::Block<T>&, const BlockLinks<T>&, SurfaceLinks<T>&);
   void apply_on_device(lbm::Block<T>&, BlockLinks<T>&);
   void apply_rims(lbm::Fluid<T>&, std::span<BlockLinks<T>>);
   void gather(std::span<const BlockLinks<T>>, const rigid::BodySet&);
-  std::int64_t move(lbm::Fluid<T>&, std::span<BlockLinks<T>>, rigid::BodySet&);
-  std::int64_t correct(lbm::Block<T>&, BlockLinks<T>&, const rigid::BodySet&,
-                       std::span<const double> corrections);
+  void move(lbm::Fluid<T>&, std::span<BlockLinks<T>>, rigid::BodySet&);
+  void correct(lbm::Block<T>&, BlockLinks<T>&, const rigid::BodySet&, std::span<const double> corrections);
   void share(rigid::BodySet&, std::span<double> corrections) const;
 
   bool is_exact() const { return spec_.force == ForceForm::exact; }

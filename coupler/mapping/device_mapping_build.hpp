@@ -98,9 +98,7 @@ struct MeasureGroup {
     const GroupToMap& group = all.groups[k];
     const SurfaceToMap<T>& surface = all.surfaces[group.surface];
     measure(group, surface, member);
-    if (surface.arm != 0)
-      lbm::with_scheme(group.scheme,
-                       [&](auto scheme) { add_resistance_of<scheme()>(group, surface, member); });
+    if (surface.arm != 0) add_resistance_of(group, surface, member);
   }
   SILT_DEVICE void measure(const GroupToMap& group, const SurfaceToMap<T>& surface,
                            const Team& member) const {
@@ -114,7 +112,6 @@ struct MeasureGroup {
         surface.rate[l] = group.crossing ? T(0) : rate_of(q, at(surface.last, T(most_change)), surface.steps);
     }
   }
-  template <lbm::WallScheme scheme>
   SILT_DEVICE void add_resistance_of(const GroupToMap& group, const SurfaceToMap<T>& surface,
                                      const Team& member) const {
     using Term = std::conditional_t<sizeof(T) == 4, std::int32_t, std::int64_t>;
@@ -122,8 +119,7 @@ struct MeasureGroup {
     std::int64_t h[entries] = {};
     for (int l = int(group.begin) + member.lane; l < int(group.begin + group.count); l += member.size) {
       const lbm::SILT_ISA::Places<T> at(surface.place + l, origin(group, surface.now));
-      lbm::SILT_ISA::add_resistance<scheme>(at, surface.q[l], true, surface.fluid, surface.arm,
-                                            [&](int e, T term) { h[e] += Term(term); });
+      lbm::SILT_ISA::add_resistance<T>(at, true, surface.arm, [&](int e, T term) { h[e] += Term(term); });
     }
     for (int e = 0; e < entries; ++e) member.add(h[e], all.resistance[group.surface].h[e]);
   }

@@ -4,9 +4,8 @@
 #include <array>
 #include <bit>
 #include <cmath>
-#include <tuple>
 
-#include "lbm/slot_exchange.hpp"
+#include "coupler/mapping/shared_neighbours.hpp"
 #include "parallel/communicator.hpp"
 
 namespace silt::coupler {
@@ -14,21 +13,6 @@ namespace silt::coupler {
 using lbm::Int3;
 
 namespace {
-
-/// Calls visit(cell) for the ghost cells of a block which the last mapping uncovered.
-template <class Visit>
-void for_uncovered_ghosts(const BlockMap& map, Visit&& visit) {
-  if (!map.changed) return;
-  for (int z = -1; z <= map.box.size.z; ++z)
-    for (int y = -1; y <= map.box.size.y; ++y)
-      for (int k = 0; k < map.solid.words(); ++k) {
-        const std::uint64_t fresh = map.before.at(y, z)[k] & ~map.solid.at(y, z)[k];
-        if (fresh)
-          for_bits(fresh, k, [&](int x) {
-            if (!map.has({x, y, z})) visit(Int3{x, y, z});
-          });
-      }
-}
 
 /// Calls f(cell) for every cell inside the block that a mask has and `other`, the block's solid cells or
 /// those before, has not.
@@ -50,20 +34,6 @@ void for_cells_lost(const BlockMap& map, const BodyMask& mask, const CellBits& o
     }
 }
 
-/// Moments that go to another rank, or come from there. Both ends have them in the order of the uncovered
-/// cells and the directions from these to the neighbours whose moments they are.
-struct SharedMoments {
-  int rank;
-  std::int64_t cell;  // the uncovered one, as the domain counts
-  int direction;
-  std::uint32_t place;  // among all
-  bool operator<(const SharedMoments& other) const {
-    return std::tie(rank, cell, direction) < std::tie(other.rank, other.cell, other.direction);
-  }
-  static constexpr std::uint32_t numbers = sizeof(lbm::Moments) / sizeof(double);
-  lbm::SlotRun slots() const { return {0, numbers * place, 1, numbers}; }
-};
-
 /// Returns moments of neighbours that other ranks hold, in the order in which the uncovered cells ask.
 template <class T>
 std::vector<lbm::Moments> remote_moments(lbm::Fluid<T>& fluid, const std::vector<BlockMap>& maps,
@@ -71,42 +41,32 @@ std::vector<lbm::Moments> remote_moments(lbm::Fluid<T>& fluid, const std::vector
   const lbm::Domain& domain = fluid.domain();
   if (domain.ranks() == 1) return {};
   const int here = parallel::rank_of(fluid.comm());
-  std::vector<SharedMoments> offers, wants;
+  SharedNeighbours<lbm::Moments> offers(domain), wants(domain);
   std::vector<lbm::LocalCell> offered;
-  const auto add = [&](std::vector<SharedMoments>& list, int rank, Int3 uncovered, int k) {
-    const Int3 g = domain.wrapped(uncovered), n = domain.cells();
-    list.push_back({rank, (std::int64_t(g.z) * n.y + g.y) * n.x + g.x, k, std::uint32_t(list.size())});
-  };
-  for (int b = 0; b < int(maps.size()); ++b)
-    for_uncovered_ghosts(maps[b], [&](Int3 x) {
+  for (int b = 0; b < int(maps.size()); ++b) {
+    const auto uncovered_bits = [&](int y, int z, int k) {
+      return maps[b].before.at(y, z)[k] & ~maps[b].solid.at(y, z)[k];
+    };
+    for_ghosts(maps[b], uncovered_bits, [&](Int3 x) {
       const Int3 uncovered = maps[b].box.lower + x;
       const int rank = domain.rank_at(domain.wrapped(uncovered));
       for (int k = 1; rank != here && k < lbm::directions; ++k) {
         const Int3 y = x + lbm::c[k];
         if (!maps[b].has(y) || !maps[b].was_and_is_fluid(y)) continue;
-        add(offers, rank, uncovered, k);
+        offers.add(rank, uncovered, k);
         offered.push_back({b, y});
       }
     });
+  }
   for (const CoveredCell& u : cells.uncovered)
     for (int k = 1; k < lbm::directions; ++k) {
       const BlockMap& map = maps[u.block];
       const Int3 y = u.cell + lbm::c[k];
       if (map.has(y) || !map.was_and_is_fluid(y)) continue;
       const int rank = domain.rank_at(domain.wrapped(map.box.lower + y));
-      if (rank != here) add(wants, rank, map.box.lower + u.cell, k);
+      if (rank != here) wants.add(rank, map.box.lower + u.cell, k);
     }
-  std::vector<lbm::Moments> wanted(wants.size());
-  std::sort(offers.begin(), offers.end());
-  std::sort(wants.begin(), wants.end());
-  lbm::SlotExchange<double> exchange(fluid.comm(), 2);
-  for (const SharedMoments& offer : offers) exchange.sent(offer.rank).add(offer.slots());
-  for (const SharedMoments& want : wants) exchange.received(want.rank).add(want.slots());
-  const double* const from = reinterpret_cast<const double*>(fluid.moments(offered).data());
-  double* const to = reinterpret_cast<double*>(wanted.data());
-  exchange.start({&from, 1});
-  exchange.finish({&from, 1}, {&to, 1});
-  return wanted;
+  return offers.exchange(fluid.comm(), 2, fluid.moments(offered), wants);
 }
 
 template <class T>

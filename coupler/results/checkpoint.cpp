@@ -40,14 +40,8 @@ void visit_state(SavedState& s, Visit&& visit) {
   visit("momentum_brought_x", s.momentum_brought.q[0]);
   visit("momentum_brought_y", s.momentum_brought.q[1]);
   visit("momentum_brought_z", s.momentum_brought.q[2]);
+  visit("mass_taken", s.mass_taken);
   visit("fluid_speed", s.fluid_speed, 0);
-}
-
-template <class Visit>
-void visit_mass_correction(MassCorrectionState& correction, std::int64_t cells, Visit&& visit) {
-  visit("mass_correction.surplus", correction.surplus);
-  visit("mass_correction.fluid_cells", correction.fluid_cells, 0, cells);
-  visit("mass_correction.link_gain", correction.link_gain);
 }
 
 template <class Visit>
@@ -164,8 +158,7 @@ SavedState numbers_of(const Simulation& simulation) {
   state.next_id = simulation.next_id();
   state.momentum_brought = simulation.momentum_brought();
   state.fluid_speed = simulation.fluid_speed();
-  if (const Flow* flow = simulation.scene().flow.get())
-    state.mass_correction = flow->account().mass_correction();
+  state.mass_taken = simulation.mass_taken();
   return state;
 }
 
@@ -193,7 +186,6 @@ void write_state(CheckpointWriter& writer, const Simulation& simulation, const Q
     visit_steady_watch(watch, Write{writer});
   }
   if (const Flow* flow = simulation.scene().flow.get()) {
-    visit_mass_correction(state.mass_correction, std::int64_t(setup.volume()), Write{writer});
     if (FlowControl* const control = simulation.scene().flow->control()) {
       FlowControl::State of_control = control->state();
       visit_flow_control(of_control, Write{writer});
@@ -243,7 +235,6 @@ SavedState read_state(const CheckpointReader& reader, const Case& setup) {
   }
   state.bodies = {std::move(bodies.records), std::move(bodies.impulses)};
   if (!setup.fluid) return state;
-  visit_mass_correction(state.mass_correction, std::int64_t(setup.volume()), Read{reader});
   if (!setup.fluid->superficial_velocity.isZero(0)) visit_flow_control(state.flow_control, Read{reader});
   require_populations(reader, setup);
   if (setup.coarsening)

@@ -158,11 +158,8 @@ void add_balance(Simulation& simulation, Json& report) {
   const auto of_fluid = [&](double mass) {  // of its whole mass at the start
     return before.fluid_cells > 0 ? mass / before.fluid_cells : unknown;
   };
-  const Flow* flow = simulation.scene().flow.get();
-  const double surplus = flow ? double(flow->account().mass_correction().surplus) : 0;
   report["mass_drift"] = of_fluid(now.mass_deviation - before.mass_deviation);
-  // what of it the mass correction knows of and takes out in the next step
-  report["mass_surplus"] = of_fluid(surplus * lbm::mass_quantum);
+  report["mass_taken"] = of_fluid(double(simulation.mass_taken()) * lbm::mass_quantum);
   // |p - p(0)| / (|p of the fluid| + sum |p of a body|), the larger of then and now
   const double scale = std::max(before.momentum_scale, now.momentum_scale);
   report["momentum_drift"] = keeps_momentum(simulation.scene()) && scale > 0
@@ -362,7 +359,7 @@ std::string report_of(Simulation& simulation, const Quantities& quantities, cons
   add_times(simulation, status, report);
   add_parallel(simulation, status, report);
   report["skipped"] = skipped_passes(scene);
-  for (const char* name : {"mass_drift", "mass_surplus", "momentum_drift"}) report[name] = Json();
+  for (const char* name : {"mass_drift", "mass_taken", "momentum_drift"}) report[name] = Json();
   if (status.state_is_sound) {
     add_balance(simulation, report);
     add_motion(simulation, report);

@@ -71,7 +71,7 @@ void add_rows(const fs::path& path, bool fresh, const std::string& columns, cons
 constexpr std::array series_columns = {"steps",        "time",           "wall_seconds", "mlups",
                                        "bodies",       "bodies_arrived", "bodies_left",  "bodies_left_by",
                                        "energy",       "momentum",       "max_velocity", "min_density",
-                                       "max_density",  "mass_drift",     "mass_surplus", "bodies_asleep",
+                                       "max_density",  "mass_drift",     "mass_taken",   "bodies_asleep",
                                        "contacts_now", "momentum_drift", "links",        "max_penetration",
                                        "quantities",   "means",          "stage_seconds"};
 

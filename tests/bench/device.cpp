@@ -78,7 +78,7 @@ void tell(const std::string& name, const Values& here, const Values& there, Figu
   out.figures["device.unlike." + key] = double(unlike);
 }
 
-/// The totals and masses of rows of cells, long and short.
+/// The totals of rows of cells, long and short.
 template <class T>
 std::vector<std::int64_t> totals(Device device) {
   const lbm::Int3 n{100, 48, 16};
@@ -91,9 +91,8 @@ std::vector<std::int64_t> totals(Device device) {
   for (int z = 0; z < n.z; ++z)
     rows.push_back({{0, 0, z}, n.x, n.y}), rows.push_back({{z, z, z}, 1 + 2 * z, 1});
   std::pmr::vector<lbm::CellTotals> found(rows.size(), memory_of(device));
-  std::pmr::vector<std::int64_t> masses(rows.size(), memory_of(device));
-  fluid.totals(0, rows, found.data()), fluid.masses(0, rows, masses.data());
-  std::vector<std::int64_t> all(masses.begin(), masses.end());
+  fluid.totals(0, rows, found.data());
+  std::vector<std::int64_t> all;
   for (const lbm::CellTotals& t : found) {
     all.insert(all.end(),
                {t.mass, t.momentum[0], t.momentum[1], t.momentum[2], t.energy, t.energy_rest, t.sound});

@@ -66,6 +66,8 @@ class Links {
     if (lbm::knows_opposite_wall(coupling.wall_scheme))
       links_.gaps.pair(links_.surfaces, fluid_.domain(), box), links_.gaps.set_distances(links_.surfaces);
     links_.slots = lbm::link_slots(fluid_.blocks()[0], lbm::Parity::crossed);
+    const lbm::RowRange rows[] = {{0, box.size.y, 0, box.size.z}};
+    fluid_.hold_excess(0, rows);
     const std::uint32_t middle = links_.inner[links_.inner.size() / 2].surface;
     for (std::uint32_t g = 0; g < links_.surfaces[middle].links.groups.size(); ++g)
       one_.push_back({middle, g});
@@ -82,14 +84,16 @@ class Links {
   void apply(const std::vector<Group>& order, bool next, bool fetch = false) {
     for_groups(order, next, [&](const auto& links, const auto& group, auto after) {
       lbm::apply_cut_links<float>(
-          {fluid_.blocks()[0], links_.slots, links, group, after, pairs_.of(0), &listed_, fetch}, {},
+          {fluid_.blocks()[0], links_.slots, links, group, after, pairs_.of(0), &listed_, fetch,
+           pairs_.excess_of(0)}, {},
           lbm::ForceForm::galilean, sums_);
     });
   }
   void correct(const std::vector<Group>& order, bool next, bool fetch = false) {
     for_groups(order, next, [&](const auto& links, const auto& group, auto after) {
       lbm::correct_cut_links<float>(
-          {fluid_.blocks()[0], links_.slots, links, group, after, nullptr, &listed_, fetch}, {}, sums_);
+          {fluid_.blocks()[0], links_.slots, links, group, after, nullptr, &listed_, fetch,
+           pairs_.excess_of(0)}, {});
     });
   }
   void sum_resistance() {

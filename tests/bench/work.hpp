@@ -9,7 +9,7 @@
 namespace silt::bench {
 
 /// The operations of a cell of the dense pass, two relaxation times, without a force and with one (a body
-/// force or the mass correction). The compiled loop of the 256-bit build has as many.
+/// force). The compiled loop of the 256-bit build has as many.
 inline constexpr double flops_per_cell = 141, flops_per_cell_with_force = 158;
 template <class T>
 inline constexpr double bytes_per_cell = 2 * lbm::directions * sizeof(T);
@@ -42,7 +42,7 @@ int operations_of_coefficients() {
 struct LinkWork {
   double flops, bytes;
 };
-/// Returns the work of a cut link in a step: what comes back, force, torque and mass; with implicit coupling
+/// Returns the work of a cut link in a step: what comes back, the excess, force and torque; with implicit coupling
 /// also the correction. (The resistance is part of the object mapping.)
 inline LinkWork link_work(std::string_view scheme, bool implicit, std::size_t bytes_of_a_population) {
   using enum lbm::WallScheme;
@@ -52,16 +52,16 @@ inline LinkWork link_work(std::string_view scheme, bool implicit, std::size_t by
                               : scheme == "parabolic" ? operations_of_coefficients<parabolic>()
                                                       : operations_of_coefficients<bounce_back>();
   constexpr double arm = 2, velocity = 12, along = 5, weight = 5, back = 3, from_behind = 15, exchange = 12,
-                   torque = 9, sums = 8, in_range = 1, change = 2, mass = 2;
+                   torque = 9, sums = 6, in_range = 1, change = 2, excess = 8;
   const double entry = 4 + double(bytes_of_a_population), value = double(bytes_of_a_population);
   LinkWork work{arm + velocity + along + weight + coefficients + back + (behind ? from_behind : 0) +
-                    exchange + torque + sums + in_range,
+                    exchange + torque + sums + in_range + excess,
                 entry + (beyond   ? 6
                          : behind ? 4
                                   : 2) *
                             value};
   if (implicit) {
-    work.flops += arm + velocity + along + weight + coefficients + change + mass;
+    work.flops += arm + velocity + along + weight + coefficients + change + excess;
     work.bytes += entry + 2 * value;
   }
   return work;

@@ -33,7 +33,6 @@ inline CaseText free_spheres() {
   c.fluid += "precision = \"double\"\n";
   c.rest = R"([coupling]
 force = "exact"
-mass_correction = false
 [contacts]
 restitution = 1.0
 friction = 0.0

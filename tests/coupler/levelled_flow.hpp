@@ -20,7 +20,7 @@ class LevelledFlow final : public Flow {
   LevelledFlow(const Case& scene, const lbm::CutTree& tree, int levels, MPI_Comm comm) {
     for (int level = 0; level < levels; ++level)
       levels_.push_back(std::make_unique<Level>(scene, tree, level, comm));
-    account_ = std::make_unique<FlowAccount>(fields(), comm, false);
+    account_ = std::make_unique<FlowAccount>(fields(), comm);
     for (int level = 1; level < levels; ++level) account_->add_level(fields(level));
   }
 
@@ -39,7 +39,7 @@ class LevelledFlow final : public Flow {
   void evaluate_forces(rigid::BodySet&) override {}
   void hold_bodies(bool) override {}
   void set_schedule(LinkSchedule) override {}
-  void resume(const MassCorrectionState&) override {}
+  void resume(std::int64_t, rigid::FixedSum) override {}
   void take_over(const Flow&) override {}
   void start(rigid::BodySet&) override {}
 
@@ -54,7 +54,7 @@ class LevelledFlow final : public Flow {
       for (const auto& block : fluid.blocks()) {
         BlockMap& map = maps.emplace_back();
         map.box = block.box();
-        map.solid = CellBits(map.box.size);
+        map.walls = map.solid = CellBits(map.box.size);
       }
       fields = make_fields<double>(fluid, maps);
     }

@@ -357,7 +357,7 @@ TEST(BodyTurnover, MomentumIsAccountedFor) {
   c.domain = domain_of({24, 24, 24});
   c.fluid += "precision = \"double\"\n";
   c.rest =
-      "[coupling]\nforce = \"exact\"\nmass_correction = false\n"
+      "[coupling]\nforce = \"exact\"\n"
       "[[outflow]]\nbox = [[18, 0, 0], [24, 24, 24]]\n";
   c.shapes = sphere_of("ball", 6);
   c.bodies =

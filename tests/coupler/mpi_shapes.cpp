@@ -46,7 +46,7 @@ CaseText alone(const std::string& shape) {
   CaseText c;
   c.domain = domain_of({28, 26, 24});
   c.fluid = "[fluid]\nrelaxation_time = 0.8\nprecision = \"double\"\n";
-  c.rest = "[coupling]\nforce = \"exact\"\nmass_correction = false\n";
+  c.rest = "[coupling]\nforce = \"exact\"\n";
   c.shapes = shape;
   c.bodies = body_of(
       "body", 2, std::string("orientation = [0.8, 0.3, -0.4, 0.5]\nposition = [2.3, 24.1, 13.7]") + motion);

@@ -239,7 +239,7 @@ TEST(MeshWalls, AWallThatMovesWithTheFluidFeelsNothing) {
   text.fluid =
       "[fluid]\nrelaxation_time = 0.7\nprecision = \"double\"\n"
       "initial = { type = \"uniform\", velocity = [0.05, 0.03, -0.02] }\n";
-  text.rest += "[coupling]\nforce = \"exact\"\nmass_correction = false\n";
+  text.rest += "[coupling]\nforce = \"exact\"\n";
   Simulation simulation(read_with(text, gear()), MPI_COMM_WORLD);
   double largest = 0;
   for (int step = 0; step < 100; ++step) {

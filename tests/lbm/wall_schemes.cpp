@@ -69,6 +69,8 @@ std::vector<double> velocities(const Channel& channel, WallScheme scheme) {
   Fluid<double> fluid(Domain(n, {periodic, periodic, periodic, periodic, periodic, periodic}, n, 1), spec,
                       MPI_COMM_SELF);
   PairsAcross<double> pairs(fluid.domain(), MPI_COMM_SELF, fluid.blocks());
+  const RowRange rows[] = {{0, n.y, 0, n.z}};
+  fluid.hold_excess(0, rows);
   const WallFluid<double> wall(spec);
   CutLinks<double> links[2] = {links_of(1, -1, channel.below, scheme, wall, n),
                                links_of(channel.layers, +1, channel.above, scheme, wall, n)};
@@ -86,8 +88,10 @@ std::vector<double> velocities(const Channel& channel, WallScheme scheme) {
     pairs.exchange(fluid.blocks(), fluid.parity());
     for (int k = 0; k < 2; ++k)
       for (const LinkGroup& group : links[k].groups)
-        apply_cut_links<double>({fluid.blocks()[0], slots, links[k], group, {}, pairs.of(0)}, motions[k],
+        apply_cut_links<double>({fluid.blocks()[0], slots, links[k], group, {}, pairs.of(0), nullptr, false,
+                                 pairs.excess_of(0)}, motions[k],
                                 ForceForm::exact, sums);
+    pairs.return_excess(fluid.blocks());
   }
   std::vector<double> u;
   for (int k = 1; k <= channel.layers; ++k) u.push_back(fluid.velocity(fluid.moments(0, {1, 2, k}))[0]);

@@ -49,7 +49,7 @@ def main():
         report = run_text(options.silt, text)[1]
         deviation = max(report["max_velocity_lattice"], 1e-3)
         allowed = max(6 * ROUNDING * deviation * math.sqrt(options.steps * cells) / cells, A_STEP * options.steps)
-        drift = abs(report["mass_drift"] - report["mass_surplus"])  # less what the mass correction takes out in the next step
+        drift = abs(report["mass_drift"] + report["mass_taken"])
         failed |= not drift <= allowed
         momentum = report["momentum_drift"]
         print(f"{name:24} {drift:12.2g} {allowed:12.2g} {'-' if momentum is None else f'{momentum:.2g}':>15}"

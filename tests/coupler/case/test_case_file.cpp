@@ -183,7 +183,6 @@ wall_scheme = "bounce-back"
 time = "explicit"
 refill = "equilibrium"
 force = "exact"
-mass_correction = false
 [contacts]
 backend = "fcl"
 broad_phase = "bullet"
@@ -218,7 +217,6 @@ axis = "x"
   EXPECT_EQ(setup.coupling.time, TimeCoupling::explicit_);
   EXPECT_EQ(setup.coupling.refill, Refill::equilibrium);
   EXPECT_EQ(setup.coupling.force, ForceForm::exact);
-  EXPECT_FALSE(setup.coupling.mass_correction);
   EXPECT_EQ(setup.contacts.backend, "fcl");
   EXPECT_EQ(setup.contacts.broad_phase, "bullet");
   EXPECT_EQ(setup.contacts.resolver, "ffd");

@@ -1,0 +1,82 @@
+#pragma once
+// Values that belong to pairs of a cell which changed sides and a neighbour of it on another rank: they go
+// from the neighbour's rank to the cell's (moments, refill.hpp) or the other way (mass, changed_mass.hpp).
+// Both ends find the pairs from their own maps, ghost cells included.
+#include <mpi.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <span>
+#include <tuple>
+#include <vector>
+
+#include "coupler/mapping/solid_map.hpp"
+#include "lbm/domain.hpp"
+#include "lbm/slot_exchange.hpp"
+
+namespace silt::coupler {
+
+/// Calls visit(cell) for the ghost cells of a block of which bits(y, z, k) has the bit in word k of the row.
+template <class Bits, class Visit>
+void for_ghosts(const BlockMap& map, Bits&& bits, Visit&& visit) {
+  if (!map.changed) return;
+  for (int z = -1; z <= map.box.size.z; ++z)
+    for (int y = -1; y <= map.box.size.y; ++y)
+      for (int k = 0; k < map.solid.words(); ++k)
+        if (const std::uint64_t found = bits(y, z, k))
+          for_bits(found, k, [&](int x) {
+            if (!map.has({x, y, z})) visit(lbm::Int3{x, y, z});
+          });
+}
+
+/// The pairs for each rank, in an order that both ends know: of the cells that changed sides, and of the
+/// directions from these to their neighbours. A value is a struct of doubles.
+template <class Value>
+class SharedNeighbours {
+ public:
+  explicit SharedNeighbours(const lbm::Domain& domain) : domain_(domain) {}
+
+  /// The next value is that of a cell (global, not wrapped) and its neighbour along c_k, shared with a rank.
+  void add(int rank, lbm::Int3 cell, int k) {
+    const lbm::Int3 g = domain_.wrapped(cell), n = domain_.cells();
+    pairs_.push_back({rank, (std::int64_t(g.z) * n.y + g.y) * n.x + g.x, k, std::uint32_t(pairs_.size())});
+  }
+  std::size_t size() const { return pairs_.size(); }
+
+  /// Collective over the ranks of neighbouring blocks: sends a value for each of these pairs, and returns
+  /// those of the pairs `wanted`.
+  std::vector<Value> exchange(MPI_Comm comm, int tag, std::span<const Value> values,
+                              SharedNeighbours& wanted) {
+    std::sort(pairs_.begin(), pairs_.end());
+    std::sort(wanted.pairs_.begin(), wanted.pairs_.end());
+    std::vector<Value> found(wanted.size());
+    lbm::SlotExchange<double> slots(comm, tag);
+    for (const Pair& p : pairs_) slots.sent(p.rank).add(p.slots());
+    for (const Pair& p : wanted.pairs_) slots.received(p.rank).add(p.slots());
+    const double* const from = reinterpret_cast<const double*>(values.data());
+    double* const to = reinterpret_cast<double*>(found.data());
+    slots.start({&from, 1});
+    slots.finish({&from, 1}, {&to, 1});
+    return found;
+  }
+
+ private:
+  struct Pair {
+    int rank;
+    std::int64_t cell;  // as the domain counts
+    int direction;
+    std::uint32_t place;  // among all
+    bool operator<(const Pair& other) const {
+      return std::tie(rank, cell, direction) < std::tie(other.rank, other.cell, other.direction);
+    }
+    lbm::SlotRun slots() const {
+      constexpr std::uint32_t numbers = sizeof(Value) / sizeof(double);
+      return {0, numbers * place, 1, numbers};
+    }
+  };
+
+  const lbm::Domain& domain_;
+  std::vector<Pair> pairs_;
+};
+
+}  // namespace silt::coupler
