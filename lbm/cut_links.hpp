@@ -172,6 +172,7 @@ LinkSlots link_slots(const Block<T>& block, Parity parity) {
 /// radians a step.
 struct SurfaceMotion {
   double v[3] = {}, omega[3] = {};
+  std::int64_t mass_by_link = 0;  // that each link gives its cell besides, in quanta of excess.hpp
 };
 
 /// The largest |f* + f_opp| for which no term leaves its range (method.md, equation 22).
@@ -191,12 +192,14 @@ struct LinkSums {
   bool invalid = false;  // a term might have been out of range, or was not a number
 };
 
-/// The resistance of a surface, H = sum k J J^T with J = [c, r x c], is how force and torque fall with its
+/// The resistance of a surface, H = sum 6 w J J^T with J = [c, r x c], is how force and torque fall with its
 /// velocity (method.md, equation 23). Upper triangle, rows vx vy vz wx wy wz, in quanta of resistance_quantum
 /// for the first three rows and columns, and 2^exponent times that for each of the others: 2^exponent is no
 /// less than |r x c|. In single precision the terms of 64 links fit 32 bits.
+/// Beside it the push, sum 6 w J, in the same quanta: the mass that the links take from the fluid where the
+/// surface moves by (v, omega) is its product with them.
 struct ResistanceSums {
-  std::int64_t h[21] = {};
+  std::int64_t h[21] = {}, push[6] = {};
 };
 template <class T>
 inline constexpr double resistance_quantum = sizeof(T) == 4 ? 0x1p-24 : 0x1p-44;

@@ -41,18 +41,22 @@ struct ExcessOfGroup {
   const WallFluid<T>& fluid;
   ExcessQuanta<T>* across;    // of the block's pairs
   const std::uint32_t* pair;  // of the group's links; null: the cells behind lie in the block
+  ExcessLanes<T> besides;     // that each link gives
 
-  explicit ExcessOfGroup(const GroupInBlock<T>& here)
+  ExcessOfGroup(const GroupInBlock<T>& here, const SurfaceMotion& motion)
       : cells(here.block.excess() + here.block.cell(here.group.corner)),
         slots(here.slots),
         fluid(here.links.fluid),
         across(here.excess_across),
-        pair(here.group.across ? here.links.across.data() + here.group.across_begin : nullptr) {}
+        pair(here.group.across ? here.links.across.data() + here.group.across_begin : nullptr),
+        besides(ExcessLanes<T>{} + ExcessQuanta<T>(motion.mass_by_link)) {}
 
   /// So many links of the vector, which begins with the group's l-th, are counted.
   template <WallScheme scheme>
   [[gnu::always_inline]] void add(const V& excess, const Places<T>& at, int l, int links) const {
-    const auto [own, behind] = shared_excess<scheme, T>(L::below(links) ? excess : V{}, fluid);
+    const auto counted = L::below(links);
+    const auto [own, behind] =
+        shared_excess<scheme, T>(counted ? excess : V{}, counted ? besides : ExcessLanes<T>{}, fluid);
     add_to(at.cell, own);
     if constexpr (reads_beyond(scheme)) {
       if (!pair) return add_to(at.cell - L::look_up(slots.step, at.direction), behind);
@@ -83,7 +87,7 @@ void apply(const GroupInBlock<T>& here, const SurfaceMotion& motion, ForceForm f
   const WallDistances<T> distance(links, group);
   const int count = int(group.count);
   T* const data = block.data() + block.middle() + block.cell(group.corner);
-  const ExcessOfGroup<T> excess(here);
+  const ExcessOfGroup<T> excess(here, motion);
   GroupSums<T> total(form == ForceForm::galilean ? T(1) : T(0), T(largest_exchange(frame.reach, motion)));
   int l = 0;
   for (; l < count; l += L::count) {

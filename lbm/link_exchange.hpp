@@ -120,10 +120,12 @@ template <class T>
 struct SharedExcess {
   ExcessLanes<T> own, behind;
 };
-/// A link that holds the parabola gives half to the cell behind (method.md, equation 9b).
+/// A link that holds the parabola gives half to the cell behind (method.md, equation 9b); its own cell gets
+/// what is given `besides`.
 template <WallScheme scheme, class T>
-SILT_DEVICE SharedExcess<T> shared_excess(const typename Lanes<T>::Real& excess, const WallFluid<T>& fluid) {
-  const ExcessLanes<T> all = excess_quanta<T>(excess);
+SILT_DEVICE SharedExcess<T> shared_excess(const typename Lanes<T>::Real& excess, const ExcessLanes<T>& besides,
+                                          const WallFluid<T>& fluid) {
+  const ExcessLanes<T> all = excess_quanta<T>(excess) + besides;
   if constexpr (!reads_beyond(scheme)) return {all, ExcessLanes<T>{}};
   const ExcessLanes<T> behind = excess_quanta<T>(typename Lanes<T>::Real(T(0.5) * fluid.share * excess));
   return {all - behind, behind};

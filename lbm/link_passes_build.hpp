@@ -80,7 +80,8 @@ struct ReadLink {
 /// Adds the excess of a link to its cell and the cell behind.
 template <WallScheme scheme, class T>
 SILT_DEVICE void add_excess(const LinksOfGroup<T>& links, const FoundLink<T>& link, int l, T excess) {
-  const auto [own, behind] = shared_excess<scheme, T>(excess, links.pass.fluid);
+  const auto [own, behind] = shared_excess<scheme, T>(
+      excess, ExcessQuanta<T>(links.step.motion.mass_by_link), links.pass.fluid);
   add_to(links.excess[link.at.cell], own);
   if constexpr (reads_beyond(scheme)) {
     if (links.group.across)

@@ -5,8 +5,10 @@
 
 namespace silt::lbm::SILT_ISA {
 
-/// Calls add(e, terms) for the entries of 6 w J J^T (ResistanceSums), in quanta; arms are in units of 1 /
-/// `arm`.
+inline constexpr int resistance_entries = 21, push_entries = 6;
+
+/// Calls add(e, terms) for the entries of 6 w J J^T, then those of 6 w J (ResistanceSums), in quanta; arms are
+/// in units of 1 / `arm`.
 template <class T, class Add, class V = typename Lanes<T>::Real>
 [[gnu::always_inline]] SILT_DEVICE inline void add_resistance(const Places<T>& at,
                                                               const typename Lanes<T>::Mask& counted, T arm,
@@ -19,6 +21,7 @@ template <class T, class Add, class V = typename Lanes<T>::Real>
   for (int a = 0; a < 6; ++a) {
     const V wj = weight * j[a];
     for (int b = a; b < 6; ++b, ++e) add(e, wj * j[b]);
+    add(resistance_entries + a, wj);
   }
 }
 

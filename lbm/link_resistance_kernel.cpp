@@ -8,7 +8,7 @@
 namespace silt::lbm::SILT_ISA {
 namespace {
 
-constexpr int entries = 21;  // the upper triangle of 6 w J J^T
+constexpr int entries = resistance_entries + push_entries;
 
 template <class T>
 using Entries = typename Lanes<T>::Quanta[entries];
@@ -41,8 +41,10 @@ ResistanceSums of_links(const CutLinks<T>& links, int exponent) {
   for (const LinkGroup& group : links.groups)
     add_group(links, group, exponent, lanes);
   ResistanceSums sums;
-  for (int e = 0; e < entries; ++e)
-    for (int l = 0; l < Lanes<T>::count; ++l) sums.h[e] += lanes[e][l];
+  for (int e = 0; e < entries; ++e) {
+    std::int64_t& sum = e < resistance_entries ? sums.h[e] : sums.push[e - resistance_entries];
+    for (int l = 0; l < Lanes<T>::count; ++l) sum += lanes[e][l];
+  }
   return sums;
 }
 

@@ -38,6 +38,7 @@ class CouplingInTime {
   CouplingInTime(const rigid::World&, const CouplingSpec&, int substeps, double relaxation_time,
                  double resistance_quantum);
 
+  const rigid::World& world() const { return world_; }
   /// Returns whether links may have to be corrected, for which their resistance is needed.
   bool is_implicit() const { return of_stiff_links_ == TimeScheme::implicit_; }
   /// Adds the force that the links give in the end to the row's accumulators, foresees the change of the next

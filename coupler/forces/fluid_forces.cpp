@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "coupler/forces/owed_mass.hpp"
 #include "cpu/isa.hpp"
 #include "cpu/prefetch.hpp"
 #include "lbm/cut_links.hpp"
@@ -24,12 +25,12 @@ bool is_at_rest(const lbm::SurfaceMotion& m) {
 }
 
 template <class T>
-void add_sums(const SurfaceLinks<T>& surface, bool resistance, RowSums& sums) {
+void add_sums(const SurfaceLinks<T>& surface, RowSums& sums) {
   std::int64_t* const force = sums.force(surface.row);
   for (int d = 0; d < 3; ++d) force[d] += surface.sums.force[d], force[3 + d] += surface.sums.torque[d];
-  if (!resistance) return;
-  std::int64_t* const h = sums.resistance(surface.row);
+  std::int64_t *const h = sums.resistance(surface.row), *const push = sums.push(surface.row);
   for (int e = 0; e < RowSums::resistance_width; ++e) h[e] += surface.resistance.h[e];
+  for (int e = 0; e < RowSums::push_width; ++e) push[e] += surface.resistance.push[e];
 }
 
 }  // namespace
@@ -46,12 +47,12 @@ FluidForces<T>::FluidForces(const CouplingSpec& spec, const ParallelBodyExchange
     : spec_(spec),
       exchange_(exchange),
       time_(exchange.world(), spec, substeps, relaxation_time, lbm::resistance_quantum<T>),
-      sums_(time_.is_implicit(), spec.force == ForceForm::exact) {}
+      sums_(spec.force == ForceForm::exact) {}
 
 template <class T>
 void FluidForces<T>::start(std::span<const BlockMap> maps, rigid::BodySet& bodies) {
   if (!is_exact()) return;
-  RowSums cells(false, true);
+  RowSums cells(true);
   cells.reset(bodies.size());
   add_cells(maps, cells);
   exchange_.sum_to_owners(bodies, cells.all(), cells.width());
@@ -62,6 +63,7 @@ template <class T>
 void FluidForces<T>::begin(const lbm::Fluid<T>& fluid, std::span<const BlockMap> maps,
                            std::span<BlockLinks<T>> links, rigid::BodySet& bodies,
                            const BodyChanges& changes) {
+  domain_ = &fluid.domain();
   bodies_ = &bodies;
   changes_ = &changes;
   outcome_ = {};
@@ -77,10 +79,9 @@ void FluidForces<T>::begin(const lbm::Fluid<T>& fluid, std::span<const BlockMap>
       surface.left = std::uint32_t(surface.links.groups.size());
       if (!surface.links.rate.empty())
         surface.links.age = T(double(fluid.passes()) - mapped_motion(bodies, surface.row).middle());
-      const Vec6 foreseen =
-          time_.is_implicit() ? Vec6(foreseen_change(bodies, surface.row)) : Vec6(Vec6::Zero());
-      set_motion(surface.motion, bodies.velocity[surface.row] + foreseen.head<3>(),
-                 bodies.angular_velocity[surface.row] + foreseen.tail<3>());
+      const Vec6 motion = motion_of_links(bodies, surface.row);
+      set_motion(surface.motion, motion.head<3>(), motion.tail<3>());
+      surface.motion.mass_by_link = mass_owed(bodies, surface.row)[1];
       if (links[b].on_device)
         links[b].on_device->set_motion(k, surface.motion, surface.links.frame.reach, surface.links.age);
     }
@@ -95,6 +96,24 @@ void FluidForces<T>::settle(rigid::BodySet& bodies, std::size_t row) {
   if (!changes_->is_new(bodies.id[row])) return settle_debt(bodies, row, sums_);
   begin_debt(bodies, row, sums_);
   if (bodies.is_dynamic(row)) outcome_.debts_begun.add(impulse_debt(bodies, row));
+}
+
+/// The velocity and angular velocity with which links return.
+template <class T>
+Vec6 FluidForces<T>::motion_of_links(rigid::BodySet& bodies, std::size_t row) const {
+  Vec6 motion;
+  motion << bodies.velocity[row], bodies.angular_velocity[row];
+  return time_.is_implicit() ? Vec6(motion + foreseen_change(bodies, row)) : motion;
+}
+
+template <class T>
+void FluidForces<T>::owe(rigid::BodySet& bodies, std::size_t row, const Vec6& motion) const {
+  const double radius = time_.world().bounding_radii[bodies.shape[row]];
+  if (crosses_open_side(*domain_, bodies.position[row], radius))
+    std::ranges::fill(mass_owed(bodies, row), 0);
+  else
+    owe_mass(bodies, row, sums_, motion, lbm::resistance_quantum<T>, lbm::resistance_exponent(radius),
+             lbm::excess_quantum<T>);
 }
 
 template <class T>
@@ -139,10 +158,11 @@ template <class T>
 void FluidForces<T>::finish_body(lbm::Block<T>& block, const BlockLinks<T>& links, SurfaceLinks<T>& surface) {
   const std::size_t row = surface.row;
   if (row >= bodies_->owned || !bodies_->takes_impulses(row) || surface.sums.invalid) return;
-  add_sums(surface, true, sums_);
+  add_sums(surface, sums_);
   settle(*bodies_, row);
   surface.finished = true;
-  const Vec6 d = time_.take_velocity_change(*bodies_, row, sums_);
+  const Vec6 motion = motion_of_links(*bodies_, row), d = time_.take_velocity_change(*bodies_, row, sums_);
+  owe(*bodies_, row, motion + d);
   if (d.isZero(0)) return;
   lbm::SurfaceMotion increment;
   set_motion(increment, d.template head<3>(), d.template tail<3>());
@@ -179,7 +199,7 @@ template <class T>
 void FluidForces<T>::gather(std::span<const BlockLinks<T>> links, const rigid::BodySet& bodies) {
   for (const BlockLinks<T>& block : links)
     for (const SurfaceLinks<T>& surface : block.surfaces)
-      if (!surface.finished && !surface.sums.invalid) add_sums(surface, time_.is_implicit(), sums_);
+      if (!surface.finished && !surface.sums.invalid) add_sums(surface, sums_);
   outcome_.wall_loads.resize(bodies.walls);
   for (std::size_t w = 0; w < bodies.walls; ++w)
     std::copy_n(sums_.force(bodies.first_wall() + w), RowSums::force_width, outcome_.wall_loads[w].begin());
@@ -196,29 +216,36 @@ void FluidForces<T>::move(lbm::Fluid<T>& fluid, std::span<BlockLinks<T>> links, 
   for (std::size_t row = 0; row < bodies.owned; ++row) {
     if (finished[row]) continue;
     settle(bodies, row);
+    Eigen::Map<Vec6> correction(corrections.data() + row * 6);
+    const Vec6 motion = motion_of_links(bodies, row);
     if (bodies.takes_impulses(row))
-      Eigen::Map<Vec6>(corrections.data() + row * 6) = time_.take_velocity_change(bodies, row, sums_);
+      correction = time_.take_velocity_change(bodies, row, sums_);
     else
       add_link_force(bodies, row, sums_);
+    owe(bodies, row, motion + correction);
   }
-  if (!time_.is_implicit()) return;
   share(bodies, corrections);
   for (std::size_t b = 0; b < links.size(); ++b) correct(fluid.blocks()[b], links[b], bodies, corrections);
 }
 
-/// Copies get the corrections of their owners (6 a row), and the changes that these foresee.
+/// Copies get the corrections of their owners (6 a row), the changes that these foresee, and the mass that
+/// their links give next.
 template <class T>
 void FluidForces<T>::share(rigid::BodySet& bodies, std::span<double> corrections) const {
-  constexpr int width = 12;
+  constexpr int width = 14;
   std::vector<double> changes(bodies.size() * width, 0.0);
   const auto change = [&](std::size_t row) { return Eigen::Map<Vec6>(changes.data() + row * width); };
   const auto foreseen = [&](std::size_t row) { return Eigen::Map<Vec6>(changes.data() + row * width + 6); };
   const auto correction = [&](std::size_t row) { return Eigen::Map<Vec6>(corrections.data() + row * 6); };
-  for (std::size_t row = 0; row < bodies.owned; ++row)
+  const auto owed = [&](std::size_t row) { return changes.data() + row * width + 12; };
+  for (std::size_t row = 0; row < bodies.owned; ++row) {
     change(row) = correction(row), foreseen(row) = foreseen_change(bodies, row);
+    std::ranges::copy(mass_owed(bodies, row), owed(row));
+  }
   exchange_.share_with_copies(bodies, changes, width);
   for (std::size_t row = bodies.owned; row < bodies.owned + bodies.copies; ++row)
-    correction(row) = change(row), foreseen_change(bodies, row) = foreseen(row);
+    correction(row) = change(row), foreseen_change(bodies, row) = foreseen(row),
+    std::transform(owed(row), owed(row) + 2, mass_owed(bodies, row).begin(), [](double x) { return std::int64_t(x); });
 }
 
 /// The links of bodies that were not finished during the pass return as if they had moved faster by these

@@ -78,12 +78,15 @@ class FluidForces {
 
   bool is_exact() const { return spec_.force == ForceForm::exact; }
   void settle(rigid::BodySet&, std::size_t row);
+  Vec6 motion_of_links(rigid::BodySet&, std::size_t row) const;
+  void owe(rigid::BodySet&, std::size_t row, const Vec6& motion) const;
 
   CouplingSpec spec_;
   const ParallelBodyExchange& exchange_;
   CouplingInTime time_;
   CoveredMomentum covered_;
-  rigid::BodySet* bodies_ = nullptr;  // of the step under way
+  const lbm::Domain* domain_ = nullptr;  // of the step under way, as what follows
+  rigid::BodySet* bodies_ = nullptr;
   const BodyChanges* changes_ = nullptr;
   LinkOutcome outcome_;
   RowSums sums_;

@@ -6,16 +6,14 @@
 
 namespace silt::coupler {
 
-/// One row of integers for each row of the BodySet: force (3) and torque (3) in lbm::link_quantum; under
-/// implicit coupling the resistance of its links (21) in the quanta of lbm::ResistanceSums; in the form
-/// `exact` how many cells it has and the sum of the coordinates of their lower corners (4).
+/// One row of integers for each row of the BodySet: force (3) and torque (3) in lbm::link_quantum; the
+/// resistance (21) and the push (6) of its links in the quanta of lbm::ResistanceSums; in the form `exact` how
+/// many cells it has and the sum of the coordinates of their lower corners (4).
 class RowSums {
  public:
-  static constexpr int force_width = 6, resistance_width = 21, cells_width = 4;
+  static constexpr int force_width = 6, resistance_width = 21, push_width = 6, cells_width = 4;
 
-  RowSums(bool resistance, bool cells)
-      : cells_begin_(force_width + (resistance ? resistance_width : 0)),
-        width_(cells_begin_ + (cells ? cells_width : 0)) {}
+  explicit RowSums(bool cells) : width_(cells_begin + (cells ? cells_width : 0)) {}
   /// All zero.
   void reset(std::size_t rows) { all_.assign(rows * width_, 0); }
 
@@ -25,11 +23,14 @@ class RowSums {
   const std::int64_t* force(std::size_t row) const { return all_.data() + row * width_; }
   std::int64_t* resistance(std::size_t row) { return force(row) + force_width; }
   const std::int64_t* resistance(std::size_t row) const { return force(row) + force_width; }
-  std::int64_t* cells(std::size_t row) { return force(row) + cells_begin_; }
-  const std::int64_t* cells(std::size_t row) const { return force(row) + cells_begin_; }
+  std::int64_t* push(std::size_t row) { return resistance(row) + resistance_width; }
+  const std::int64_t* push(std::size_t row) const { return resistance(row) + resistance_width; }
+  std::int64_t* cells(std::size_t row) { return force(row) + cells_begin; }
+  const std::int64_t* cells(std::size_t row) const { return force(row) + cells_begin; }
 
  private:
-  int cells_begin_, width_;
+  static constexpr int cells_begin = force_width + resistance_width + push_width;
+  int width_;
   std::vector<std::int64_t> all_;
 };
 

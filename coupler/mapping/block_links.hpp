@@ -22,7 +22,7 @@ struct SurfaceLinks {
   DeviceArray<lbm::LinkGroup> groups_on_device{};
   DeviceArray<lbm::DeviceSurface<T>> record_on_device{};  // one
   std::vector<std::uint32_t> gap_places{};                // of the links of `single_cell_gap`
-  lbm::ResistanceSums resistance{};                       // implicit coupling only; renewed with the links
+  lbm::ResistanceSums resistance{};                       // of bodies that move; renewed with the links
   // of the step under way:
   std::size_t row = 0;  // of the BodySet
   lbm::SurfaceMotion motion{};

@@ -269,7 +269,7 @@ void build_links(const BlockMap& map, const rigid::World& world, const rigid::Bo
     links.fluid = rules.fluid, links.frame = surface_frame(map, mask, link_reach);
     const std::int32_t shape = bodies.shape[mask.row];
     const bool wants_resistance =
-        rules.coupling.time == TimeCoupling::implicit_ && bodies.is_dynamic(mask.row);
+        mask.row < bodies.first_wall() && bodies.motion[mask.row] != rigid::Motion::fixed;
     writer.body(mask, world.shapes[shape], mapped_motion(bodies, mask.row),
                 wants_resistance ? world.bounding_radii[shape] : 0, surfaces[k]);
   });

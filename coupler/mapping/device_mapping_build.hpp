@@ -115,13 +115,15 @@ struct MeasureGroup {
   SILT_DEVICE void add_resistance_of(const GroupToMap& group, const SurfaceToMap<T>& surface,
                                      const Team& member) const {
     using Term = std::conditional_t<sizeof(T) == 4, std::int32_t, std::int64_t>;
-    constexpr int entries = 21;
-    std::int64_t h[entries] = {};
+    using lbm::SILT_ISA::resistance_entries, lbm::SILT_ISA::push_entries;
+    std::int64_t h[resistance_entries + push_entries] = {};
     for (int l = int(group.begin) + member.lane; l < int(group.begin + group.count); l += member.size) {
       const lbm::SILT_ISA::Places<T> at(surface.place + l, origin(group, surface.now));
       lbm::SILT_ISA::add_resistance<T>(at, true, surface.arm, [&](int e, T term) { h[e] += Term(term); });
     }
-    for (int e = 0; e < entries; ++e) member.add(h[e], all.resistance[group.surface].h[e]);
+    lbm::ResistanceSums& sums = all.resistance[group.surface];
+    for (int e = 0; e < resistance_entries; ++e) member.add(h[e], sums.h[e]);
+    for (int e = 0; e < push_entries; ++e) member.add(h[resistance_entries + e], sums.push[e]);
   }
 };
 

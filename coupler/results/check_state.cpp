@@ -114,6 +114,7 @@ void require_body(const Row& row, const Case& setup, const BodyRecord& r, rigid:
   row.within(column::mapping_velocity, held, fastest);
   row.whole_within(column::mapping_steps, held, 0, most_steps);
   row.whole_within(column::impulse_debt, held, -most_quanta, most_quanta);
+  row.whole_within(column::mass_owed, held, -most_quanta, most_quanta);
   for (const auto& c : {column::pending_impact, column::contact_load, column::deferred_impulse})
     row.within(c, held, greatest);
   row.within(column::foreseen_change, held, fastest);
