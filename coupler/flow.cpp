@@ -83,11 +83,9 @@ class FlowOf final : public Flow {
     complete_cells();
     return own_fields(level);
   }
+  std::optional<FluidFields::Fast> too_fast(int level) override { return own_fields(level).too_fast(); }
   double seconds(int level) const override { return levels_.seconds()[level]; }
-  FlowAccount& account() override {
-    complete_cells();
-    return account_;
-  }
+  FlowAccount& account() override { return account_; }
 
   void drive(std::int64_t step) override {
     if (control_ && control_->is_due(step)) control_->look(step, fields_->sums());
@@ -212,9 +210,9 @@ class FlowOf final : public Flow {
     for (int level = 0; level < levels(); ++level) own_fields(level).changed();
     complete_ = false;
   }
-  /// Cells take up their excess before anybody reads them; a step does that as they collide.
+  /// Cells give up their excess before anybody reads them; in a step they do that as they collide.
   void complete_cells() const {
-    if (!complete_) fluid_.take_up_excess();
+    if (!complete_) fluid_.take_excess();
     complete_ = true;
   }
   void apply_inner(int b, GroupRange groups) {

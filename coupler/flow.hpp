@@ -29,11 +29,18 @@ class Flow {
   /// The lattices, of which 0 is the finest: a cell of each is 2^level of its cells wide.
   virtual int levels() const = 0;
   virtual FluidFields& fields(int level = 0) = 0;
+  /// FluidFields::too_fast of a level. (To ask for fields completes their cells first, which takes time.)
+  virtual std::optional<FluidFields::Fast> too_fast(int level) = 0;
   /// Returns what passes of a coarser level have taken on this rank, as a part of Stage::stream_collide.
   virtual double seconds(int level) const = 0;
   virtual FlowAccount& account() = 0;
   const FluidFields& fields(int level = 0) const { return const_cast<Flow*>(this)->fields(level); }
   const FlowAccount& account() const { return const_cast<Flow*>(this)->account(); }
+  /// Collective; errors as of FlowAccount::totals.
+  FlowTotals totals() const {
+    fields(0);  // are complete from here on
+    return account().totals();
+  }
 
   /// Calls visit(fields) for each level, the finest first.
   template <class Visit>

@@ -27,6 +27,7 @@ class FlowAccount {
 
   // ---- asked between steps ----
   /// Collective; ForceOutOfRange, on every rank alike, if a body's sums were out of range in the last step.
+  /// The cells have to be complete: Flow::totals sees to that.
   FlowTotals totals() const;
   /// This rank's share of the force and torque of the fluid on a wall in the last step (`wall` counts the
   /// walls' rows), the torque about its position, in lbm::link_quantum. Zero before the first step.

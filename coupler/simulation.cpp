@@ -146,10 +146,8 @@ void Simulation::watch() {
   const bool fluid = scene_.flow != nullptr;
   if (!fluid && !scene_.anything_moves) return;
   tell_faults();
-  if (fluid)
-    scene_.flow->for_levels([&](const FluidFields& fields) {
-      if (const auto fast = fields.too_fast()) faults_.see_fluid(scene_, *fast, step_ - 1);
-    });
+  for (int level = 0; fluid && level < scene_.flow->levels(); ++level)
+    if (const auto fast = scene_.flow->too_fast(level)) faults_.see_fluid(scene_, *fast, step_ - 1);
   faults_.see_outside(scene_, step_);
   const bool looks_at_energy = scene_.anything_moves && step_ % energy_interval == 0 &&
                                faults_.see_energy(scene_, turnover_.energy_brought(), step_);
@@ -322,7 +320,7 @@ std::uint64_t Simulation::hash() const {
 }
 
 FlowTotals Simulation::look_at_flow() {
-  const FlowTotals totals = guarded([&] { return scene_.flow->account().totals(); });
+  const FlowTotals totals = guarded([&] { return scene_.flow->totals(); });
   fluid_speed_ = std::max(fluid_speed_, totals.max_speed);
   check_flow(scene_, totals, step_);
   return totals;
@@ -347,7 +345,7 @@ Balance Simulation::balance() const {
   for (int d = 0; d < 3; ++d) b.momentum[d] = rigid::from_fixed(all.momentum.q[d] - brought.q[d]);
   b.momentum_scale = rigid::from_fixed(all.scale);
   if (scene_.flow) {
-    const FlowTotals totals = scene_.flow->account().totals();
+    const FlowTotals totals = scene_.flow->totals();
     const Vec3 fluid(totals.momentum[0], totals.momentum[1], totals.momentum[2]);
     b.momentum += fluid;
     b.momentum_scale += fluid.norm();

@@ -125,10 +125,8 @@ class Block {
   }
   /// The excess of cells, by their offsets: null until it is held.
   ExcessQuanta<T>* excess() { return excess_.get(); }
-  /// The excess of a row, or null if none of its cells has links.
-  ExcessQuanta<T>* excess_of_row(int y, int z) {
-    return excess_ && excess_rows_[y + box_.size.y * z] ? excess_.get() + cell(0, y, z) : nullptr;
-  }
+  /// Returns whether cells of a row have links.
+  bool has_excess(int y, int z) const { return excess_ && excess_rows_[y + box_.size.y * z]; }
   /// Cells with links are all in rows [y0, y1) of planes [z0, z1), and in those of other such calls.
   void hold_excess(const RowRange& rows, Device device = Device::cpu) {
     if (!excess_) {

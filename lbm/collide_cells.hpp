@@ -9,6 +9,7 @@
 #include "cpu/prefetch.hpp"
 #endif
 #include "lbm/block.hpp"
+#include "lbm/excess.hpp"
 #include "lbm/recursive_regularised_kernel.hpp"
 #include "lbm/two_relaxation_times_kernel.hpp"
 
@@ -49,22 +50,42 @@ struct Prefetch {
 #endif
 };
 
+/// What cells give up of the populations that arrive at them, first of all: nothing, or their excess.
+struct NoExcess {
+  template <class V>
+  SILT_DEVICE const V& pair(int, const V& arriving) const {
+    return arriving;
+  }
+  template <class V>
+  SILT_DEVICE const V& rest(const V& arriving) const {
+    return arriving;
+  }
+};
+template <class V, class T>
+struct OwnExcess {
+  ExcessParts<V, T> parts;
+  SILT_DEVICE V pair(int k, const V& arriving) const {
+    return arriving - (k < 3 ? parts.axis : parts.diagonal);
+  }
+  SILT_DEVICE V rest(const V& arriving) const { return arriving - parts.rest; }
+};
+
 /// Collides the cells from x on, as many as a vector has. Slots of lanes that are no cells keep what they
 /// hold: no other lane of the vector has them.
-template <class Model, bool source, class V, class T, class Keep, class Watch>
+template <class Model, bool source, class V, class T, class Keep, class Watch, class Excess = NoExcess>
 [[gnu::always_inline]] SILT_DEVICE inline void collide(const Slots<T>& slots, std::ptrdiff_t x,
                                                        const CollisionRates<T>& r, const Keep& keep,
-                                                       Watch& watch) {
+                                                       Watch& watch, const Excess& excess = {}) {
   constexpr Prefetch prefetch;
   V sum[pairs + 1], difference[pairs];
   for (int k = 0; k < pairs; ++k) {
-    const V a = load<V>(slots.a[k] + x), b = load<V>(slots.b[k] + x);
+    const V a = excess.pair(k, load<V>(slots.a[k] + x)), b = excess.pair(k, load<V>(slots.b[k] + x));
     prefetch(slots.a[k] + x);
     prefetch(slots.b[k] + x);
     sum[k] = a + b;
     difference[k] = a - b;
   }
-  sum[pairs] = load<V>(slots.rest + x);
+  sum[pairs] = excess.rest(load<V>(slots.rest + x));
   prefetch(slots.rest + x);
 
   const auto set_rest = [&](const V& left) __attribute__((always_inline)) {

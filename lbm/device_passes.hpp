@@ -57,8 +57,8 @@ struct DevicePasses {
   void (*gather_moments)(const ListedCells<T>&, Moments*, double* densities);
   /// Adds masses to single cells, at rest.
   void (*add_masses)(const ListedCells<T>&, const double*);
-  /// The cells of rows take up their excess, as they do when they collide.
-  void (*take_up_excess)(Block<T>&, Parity, RowRange);
+  /// The cells of rows give up their excess, as they do when they collide.
+  void (*take_excess)(Block<T>&, Parity, RowRange);
   /// Sums up the cells of rows of a block.
   void (*total_rows)(const Block<T>&, Parity, std::span<const LocalRows>, const std::array<double, 3>& force,
                      CellTotals*);

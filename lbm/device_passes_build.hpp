@@ -81,21 +81,21 @@ struct CollideCells {
 };
 
 template <class T>
-struct TakeUpExcess {
+struct TakeExcess {
   Slots<T> slots;
   ExcessQuanta<T>* excess;
   CellsOfRows cells;
   SILT_DEVICE void operator()(int x, int row) const {
     const std::ptrdiff_t at = cells.row_at(row) + x;
-    lbm::take_up_excess<T>(excess[at], [&](int i) -> T& { return slots.arriving(i)[at]; });
+    take_excess<T>(excess[at], [&](int i) -> T& { return slots.arriving(i)[at]; });
   }
 };
 template <class T>
-void take_up_excess(Block<T>& block, Parity parity, RowRange range) {
+void take_excess(Block<T>& block, Parity parity, RowRange range) {
   const int rows = std::max(range.y1 - range.y0, 0) * std::max(range.z1 - range.z0, 0);
   if (block.excess() && rows > 0)
     for_rows(block.size().x, rows,
-             TakeUpExcess<T>{Slots<T>(block, parity), block.excess(), CellsOfRows(block, range)});
+             TakeExcess<T>{Slots<T>(block, parity), block.excess(), CellsOfRows(block, range)});
 }
 
 template <class T>
@@ -197,7 +197,7 @@ void stream_collide(int b, Block<T>& block, Parity parity, const CollisionRates<
   const CellsOfRows cells(block, range);
   const int rows = std::max(range.y1 - range.y0, 0) * std::max(range.z1 - range.z0, 0);
   if (rows == 0) return;
-  take_up_excess(block, parity, range);
+  take_excess(block, parity, range);
   with_model(rates, [&]<class Model>(Model) {
     const T scale = Model::square_scale(rates);
     const Watch<T> watch{T(speed_of_sound * speed_of_sound) * scale, scale, &fast_list(), b};
@@ -345,7 +345,7 @@ const DevicePasses<T>& device_passes() {
   static constexpr DevicePasses<T> passes = {stream_collide<T>, take_fast_cells,       wait,
                                              move_slots<T>,     return_from_outlet<T>, carry_packets<T>,
                                              cross_border<T>,   gather_moments<T>,     add_masses<T>,
-                                             take_up_excess<T>, total_rows<T>};
+                                             take_excess<T>, total_rows<T>};
   return passes;
 }
 template const DevicePasses<float>& device_passes();

@@ -1,8 +1,8 @@
 #pragma once
-// The excess of a cell: what its cut links took from it beyond the mass that the motion of their walls carries
-// (method.md, equation 9a). A wall passes that mass and nothing else, so the cell gets the excess back when it
-// collides next. Several links, of several surfaces, add to the excess of one cell,
-// in any order: it is a whole number of quanta.
+// The excess of a cell: what its cut links gave it beyond the mass that the motion of their walls carries
+// (method.md, equation 9a). A wall passes that mass and nothing else, so the cell gives the excess up when it
+// collides next. Several links, of several surfaces, add to the excess of one cell, in any order: it is a
+// whole number of quanta.
 #include <cstdint>
 #include <type_traits>
 
@@ -17,12 +17,26 @@ using ExcessQuanta = std::conditional_t<sizeof(T) == 4, std::int32_t, std::int64
 template <class T>
 inline constexpr double excess_quantum = sizeof(T) == 4 ? 0x1p-32 : 0x1p-50;
 
-/// Gives a cell's excess to the populations g(i) that arrive at it, by their weights, and calls it settled.
+/// The parts of an excess in the populations that arrive at a cell, by their weights: in the one that rests,
+/// and in each along an axis and along a diagonal. Without an excess a population less its part keeps its
+/// bits.
+template <class V, class T>
+struct ExcessParts {
+  V rest, axis, diagonal;
+  SILT_DEVICE explicit ExcessParts(const V& quanta) {
+    constexpr double quantum = excess_quantum<T>, of_rest = w(0), of_axis = w(1), of_diagonal = w(7);
+    const V excess = quanta * T(quantum);
+    rest = T(of_rest) * excess, axis = T(of_axis) * excess, diagonal = T(of_diagonal) * excess;
+  }
+};
+
+/// Takes a cell's excess from the populations g(i) that arrive at it.
 template <class T, class Populations>
-SILT_DEVICE inline void take_up_excess(ExcessQuanta<T>& excess, Populations&& g) {
+SILT_DEVICE inline void take_excess(ExcessQuanta<T>& excess, Populations&& g) {
   if (excess == 0) return;
-  const T density = T(excess) * T(excess_quantum<T>);
-  for (int i = 0; i < directions; ++i) g(i) += T(w(i)) * density;
+  const ExcessParts<T, T> parts{T(excess)};
+  g(0) -= parts.rest;
+  for (int i = 1; i < directions; ++i) g(i) -= i < 7 ? parts.axis : parts.diagonal;
   excess = 0;
 }
 

@@ -106,21 +106,13 @@ void Fluid<T>::set_side_velocity(int side, const std::array<double, 3>& velocity
 }
 
 template <class T>
-void Fluid<T>::take_up_excess() {
+void Fluid<T>::take_excess() {
   for (Block<T>& block : blocks_) {
     if (!block.excess()) continue;
-    const Int3 size = block.size();
-    if (device_ != Device::cpu) {
-      passes_on<T>(device_).take_up_excess(block, parity_, {0, size.y, 0, size.z});
-      continue;
-    }
-    for (int z = 0; z < size.z; ++z)
-      for (int y = 0; y < size.y; ++y)
-        if (ExcessQuanta<T>* const excess = block.excess_of_row(y, z))
-          for (int x = 0; x < size.x; ++x)
-            lbm::take_up_excess<T>(excess[x], [&](int i) -> T& {
-              return block.data()[block.arriving(i, parity_) + block.cell(x, y, z)];
-            });
+    if (device_ == Device::cpu)
+      lbm::take_excess(block, parity_);
+    else
+      passes_on<T>(device_).take_excess(block, parity_, {0, block.size().y, 0, block.size().z});
   }
   wait(device_);
 }

@@ -50,8 +50,8 @@ class Fluid {
     blocks_[b].hold_no_excess();
     for (const RowRange& range : rows) blocks_[b].hold_excess(range, device_);
   }
-  /// All cells take up their excess, as they would when they collide: what arrives is complete then.
-  void take_up_excess();
+  /// All cells give up their excess, as they would when they collide: what arrives is complete then.
+  void take_excess();
   /// A block without a fluid cell need not collide; what its slots hold means nothing then.
   void set_idle(int b, bool idle) { idle_[b] = idle; }
   /// Every cell of the blocks that are not idle collides; parity flips. Messages to other ranks set out as

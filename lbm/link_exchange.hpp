@@ -52,7 +52,7 @@ SILT_DEVICE typename Lanes<T>::Real velocity_along(const Read& read, const WallF
 }
 
 /// A vector of links sends `out` to the surface; `back` is what comes back (method.md, equations 9 and 15),
-/// and `excess` is what the cells are owed (9a).
+/// and `excess` is what they give beyond the motion of the surface (9a).
 template <class T>
 struct Exchange {
   typename Lanes<T>::Real out, back, excess;
@@ -105,7 +105,7 @@ SILT_DEVICE Exchange<T> exchange(const Read& read, const WallFluid<T>& fluid, co
     const auto along = velocity_along(read, fluid, at);
     back -= (at.weight6() - s.k) * along + at.weight6() * gap_curvature(q, along, cu, opposite, fluid);
   }
-  return {out, back, (out - back) - at.weight6() * cu};
+  return {out, back, (back - out) + at.weight6() * cu};
 }
 
 /// Returns what comes back along links, which returned `before`, if the surface moves faster by `u`, by which
@@ -120,12 +120,12 @@ template <class T>
 struct SharedExcess {
   ExcessLanes<T> own, behind;
 };
-/// A link that holds the parabola gives half to the cell behind (method.md, equation 9b); its own cell gets
-/// what is given `besides`.
+/// A link that holds the parabola gives half to the cell behind (method.md, equation 9b); from its own cell is
+/// taken what is given `besides`.
 template <WallScheme scheme, class T>
 SILT_DEVICE SharedExcess<T> shared_excess(const typename Lanes<T>::Real& excess, const ExcessLanes<T>& besides,
                                           const WallFluid<T>& fluid) {
-  const ExcessLanes<T> all = excess_quanta<T>(excess) + besides;
+  const ExcessLanes<T> all = excess_quanta<T>(excess) - besides;
   if constexpr (!reads_beyond(scheme)) return {all, ExcessLanes<T>{}};
   const ExcessLanes<T> behind = excess_quanta<T>(typename Lanes<T>::Real(T(0.5) * fluid.share * excess));
   return {all - behind, behind};

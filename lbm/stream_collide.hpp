@@ -34,7 +34,10 @@ struct WatchedPlanes {
 /// The kernel of a collision, as each build has it (stream_collide_kernel.cpp).
 template <class T>
 using CollideRows = void (*)(Block<T>&, Parity, const CollisionRates<T>&, RowRange, const WatchedPlanes&);
-SILT_BUILDS(template <class T> CollideRows<T> collide_rows(const CollisionRates<T>&);)
+template <class T>
+using TakeExcess = void (*)(Block<T>&, Parity);
+SILT_BUILDS(template <class T> CollideRows<T> collide_rows(const CollisionRates<T>&);
+            template <class T> TakeExcess<T> excess_kernel();)
 
 /// Collides with the block at `parity`; once all its cells are done the block is at the flipped parity, and
 /// its row ends have been moved (block.hpp).
@@ -43,6 +46,12 @@ void stream_collide(Block<T>& block, Parity parity, const CollisionRates<T>& rat
                     const WatchedPlanes& watched) {
   const auto kernel_of = SILT_CHOSEN(collide_rows<T>);
   kernel_of(rates)(block, parity, rates, range, watched);
+}
+
+/// All cells give up their excess (excess.hpp), as they would when they collide.
+template <class T>
+void take_excess(Block<T>& block, Parity parity) {
+  SILT_CHOSEN(excess_kernel<T>)()(block, parity);
 }
 
 }  // namespace silt::lbm

@@ -1,6 +1,7 @@
 // The dense pass, built once an instruction set (SILT_ISA). A cell takes 19 reads and 19 writes a step.
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "cpu/lanes.hpp"
 #include "lbm/collide_cells.hpp"
@@ -58,33 +59,61 @@ struct Pass {
   FirstLanes<typename VectorOf<T>::type, T> rest_of_row;
 };
 
-/// The cells of a row, the first of which is Block::cell `first`, take up their excess: whole vectors with the
-/// bits of single cells.
 template <class T>
-[[gnu::noinline]] void take_up_excess(const Slots<T>& slots, std::ptrdiff_t first, ExcessQuanta<T>* excess,
-                                      int cells) {
-  using V = typename VectorOf<T>::type;
-  constexpr int width = vector_bytes / sizeof(T);
-  using Quanta = typename VectorOf<ExcessQuanta<T>, width>::type;
-  int x = 0;
-  for (; x + width <= cells; x += width) {
-    const Quanta quanta = load<Quanta>(excess + x);
-    if (!any_lane(quanta != Quanta{})) continue;
-    const V density = __builtin_convertvector(quanta, V) * T(excess_quantum<T>);
-    const auto add = [&](T* slot, int i) __attribute__((always_inline)) {
-      const V g = load<V>(slot + first + x);
-      store(slot + first + x, density != V{} ? V(g + T(w(i)) * density) : g);
-    };
-    add(slots.rest, 0);
-    for (int k = 0; k < pairs; ++k) add(slots.a[k], 2 * k + 1), add(slots.b[k], 2 * k + 2);
-    store(excess + x, Quanta{});
-  }
-  for (; x < cells; ++x)
-    lbm::take_up_excess<T>(excess[x], [&](int i) -> T& { return slots.arriving(i)[first + x]; });
+using QuantaLanes = typename VectorOf<ExcessQuanta<T>, vector_bytes / int(sizeof(T))>::type;
+
+/// The populations of a cell give up its excess.
+template <class T>
+void take_excess_of_cell(const Slots<T>& slots, std::ptrdiff_t cell, ExcessQuanta<T>* excess) {
+  take_excess<T>(excess[cell], [&](int i) -> T& { return slots.arriving(i)[cell]; });
 }
 
-/// `watch` sees the cells' squares and where they are.
+/// Those of all cells do.
+template <class T>
+void take_excess_of_block(Block<T>& block, Parity parity) {
+  using V = typename VectorOf<T>::type;
+  constexpr int width = vector_bytes / sizeof(T);
+  const Slots<T> slots(block, parity);
+  for (int z = 0; z < block.size().z; ++z)
+    for (int y = 0; y < block.size().y; ++y) {
+      if (!block.has_excess(y, z)) continue;
+      std::ptrdiff_t x = block.cell(0, y, z);
+      const std::ptrdiff_t end = x + block.size().x;
+      for (; x + width <= end; x += width) {
+        const auto quanta = load<QuantaLanes<T>>(block.excess() + x);
+        if (!any_lane(quanta != QuantaLanes<T>{})) continue;
+        const OwnExcess<V, T> own{ExcessParts<V, T>(__builtin_convertvector(quanta, V))};
+        store(slots.rest + x, own.rest(load<V>(slots.rest + x)));
+        for (int k = 0; k < pairs; ++k)
+          for (T* const slot : {slots.a[k], slots.b[k]}) store(slot + x, own.pair(k, load<V>(slot + x)));
+        store(block.excess() + x, QuantaLanes<T>{});
+      }
+      for (; x < end; ++x) take_excess_of_cell(slots, x, block.excess());
+    }
+}
+
+/// Collides the whole vectors from x to end of a row that has cells with excess, and takes that of the cells
+/// up to `row_end`. A function of its own: in the loop over rows it would take registers.
 template <class Model, bool source, class T, class Watch>
+[[gnu::noinline]] void collide_with_excess(const Pass<T>& pass, std::ptrdiff_t x, std::ptrdiff_t end,
+                                           std::ptrdiff_t row_end, Watch& watch) {
+  using V = typename VectorOf<T>::type;
+  ExcessQuanta<T>* const excess = pass.block.excess();
+  for (; x < end; x += vector_bytes / sizeof(T)) {
+    const auto quanta = load<QuantaLanes<T>>(excess + x);
+    if (!any_lane(quanta != QuantaLanes<T>{})) {
+      collide<Model, source, V>(pass.slots, x, pass.rates, AllLanes{}, watch);
+      continue;
+    }
+    const OwnExcess<V, T> own{ExcessParts<V, T>(__builtin_convertvector(quanta, V))};
+    collide<Model, source, V>(pass.slots, x, pass.rates, AllLanes{}, watch, own);
+    store(excess + x, QuantaLanes<T>{});
+  }
+  for (; x < row_end; ++x) take_excess_of_cell(pass.slots, x, excess);
+}
+
+/// `watch` sees the cells' squares and where they are; `linked`: cells of the block have links.
+template <class Model, bool source, bool linked, class T, class Watch>
 [[gnu::noinline]] void row_range(const Pass<T> pass, RowRange range, Watch& watch) {
   using V = typename VectorOf<T>::type;
   constexpr int width = vector_bytes / sizeof(T);
@@ -92,9 +121,10 @@ template <class Model, bool source, class T, class Watch>
   for (int z = range.z0; z < range.z1; ++z)
     for (int y = range.y0; y < range.y1; ++y) {
       const std::ptrdiff_t first = pass.block.cell(0, y, z), end = first + whole;
-      if (ExcessQuanta<T>* const excess = pass.block.excess_of_row(y, z))
-        take_up_excess(pass.slots, first, excess, nx);
-      for (std::ptrdiff_t x = first; x < end; x += width)
+      std::ptrdiff_t x = first;
+      if (linked && pass.block.has_excess(y, z))
+        collide_with_excess<Model, source>(pass, std::exchange(x, end), end, first + nx, watch);
+      for (; x < end; x += width)
         collide<Model, source, V>(pass.slots, x, pass.rates, AllLanes{}, watch);
       if (whole < nx) collide<Model, source, V>(pass.slots, end, pass.rates, pass.rest_of_row, watch);
       close_row(pass.block.data() + first, pass.block.row_ends(pass.parity));
@@ -102,7 +132,7 @@ template <class Model, bool source, class T, class Watch>
 }
 
 /// Planes apart from each other: to see anything takes registers.
-template <class Model, bool source, class T>
+template <class Model, bool source, bool linked, class T>
 void planes(Block<T>& block, Parity parity, const CollisionRates<T>& rates, RowRange range,
             const WatchedPlanes& watched) {
   using V = typename VectorOf<T>::type;
@@ -113,8 +143,8 @@ void planes(Block<T>& block, Parity parity, const CollisionRates<T>& rates, RowR
   Unseen unseen;
   for (int z = range.z0; z < range.z1;) {
     const int plane = std::min(watched.next(z), range.z1);
-    if (z < plane) row_range<Model, source>(pass, {range.y0, range.y1, z, plane}, unseen);
-    if (plane < range.z1) row_range<Model, source>(pass, {range.y0, range.y1, plane, plane + 1}, watch);
+    if (z < plane) row_range<Model, source, linked>(pass, {range.y0, range.y1, z, plane}, unseen);
+    if (plane < range.z1) row_range<Model, source, linked>(pass, {range.y0, range.y1, plane, plane + 1}, watch);
     z = plane + 1;
   }
 }
@@ -122,10 +152,13 @@ void planes(Block<T>& block, Parity parity, const CollisionRates<T>& rates, RowR
 template <class Model, class T>
 void rows_under(Block<T>& block, Parity parity, const CollisionRates<T>& rates, RowRange range,
                 const WatchedPlanes& watched) {
-  if (rates.has_force())
-    planes<Model, true>(block, parity, rates, range, watched);
-  else
-    planes<Model, false>(block, parity, rates, range, watched);
+  const auto collide_all = [&](auto source) {
+    if (block.excess())
+      planes<Model, source(), true>(block, parity, rates, range, watched);
+    else
+      planes<Model, source(), false>(block, parity, rates, range, watched);
+  };
+  rates.has_force() ? collide_all(std::true_type()) : collide_all(std::false_type());
 }
 
 }  // namespace
@@ -134,7 +167,13 @@ template <class T>
 CollideRows<T> collide_rows(const CollisionRates<T>& rates) {
   return with_model(rates, []<class Model>(Model) -> CollideRows<T> { return rows_under<Model, T>; });
 }
+template <class T>
+TakeExcess<T> excess_kernel() {
+  return take_excess_of_block<T>;
+}
 template CollideRows<float> collide_rows(const CollisionRates<float>&);
 template CollideRows<double> collide_rows(const CollisionRates<double>&);
+template TakeExcess<float> excess_kernel();
+template TakeExcess<double> excess_kernel();
 
 }  // namespace silt::lbm::SILT_ISA

@@ -46,15 +46,15 @@ ResolvedFlow mean(double share, const ResolvedFlow& a, const ResolvedFlow& b) {
 
 ResolvedFlows resolved_flows(WallScheme scheme, double share) {
   if (scheme == WallScheme::parabolic)
-    return {{0.370, 0.838, 3.405, 0.503, 0.328}, {0, 2.121, 4.465, 0.503, 0.328}};
+    return {{0.618, 0.642, 3.564, 0.482, 0.282}, {0.340, 1.849, 3.825, 0.482, 0.282}};
   if (scheme == WallScheme::multireflection) {
-    const ResolvedFlows whole{{0.702, 0.421, 2.610, 0.494, 0.326}, {0.918, 1.169, 0.698, 0.494, 0.326}},
+    const ResolvedFlows whole{{0.714, 0.522, 2.657, 0.487, 0.309}, {0.529, 1.345, 2.394, 0.487, 0.309}},
         rest = resolved_flows(WallScheme::cli);
     return {mean(share, whole.bodies, rest.bodies), mean(share, whole.side, rest.side)};
   }
   if (lbm::follows_distance(scheme))  // `cli`, and one that nobody has calibrated
-    return {{0.510, 0.739, 2.688, 0.487, 0.329}, {0.560, 1.383, 1.658, 0.487, 0.329}};
-  return {{1.063, 0.286, 1.491, 0.401, 0.264}, {0.612, 1.389, 1.592, 0.401, 0.264}};
+    return {{0.764, 0.550, 2.652, 0.472, 0.286}, {0.489, 1.298, 2.538, 0.472, 0.286}};
+  return {{1.159, 0.167, 1.331, 0.402, 0.264}, {0.692, 1.299, 1.424, 0.402, 0.264}};
 }
 
 namespace {

@@ -21,7 +21,7 @@ using rigid::to_fixed;
 /// Mean along an axis over all cells of the domain of the velocity less `frame`, solid ones counting as zero.
 double superficial_velocity(const Simulation& simulation, int axis, double frame) {
   const Flow& flow = *simulation.scene().flow;
-  const FlowTotals totals = flow.account().totals();
+  const FlowTotals totals = flow.totals();
   return (flow.fields().velocity_sum(totals)[axis] - double(totals.fluid_cells) * frame) /
          simulation.setup().volume();
 }
@@ -63,7 +63,7 @@ double drag_coefficient(const Simulation& simulation, const QuantitySpec& q) {
 }
 
 double kinetic_energy(const Simulation& simulation) {
-  const FlowTotals totals = simulation.scene().flow->account().totals();
+  const FlowTotals totals = simulation.scene().flow->totals();
   return totals.fluid_cells > 0 ? totals.energy / double(totals.fluid_cells) : no_value;
 }
 

@@ -189,7 +189,7 @@ void add_motion(const Simulation& simulation, Json& report) {
   report["energy"] = Json::object({{"bodies", energy(of_bodies.value())}});
   report["momentum"] = Json::object({{"bodies", momentum(x.value(), y.value(), z.value())}});
   if (!scene.flow) return;
-  const FlowTotals flow = scene.flow->account().totals();
+  const FlowTotals flow = scene.flow->totals();
   const auto p = scene.flow->fields().velocity_sum(flow);
   report["energy"]["fluid"] = energy(flow.energy);
   report["momentum"]["fluid"] = momentum(p[0], p[1], p[2]);
@@ -209,7 +209,7 @@ void add_counters(const Simulation& simulation, Json& report) {
   const RunCounters c = simulation.counters();
   double fastest = std::max(c.body_speed, simulation.fluid_speed());
   if (const Flow* flow = simulation.scene().flow.get()) {
-    const FlowTotals totals = flow->account().totals();
+    const FlowTotals totals = flow->totals();
     fastest = std::max(fastest, totals.max_speed);
     report["min_density"] = totals.min_density;
     report["max_density"] = totals.max_density;

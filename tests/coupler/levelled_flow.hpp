@@ -28,6 +28,7 @@ class LevelledFlow final : public Flow {
   using Flow::fields;
   FluidFields& fields(int level = 0) override { return *levels_[level]->fields; }
   double seconds(int) const override { return 0; }
+  std::optional<FluidFields::Fast> too_fast(int level) override { return fields(level).too_fast(); }
   FlowAccount& account() override { return *account_; }
   void set_solid(int level, int block, lbm::Int3 cell) { levels_[level]->maps[block].solid.set(cell); }
 

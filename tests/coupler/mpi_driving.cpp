@@ -118,7 +118,7 @@ TEST(Driving, AFlowRateHasTheForceOfPoiseuille) {
   simulation.run(1600);
   const auto mean = [&] {
     const Flow& flow = *simulation.scene().flow;
-    return flow.fields().velocity_sum(flow.account().totals())[0] / simulation.setup().volume();
+    return flow.fields().velocity_sum(flow.totals())[0] / simulation.setup().volume();
   };
   EXPECT_NEAR(mean(), wanted, 1e-4 * wanted) << "four times the time of the slowest mode";
   simulation.run(6400);

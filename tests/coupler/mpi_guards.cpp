@@ -107,7 +107,7 @@ End end_of(const Fault& fault, MPI_Comm comm, bool exhaustive) {
   try {
     for (int step = 0; step < steps; ++step) {
       s.step();
-      if (exhaustive && !(s.scene().flow->account().totals().max_speed <= lbm::speed_of_sound)) break;
+      if (exhaustive && !(s.scene().flow->totals().max_speed <= lbm::speed_of_sound)) break;
     }
   } catch (const CommonGuardStop& stop) {
     end.text = stop.what();

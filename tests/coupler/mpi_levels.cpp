@@ -28,7 +28,7 @@ TEST(Levels, TotalsCountCellsByTheirVolume) {
   set_cells(flow, [&](const FluidFields& fields, lbm::Int3) {
     return LocalFlow{density(fields.level()), {0.25, 0, -0.125}};
   });
-  const FlowTotals totals = flow.account().totals();
+  const FlowTotals totals = flow.totals();
   EXPECT_EQ(totals.fluid_cells, std::uint64_t(finest_cells));
   EXPECT_NEAR(totals.mass_deviation, of_each_level * (0.125 + 0.25 + 0.375), 1e-9);
   EXPECT_NEAR(totals.momentum[0], 0.25 * finest_cells, 1e-9);
@@ -47,7 +47,7 @@ TEST(Levels, ACellAtFaultIsNamedInFinestCells) {
     const bool fast = fields.level() == 1 && (cell == lbm::Int3{5, 6, 3} || cell == lbm::Int3{6, 6, 3});
     return LocalFlow{fields.level() == 2 && cell == lbm::Int3{1, 2, 1} ? -0.5 : 0, {fast ? 0.5 : 0, 0, 0}};
   });
-  const FlowTotals totals = flow.account().totals();
+  const FlowTotals totals = flow.totals();
   EXPECT_EQ(totals.fastest_cell, (lbm::Int3{10, 12, 6}));
   EXPECT_EQ(totals.thinnest_cell, (lbm::Int3{4, 8, 4}));
   EXPECT_TEXT(tests::error_of<CommonGuardStop>([&] { s.look_at_flow(); }),

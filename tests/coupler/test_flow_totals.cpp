@@ -104,7 +104,7 @@ TEST(FlowTotals, FollowTheSteps) {
   Simulation s = c.start(MPI_COMM_SELF);
   for (int step = 0; step < 4; ++step, s.step()) {
     const double speed = (step + 0.5) * 1e-6;
-    const FlowTotals totals = s.scene().flow->account().totals();
+    const FlowTotals totals = s.scene().flow->totals();
     EXPECT_NEAR(s.scene().flow->fields().velocity_sum(totals)[0] / (192 * speed), 1, 1e-7);
     EXPECT_NEAR(totals.energy / (192 * speed * speed / 2), 1, 1e-7);
   }
