@@ -221,7 +221,6 @@ class FlowOf final : public Flow {
 
   /// Cells that changed sides, and links.
   void remap(const rigid::BodySet& bodies, const BodyChanges& changes) {
-    complete_cells();
     const ChangedCells cells = changed_cells(map_.blocks());
     take_cells(+1, cells.covered, bodies, changes);
     refill(fluid_, map_.blocks(), cells, bodies, changes.gone, coupling_.refill, uncovered_);

@@ -125,7 +125,7 @@ class Block {
   }
   /// The excess of cells, by their offsets: null until it is held.
   ExcessQuanta<T>* excess() { return excess_.get(); }
-  /// Returns whether cells of a row have links.
+  /// Returns whether cells of a row may have an excess.
   bool has_excess(int y, int z) const { return excess_ && excess_rows_[y + box_.size.y * z]; }
   /// Cells with links are all in rows [y0, y1) of planes [z0, z1), and in those of other such calls.
   void hold_excess(const RowRange& rows, Device device = Device::cpu) {
@@ -139,10 +139,13 @@ class Block {
     }
     for (int z = std::max(rows.z0, 0); z < std::min(rows.z1, box_.size.z); ++z)
       for (int y = std::max(rows.y0, 0); y < std::min(rows.y1, box_.size.y); ++y)
-        excess_rows_[y + box_.size.y * z] = 1;
+        excess_rows_[y + box_.size.y * z] |= has_links;
   }
-  /// No cell has links any more; none may have an excess.
-  void hold_no_excess() { std::fill(excess_rows_.begin(), excess_rows_.end(), 0); }
+  /// No cell has links any more. What they have left is there until the next pass, and may be until the next
+  /// call of this.
+  void hold_no_more_excess() {
+    for (std::uint8_t& row : excess_rows_) row = row & has_links ? had_links : 0;
+  }
   T* data() { return first_; }
   const T* data() const { return first_; }
 
@@ -160,7 +163,8 @@ class Block {
   std::shared_ptr<T[]> memory_;
   T* first_;  // slot (cell 0, 0)
   std::shared_ptr<ExcessQuanta<T>[]> excess_;
-  std::vector<std::uint8_t> excess_rows_;  // y fastest: whether cells of the row have links
+  static constexpr std::uint8_t has_links = 1, had_links = 2;
+  std::vector<std::uint8_t> excess_rows_;  // y fastest: what of these holds for cells of the row
   std::vector<RowEnd<T>> row_ends_[2];
 };
 

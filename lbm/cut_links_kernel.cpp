@@ -38,7 +38,7 @@ struct ExcessOfGroup {
   using V = typename L::Real;
   ExcessQuanta<T>* cells;  // from the group's corner on
   const LinkSlots& slots;
-  const WallFluid<T>& fluid;
+  const T given_behind;
   ExcessQuanta<T>* across;    // of the block's pairs
   const std::uint32_t* pair;  // of the group's links; null: the cells behind lie in the block
   ExcessLanes<T> besides;     // that each link gives
@@ -46,7 +46,7 @@ struct ExcessOfGroup {
   ExcessOfGroup(const GroupInBlock<T>& here, const SurfaceMotion& motion)
       : cells(here.block.excess() + here.block.cell(here.group.corner)),
         slots(here.slots),
-        fluid(here.links.fluid),
+        given_behind(here.links.fluid.given_behind()),
         across(here.excess_across),
         pair(here.group.across ? here.links.across.data() + here.group.across_begin : nullptr),
         besides(ExcessLanes<T>{} + ExcessQuanta<T>(motion.mass_by_link)) {}
@@ -55,13 +55,17 @@ struct ExcessOfGroup {
   template <WallScheme scheme>
   [[gnu::always_inline]] void add(const V& excess, const Places<T>& at, int l, int links) const {
     const auto counted = L::below(links);
-    const auto [own, behind] =
-        shared_excess<scheme, T>(counted ? excess : V{}, counted ? besides : ExcessLanes<T>{}, fluid);
-    add_to(at.cell, own);
+    const V of_counted = counted ? excess : V{};
+    ExcessLanes<T> own = excess_quanta<T>(of_counted) - (counted ? besides : ExcessLanes<T>{});
     if constexpr (reads_beyond(scheme)) {
-      if (!pair) return add_to(at.cell - L::look_up(slots.step, at.direction), behind);
-      for (int k = 0; k < L::count && k < links; ++k) across[pair[l + k]] += behind[k];
+      if (given_behind != 0) {
+        const ExcessLanes<T> behind = excess_quanta<T>(V(given_behind * of_counted));
+        own -= behind;
+        if (!pair) add_to(at.cell - L::look_up(slots.step, at.direction), behind);
+        for (int k = 0; pair && k < L::count && k < links; ++k) across[pair[l + k]] += behind[k];
+      }
     }
+    add_to(at.cell, own);
   }
 
  private:

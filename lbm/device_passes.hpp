@@ -14,7 +14,8 @@
 namespace silt::lbm {
 
 /// Single cells of the blocks of a fluid: where a cell's populations are counted from, and its block; for
-/// each block, where those arriving at a cell are, and how far the next cell along c_i is.
+/// each block, where those arriving at a cell are, how far the next cell along c_i is, and the excess of cell 0,
+/// whose populations are counted from `data`.
 template <class T>
 struct ListedCells {
   struct Cell {
@@ -23,6 +24,8 @@ struct ListedCells {
   };
   struct Block {
     std::ptrdiff_t arriving[directions], step[directions];
+    T* data;
+    ExcessQuanta<T>* excess;
   };
   const Cell* cells;
   std::int64_t count;
@@ -55,8 +58,8 @@ struct DevicePasses {
                        std::span<const typename BorderRows<T>::Passing>);
   /// Gathers the moments of single cells, or their density deviations alone; the other pointer is null.
   void (*gather_moments)(const ListedCells<T>&, Moments*, double* densities);
-  /// Adds masses to single cells, at rest.
-  void (*add_masses)(const ListedCells<T>&, const double*);
+  /// Gives single cells these masses (quanta), of which a cell may get several.
+  void (*give_masses)(const ListedCells<T>&, const std::int64_t*);
   /// The cells of rows give up their excess, as they do when they collide.
   void (*take_excess)(Block<T>&, Parity, RowRange);
   /// Sums up the cells of rows of a block.

@@ -325,26 +325,26 @@ void total_rows(const Block<T>& block, Parity parity, std::span<const LocalRows>
 }
 
 template <class T>
-struct AddMasses {
+struct GiveMasses {
   ListedCells<T> cells;
-  const double* masses;
+  const std::int64_t* masses;
   SILT_DEVICE void operator()(std::int64_t k) const {
     const auto& cell = cells.cells[k];
-    T& rest = cell.data[cells.blocks[cell.block].arriving[0]];
-    rest = T(double(rest) + masses[k]);
+    const auto& block = cells.blocks[cell.block];
+    add_to(block.excess[cell.data - block.data], ExcessQuanta<T>(-masses[k]));
   }
 };
 
 template <class T>
-void add_masses(const ListedCells<T>& cells, const double* masses) {
-  for_each(cells.count, AddMasses<T>{cells, masses});
+void give_masses(const ListedCells<T>& cells, const std::int64_t* masses) {
+  for_each(cells.count, GiveMasses<T>{cells, masses});
 }
 
 template <class T>
 const DevicePasses<T>& device_passes() {
   static constexpr DevicePasses<T> passes = {stream_collide<T>, take_fast_cells,       wait,
                                              move_slots<T>,     return_from_outlet<T>, carry_packets<T>,
-                                             cross_border<T>,   gather_moments<T>,     add_masses<T>,
+                                             cross_border<T>,   gather_moments<T>,     give_masses<T>,
                                              take_excess<T>, total_rows<T>};
   return passes;
 }

@@ -117,6 +117,15 @@ void Fluid<T>::take_excess() {
   wait(device_);
 }
 
+/// One cell does.
+template <class T>
+void Fluid<T>::take_excess(const LocalCell& x) {
+  Block<T>& block = blocks_[x.block];
+  if (block.has_excess(x.cell.y, x.cell.z))
+    lbm::take_excess<T>(block.excess()[block.cell(x.cell)],
+                        [&](int i) -> T& { return arriving(x.block, x.cell, i); });
+}
+
 template <class T>
 void Fluid<T>::begin_pass() {
   fast_cells_.clear();
@@ -204,10 +213,12 @@ Moments Fluid<T>::moments(int b, Int3 x) const {
 template <class T>
 ListedCells<T> Fluid<T>::listed(std::span<const LocalCell> cells) {
   listed_blocks_.here().resize(blocks_.size()), listed_cells_.here().resize(cells.size());
-  for (std::size_t b = 0; b < blocks_.size(); ++b)
+  for (std::size_t b = 0; b < blocks_.size(); ++b) {
+    auto& listed = listed_blocks_.here()[b];
+    listed.data = blocks_[b].data(), listed.excess = blocks_[b].excess();
     for (int i = 0; i < directions; ++i)
-      listed_blocks_.here()[b].arriving[i] = blocks_[b].arriving(i, parity_),
-      listed_blocks_.here()[b].step[i] = blocks_[b].step(i);
+      listed.arriving[i] = blocks_[b].arriving(i, parity_), listed.step[i] = blocks_[b].step(i);
+  }
   for (std::size_t k = 0; k < cells.size(); ++k) {
     Block<T>& block = blocks_[cells[k].block];
     listed_cells_.here()[k] = {block.data() + block.cell(cells[k].cell), cells[k].block};
@@ -220,12 +231,16 @@ std::span<const Moments> Fluid<T>::moments(std::span<const LocalCell> cells) {
   std::pmr::vector<Moments>& found = cell_moments_.here();
   found.resize(cells.size());
   if (device_ != Device::cpu) {
+    take_excess();
     passes_on<T>(device_).gather_moments(listed(cells), cell_moments_.make_room(), nullptr);
     cell_moments_.fetch(), wait(device_);
   } else {
     for_ahead(
         cells, 6, [&](const LocalCell& x) { prefetch(x.block, x.cell); },
-        [&](std::size_t k) { found[k] = moments(cells[k].block, cells[k].cell); });
+        [&](std::size_t k) {
+          take_excess(cells[k]);
+          found[k] = moments(cells[k].block, cells[k].cell);
+        });
   }
   return found;
 }
@@ -235,6 +250,7 @@ std::span<const double> Fluid<T>::densities(std::span<const LocalCell> cells) {
   std::pmr::vector<double>& found = cell_densities_.here();
   found.resize(cells.size());
   if (device_ != Device::cpu) {
+    take_excess();
     passes_on<T>(device_).gather_moments(listed(cells), nullptr, cell_densities_.make_room());
     cell_densities_.fetch(), wait(device_);
   } else {
@@ -270,15 +286,16 @@ void Fluid<T>::totals(int b, std::span<const LocalRows> of, CellTotals* totals_o
 }
 
 template <class T>
-void Fluid<T>::add_masses(std::span<const LocalCell> cells, std::span<const double> masses) {
+void Fluid<T>::give_masses(std::span<const LocalCell> cells, std::span<const std::int64_t> masses) {
+  for (const auto& [b, x] : cells) blocks_[b].hold_excess({x.y, x.y + 1, x.z, x.z + 1}, device_);
   if (device_ != Device::cpu) {
     cell_masses_.here().assign(masses.begin(), masses.end());
-    passes_on<T>(device_).add_masses(listed(cells), cell_masses_.send());
+    passes_on<T>(device_).give_masses(listed(cells), cell_masses_.send());
     return wait(device_);
   }
   for (std::size_t k = 0; k < cells.size(); ++k) {
-    T& rest = arriving(cells[k].block, cells[k].cell, 0);
-    rest = T(double(rest) + masses[k]);
+    Block<T>& block = blocks_[cells[k].block];
+    block.excess()[block.cell(cells[k].cell)] -= ExcessQuanta<T>(masses[k]);
   }
 }
 

@@ -45,9 +45,10 @@ class Fluid {
   void set_force(const std::array<double, 3>&);
   /// The velocity of a side of the domain from the next pass on.
   void set_side_velocity(int side, const std::array<double, 3>&);
-  /// The cells of a block that have links are all in these rows (excess.hpp), and no cell has an excess.
+  /// The cells of a block that have links are all in these rows from now on (excess.hpp). A pass comes before
+  /// the next call.
   void hold_excess(int b, std::span<const RowRange> rows) {
-    blocks_[b].hold_no_excess();
+    blocks_[b].hold_no_more_excess();
     for (const RowRange& range : rows) blocks_[b].hold_excess(range, device_);
   }
   /// All cells give up their excess, as they would when they collide: what arrives is complete then.
@@ -93,12 +94,13 @@ class Fluid {
     return blocks_[b].data()[blocks_[b].leaving(i, parity_) + blocks_[b].cell(local_cell)];
   }
   Moments moments(int b, Int3 local_cell) const;
-  /// Returns the moments of single cells, in their order; they are there until the next call.
+  /// Returns the moments of single cells, in their order, which give up their excess first; the moments are
+  /// there until the next call.
   std::span<const Moments> moments(std::span<const LocalCell>);
   /// Returns the density deviations of single cells: a tenth of what moments bring from a device.
   std::span<const double> densities(std::span<const LocalCell>);
-  /// Adds masses to single cells, each of which is there once, at rest.
-  void add_masses(std::span<const LocalCell>, std::span<const double>);
+  /// Gives single cells these masses, in quanta of excess.hpp, when they collide next; a cell may get several.
+  void give_masses(std::span<const LocalCell>, std::span<const std::int64_t>);
   /// Returns where a pass finds single cells; the list holds until the next call of listed() or moments().
   ListedCells<T> listed(std::span<const LocalCell>);
   void moments(int b, const CellBox&, MomentArrays&) const;
@@ -111,6 +113,7 @@ class Fluid {
   std::size_t bytes() const;
 
  private:
+  void take_excess(const LocalCell&);
   void collide_rows(int b, RowRange);
   void pass_over(std::size_t b, RowRange);
   /// Hints that the populations arriving at a cell will be asked for soon.
@@ -134,7 +137,8 @@ class Fluid {
   Mirror<typename ListedCells<T>::Cell> listed_cells_{device_};
   Mirror<typename ListedCells<T>::Block> listed_blocks_{device_};
   Mirror<Moments> cell_moments_{device_};
-  Mirror<double> cell_densities_{device_}, cell_masses_{device_};
+  Mirror<double> cell_densities_{device_};
+  Mirror<std::int64_t> cell_masses_{device_};
   Halo<T> halo_;
 };
 

@@ -115,22 +115,6 @@ SILT_DEVICE V corrected(const V& before, const Places<T>& at, const Motion<T>& u
   return before - at.weight6() * at.along(u.x(at.r[1], at.r[2]), u.y(at.r[2], at.r[0]), u.z(at.r[0], at.r[1]));
 }
 
-/// The excess that links give to their own cells, and to the cells behind them.
-template <class T>
-struct SharedExcess {
-  ExcessLanes<T> own, behind;
-};
-/// A link that holds the parabola gives half to the cell behind (method.md, equation 9b); from its own cell is
-/// taken what is given `besides`.
-template <WallScheme scheme, class T>
-SILT_DEVICE SharedExcess<T> shared_excess(const typename Lanes<T>::Real& excess, const ExcessLanes<T>& besides,
-                                          const WallFluid<T>& fluid) {
-  const ExcessLanes<T> all = excess_quanta<T>(excess) - besides;
-  if constexpr (!reads_beyond(scheme)) return {all, ExcessLanes<T>{}};
-  const ExcessLanes<T> behind = excess_quanta<T>(typename Lanes<T>::Real(T(0.5) * fluid.share * excess));
-  return {all - behind, behind};
-}
-
 /// The sums of one group, kept in registers.
 template <class T>
 class GroupSums {

@@ -80,15 +80,19 @@ struct ReadLink {
 /// Adds the excess of a link to its cell and the cell behind.
 template <WallScheme scheme, class T>
 SILT_DEVICE void add_excess(const LinksOfGroup<T>& links, const FoundLink<T>& link, int l, T excess) {
-  const auto [own, behind] = shared_excess<scheme, T>(
-      excess, ExcessQuanta<T>(links.step.motion.mass_by_link), links.pass.fluid);
-  add_to(links.excess[link.at.cell], own);
+  ExcessQuanta<T> own = excess_quanta<T>(excess) - ExcessQuanta<T>(links.step.motion.mass_by_link);
+  const T given_behind = links.pass.fluid.given_behind();
   if constexpr (reads_beyond(scheme)) {
-    if (links.group.across)
-      links.pass.excess_across[links.surface.across[links.group.across_begin + l]] += behind;
-    else
-      add_to(links.excess[link.at.cell - links.pass.slots->step[link.at.direction]], behind);
+    if (given_behind != 0) {
+      const ExcessQuanta<T> behind = excess_quanta<T>(given_behind * excess);
+      own -= behind;
+      if (links.group.across)
+        links.pass.excess_across[links.surface.across[links.group.across_begin + l]] += behind;
+      else
+        add_to(links.excess[link.at.cell - links.pass.slots->step[link.at.direction]], behind);
+    }
   }
+  add_to(links.excess[link.at.cell], own);
 }
 
 /// Applies the links of a group that are a member's, so many together: all of these are read before one is

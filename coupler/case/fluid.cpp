@@ -104,7 +104,7 @@ constexpr std::tuple coupling_keys{
     Key{"remap_tolerance", &CouplingSpec::remap_tolerance,
         Number{dimension::none, range::between(0, 0.4), "cells"},
         "how far a surface may be from where its cells were found last, at most 0.4; 0.15 of it where wall "
-        "distances do not follow (exact, bounce-back, meshes)"},
+        "distances do not follow (bounce-back, meshes)"},
     Key{"lubrication", &CouplingSpec::lubrication, Flag{},
         "lubrication between close smooth surfaces, with the resolver sffd; none at the faces and edges of "
         "boxes, cylinders and polyhedra"},

@@ -37,13 +37,6 @@ double steps_within(double tolerance, double speed) {
   return speed * most <= 2 * tolerance ? most : std::floor((1 + rounding) * 2 * tolerance / speed);
 }
 
-/// Returns whether wall distances follow the surface between mappings. Under `exact` they do not: the
-/// resistance, found when links are built, has to be that of the links, or the sum of all momenta would
-/// change.
-bool distances_follow(const CouplingSpec& coupling) {
-  return lbm::follows_distance(coupling.wall_scheme) && coupling.force != ForceForm::exact;
-}
-
 /// |q - q'| of two unit quaternions is half the angle between them, or that of q and -q'.
 double angle_between(const Quat& a, const Quat& b) {
   return 2 * std::min((a.coeffs() - b.coeffs()).norm(), (a.coeffs() + b.coeffs()).norm());
@@ -60,7 +53,7 @@ MappedMotion mapped_ahead(MappedMotion m) {
 void renew_mapping_poses(rigid::BodySet& bodies, const rigid::World& world, const CouplingSpec& coupling,
                          std::int64_t step) {
   const double held = held_share * coupling.remap_tolerance;
-  const bool links_follow = distances_follow(coupling);
+  const bool links_follow = lbm::follows_distance(coupling.wall_scheme);
   for (std::size_t row = 0; row < bodies.first_wall(); ++row) {
     const rigid::Shape& shape = world.shapes[bodies.shape[row]];
     // a ball looks the same however it has turned
