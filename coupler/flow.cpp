@@ -222,6 +222,7 @@ class FlowOf final : public Flow {
   /// Cells that changed sides, and links.
   void remap(const rigid::BodySet& bodies, const BodyChanges& changes) {
     const ChangedCells cells = changed_cells(map_.blocks());
+    take_excess_around(fluid_, map_.blocks(), cells);
     take_cells(+1, cells.covered, bodies, changes);
     refill(fluid_, map_.blocks(), cells, bodies, changes.gone, coupling_.refill, uncovered_);
     take_cells(-1, cells.uncovered, bodies, changes);

@@ -117,15 +117,6 @@ void Fluid<T>::take_excess() {
   wait(device_);
 }
 
-/// One cell does.
-template <class T>
-void Fluid<T>::take_excess(const LocalCell& x) {
-  Block<T>& block = blocks_[x.block];
-  if (block.has_excess(x.cell.y, x.cell.z))
-    lbm::take_excess<T>(block.excess()[block.cell(x.cell)],
-                        [&](int i) -> T& { return arriving(x.block, x.cell, i); });
-}
-
 template <class T>
 void Fluid<T>::begin_pass() {
   fast_cells_.clear();
@@ -231,16 +222,12 @@ std::span<const Moments> Fluid<T>::moments(std::span<const LocalCell> cells) {
   std::pmr::vector<Moments>& found = cell_moments_.here();
   found.resize(cells.size());
   if (device_ != Device::cpu) {
-    take_excess();
     passes_on<T>(device_).gather_moments(listed(cells), cell_moments_.make_room(), nullptr);
     cell_moments_.fetch(), wait(device_);
   } else {
     for_ahead(
         cells, 6, [&](const LocalCell& x) { prefetch(x.block, x.cell); },
-        [&](std::size_t k) {
-          take_excess(cells[k]);
-          found[k] = moments(cells[k].block, cells[k].cell);
-        });
+        [&](std::size_t k) { found[k] = moments(cells[k].block, cells[k].cell); });
   }
   return found;
 }
@@ -250,7 +237,6 @@ std::span<const double> Fluid<T>::densities(std::span<const LocalCell> cells) {
   std::pmr::vector<double>& found = cell_densities_.here();
   found.resize(cells.size());
   if (device_ != Device::cpu) {
-    take_excess();
     passes_on<T>(device_).gather_moments(listed(cells), nullptr, cell_densities_.make_room());
     cell_densities_.fetch(), wait(device_);
   } else {

@@ -12,6 +12,11 @@ using lbm::Int3;
 
 namespace {
 
+/// The cells of a block, ghosts too, that changed sides.
+auto changed_bits(const BlockMap& map) {
+  return [&map](int y, int z, int k) { return map.before.at(y, z)[k] ^ map.solid.at(y, z)[k]; };
+}
+
 template <class T>
 class PassOn {
  public:
@@ -59,10 +64,7 @@ class PassOn {
     SharedNeighbours<double> wanted(domain_);
     for (int b = 0; b < int(maps_.size()); ++b) {
       const BlockMap& map = maps_[b];
-      const auto changed = [&](int y, int z, int k) {
-        return map.before.at(y, z)[k] ^ map.solid.at(y, z)[k];
-      };
-      for_ghosts(map, changed, [&](Int3 x) {
+      for_ghosts(map, changed_bits(map), [&](Int3 x) {
         const Int3 cell = map.box.lower + x;
         const int rank = domain_.rank_at(domain_.wrapped(cell));
         for (int k = 1; rank != rank_ && k < lbm::directions; ++k) {
@@ -88,6 +90,22 @@ class PassOn {
 };
 
 }  // namespace
+
+template <class T>
+void take_excess_around(lbm::Fluid<T>& fluid, const std::vector<BlockMap>& maps, const ChangedCells& changed) {
+  if (fluid.device() != Device::cpu) return fluid.take_excess();
+  const auto take_around = [&](int b, Int3 x) {
+    for (const Int3& step : lbm::c)
+      if (maps[b].has(x + step)) fluid.take_excess({b, x + step});
+  };
+  for (const CoveredCell& c : changed.covered) take_around(c.block, c.cell);
+  for (const CoveredCell& c : changed.uncovered) take_around(c.block, c.cell);
+  for (int b = 0; b < int(maps.size()); ++b)
+    for_ghosts(maps[b], changed_bits(maps[b]), [&](Int3 x) { take_around(b, x); });
+}
+
+template void take_excess_around(lbm::Fluid<float>&, const std::vector<BlockMap>&, const ChangedCells&);
+template void take_excess_around(lbm::Fluid<double>&, const std::vector<BlockMap>&, const ChangedCells&);
 
 template <class T>
 rigid::FixedSum pass_on_mass(lbm::Fluid<T>& fluid, const std::vector<BlockMap>& maps,

@@ -7,6 +7,11 @@
 
 namespace silt::coupler {
 
+/// Cells that changed sides, and their neighbours, give up their excess, before anybody reads them or gives
+/// them mass.
+template <class T>
+void take_excess_around(lbm::Fluid<T>&, const std::vector<BlockMap>&, const ChangedCells&);
+
 /// Collective over the ranks of neighbouring blocks, after refill(): covered cells still have what they held.
 /// Returns the mass, in lbm::mass_quantum, that this rank's cells could not pass on, because no neighbour was
 /// fluid and still is.
