@@ -208,11 +208,12 @@ class FlowOf final : public Flow {
   FluidFields& own_fields(int level) { return level == 0 ? *fields_ : *coarser_[level - 1]->fields; }
   void cells_changed() {
     for (int level = 0; level < levels(); ++level) own_fields(level).changed();
+    fluid_.forget_given_up();
     complete_ = false;
   }
   /// Cells give up their excess before anybody reads them; in a step they do that as they collide.
   void complete_cells() const {
-    if (!complete_) fluid_.take_excess();
+    if (!complete_) fluid_.take_and_keep_excess();
     complete_ = true;
   }
   void apply_inner(int b, GroupRange groups) {

@@ -31,7 +31,7 @@ class FieldsOf final : public FluidFields {
   }
   void read(int b, const lbm::CellBox& box, int i, double* g) const override { fluid_.read(b, box, i, g); }
   std::pair<double, double> link(int b, Int3 x, int i) const override {
-    return {fluid_.leaving(b, x, i), fluid_.arriving(b, x, lbm::opposite(i))};
+    return {fluid_.leaving(b, x, i), came_back(b, x, i)};
   }
   std::optional<Fast> too_fast() const override {
     const auto order = [](const Fast& f) { return std::tuple(-f.speed, f.cell.z, f.cell.y, f.cell.x); };
@@ -108,6 +108,15 @@ class FieldsOf final : public FluidFields {
       if (low[axis] >= 0 && low[axis] < box.size[axis]) visit(b, low, high);
     }
   }
+  /// What came back to a cell along c_i before the cell gave up its excess.
+  double came_back(int b, Int3 x, int i) const {
+    return fluid_.arriving(b, x, lbm::opposite(i)) + given_up(b, fluid_.blocks()[b].cell(x), i);
+  }
+  /// The part of the excess that the cell gave up in the populations along c_i and against it.
+  double given_up(int b, std::ptrdiff_t cell, int i) const {
+    const auto* const of_block = fluid_.given_up(b);
+    return of_block ? lbm::w(i) * lbm::excess_quantum<T> * double(of_block[cell]) : 0;
+  }
   /// Calls visit(offset in the block, cells) for runs of at most 64 of its fluid cells from low to high.
   template <class Visit>
   void for_fluid_runs_of(int b, Int3 low, Int3 high, Visit&& visit) const {
@@ -133,7 +142,7 @@ class FieldsOf final : public FluidFields {
       for (int i = 1; i < lbm::directions; ++i) {
         const Int3 y = x + lbm::c[i];
         if (lbm::c[i][axis] == 0 || !solid(b).test(y) || maps()[b].walls.test(y)) continue;
-        const double out = fluid_.leaving(b, x, i), back = fluid_.arriving(b, x, lbm::opposite(i));
+        const double out = fluid_.leaving(b, x, i), back = came_back(b, x, i);
         sum += lbm::c[i][axis] * std::llrint(0.5 * (out - back) / flow_quantum);
       }
     });
@@ -153,7 +162,8 @@ class FieldsOf final : public FluidFields {
       for (std::size_t k = 0; k < across.size(); ++k) {
         std::int64_t of_run = 0;
         for (std::ptrdiff_t cell = first; cell < first + cells; ++cell)
-          of_run += std::llrint((double(out[k][cell]) + double(back[k][cell])) / lbm::link_quantum);
+          of_run += std::llrint(
+              (double(out[k][cell]) + (double(back[k][cell]) + given_up(b, cell, across[k]))) / lbm::link_quantum);
         exchanged[k] += of_run;
       }
     });

@@ -125,12 +125,16 @@ class Block {
   }
   /// The excess of cells, by their offsets: null until it is held.
   ExcessQuanta<T>* excess() { return excess_.get(); }
+  /// So many have a place there: all of the block.
+  std::size_t excess_cells() const {
+    return std::size_t(cell(box_.size.x, box_.size.y - 1, box_.size.z - 1));
+  }
   /// Returns whether cells of a row may have an excess.
   bool has_excess(int y, int z) const { return excess_ && excess_rows_[y + box_.size.y * z]; }
   /// Cells with links are all in rows [y0, y1) of planes [z0, z1), and in those of other such calls.
   void hold_excess(const RowRange& rows, Device device = Device::cpu) {
     if (!excess_) {
-      const std::size_t cells = std::size_t(cell(box_.size.x, box_.size.y - 1, box_.size.z - 1));
+      const std::size_t cells = excess_cells();
       if (device == Device::gpu)
         excess_ = std::static_pointer_cast<ExcessQuanta<T>[]>(zeroed_on_gpu(cells * sizeof(ExcessQuanta<T>)));
       else

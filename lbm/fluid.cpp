@@ -118,6 +118,17 @@ void Fluid<T>::take_excess() {
 }
 
 template <class T>
+void Fluid<T>::take_and_keep_excess() {
+  given_up_.resize(blocks_.size());
+  for (std::size_t b = 0; b < blocks_.size(); ++b) {
+    const ExcessQuanta<T>* const excess = blocks_[b].excess();
+    given_up_[b].assign(excess, excess + (excess ? blocks_[b].excess_cells() : 0));
+  }
+  is_given_up_ = true;
+  take_excess();
+}
+
+template <class T>
 void Fluid<T>::begin_pass() {
   fast_cells_.clear();
   for (std::size_t b = 0; b < blocks_.size(); ++b)

@@ -51,8 +51,16 @@ class Fluid {
     blocks_[b].hold_no_more_excess();
     for (const RowRange& range : rows) blocks_[b].hold_excess(range, device_);
   }
-  /// All cells give up their excess, as they would when they collide: what arrives is complete then.
+  /// All cells give up their excess, as they would when they collide: what arrives is complete then, but is no
+  /// longer what came back along links.
   void take_excess();
+  /// As take_excess(), and what a cell gave up can be asked for until forget_given_up().
+  void take_and_keep_excess();
+  void forget_given_up() { is_given_up_ = false; }
+  /// The mass that cells of a block gave up, by Block::cell, in quanta of excess.hpp; null if none did.
+  const ExcessQuanta<T>* given_up(int b) const {
+    return is_given_up_ && !given_up_[b].empty() ? given_up_[b].data() : nullptr;
+  }
   /// A single one does, on the processor.
   void take_excess(const LocalCell& x) {
     Block<T>& block = blocks_[x.block];
@@ -144,6 +152,8 @@ class Fluid {
   Mirror<Moments> cell_moments_{device_};
   Mirror<double> cell_densities_{device_};
   Mirror<std::int64_t> cell_masses_{device_};
+  std::vector<std::vector<ExcessQuanta<T>>> given_up_;  // of the blocks
+  bool is_given_up_ = false;
   Halo<T> halo_;
 };
 

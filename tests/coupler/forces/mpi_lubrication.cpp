@@ -72,7 +72,7 @@ TEST(Lubrication, ASphereSettlesOnAWallAsBrennersSeriesSays) {
 /// It may lie anywhere between the nodes of the lattice, worst for what is
 /// resolved half-way between two layers.
 TEST(Lubrication, ASphereSettlesOnAPlateOfTriangles) {
-  for (const auto& [plate, allowed] : {std::pair(3.0, 0.07), {3.25, 0.07}, {3.5, 0.15}, {3.75, 0.07}}) {
+  for (const auto& [plate, allowed] : {std::pair(3.0, 0.07), {3.25, 0.07}, {3.5, 0.2}, {3.75, 0.07}}) {
     const double error = approach_error(8, "true", plate);
     if (tests::rank() == 0) printf("plate at %g: %.1f %%\n", plate, 100 * error);
     EXPECT_LT(error, allowed) << plate;
