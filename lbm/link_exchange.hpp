@@ -112,8 +112,7 @@ SILT_DEVICE Exchange<T> exchange(const Read& read, const WallFluid<T>& fluid, co
 /// the links pass the mass of this motion and nothing else (method.md, equation 23).
 template <class T, class V = typename Lanes<T>::Real>
 SILT_DEVICE V corrected(const V& before, const Places<T>& at, const Motion<T>& u) {
-  return before -
-         at.weight6() * at.along(u.x(at.r[1], at.r[2]), u.y(at.r[2], at.r[0]), u.z(at.r[0], at.r[1]));
+  return before - at.weight6() * at.along(u.x(at.r[1], at.r[2]), u.y(at.r[2], at.r[0]), u.z(at.r[0], at.r[1]));
 }
 
 /// The sums of one group, kept in registers.

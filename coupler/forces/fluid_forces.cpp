@@ -245,8 +245,7 @@ void FluidForces<T>::share(rigid::BodySet& bodies, std::span<double> corrections
   exchange_.share_with_copies(bodies, changes, width);
   for (std::size_t row = bodies.owned; row < bodies.owned + bodies.copies; ++row)
     correction(row) = change(row), foreseen_change(bodies, row) = foreseen(row),
-    std::transform(owed(row), owed(row) + 2, mass_owed(bodies, row).begin(),
-                   [](double x) { return std::int64_t(x); });
+    std::transform(owed(row), owed(row) + 2, mass_owed(bodies, row).begin(), [](double x) { return std::int64_t(x); });
 }
 
 /// The links of bodies that were not finished during the pass return as if they had moved faster by these
