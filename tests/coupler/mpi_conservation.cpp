@@ -90,6 +90,7 @@ double lost_mass(const CaseText& scene, const std::string& precision, int steps)
   EXPECT_GT(now.max_density - now.min_density, 1e-4) << "a fluid that nobody presses loses nothing";
   const double taken = double(s.mass_taken()) * lbm::mass_quantum;
   const double owed = tests::sum_over_ranks(mass_owed_by_bodies(s));
+  EXPECT_LT(std::fabs(owed), 1e-6 * double(now.fluid_cells)) << "is what a step owes given back in the next?";
   return (now.mass_deviation - before.mass_deviation + taken + owed) / double(now.fluid_cells);
 }
 
