@@ -72,10 +72,7 @@ class FlowOf final : public Flow {
     if (!lbm::reads_beyond(coupling_.wall_scheme) || world_.shapes.empty()) return;
     pairs_.emplace(fluid_.domain(), comm, fluid_.blocks(), scene.device);
     for (const BlockMap& map : map_.blocks()) columns_.emplace_back(map.solid);
-    for (std::size_t b = 0; b < links_.size(); ++b) {
-      links_[b].pairs_across = pairs_->of(int(b));
-      links_[b].excess_across = pairs_->excess_of(int(b));
-    }
+    for (std::size_t b = 0; b < links_.size(); ++b) links_[b].pairs_across = pairs_->of(int(b));
   }
 
   int levels() const override { return levels_.count(); }
@@ -132,7 +129,6 @@ class FlowOf final : public Flow {
     if (schedule_ == LinkSchedule::sequential)
       for (int b = 0; b < int(links_.size()); ++b) apply_inner(b, links_[b].all_inner());
     account_.end_step(forces_.finish(fluid_, links_, bodies));
-    if (pairs_) pairs_->return_excess(fluid_.blocks());
   }
 
   void hold_bodies(bool hold) override {

@@ -162,8 +162,9 @@ class FieldsOf final : public FluidFields {
       for (std::size_t k = 0; k < across.size(); ++k) {
         std::int64_t of_run = 0;
         for (std::ptrdiff_t cell = first; cell < first + cells; ++cell)
-          of_run += std::llrint(
-              (double(out[k][cell]) + (double(back[k][cell]) + given_up(b, cell, across[k]))) / lbm::link_quantum);
+          of_run +=
+              std::llrint((double(out[k][cell]) + (double(back[k][cell]) + given_up(b, cell, across[k]))) /
+                          lbm::link_quantum);
         exchanged[k] += of_run;
       }
     });

@@ -79,9 +79,9 @@ struct CollisionRates {
   T keep_even, keep_even_twice, keep_odd;  // (1 - omega)/2
   T half_force[3], even_force[3], odd_force[3];
   T keep_third,
-      keep_fourth;        // of regularised: what is left of moments beyond those that follow from the stress
-  T resolved_square;      // half the square of the stress off equilibrium up to which no eddy is more viscous
-  T eddy;                 // 9 C^2; 0: none
+      keep_fourth;    // of regularised: what is left of moments beyond those that follow from the stress
+  T resolved_square;  // half the square of the stress off equilibrium up to which no eddy is more viscous
+  T eddy;             // 9 C^2; 0: none
 
   /// Throws std::invalid_argument for a relaxation time of 1/2 or less.
   explicit CollisionRates(const CollisionSpec&);

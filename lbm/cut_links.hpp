@@ -221,7 +221,7 @@ struct NextGroup {
 /// The slots of the populations of links that come next: a call lists them for the next group, and the call
 /// for that group finds them (link_fetch.hpp).
 struct ListedLinks {
-  static constexpr int most = 128, most_rows = directions + 1;  // links of a window; slots of a link
+  static constexpr int most = 128, most_rows = directions + 2;  // links of a window; slots of a link
   const LinkGroup* group = nullptr;                             // to which the links belong
   int count = 0, rows = 0, half = 0;                            // links; slots of one; where they are listed
   alignas(64) std::int32_t slot[2][most * most_rows];
@@ -237,8 +237,7 @@ struct GroupInBlock {
   NextGroup<T> next = {};
   const BeyondPair<T>* pairs_across = nullptr;  // of the block, for a group `across`
   ListedLinks* listed = nullptr;                // the same one for calls that name one another as the next
-  bool far = false;                          // its populations are not at hand: they are fetched ahead of use
-  ExcessQuanta<T>* excess_across = nullptr;  // that goes where pairs_across came from
+  bool far = false;  // its populations are not at hand: they are fetched ahead of use
 };
 
 /// The kernels of links, as each build has them (cut_links_kernel.cpp, link_resistance_kernel.cpp).

@@ -31,59 +31,36 @@ struct Read {
   }
 };
 
-/// Where the excess of a group's links goes.
+/// The excess of a group's links goes to their cells, lane by lane: links of several directions, side by side
+/// in a vector, share cells.
 template <class T>
-struct ExcessOfGroup {
+class ExcessOfGroup {
+ public:
   using L = Lanes<T>;
   using V = typename L::Real;
-  ExcessQuanta<T>* cells;  // from the group's corner on
-  const LinkSlots& slots;
-  const T given_behind;
-  ExcessQuanta<T>* across;    // of the block's pairs
-  const std::uint32_t* pair;  // of the group's links; null: the cells behind lie in the block
-  ExcessLanes<T> besides;     // that each link gives
-
   ExcessOfGroup(const GroupInBlock<T>& here, const SurfaceMotion& motion)
-      : cells(here.block.excess() + here.block.cell(here.group.corner)),
-        slots(here.slots),
-        given_behind(here.links.fluid.given_behind()),
-        across(here.excess_across),
-        pair(here.group.across ? here.links.across.data() + here.group.across_begin : nullptr),
-        besides(ExcessLanes<T>{} + ExcessQuanta<T>(motion.mass_by_link)) {}
+      : cells_(here.block.excess() + here.block.cell(here.group.corner)),
+        besides_(ExcessLanes<T>{} + ExcessQuanta<T>(motion.mass_by_link)) {}
 
-  /// So many links of the vector, which begins with the group's l-th, are counted.
-  template <WallScheme scheme>
-  [[gnu::always_inline]] void add(const V& excess, const Places<T>& at, int l, int links) const {
-    const auto counted = L::below(links);
-    const V of_counted = counted ? excess : V{};
-    ExcessLanes<T> own = excess_quanta<T>(of_counted) - (counted ? besides : ExcessLanes<T>{});
-    if constexpr (reads_beyond(scheme)) {
-      if (given_behind != 0) {
-        const ExcessLanes<T> behind = excess_quanta<T>(V(given_behind * of_counted));
-        own -= behind;
-        if (!pair) add_to(at.cell - L::look_up(slots.step, at.direction), behind);
-        for (int k = 0; pair && k < L::count && k < links; ++k) across[pair[l + k]] += behind[k];
-      }
-    }
-    add_to(at.cell, own);
+  [[gnu::always_inline]] void add(const V& excess, const typename L::Mask& counted,
+                                  const std::int32_t* cell) const {
+    const ExcessLanes<T> own = excess_quanta<T>(excess) - besides_, given = counted ? own : ExcessLanes<T>{};
+    ExcessQuanta<T> of[L::count];
+    store(of, given);
+#pragma GCC unroll 16
+    for (int l = 0; l < L::count; ++l) cells_[cell[l]] += of[l];
   }
 
  private:
-  /// Lane by lane: links of several directions, side by side in a vector, share cells.
-  [[gnu::always_inline]] void add_to(const typename L::Whole& cell, const ExcessLanes<T>& quanta) const {
-    std::int32_t at[L::count];
-    ExcessQuanta<T> of[L::count];
-    store(at, cell), store(of, quanta);
-#pragma GCC unroll 16
-    for (int l = 0; l < L::count; ++l) cells[at[l]] += of[l];
-  }
+  ExcessQuanta<T>* cells_;  // from the group's corner on
+  ExcessLanes<T> besides_;  // that each link gives
 };
 
 template <WallScheme scheme, class T>
 void apply(const GroupInBlock<T>& here, const SurfaceMotion& motion, ForceForm form, LinkSums& sums,
            LinkFetch<T>& fetch) {
   using L = Lanes<T>;
-  const auto& [block, slots, links, group, next, pairs, listed, far, excess_across] = here;
+  const auto& [block, slots, links, group, next, pairs, listed, far] = here;
   const SurfaceFrame& frame = links.frame;
   const Motion<T> u(motion);
   const PlaceOrigin<T> origin(block, group.corner, frame);
@@ -111,7 +88,7 @@ void apply(const GroupInBlock<T>& here, const SurfaceMotion& motion, ForceForm f
                                            at.along(ux, uy, uz), opposite);
     const auto counted = L::below(count - l);
     L::scatter(data, rows[back_row], e.back);
-    excess.template add<scheme>(e.excess, at, l, count - l);
+    excess.add(e.excess, counted, rows[cell_row]);
     total.add(e, counted, at, ux, uy, uz);
   }
   fetch.finish(l);

@@ -59,7 +59,6 @@ LinkPass<T> DeviceLinks<T>::pass_over(Block<T>& block, const LinkSlots& slots) {
           surfaces_.send(),
           sums_.there(),
           nullptr,
-          nullptr,
           false};
 }
 
@@ -75,11 +74,11 @@ void DeviceLinks<T>::list_groups() {
 
 template <class T>
 void DeviceLinks<T>::apply(Block<T>& block, const LinkSlots& slots, const BeyondPair<T>* pairs_across,
-                           ExcessQuanta<T>* excess_across, ForceForm form) {
+                           ForceForm form) {
   sums_.here().resize(surfaces_.size());
   sums_.clear();
   LinkPass<T> pass = pass_over(block, slots);
-  pass.pairs_across = pairs_across, pass.excess_across = excess_across;
+  pass.pairs_across = pairs_across;
   pass.galilean = form == ForceForm::galilean;
   list_groups();
   passes().set_opposites({opposites_.there(), opposites_.size()}, pass);

@@ -105,8 +105,7 @@ class DeviceLinks {
   void set_motion(std::size_t k, const SurfaceMotion&, double reach, T age);
   /// Writes what the surfaces return along all links, adds to the excess of their cells, and sums force
   /// and torque.
-  void apply(Block<T>&, const LinkSlots&, const BeyondPair<T>* pairs_across, ExcessQuanta<T>* excess_across,
-             ForceForm);
+  void apply(Block<T>&, const LinkSlots&, const BeyondPair<T>* pairs_across, ForceForm);
   LinkSums sums(std::size_t k) const;
 
   /// Surface k moved faster by an increment than it was said to; none did until this is called.

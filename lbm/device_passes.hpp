@@ -14,8 +14,8 @@
 namespace silt::lbm {
 
 /// Single cells of the blocks of a fluid: where a cell's populations are counted from, and its block; for
-/// each block, where those arriving at a cell are, how far the next cell along c_i is, and the excess of cell 0,
-/// whose populations are counted from `data`.
+/// each block, where those arriving at a cell are, how far the next cell along c_i is, and the excess of cell
+/// 0, whose populations are counted from `data`.
 template <class T>
 struct ListedCells {
   struct Cell {

@@ -345,7 +345,7 @@ const DevicePasses<T>& device_passes() {
   static constexpr DevicePasses<T> passes = {stream_collide<T>, take_fast_cells,       wait,
                                              move_slots<T>,     return_from_outlet<T>, carry_packets<T>,
                                              cross_border<T>,   gather_moments<T>,     give_masses<T>,
-                                             take_excess<T>, total_rows<T>};
+                                             take_excess<T>,    total_rows<T>};
   return passes;
 }
 template const DevicePasses<float>& device_passes();

@@ -51,8 +51,8 @@ class Fluid {
     blocks_[b].hold_no_more_excess();
     for (const RowRange& range : rows) blocks_[b].hold_excess(range, device_);
   }
-  /// All cells give up their excess, as they would when they collide: what arrives is complete then, but is no
-  /// longer what came back along links.
+  /// All cells give up their excess, as they would when they collide: what arrives is complete then, but is
+  /// no longer what came back along links.
   void take_excess();
   /// As take_excess(), and what a cell gave up can be asked for until forget_given_up().
   void take_and_keep_excess();
@@ -113,7 +113,8 @@ class Fluid {
   std::span<const Moments> moments(std::span<const LocalCell>);
   /// Returns the density deviations of single cells: a tenth of what moments bring from a device.
   std::span<const double> densities(std::span<const LocalCell>);
-  /// Gives single cells these masses, in quanta of excess.hpp, when they collide next; a cell may get several.
+  /// Gives single cells these masses, in quanta of excess.hpp, when they collide next; a cell may get
+  /// several.
   void give_masses(std::span<const LocalCell>, std::span<const std::int64_t>);
   /// Returns where a pass finds single cells; the list holds until the next call of listed() or moments().
   ListedCells<T> listed(std::span<const LocalCell>);

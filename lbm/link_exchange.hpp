@@ -7,9 +7,10 @@
 
 namespace silt::lbm::SILT_ISA {
 
-/// The populations of a link, in the order in which their slots are listed; the pair beyond only where it is
-/// read from the block, and under `single_cell_gap` all that leaves the cell instead of what follows `out`.
-enum LinkRow { back_row, out_row, behind_row, against_row, away_row, toward_row };
+/// The populations of a link, in the order in which their slots are listed, and its cell; the pair beyond
+/// only where it is read from the block, and under `single_cell_gap` all that leaves the cell instead of what
+/// follows `out`.
+enum LinkRow { back_row, cell_row, out_row, behind_row, against_row, away_row, toward_row };
 
 /// The slots that a link reads behind its cell, by those of its own.
 template <class Whole>
@@ -112,7 +113,8 @@ SILT_DEVICE Exchange<T> exchange(const Read& read, const WallFluid<T>& fluid, co
 /// the links pass the mass of this motion and nothing else (method.md, equation 23).
 template <class T, class V = typename Lanes<T>::Real>
 SILT_DEVICE V corrected(const V& before, const Places<T>& at, const Motion<T>& u) {
-  return before - at.weight6() * at.along(u.x(at.r[1], at.r[2]), u.y(at.r[2], at.r[0]), u.z(at.r[0], at.r[1]));
+  return before -
+         at.weight6() * at.along(u.x(at.r[1], at.r[2]), u.y(at.r[2], at.r[0]), u.z(at.r[0], at.r[1]));
 }
 
 /// The sums of one group, kept in registers.

@@ -71,6 +71,7 @@ class LinkFetch {
     const PlaceOrigin<T> origin(block_, group.corner, links.links->frame);
     const std::uint32_t* const place = links.links->place.data() + group.begin + first;
     corner_ = block_.data() + block_.middle() + block_.cell(group.corner);
+    if (wanted_ == Wanted::all) excess_ = block_.excess() + block_.cell(group.corner);
     listed_.group = &group, listed_.count = std::min(window, int(group.count) - first);
     std::int32_t* const start = listed_.slot[listed_.half];
     std::int32_t* end = start;
@@ -91,6 +92,7 @@ class LinkFetch {
   void add_read(const LinkGroup& group, const Places<T>& at, const Whole& back, Add&& add) const {
     const WallScheme scheme = group.scheme;
     const Whole out = at.slots(slots_.out);
+    add(at.cell);
     add(out);
     if (scheme == WallScheme::single_cell_gap) {
       for (int i = 1; i < directions; ++i) add(at.cell + slots_.out[i]);
@@ -108,20 +110,27 @@ class LinkFetch {
   /// longer.
   void fetch(int k) const {
     if (k >= listed_.count) return;
-    const std::int32_t* slot = listed_.slot[listed_.half] + k * listed_.rows;
-    const std::int32_t* const end = slot + listed_.rows * L::count;
-    for (; slot < end; slot += L::count)
+    const Rows rows(listed_.slot[listed_.half] + k * listed_.rows);
+    for (int row = 0; row < listed_.rows; ++row)
+      if (row == cell_row)
+        fetch(excess_, rows[row]);
+      else
+        fetch(corner_, rows[row]);
+  }
+  template <class Value>
+  static void fetch(const Value* from, const std::int32_t* at) {
 #pragma GCC unroll 16
-      for (int l = 0; l < L::count; ++l) prefetch_to_write(corner_ + slot[l]);
+    for (int l = 0; l < L::count; ++l) prefetch_to_write(from + at[l]);
   }
 
-  const Block<T>& block_;
+  Block<T>& block_;
   const LinkSlots& slots_;
   NextGroup<T> present_, next_;
   Wanted wanted_;
   bool fetches_;
   ListedLinks& listed_;
-  const T* corner_ = nullptr;  // of what is listed ahead
+  const T* corner_ = nullptr;                // of what is listed ahead
+  const ExcessQuanta<T>* excess_ = nullptr;  // of the same
   const std::int32_t* present_slots_ = nullptr;
   int present_rows_ = 0;
 };

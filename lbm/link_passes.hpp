@@ -17,7 +17,6 @@ struct LinkPass {
   const SurfaceStep<T>* surfaces;
   DeviceSums* sums;  // of the surfaces
   const BeyondPair<T>* pairs_across;
-  ExcessQuanta<T>* excess_across;
   bool galilean;
 };
 

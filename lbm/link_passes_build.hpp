@@ -77,24 +77,6 @@ struct ReadLink {
   }
 };
 
-/// Adds the excess of a link to its cell and the cell behind.
-template <WallScheme scheme, class T>
-SILT_DEVICE void add_excess(const LinksOfGroup<T>& links, const FoundLink<T>& link, int l, T excess) {
-  ExcessQuanta<T> own = excess_quanta<T>(excess) - ExcessQuanta<T>(links.step.motion.mass_by_link);
-  const T given_behind = links.pass.fluid.given_behind();
-  if constexpr (reads_beyond(scheme)) {
-    if (given_behind != 0) {
-      const ExcessQuanta<T> behind = excess_quanta<T>(given_behind * excess);
-      own -= behind;
-      if (links.group.across)
-        links.pass.excess_across[links.surface.across[links.group.across_begin + l]] += behind;
-      else
-        add_to(links.excess[link.at.cell - links.pass.slots->step[link.at.direction]], behind);
-    }
-  }
-  add_to(links.excess[link.at.cell], own);
-}
-
 /// Applies the links of a group that are a member's, so many together: all of these are read before one is
 /// written.
 template <WallScheme scheme, int together, class T>
@@ -114,7 +96,8 @@ SILT_DEVICE void apply_group(const LinksOfGroup<T>& links, const Team& member) {
       const T ux = u.x(at.r[1], at.r[2]), uy = u.y(at.r[2], at.r[0]), uz = u.z(at.r[0], at.r[1]);
       passed[k] = exchange<scheme>(read, fluid, at, link.q, at.along(ux, uy, uz), read.opposite());
       back[k] = link.back;
-      add_excess<scheme>(links, link, first + k, passed[k].excess);
+      add_to(links.excess[at.cell],
+             excess_quanta<T>(passed[k].excess) - ExcessQuanta<T>(links.step.motion.mass_by_link));
       sums.add(passed[k], true, at, ux, uy, uz);
     }
     for (int k = 0; k < end; ++k) links.corner[back[k]] = passed[k].back;

@@ -7,8 +7,8 @@ namespace silt::lbm::SILT_ISA {
 
 inline constexpr int resistance_entries = 21, push_entries = 6;
 
-/// Calls add(e, terms) for the entries of 6 w J J^T, then those of 6 w J (ResistanceSums), in quanta; arms are
-/// in units of 1 / `arm`.
+/// Calls add(e, terms) for the entries of 6 w J J^T, then those of 6 w J (ResistanceSums), in quanta; arms
+/// are in units of 1 / `arm`.
 template <class T, class Add, class V = typename Lanes<T>::Real>
 [[gnu::always_inline]] SILT_DEVICE inline void add_resistance(const Places<T>& at,
                                                               const typename Lanes<T>::Mask& counted, T arm,

@@ -38,8 +38,7 @@ void add_group(const CutLinks<T>& links, const LinkGroup& group, int exponent, E
 template <class T>
 ResistanceSums of_links(const CutLinks<T>& links, int exponent) {
   Entries<T> lanes = {};
-  for (const LinkGroup& group : links.groups)
-    add_group(links, group, exponent, lanes);
+  for (const LinkGroup& group : links.groups) add_group(links, group, exponent, lanes);
   ResistanceSums sums;
   for (int e = 0; e < entries; ++e) {
     std::int64_t& sum = e < resistance_entries ? sums.h[e] : sums.push[e - resistance_entries];

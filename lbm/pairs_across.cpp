@@ -1,9 +1,6 @@
 #include "lbm/pairs_across.hpp"
 
-#include <algorithm>
-
 #include "parallel/communicator.hpp"
-#include "parallel/transfers.hpp"
 
 namespace silt::lbm {
 
@@ -66,8 +63,7 @@ struct PairsAcross<T>::Builder {
       const BlockPlace place = domain.block(b);
       const PlacesAcross places(place.box.size);
       if (domain.local_index(place, pairs.rank_) >= 0)
-        pairs.pairs_[domain.local_index(place, pairs.rank_)].resize(places.count()),
-            pairs.excess_[domain.local_index(place, pairs.rank_)].resize(places.count());
+        pairs.pairs_[domain.local_index(place, pairs.rank_)].resize(places.count());
       for_ghost_slots(place.box.size, [&](Int3 g, int j) { add(place, places, g, j); });
     }
   }
@@ -78,12 +74,10 @@ PairsAcross<T>::PairsAcross(const Domain& domain, MPI_Comm comm, std::span<const
                             Device device)
     : rank_(parallel::rank_of(comm)),
       device_(device),
-      comm_(comm),
       slots_(comm, 3, device),
       sources_(device),
       targets_(device) {
-  for (std::size_t b = 0; b < blocks.size(); ++b)
-    pairs_.emplace_back(memory_of(device)), excess_.emplace_back(memory_of(device));
+  for (std::size_t b = 0; b < blocks.size(); ++b) pairs_.emplace_back(memory_of(device));
   Builder{*this, domain, blocks}.build();
   for (auto& of_block : pairs_) targets_.here().push_back(reinterpret_cast<T*>(of_block.data()));
   targets_.send();
@@ -97,67 +91,6 @@ void PairsAcross<T>::add(const Line& line, std::uint32_t n, std::uint32_t count)
   from.length = to.length = count;
   for (int half = 0; half < 2; ++half, ++from.array, ++to.first)  // away, toward
     slots_.add(line.from_rank, from, line.to_rank, to, rank_);
-  add_behind(line, n, count);
-}
-
-template <class T>
-void PairsAcross<T>::add_behind(const Line& line, std::uint32_t n, std::uint32_t count) {
-  const bool has_cells = line.from_rank == rank_, has_pairs = line.to_rank == rank_;
-  Behind behind{-1, 0, 0, -1, 0, count};
-  if (has_cells)
-    behind.block = int(line.from.array / (2 * directions)), behind.stride = line.from.stride,
-    behind.cell = line.from.first + n * std::uint32_t(line.from.stride);
-  if (has_pairs) {
-    behind.pairs_block = int(line.to.array), behind.place = line.to.first / 2 + n;
-    std::fill_n(excess_[behind.pairs_block].begin() + behind.place, count, 0);
-  }
-  if (has_cells && has_pairs)
-    behind_.push_back(behind);
-  else if (has_pairs)
-    peers_[line.from_rank].sent.push_back(behind);
-  else if (has_cells)
-    peers_[line.to_rank].received.push_back(behind);
-}
-
-template <class T>
-void PairsAcross<T>::give(Block<T>& block, const Behind& to, const ExcessQuanta<T>* quanta) const {
-  const Int3 first = block.cell_at(to.cell);
-  const int rows = to.stride == 1 ? 1 : int(to.length);
-  block.hold_excess({first.y, first.y + rows, first.z, first.z + 1}, device_);
-  ExcessQuanta<T>* excess = block.excess() + to.cell;
-  for (std::uint32_t k = 0; k < to.length; ++k, excess += to.stride) *excess += quanta[k];
-}
-
-template <class T>
-void PairsAcross<T>::return_excess(std::span<Block<T>> blocks) {
-  constexpr int tag = 9;
-  parallel::Transfers transfers(comm_, tag);
-  const auto resize = [](auto& buffer, const std::vector<Behind>& runs) {
-    std::size_t cells = 0;
-    for (const Behind& run : runs) cells += run.length;
-    buffer.resize(cells);
-  };
-  for (auto& [rank, peer] : peers_) {
-    resize(peer.buffer[0], peer.sent), resize(peer.buffer[1], peer.received);
-    if (!peer.buffer[1].empty()) transfers.receive(rank, std::span(peer.buffer[1]));
-    auto next = peer.buffer[0].begin();
-    for (const Behind& run : peer.sent) {
-      ExcessQuanta<T>* const of = excess_[run.pairs_block].data() + run.place;
-      next = std::copy_n(of, run.length, next);
-      std::fill_n(of, run.length, 0);
-    }
-    if (!peer.buffer[0].empty()) transfers.send(rank, std::span(peer.buffer[0]));
-  }
-  for (const Behind& run : behind_) {
-    ExcessQuanta<T>* const of = excess_[run.pairs_block].data() + run.place;
-    give(blocks[run.block], run, of);
-    std::fill_n(of, run.length, 0);
-  }
-  transfers.wait();
-  for (auto& [rank, peer] : peers_) {
-    const ExcessQuanta<T>* next = peer.buffer[1].data();
-    for (const Behind& run : peer.received) give(blocks[run.block], run, next), next += run.length;
-  }
 }
 
 template <class T>

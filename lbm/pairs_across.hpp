@@ -4,8 +4,6 @@
 // of its ghost layer; this brings it. No slot of a pair is overwritten between the halo exchange and the next
 // pass: where a ghost slot was returned to its home, it keeps what was sent.
 //
-// The other way it takes home the excess that such a link has given to the cell x - c_i (excess.hpp).
-//
 // Which pairs are read follows from the solid cells on either side of a face, which both ranks know: nothing
 // is asked for, and only these pairs move.
 #include <mpi.h>
@@ -13,7 +11,6 @@
 #include <array>
 #include <bit>
 #include <cstdint>
-#include <map>
 #include <span>
 #include <vector>
 
@@ -74,10 +71,6 @@ class PairsAcross {
   void exchange(std::span<const Block<T>> blocks, Parity);
   /// The pairs of a local block lie in the order of its PlacesAcross.
   const BeyondPair<T>* of(int block) const { return pairs_[block].data(); }
-  /// The excess that the link which reads a pair gives to the cell behind it, in the same order.
-  ExcessQuanta<T>* excess_of(int block) { return excess_[block].data(); }
-  /// Adds it to the excess of these cells; call when all links of a step are done.
-  void return_excess(std::span<Block<T>> blocks);
   /// The bytes that this rank sends in one exchange.
   std::size_t message_bytes() const { return slots_.message_bytes(); }
 
@@ -93,32 +86,13 @@ class PairsAcross {
     SlotRun from, to;  // that of the first pair which is read here; where it goes, if that is here
   };
   struct Builder;
-  /// Cells behind links, one after the other, and the places of their pairs; a block is -1 if another rank
-  /// has it.
-  struct Behind {
-    int block;
-    std::uint32_t cell;
-    std::int32_t stride;
-    int pairs_block;
-    std::uint32_t place, length;
-  };
-  struct Peer {
-    std::vector<Behind> sent, received;
-    std::vector<ExcessQuanta<T>> buffer[2];
-  };
 
   /// Adds the pairs of `count` cells of a line, from the n-th on.
   void add(const Line&, std::uint32_t n, std::uint32_t count);
-  void add_behind(const Line&, std::uint32_t n, std::uint32_t count);
-  void give(Block<T>&, const Behind&, const ExcessQuanta<T>* quanta) const;
 
   int rank_;
   Device device_;
-  MPI_Comm comm_;
-  std::vector<std::pmr::vector<BeyondPair<T>>> pairs_;     // of the blocks
-  std::vector<std::pmr::vector<ExcessQuanta<T>>> excess_;  // of the same
-  std::vector<Behind> behind_;                             // both ends on this rank
-  std::map<int, Peer> peers_;                              // by rank
+  std::vector<std::pmr::vector<BeyondPair<T>>> pairs_;  // of the blocks
   std::vector<Line> lines_;
   SlotExchange<T> slots_;
   Mirror<const T*> sources_;  // of the exchange under way
@@ -128,7 +102,7 @@ class PairsAcross {
 template <class T>
 template <class Solid>
 void PairsAcross<T>::choose(Solid&& solid) {
-  slots_.clear(), behind_.clear(), peers_.clear();
+  slots_.clear();
   for (const Line& line : lines_) {
     const int axis = line.along_y ? 1 : 0;
     for (std::uint32_t n = 0; n < line.length; n += 64) {

@@ -124,8 +124,7 @@ template <class Model, bool source, bool linked, class T, class Watch>
       std::ptrdiff_t x = first;
       if (linked && pass.block.has_excess(y, z))
         collide_with_excess<Model, source>(pass, std::exchange(x, end), end, first + nx, watch);
-      for (; x < end; x += width)
-        collide<Model, source, V>(pass.slots, x, pass.rates, AllLanes{}, watch);
+      for (; x < end; x += width) collide<Model, source, V>(pass.slots, x, pass.rates, AllLanes{}, watch);
       if (whole < nx) collide<Model, source, V>(pass.slots, end, pass.rates, pass.rest_of_row, watch);
       close_row(pass.block.data() + first, pass.block.row_ends(pass.parity));
     }
@@ -144,7 +143,8 @@ void planes(Block<T>& block, Parity parity, const CollisionRates<T>& rates, RowR
   for (int z = range.z0; z < range.z1;) {
     const int plane = std::min(watched.next(z), range.z1);
     if (z < plane) row_range<Model, source, linked>(pass, {range.y0, range.y1, z, plane}, unseen);
-    if (plane < range.z1) row_range<Model, source, linked>(pass, {range.y0, range.y1, plane, plane + 1}, watch);
+    if (plane < range.z1)
+      row_range<Model, source, linked>(pass, {range.y0, range.y1, plane, plane + 1}, watch);
     z = plane + 1;
   }
 }

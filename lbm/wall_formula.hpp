@@ -48,8 +48,6 @@ struct WallFluid {
         curved(T(curved_share(s))),
         parabolic(T(parabolic_share(s))),
         force{T(s.force[0]), T(s.force[1]), T(s.force[2])} {}
-  /// The part of the excess of links that the cells behind give up (equation 9b).
-  SILT_DEVICE T given_behind() const { return share > T(0.5) ? share - T(0.5) : T(0); }
   SILT_DEVICE bool has_force() const { return force[0] != 0 || force[1] != 0 || force[2] != 0; }
 };
 

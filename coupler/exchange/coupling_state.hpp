@@ -19,8 +19,8 @@ inline constexpr HolderColumn foreseen_change = mapping_velocity.next("foreseen_
 // impulse and angular impulse about the centre of mass that the fluid has still to give the body, in quanta
 // of lbm::link_quantum
 inline constexpr HolderColumn impulse_debt = mapping_steps.next("impulse_debt", 6);
-// mass that the body owes the fluid (owed_mass.hpp), and what of it each link gives in the next step, in quanta
-// of lbm::excess_quantum
+// mass that the body owes the fluid (owed_mass.hpp), and what of it each link gives in the next step, in
+// quanta of lbm::excess_quantum
 inline constexpr HolderColumn mass_owed = impulse_debt.next("mass_owed", 2);
 // impulse that impacts gave to the fluid around the body, still to be passed on by the body
 inline constexpr HolderColumn pending_impact = foreseen_change.next("pending_impact", 3);
@@ -37,12 +37,11 @@ static_assert(mass_owed.end() == rigid::HolderState::most_integers);
 
 /// Copies on other ranks have what their owner has in these columns; the rest is the owner's alone.
 inline constexpr HolderColumn copied[] = {mapping_position, mapping_orientation, mapping_velocity,
-                                          mapping_steps, foreseen_change, mass_owed};
+                                          mapping_steps,    foreseen_change,     mass_owed};
 /// These columns are in checkpoints.
-inline constexpr HolderColumn saved[] = {mapping_position, mapping_orientation, mapping_velocity,
-                                         mapping_steps,    impulse_debt,        mass_owed,
-                                         pending_impact,   contact_load,        deferred_impulse,
-                                         foreseen_change};
+inline constexpr HolderColumn saved[] = {
+    mapping_position, mapping_orientation, mapping_velocity, mapping_steps,    impulse_debt,
+    mass_owed,        pending_impact,      contact_load,     deferred_impulse, foreseen_change};
 }  // namespace column
 
 /// A vector of a column, from its k-th number on.

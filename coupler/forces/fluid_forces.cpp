@@ -121,8 +121,7 @@ void FluidForces<T>::apply(lbm::Block<T>& block, const BlockLinks<T>& links, Sur
                            const lbm::LinkGroup& group, const lbm::NextGroup<T>& next, bool at_hand) {
   static const bool last_cache_is_far = silt::last_cache_is_far();
   const bool far = !at_hand || last_cache_is_far;
-  lbm::apply_cut_links<T>({block, links.slots, surface.links, group, next, links.pairs_across, &listed_, far,
-                           links.excess_across},
+  lbm::apply_cut_links<T>({block, links.slots, surface.links, group, next, links.pairs_across, &listed_, far},
                           surface.motion, spec_.force, surface.sums);
 }
 
@@ -172,7 +171,7 @@ void FluidForces<T>::finish_body(lbm::Block<T>& block, const BlockLinks<T>& link
 
 template <class T>
 void FluidForces<T>::apply_on_device(lbm::Block<T>& block, BlockLinks<T>& links) {
-  links.on_device->apply(block, links.slots, links.pairs_across, links.excess_across, spec_.force);
+  links.on_device->apply(block, links.slots, links.pairs_across, spec_.force);
   for (std::size_t k = 0; k < links.surfaces.size(); ++k) links.surfaces[k].sums = links.on_device->sums(k);
 }
 
@@ -245,7 +244,8 @@ void FluidForces<T>::share(rigid::BodySet& bodies, std::span<double> corrections
   exchange_.share_with_copies(bodies, changes, width);
   for (std::size_t row = bodies.owned; row < bodies.owned + bodies.copies; ++row)
     correction(row) = change(row), foreseen_change(bodies, row) = foreseen(row),
-    std::transform(owed(row), owed(row) + 2, mass_owed(bodies, row).begin(), [](double x) { return std::int64_t(x); });
+    std::transform(owed(row), owed(row) + 2, mass_owed(bodies, row).begin(),
+                   [](double x) { return std::int64_t(x); });
 }
 
 /// The links of bodies that were not finished during the pass return as if they had moved faster by these

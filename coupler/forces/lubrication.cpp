@@ -48,7 +48,7 @@ ResolvedFlows resolved_flows(WallScheme scheme, double share) {
   if (scheme == WallScheme::parabolic)
     return {{0.618, 0.642, 3.564, 0.482, 0.282}, {0.340, 1.849, 3.825, 0.482, 0.282}};
   if (scheme == WallScheme::multireflection) {
-    const ResolvedFlows whole{{0.714, 0.522, 2.657, 0.487, 0.309}, {0.529, 1.345, 2.394, 0.487, 0.309}},
+    const ResolvedFlows whole{{0.591, 0.664, 2.947, 0.484, 0.312}, {0.391, 1.387, 2.980, 0.484, 0.312}},
         rest = resolved_flows(WallScheme::cli);
     return {mean(share, whole.bodies, rest.bodies), mean(share, whole.side, rest.side)};
   }

@@ -7,8 +7,8 @@
 namespace silt::coupler {
 
 /// One row of integers for each row of the BodySet: force (3) and torque (3) in lbm::link_quantum; the
-/// resistance (21) and the push (6) of its links in the quanta of lbm::ResistanceSums; in the form `exact` how
-/// many cells it has and the sum of the coordinates of their lower corners (4).
+/// resistance (21) and the push (6) of its links in the quanta of lbm::ResistanceSums; in the form `exact`
+/// how many cells it has and the sum of the coordinates of their lower corners (4).
 class RowSums {
  public:
   static constexpr int force_width = 6, resistance_width = 21, push_width = 6, cells_width = 4;

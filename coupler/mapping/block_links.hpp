@@ -90,7 +90,6 @@ struct BlockLinks {
   lbm::LinkSlots slots;                              // of the step under way
   SingleCellGaps<T> gaps;                            // under schemes that know the opposite wall
   const lbm::BeyondPair<T>* pairs_across = nullptr;  // of the step under way, under schemes that read beyond
-  lbm::ExcessQuanta<T>* excess_across = nullptr;     // the same
   std::optional<lbm::DeviceLinks<T>> on_device;      // where a device applies them
 
   /// The inner groups that wait for a part of the dense pass; all of them.

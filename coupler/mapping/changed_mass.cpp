@@ -58,7 +58,9 @@ class PassOn {
     parts_.push_back(double(part));
   }
 
-  void give(const lbm::LocalCell& cell, std::int64_t mass) { cells_.push_back(cell), masses_.push_back(mass); }
+  void give(const lbm::LocalCell& cell, std::int64_t mass) {
+    cells_.push_back(cell), masses_.push_back(mass);
+  }
 
   void take_from_others() {
     SharedNeighbours<double> wanted(domain_);
@@ -92,7 +94,8 @@ class PassOn {
 }  // namespace
 
 template <class T>
-void take_excess_around(lbm::Fluid<T>& fluid, const std::vector<BlockMap>& maps, const ChangedCells& changed) {
+void take_excess_around(lbm::Fluid<T>& fluid, const std::vector<BlockMap>& maps,
+                        const ChangedCells& changed) {
   if (fluid.device() != Device::cpu) return fluid.take_excess();
   const auto take_around = [&](int b, Int3 x) {
     for (const Int3& step : lbm::c)

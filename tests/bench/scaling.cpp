@@ -119,10 +119,7 @@ Expected expected_of(const coupler::Simulation& simulation) {
   Expected e;
   e.fluid = halo_sent(scene.domain, scene.rank, number);
   if (!scene.setup.has_surfaces() || scene.ranks == 1) return e;
-  if (lbm::reads_beyond(scene.setup.coupling.wall_scheme)) {
-    e.fluid += pairs_sent(simulation, number);
-    e.fluid += excess_sent(simulation, number);
-  }
+  if (lbm::reads_beyond(scene.setup.coupling.wall_scheme)) e.fluid += pairs_sent(simulation, number);
   e.forces = 2.0 * double(copied_from(simulation).size());  // sums to owners, changes of velocity from them
   const int around = ranks_within(scene.domain, scene.rank, scene.exchange->reach());
   for (int sub = 0; sub < scene.setup.contacts.substeps; ++sub) {

@@ -119,25 +119,6 @@ Sent pairs_sent(const coupler::Simulation& simulation, int number) {
   return sent;
 }
 
-Sent excess_sent(const coupler::Simulation& simulation, int number) {
-  const coupler::Scene& scene = simulation.scene();
-  const lbm::Domain& domain = scene.domain;
-  const std::set<std::array<int, 3>> solid = cells_in_spheres(simulation);
-  const auto is_solid = [&](Int3 x) {
-    x = domain.wrapped(x);
-    return solid.count({x.x, x.y, x.z}) > 0;
-  };
-  std::map<int, int> links;  // by rank
-  for (int i = 1; i < lbm::directions; ++i)
-    for_cells_at_faces(domain.block(scene.rank).box, [&](Int3 x) {
-      const int behind = domain.block_at(domain.wrapped(x - lbm::c[i])).rank;
-      if (behind != scene.rank && !is_solid(x) && is_solid(x + lbm::c[i])) ++links[behind];
-    });
-  Sent sent;
-  for (const auto& [rank, count] : links) sent += {1, double(count) * number};
-  return sent;
-}
-
 int ranks_within(const lbm::Domain& domain, int rank, double reach) {
   const CellBox mine = domain.block(rank).box;
   int others = 0;

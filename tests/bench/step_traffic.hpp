@@ -22,9 +22,6 @@ Sent halo_sent(const lbm::Domain&, int rank, int number);
 /// Two populations for each cut link from a cell of another rank whose cell behind is here
 /// (pairs_across.hpp), in the next step. Of spheres.
 Sent pairs_sent(const coupler::Simulation&, int number);
-/// What a cell behind, of another rank, gives up for each cut link from here whose pair it is, in the next step.
-/// Of spheres.
-Sent excess_sent(const coupler::Simulation&, int number);
 /// Counts the other ranks that have a cell less than `reach` away from the rank's box.
 int ranks_within(const lbm::Domain&, int rank, double reach);
 /// The other ranks that own a body of which there is a copy here.

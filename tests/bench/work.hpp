@@ -42,8 +42,8 @@ int operations_of_coefficients() {
 struct LinkWork {
   double flops, bytes;
 };
-/// Returns the work of a cut link in a step: what comes back, the excess, force and torque; with implicit coupling
-/// also the correction. (The resistance is part of the object mapping.)
+/// Returns the work of a cut link in a step: what comes back, the excess, force and torque; with implicit
+/// coupling also the correction. (The resistance is part of the object mapping.)
 inline LinkWork link_work(std::string_view scheme, bool implicit, std::size_t bytes_of_a_population) {
   using enum lbm::WallScheme;
   const bool behind = scheme != "bounce-back", beyond = scheme == "multireflection";

@@ -59,7 +59,8 @@ angular_velocity = [0, 0, 0.008])") +
   return c;
 }
 
-/// A ball that passes another one and the floor a quarter of a cell from both, and one that falls on the floor.
+/// A ball that passes another one and the floor a quarter of a cell from both, and one that falls on the
+/// floor.
 CaseText brushing_bodies() {
   CaseText c = passing_bodies();
   c.shapes = sphere_of("ball", 6);

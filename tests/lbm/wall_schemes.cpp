@@ -88,10 +88,8 @@ std::vector<double> velocities(const Channel& channel, WallScheme scheme) {
     pairs.exchange(fluid.blocks(), fluid.parity());
     for (int k = 0; k < 2; ++k)
       for (const LinkGroup& group : links[k].groups)
-        apply_cut_links<double>({fluid.blocks()[0], slots, links[k], group, {}, pairs.of(0), nullptr, false,
-                                 pairs.excess_of(0)}, motions[k],
-                                ForceForm::exact, sums);
-    pairs.return_excess(fluid.blocks());
+        apply_cut_links<double>({fluid.blocks()[0], slots, links[k], group, {}, pairs.of(0), nullptr, false},
+                                motions[k], ForceForm::exact, sums);
   }
   std::vector<double> u;
   for (int k = 1; k <= channel.layers; ++k) u.push_back(fluid.velocity(fluid.moments(0, {1, 2, k}))[0]);

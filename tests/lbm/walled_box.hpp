@@ -59,18 +59,9 @@ class WalledBox {
       const LinkSlots slots = link_slots(block, fluid().parity());
       for (int k = 0; k < 2; ++k)
         for (const LinkGroup& g : links_[b][k].groups)
-          apply_cut_links<double>({block,
-                                   slots,
-                                   links_[b][k],
-                                   g,
-                                   {},
-                                   pairs_.of(int(b)),
-                                   nullptr,
-                                   false,
-                                   pairs_.excess_of(int(b))},
+          apply_cut_links<double>({block, slots, links_[b][k], g, {}, pairs_.of(int(b)), nullptr, false},
                                   motions[k], ForceForm::galilean, sums_[k]);
     }
-    pairs_.return_excess(fluid().blocks());
     if (!keeps_mass) drop_excess();
   }
   /// Calls f(cell, its centre) for every fluid cell of level 0.

@@ -69,10 +69,10 @@ TEST(Lubrication, ASphereSettlesOnAWallAsBrennersSeriesSays) {
   }
 }
 
-/// It may lie anywhere between the nodes of the lattice, worst for what is
-/// resolved half-way between two layers.
+/// It may lie anywhere between the nodes of the lattice. Half-way between two layers, where a single layer of
+/// cells carries the flow in a gap of one to two cells, more than the mean of all places is resolved.
 TEST(Lubrication, ASphereSettlesOnAPlateOfTriangles) {
-  for (const auto& [plate, allowed] : {std::pair(3.0, 0.07), {3.25, 0.07}, {3.5, 0.2}, {3.75, 0.07}}) {
+  for (const auto& [plate, allowed] : {std::pair(3.0, 0.07), {3.25, 0.07}, {3.5, 0.25}, {3.75, 0.07}}) {
     const double error = approach_error(8, "true", plate);
     if (tests::rank() == 0) printf("plate at %g: %.1f %%\n", plate, 100 * error);
     EXPECT_LT(error, allowed) << plate;

@@ -196,8 +196,7 @@ TEST(StartFrom, OtherUnitsKeepVelocityPressureAndRateOfStrain) {
       "= \"double\"\n";
   next.bodies = body_of("ball", 2000, "");
   const auto after = other.start(next);
-  const FlowTotals was = before->scene().flow->totals(),
-                   is = after->scene().flow->totals();
+  const FlowTotals was = before->scene().flow->totals(), is = after->scene().flow->totals();
   EXPECT_EQ(was.fluid_cells, is.fluid_cells);
   EXPECT_NEAR(is.energy, was.energy / 4, 1e-9 * was.energy);
   EXPECT_NEAR(is.max_density - 1, (was.max_density - 1) / 4 / 0.8, 1e-9);
