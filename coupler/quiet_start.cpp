@@ -62,8 +62,10 @@ class HeldScene final : rigid::StepObserver {
       bodies.assign(row, start_.record(row));
       bodies.stored_impulses[row] = start_.stored_impulses[row];
     }
-    for (std::size_t row = start_.owned; row < bodies.first_wall(); ++row)
+    for (std::size_t row = start_.owned; row < bodies.first_wall(); ++row) {
       foreseen_change(bodies, row).setZero();
+      std::ranges::fill(mass_owed(bodies, row), 0);
+    }
     for (std::size_t wall = 0; wall < start_.walls; ++wall)
       bodies.assign(bodies.first_wall() + wall, start_.record(start_.first_wall() + wall));
     forget_forces();

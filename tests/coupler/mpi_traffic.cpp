@@ -146,7 +146,8 @@ double own_bytes() {
   throw std::runtime_error("/proc/self/status names no RssAnon");
 }
 
-/// Populations of 224 x 224 x 64 cells take 250 MB; fluid is in a tube within 1 of 196 blocks of 16 x 16.
+/// Populations of 224 x 224 x 64 cells take 250 MB; fluid is in a tube within 1 of 196 blocks of 16 x 16. What else
+/// there is takes half of that on one rank, and more with every rank: with the populations it would be above them.
 TEST(IdleBlock, ItsPopulationsTakeNoMemory) {
   CaseText c;
   c.domain = domain_of({224, 224, 64});
@@ -159,7 +160,7 @@ TEST(IdleBlock, ItsPopulationsTakeNoMemory) {
   const double grown = tests::sum_over_ranks(own_bytes() - before),
                held = tests::sum_over_ranks(double(s.scene().flow->fields().bytes()));
   EXPECT_GT(held, 240e6);
-  EXPECT_LT(grown, 0.75 * held) << "of " << held;  // what else cells have takes a third of that
+  EXPECT_LT(grown, held);
   EXPECT_GT(s.look_at_flow().max_speed, 1e-5);
 }
 
