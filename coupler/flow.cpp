@@ -120,6 +120,8 @@ class FlowOf final : public Flow {
     fluid_.end_pass();
   }
   void communicate() override {
+    fluid_.give_masses(passed_.cells, passed_.masses);
+    passed_ = {};
     fluid_.exchange();
     levels_.end_step();
     if (pairs_) pairs_->exchange(fluid_.blocks(), fluid_.parity());
@@ -207,7 +209,7 @@ class FlowOf final : public Flow {
     fluid_.forget_given_up();
     complete_ = false;
   }
-  /// Cells give up their excess before anybody reads them; in a step they do that as they collide.
+  /// Cells give up their excess before somebody reads many of them; in a step they do that as they collide.
   void complete_cells() const {
     if (!complete_) fluid_.take_and_keep_excess();
     complete_ = true;
@@ -219,11 +221,11 @@ class FlowOf final : public Flow {
   /// Cells that changed sides, and links.
   void remap(const rigid::BodySet& bodies, const BodyChanges& changes) {
     const ChangedCells cells = changed_cells(map_.blocks());
-    take_excess_around(fluid_, map_.blocks(), cells);
     take_cells(+1, cells.covered, bodies, changes);
     refill(fluid_, map_.blocks(), cells, bodies, changes.gone, coupling_.refill, uncovered_);
     take_cells(-1, cells.uncovered, bodies, changes);
-    account_.take_mass(pass_on_mass(fluid_, map_.blocks(), cells));
+    passed_ = pass_on_mass(fluid_, map_.blocks(), cells);
+    account_.take_mass(passed_.left);
     counts_.covered = cells.covered.size(), counts_.uncovered = cells.uncovered.size();
     rebuild_links(bodies);
   }
@@ -326,6 +328,7 @@ class FlowOf final : public Flow {
   std::vector<DeviceMapping<T>> mapped_on_device_;  // of the blocks, or none
   MeshDistances meshes_{map_.meshes()};
   UncoveredCells uncovered_{fluid_.device()};
+  PassedMass passed_;                         // in the step under way
   std::optional<lbm::PairsAcross<T>> pairs_;  // under schemes that read beyond
   std::vector<SideColumns> columns_;          // of the blocks, for pairs_
   bool pushes_bodies_;

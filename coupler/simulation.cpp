@@ -93,7 +93,7 @@ void Simulation::resume(const SavedState& saved,
   if (scene_.rank == 0) counters_ = saved.counters;
   counters_.sweeps = saved.counters.sweeps;
   initial_ = saved.initial;
-  fluid_speed_ = saved.fluid_speed;
+  fluid_speed_ = saved.fluid_speed, density_deviation_ = saved.density_deviation;
   if (scene_.rigid_step && saved.step > 0) scene_.rigid_step->resume();
   if (faults_.see_energy(scene_, turnover_.energy_brought(), step_)) faults_.start(scene_.comm);
 }
@@ -322,6 +322,7 @@ std::uint64_t Simulation::hash() const {
 FlowTotals Simulation::look_at_flow() {
   const FlowTotals totals = guarded([&] { return scene_.flow->totals(); });
   fluid_speed_ = std::max(fluid_speed_, totals.max_speed);
+  density_deviation_ = std::max({density_deviation_, totals.max_density - 1, 1 - totals.min_density});
   check_flow(scene_, totals, step_);
   return totals;
 }

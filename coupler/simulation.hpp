@@ -40,7 +40,7 @@ struct SavedState {
   Balance initial;
   rigid::BodyId next_id = 1;
   rigid::FixedVec3 momentum_brought;  // by bodies that came and went
-  double fluid_speed = 0;
+  double fluid_speed = 0, density_deviation = 0;
   rigid::FixedSum mass_taken = 0;  // by cells that changed sides, in lbm::mass_quantum
   FlowControl::State flow_control;
   SavedLevels levels;
@@ -105,7 +105,9 @@ class Simulation : private rigid::StepObserver {
   Balance balance() const;
   FlowTotals look_at_flow();                           // needs a flow; also checks it (GuardStop)
   double fluid_speed() const { return fluid_speed_; }  // largest at any look; local
-  std::uint64_t links() const;                         // of all ranks
+  /// The largest |density - 1| of a cell at any look; local.
+  double density_deviation() const { return density_deviation_; }
+  std::uint64_t links() const;  // of all ranks
   BalanceRecord balance_record() const;
   StageSeconds stage_seconds() const { return coupled_step_.seconds(); }         // local, waits included
   StageTraffic stage_traffic() const { return coupled_step_.traffic(); }         // local: with other ranks
@@ -158,7 +160,7 @@ class Simulation : private rigid::StepObserver {
   BodyTurnover turnover_;
   CheckUnderWay check_;
   FaultWatch faults_;
-  double fluid_speed_ = 0;
+  double fluid_speed_ = 0, density_deviation_ = 0;
   struct {  // on this rank, in all steps
     double seconds = 0;
     parallel::Traffic traffic;

@@ -125,6 +125,7 @@ class Block {
   }
   /// The excess of cells, by their offsets: null until it is held.
   ExcessQuanta<T>* excess() { return excess_.get(); }
+  const ExcessQuanta<T>* excess() const { return excess_.get(); }
   /// So many have a place there: all of the block.
   std::size_t excess_cells() const {
     return std::size_t(cell(box_.size.x, box_.size.y - 1, box_.size.z - 1));

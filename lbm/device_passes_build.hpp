@@ -172,9 +172,10 @@ struct GatherMoments {
   double* densities;
   SILT_DEVICE void operator()(std::int64_t k) const {
     const auto& cell = of.cells[k];
+    const auto& block = of.blocks[cell.block];
     const T* g[directions];
-    for (int i = 0; i < directions; ++i) g[i] = cell.data + of.blocks[cell.block].arriving[i];
-    const Moments m = moments_of<T>(g, 0);
+    for (int i = 0; i < directions; ++i) g[i] = cell.data + block.arriving[i];
+    const Moments m = moments_of<T>(g, 0, block.excess ? block.excess[cell.data - block.data] : 0);
     if (moments)
       moments[k] = m;
     else

@@ -28,6 +28,10 @@ struct ExcessParts {
     const V excess = quanta * T(quantum);
     rest = T(of_rest) * excess, axis = T(of_axis) * excess, diagonal = T(of_diagonal) * excess;
   }
+  /// Returns population i without its part.
+  SILT_DEVICE V taken_from(int i, const V& arriving) const {
+    return arriving - (i == 0 ? rest : i < 7 ? axis : diagonal);
+  }
 };
 
 /// Takes a cell's excess from the populations g(i) that arrive at it.
@@ -35,8 +39,7 @@ template <class T, class Populations>
 SILT_DEVICE inline void take_excess(ExcessQuanta<T>& excess, Populations&& g) {
   if (excess == 0) return;
   const ExcessParts<T, T> parts{T(excess)};
-  g(0) -= parts.rest;
-  for (int i = 1; i < directions; ++i) g(i) -= i < 7 ? parts.axis : parts.diagonal;
+  for (int i = 0; i < directions; ++i) g(i) = parts.taken_from(i, g(i));
   excess = 0;
 }
 

@@ -209,7 +209,10 @@ auto Fluid<T>::for_arriving(int b, Int3 x, Sum&& sum) const {
 
 template <class T>
 Moments Fluid<T>::moments(int b, Int3 x) const {
-  return for_arriving(b, x, [](const T* const(&g)[directions]) { return moments_of(g, 0); });
+  const ExcessQuanta<T>* const excess = blocks_[b].excess();
+  return for_arriving(b, x, [&](const T* const(&g)[directions]) {
+    return moments_of(g, 0, excess ? excess[blocks_[b].cell(x)] : 0);
+  });
 }
 
 template <class T>
@@ -284,6 +287,7 @@ void Fluid<T>::totals(int b, std::span<const LocalRows> of, CellTotals* totals_o
 
 template <class T>
 void Fluid<T>::give_masses(std::span<const LocalCell> cells, std::span<const std::int64_t> masses) {
+  if (cells.empty()) return;
   for (const auto& [b, x] : cells) blocks_[b].hold_excess({x.y, x.y + 1, x.z, x.z + 1}, device_);
   if (device_ != Device::cpu) {
     cell_masses_.here().assign(masses.begin(), masses.end());

@@ -61,13 +61,6 @@ class Fluid {
   const ExcessQuanta<T>* given_up(int b) const {
     return is_given_up_ && !given_up_[b].empty() ? given_up_[b].data() : nullptr;
   }
-  /// A single one does, on the processor.
-  void take_excess(const LocalCell& x) {
-    Block<T>& block = blocks_[x.block];
-    if (block.has_excess(x.cell.y, x.cell.z))
-      lbm::take_excess<T>(block.excess()[block.cell(x.cell)],
-                          [&](int i) -> T& { return arriving(x.block, x.cell, i); });
-  }
   /// A block without a fluid cell need not collide; what its slots hold means nothing then.
   void set_idle(int b, bool idle) { idle_[b] = idle; }
   /// Every cell of the blocks that are not idle collides; parity flips. Messages to other ranks set out as
@@ -109,7 +102,8 @@ class Fluid {
     return blocks_[b].data()[blocks_[b].leaving(i, parity_) + blocks_[b].cell(local_cell)];
   }
   Moments moments(int b, Int3 local_cell) const;
-  /// Returns the moments of single cells, in their order; they are there until the next call.
+  /// Returns the moments of single cells without their excess, in their order; they are there until the next
+  /// call.
   std::span<const Moments> moments(std::span<const LocalCell>);
   /// Returns the density deviations of single cells: a tenth of what moments bring from a device.
   std::span<const double> densities(std::span<const LocalCell>);

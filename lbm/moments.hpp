@@ -119,16 +119,18 @@ class MomentsByRow {
   MomentArrays row_;
 };
 
-/// Returns the moments of one cell, where g[i][k] is the population i that arrives at it.
+/// Returns the moments of one cell, where g[i][k] is the population i that arrives at it, as they are without
+/// its excess.
 template <class T>
 [[gnu::always_inline]] SILT_DEVICE inline Moments moments_of(const T* const (&g)[directions],
-                                                             std::ptrdiff_t k) {
+                                                             std::ptrdiff_t k, ExcessQuanta<T> excess = 0) {
+  const ExcessParts<T, T> parts{T(excess)};
   Moments m;
   const auto add = [](double& sum, int factor, double value) {  // factor: -1, 0, 1, known to the compiler
     if (factor) sum += factor * value;
   };
   for_directions<0>([&](auto i) __attribute__((always_inline)) {
-    const double value = g[i()][k];
+    const double value = parts.taken_from(i(), g[i()][k]);
     constexpr Int3 v = c[i()];
     m.density_deviation += value;
     add(m.momentum[0], v.x, value);

@@ -96,6 +96,8 @@ double rounded_up(double x);
 
 /// Limits in cells a step: the error by compressibility grows with the square of the speed.
 inline constexpr double doubtful_velocity = 0.1, impossible_velocity = 0.3;
+/// The deviation of the density above which the fluid is noticeably compressible.
+inline constexpr double doubtful_deviation = 0.02;
 
 /// Reports an error or a warning for a speed (cells a step) that the key gives and that is too high, with a
 /// time step that makes it low enough.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "coupler/mapping/shared_neighbours.hpp"
 #include "parallel/communicator.hpp"
@@ -39,10 +40,10 @@ class PassOn {
     return 0;
   }
 
-  /// Fetches what the cells of other ranks share out, and gives it all.
-  void finish() {
+  /// Fetches what the cells of other ranks share out; returns it all.
+  PassedMass finish() {
     if (domain_.ranks() > 1) take_from_others();
-    fluid_.give_masses(cells_, masses_);
+    return std::move(all_);
   }
 
  private:
@@ -59,7 +60,7 @@ class PassOn {
   }
 
   void give(const lbm::LocalCell& cell, std::int64_t mass) {
-    cells_.push_back(cell), masses_.push_back(mass);
+    all_.cells.push_back(cell), all_.masses.push_back(mass);
   }
 
   void take_from_others() {
@@ -73,20 +74,19 @@ class PassOn {
           const Int3 y = x + lbm::c[k];
           if (!map.has(y) || !map.was_and_is_fluid(y)) continue;
           wanted.add(rank, cell, k);
-          cells_.push_back({b, y});
+          all_.cells.push_back({b, y});
         }
       });
     }
     const std::vector<double> found = sent_.exchange(fluid_.comm(), 8, parts_, wanted);
-    for (const double mass : found) masses_.push_back(std::int64_t(mass));
+    for (const double mass : found) all_.masses.push_back(std::int64_t(mass));
   }
 
   lbm::Fluid<T>& fluid_;
   const std::vector<BlockMap>& maps_;
   const lbm::Domain& domain_;
   int rank_;
-  std::vector<lbm::LocalCell> cells_;  // of this rank, and what each gets
-  std::vector<std::int64_t> masses_;
+  PassedMass all_;
   SharedNeighbours<double> sent_{domain_};
   std::vector<double> parts_;
 };
@@ -94,25 +94,8 @@ class PassOn {
 }  // namespace
 
 template <class T>
-void take_excess_around(lbm::Fluid<T>& fluid, const std::vector<BlockMap>& maps,
+PassedMass pass_on_mass(lbm::Fluid<T>& fluid, const std::vector<BlockMap>& maps,
                         const ChangedCells& changed) {
-  if (fluid.device() != Device::cpu) return fluid.take_excess();
-  const auto take_around = [&](int b, Int3 x) {
-    for (const Int3& step : lbm::c)
-      if (maps[b].has(x + step)) fluid.take_excess({b, x + step});
-  };
-  for (const CoveredCell& c : changed.covered) take_around(c.block, c.cell);
-  for (const CoveredCell& c : changed.uncovered) take_around(c.block, c.cell);
-  for (int b = 0; b < int(maps.size()); ++b)
-    for_ghosts(maps[b], changed_bits(maps[b]), [&](Int3 x) { take_around(b, x); });
-}
-
-template void take_excess_around(lbm::Fluid<float>&, const std::vector<BlockMap>&, const ChangedCells&);
-template void take_excess_around(lbm::Fluid<double>&, const std::vector<BlockMap>&, const ChangedCells&);
-
-template <class T>
-rigid::FixedSum pass_on_mass(lbm::Fluid<T>& fluid, const std::vector<BlockMap>& maps,
-                             const ChangedCells& changed) {
   constexpr double quantum = lbm::excess_quantum<T>;
   PassOn<T> pass(fluid, maps);
   std::int64_t left = 0;
@@ -123,11 +106,12 @@ rigid::FixedSum pass_on_mass(lbm::Fluid<T>& fluid, const std::vector<BlockMap>& 
   };
   share(changed.covered, +1);
   share(changed.uncovered, -1);
-  pass.finish();
-  return std::llrint(double(left) * quantum / lbm::mass_quantum);
+  PassedMass passed = pass.finish();
+  passed.left = std::llrint(double(left) * quantum / lbm::mass_quantum);
+  return passed;
 }
 
-template rigid::FixedSum pass_on_mass(lbm::Fluid<float>&, const std::vector<BlockMap>&, const ChangedCells&);
-template rigid::FixedSum pass_on_mass(lbm::Fluid<double>&, const std::vector<BlockMap>&, const ChangedCells&);
+template PassedMass pass_on_mass(lbm::Fluid<float>&, const std::vector<BlockMap>&, const ChangedCells&);
+template PassedMass pass_on_mass(lbm::Fluid<double>&, const std::vector<BlockMap>&, const ChangedCells&);
 
 }  // namespace silt::coupler

@@ -7,15 +7,18 @@
 
 namespace silt::coupler {
 
-/// Cells that changed sides, and their neighbours, give up their excess, before anybody reads them or gives
-/// them mass.
-template <class T>
-void take_excess_around(lbm::Fluid<T>&, const std::vector<BlockMap>&, const ChangedCells&);
+/// The mass that cells of this rank get from their neighbours which changed sides, in quanta of
+/// lbm/excess.hpp. They get it after they have collided: before that they would have to give up their excess
+/// first, because the sum of both is rounded otherwise.
+struct PassedMass {
+  std::vector<lbm::LocalCell> cells;
+  std::vector<std::int64_t> masses;
+  rigid::FixedSum left =
+      0;  // in lbm::mass_quantum: what no neighbour that was fluid, and still is, could take
+};
 
 /// Collective over the ranks of neighbouring blocks, after refill(): covered cells still have what they held.
-/// Returns the mass, in lbm::mass_quantum, that this rank's cells could not pass on, because no neighbour was
-/// fluid and still is.
 template <class T>
-rigid::FixedSum pass_on_mass(lbm::Fluid<T>&, const std::vector<BlockMap>&, const ChangedCells&);
+PassedMass pass_on_mass(lbm::Fluid<T>&, const std::vector<BlockMap>&, const ChangedCells&);
 
 }  // namespace silt::coupler

@@ -42,6 +42,7 @@ void visit_state(SavedState& s, Visit&& visit) {
   visit("momentum_brought_z", s.momentum_brought.q[2]);
   visit("mass_taken", s.mass_taken);
   visit("fluid_speed", s.fluid_speed, 0);
+  visit("density_deviation", s.density_deviation, 0);
 }
 
 template <class Visit>
@@ -158,6 +159,7 @@ SavedState numbers_of(const Simulation& simulation) {
   state.next_id = simulation.next_id();
   state.momentum_brought = simulation.momentum_brought();
   state.fluid_speed = simulation.fluid_speed();
+  state.density_deviation = simulation.density_deviation();
   state.mass_taken = simulation.mass_taken();
   return state;
 }

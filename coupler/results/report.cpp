@@ -213,6 +213,7 @@ void add_counters(const Simulation& simulation, Json& report) {
     fastest = std::max(fastest, totals.max_speed);
     report["min_density"] = totals.min_density;
     report["max_density"] = totals.max_density;
+    report["density_deviation"] = simulation.density_deviation();
     report["fluid_cells"] = totals.fluid_cells;
   }
   report["max_velocity"] = units.physical(fastest, dimension::velocity);

@@ -179,7 +179,7 @@ std::string examine_case(const RunOptions& options) {
   if (const auto found = time_warning(setup, estimate)) warnings.push_back(*found);
   if (const auto found = disk_warning(setup, estimate.disk, result_folder(options)))
     warnings.push_back(*found);
-  warnings.insert(warnings.end(), estimate.of_borders.begin(), estimate.of_borders.end());
+  warnings.insert(warnings.end(), estimate.doubts.begin(), estimate.doubts.end());
   return derived_table(setup) + estimate_table(setup, estimate) + listed(warnings);
 }
 

@@ -19,6 +19,7 @@
 #include "coupler/run/prepare_run.hpp"
 #include "coupler/run/progress.hpp"
 #include "coupler/run/run_outputs.hpp"
+#include "coupler/run/run_warnings.hpp"
 #include "coupler/run/stop_request.hpp"
 #include "parallel/collectives.hpp"
 #include "parallel/together.hpp"
@@ -49,7 +50,6 @@ class Run {
   bool is_alone() const { return simulation_.scene().ranks == 1; }
   void greet();
   void advance();
-  void judge_sweeps();
   Exit end(Exit, const std::string& reason, const std::string& text);
   [[noreturn]] void fail_alone(Exit, const std::string& reason, const std::string& what);
   std::string of_rank(int rank, std::int64_t step, const std::string& text) const;
@@ -139,24 +139,6 @@ void Run::advance() {
   progress_.step(simulation_.steps_done(), simulation_.step_seconds());
 }
 
-/// Collective: says so where the sweeps over contacts ended far from rest, in any step.
-void Run::judge_sweeps() {
-  constexpr double far = 0.1;
-  const RunCounters counters = simulation_.counters();
-  const double fall = setup().gravity.norm() / setup().contacts.substeps;
-  if (counters.residual <= far * std::max(counters.body_speed, fall)) return;
-  const auto speed = [&](double x) {
-    return shown(setup().units.physical(x, dimension::velocity)) + " " +
-           setup().units.unit_text(dimension::velocity);
-  };
-  const int sweeps = setup().contacts.resolver_settings.max_sweeps;
-  progress_.say(
-      fmt::format("warning: contacts.sweeps: the sweeps over the contacts ended far from rest: the last of "
-                  "{} still changed a body's velocity by {}, where the fastest body had {}; raise "
-                  "contacts.sweeps (--set contacts.sweeps={}), or take smaller steps",
-                  sweeps, speed(counters.residual), speed(counters.body_speed), 4 * sweeps));
-}
-
 /// Collective: leaves the state that a guard stopped at.
 std::string Run::stopped_state_text() {
   try {
@@ -194,7 +176,8 @@ Exit Run::end(Exit code, const std::string& reason, const std::string& text) {
   const bool loud = simulation_.scene().rank == 0;
   progress_.finish(simulation_.steps_done(),
                    parallel::max_over_ranks(simulation_.scene().comm, simulation_.step_seconds()));
-  if (code != Exit::failed && code != Exit::guard) judge_sweeps();
+  if (code != Exit::failed && code != Exit::guard)
+    for (const std::string& warning : warnings_of(simulation_)) progress_.say("warning: " + warning);
   if (!text.empty()) code == Exit::done ? progress_.say(text) : progress_.log(text);
   if (!text.empty() && loud && code != Exit::done) fmt::print(stderr, "silt: {}\n", text);
   try {

@@ -19,6 +19,7 @@
 #include "coupler/flow.hpp"
 #include "coupler/placement/place_bodies.hpp"
 #include "coupler/regions/level_views.hpp"
+#include "coupler/run/foreseen_pressure.hpp"
 #include "lbm/fluid.hpp"
 #include "rigid/bodies/walls.hpp"
 #include "rigid/shapes/shape.hpp"
@@ -254,7 +255,7 @@ double foresee_levels(const Case& setup, const Scenery& all, std::int64_t work_o
   const lbm::Domain levels = levels_of(setup, all);
   estimate.cells.resize(setup.coarsening->levels + 1);
   add_work_of_levels(levels, work_of_a_cell, items, estimate);
-  estimate.of_borders = border_warnings(setup, levels.tree());
+  estimate.doubts = border_warnings(setup, levels.tree());
   return std::accumulate(estimate.cells.begin(), estimate.cells.end(), 0.) / setup.volume();
 }
 
@@ -296,6 +297,7 @@ RunEstimate estimate_run(const Case& setup, std::span<const rigid::BodyRecord> c
   RunEstimate estimate;
   const double share = setup.coarsening ? foresee_levels(setup, all, costs.cell, items, estimate) : 1;
   if (setup.coarsening) costs.cell = 0;  // that of cells is among the items
+  if (const auto found = pressure_warning(setup, all.bodies, all.world)) estimate.doubts.push_back(*found);
   WorkShares shares = shares_of(domain, costs.cell, items);
   if (ranks > 1 && !setup.block_cells) {
     const WorkShares better = foreseen_cut(domain.cells(), costs.cell, items, ranks);

@@ -19,9 +19,9 @@ struct RunEstimate {
   double memory = 0;                                              // bytes of all ranks
   double disk = 0;                                                // bytes of all files at the end
   double largest_over_mean = 1;                                   // of the work of a rank
-  std::vector<double> cells;           // of the fluid, by level, at the start; with [coarsening]
-  double cell_updates = 0;             // as much work as the fluid's is in a step; with [coarsening]
-  std::vector<Diagnostic> of_borders;  // what is doubtful about where cells change their width
+  std::vector<double> cells;       // of the fluid, by level, at the start; with [coarsening]
+  double cell_updates = 0;         // as much work as the fluid's is in a step; with [coarsening]
+  std::vector<Diagnostic> doubts;  // about where cells change their width; about the pressure
 };
 
 /// Estimates a run on so many ranks of machines like this one: work as cuts of the domain count it

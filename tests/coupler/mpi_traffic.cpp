@@ -146,8 +146,9 @@ double own_bytes() {
   throw std::runtime_error("/proc/self/status names no RssAnon");
 }
 
-/// Populations of 224 x 224 x 64 cells take 250 MB; fluid is in a tube within 1 of 196 blocks of 16 x 16. What else
-/// there is takes half of that on one rank, and more with every rank: with the populations it would be above them.
+/// Populations of 224 x 224 x 64 cells take 250 MB; fluid is in a tube within 1 of 196 blocks of 16 x 16.
+/// What else there is takes half of that on one rank, and more with every rank: with the populations it would
+/// be above them.
 TEST(IdleBlock, ItsPopulationsTakeNoMemory) {
   CaseText c;
   c.domain = domain_of({224, 224, 64});

@@ -49,6 +49,22 @@ TEST(CaseCheck, WarnsOfDoubtfulRelaxationTimes) {
   EXPECT_TEXT(warnings(c), "above 2 walls and slow flow lose accuracy");
 }
 
+TEST(CaseCheck, WarnsOfOtherModelsThanTrtBetweenBodiesWhereThatLasts) {
+  const auto of = [](const std::string& model, double tau, const std::string& velocity) {
+    CaseText c;
+    c.fluid = "[fluid]\nrelaxation_time = " + std::to_string(tau) + "\ncollision = \"" + model + "\"\n";
+    c.bodies += "velocity = [" + velocity + ", 0, 0]\n";
+    return warnings(c);
+  };
+  EXPECT_TEXT(
+      of("regularised", 0.55, "0.01"),
+      "flow between bodies has too much drag under regularised, in a packed bed with 12 cells a diameter");
+  EXPECT_TEXT(of("bgk", 0.55, "0.01"), "too much drag under bgk");
+  for (const auto& [model, tau] : {std::pair("regularised", 0.6), {"trt", 0.55}, {"auto", 0.55}})
+    EXPECT_EQ(of(model, tau, "0.01"), "") << model;
+  EXPECT_FALSE(tests::has_part(of("regularised", 0.51, "0.1"), "too much drag"));  // where trt does not last
+}
+
 TEST(CaseCheck, WarnsOfCoarserCellsWithinTheFlowAroundABody) {
   CaseText c;
   c.domain = domain_of({96, 96, 96});

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """estimates.py SILT: what `silt check` foresees of memory and disk is within a factor of 2 of a run, and it
 foresees time for output (how much: tests/stress/time_of_output.py). More than the disk has, or years, are
-warned of."""
+warned of, and a pressure that compresses the fluid."""
 import re
 import resource
 import unittest
@@ -26,6 +26,43 @@ class Estimates(SiltTest):
             self.assertLess(found / 2, foreseen)
             self.assertLess(foreseen, 2 * found)
         self.assertGreater(number(said, "time"), 0)
+
+    # Nine spheres of 8 cells in a column, a cell apart, in the stream of an inlet; 20 % solid in between.
+    COLUMN = """[units]
+system = "lattice"
+[domain]
+size = [12, 12, 100]
+boundary = { x = "periodic", y = "periodic", z = [{ type = "velocity-inlet", velocity = [0, 0, %g] }, "pressure-outlet"] }
+[fluid]
+relaxation_time = 0.8
+initial = { type = "uniform", velocity = [0, 0, %g] }
+[gravity]
+acceleration = [0, 0, -1e-5]
+[[shapes]]
+name = "ball"
+type = "sphere"
+radius = 4
+[[bodies]]
+shape = "ball"
+density = 1.5
+motion = "%s"
+positions = [%s]
+[run]
+steps = 4000
+"""
+    FORESEEN = r"warning: the pressure falls by about \S+ .* the density is (\S+) % higher .*: give all velocities times (\S+)"
+
+    def column(self, speed, motion="fixed"):
+        self.write(self.COLUMN % (speed, speed, motion, ", ".join(f"[6, 6, {12 + 9 * k}]" for k in range(9))))
+        return re.search(self.FORESEEN, self.silt("check", self.case).stdout)
+
+    def test_a_pressure_that_compresses_the_fluid(self):
+        foreseen = self.column(0.02)
+        self.silt("run", self.case)
+        found = 100 * (self.report()["max_density"] - 1)
+        self.assertLess(abs(float(foreseen[1]) / found - 1), 0.35, f"foreseen {foreseen[1]} %, found {found} %")
+        self.assertIsNone(self.column(0.02 * float(foreseen[2])**2))  # drag here is of the first power of the speed
+        self.assertIsNone(self.column(0.02, "free"))  # they weigh less than that
 
     def test_output_takes_time(self):
         """Whatever is written adds to what is foreseen."""

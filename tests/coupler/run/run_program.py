@@ -135,6 +135,26 @@ class Program(SiltTest):
             self.assertEqual("warning: contacts.sweeps: the sweeps over the contacts ended far from rest" in said, far, said)
             self.assertEqual("contacts.sweeps=4" in said, far)
 
+    def test_a_compressed_fluid_is_warned_of_with_the_cure(self):
+        def said(text):
+            self.write(text)
+            found = self.silt("run", self.case, "--overwrite").stdout
+            warned = re.search("warning: the density of the fluid deviated by up to (\\S+) %.*: (.*)", found)
+            return warned and (float(warned[1]), warned[2])
+        box = "boundary = {{ x = \"periodic\", y = \"periodic\", z = \"no-slip\" }}\n"
+        # sound goes up and down in a box of 32 cells that is set upright: between nothing and twice 3 g z
+        lattice = '[units]\nsystem = "lattice"\n[domain]\nsize = [4, 4, 32]\n' + box + "[fluid]\nrelaxation_time = 0.6\nbody_force = [0, 0, {}]\n[run]\nsteps = 400\n"
+        found, cure = said(lattice.format(-5e-4))
+        self.assertTrue(1.5 * 5e-2 * 31 / 2 < found < 2 * 1.5 * 5e-2 * 32, found)
+        self.assertRegex(cure, "give all velocities times 0.[67]")
+        self.assertIsNone(said(lattice.format(-1e-4)))
+        si = '[units]\nsystem = "si"\ncell_size = 1e-3\ntime_step = {}\n[domain]\nsize = [4e-3, 4e-3, 32e-3]\n' + box + "[fluid]\ndensity = 1000\nkinematic_viscosity = 1e-5\nbody_force = [0, 0, -0.5]\n[run]\ntime = 0.4\n"
+        found, cure = said(si.format(1e-3))
+        shorter = re.search("units.time_step = (\\S+)", cure)[1]
+        self.assertLess(float(shorter), 1e-3)
+        self.assertIsNone(said(si.format(shorter)))
+        self.assertLess(self.report()["density_deviation"], 0.02)
+
     def test_results_are_never_overwritten_silently(self):
         self.silt("run", self.case, "--steps", 5)
         first = self.report()["state_hash"]
