@@ -261,9 +261,10 @@ void check_flow_between_walls(const Case& setup, Findings& findings) {
   findings.warning(
       "fluid.collision",
       "below a relaxation time of {} flow between bodies has too much drag under {}, in a packed bed "
-      "with 12 cells a diameter at 0.5225 a third: use fluid.collision = \"trt\" where it lasts, up "
-      "to u/nu = {}, or smaller cells",
-      same_from, lbm::model_of(setup.fluid->collision).name, shown(lasts));
+      "with 12 cells a diameter at 0.5225 {}: use fluid.collision = \"trt\" where it lasts, up to "
+      "u/nu = {}, or smaller cells",
+      same_from, lbm::model_of(setup.fluid->collision).name,
+      setup.fluid->collision == lbm::Collision::bgk ? "a half" : "a third", shown(lasts));
 }
 
 void check_collision(const Case& setup, Findings& findings) {

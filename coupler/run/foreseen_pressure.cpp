@@ -72,11 +72,10 @@ std::optional<Diagnostic> pressure_warning(const Case& setup, const rigid::BodyS
     const double factor = std::sqrt(doubtful_deviation / found);
     return Diagnostic{
         Diagnostic::Severity::warning, setup.place(side_key(side)),
-        fmt::format("the pressure falls by about {} {} in the bodies that stand in the stream from {}, so "
+        fmt::format("the bodies that stand in the stream from {} let the pressure fall by as much as makes "
                     "the density "
-                    "is {:.2g} % higher before them; above {} % the fluid is noticeably compressible: {}",
-                    shown(setup.units.physical(drop, dimension::pressure)),
-                    setup.units.unit_text(dimension::pressure), side_key(side), 100 * found,
+                    "{:.2g} % higher before them{}; above {} % the fluid is noticeably compressible: {}",
+                    side_key(side), 100 * found, in_si(setup, drop, dimension::pressure),
                     shown(100 * doubtful_deviation),
                     setup.units.si
                         ? time_step_cure(setup, factor)

@@ -50,7 +50,7 @@ positions = [%s]
 [run]
 steps = 4000
 """
-    FORESEEN = r"warning: the pressure falls by about \S+ .* the density is (\S+) % higher .*: give all velocities times (\S+)"
+    FORESEEN = r"warning: the bodies that stand in the stream from \S+ let the pressure fall .* the density (\S+) % higher .*: give all velocities times (\S+)"
 
     def column(self, speed, motion="fixed"):
         self.write(self.COLUMN % (speed, speed, motion, ", ".join(f"[6, 6, {12 + 9 * k}]" for k in range(9))))
