@@ -7,6 +7,7 @@
 #include <map>
 
 #include "coupler/case/case_sections.hpp"
+#include "coupler/case/fill_room.hpp"
 #include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {
@@ -293,6 +294,29 @@ WayOut way_out(const Case& setup, const BodySpec& body) {
   return first;
 }
 
+/// Sizes of a fill that are a good part of its mass, but so few of its bodies that there is none.
+void check_sizes(const Case& setup, Findings& findings, std::size_t index) {
+  constexpr double good_part = 0.02;
+  const FillSpec& fill = setup.fills[index];
+  double mass = 0, lacking = 0, rarest = 1, largest = 0, below = 0;
+  for (std::size_t size = 0; size < fill.sizes.size(); ++size) {
+    const double share = fill.sizes[size].up_to - below;
+    below = fill.sizes[size].up_to;
+    const rigid::Shape& shape = setup.shapes[fill.sizes[size].shape];
+    const double of_size = share * rigid::mass_properties(shape).volume;
+    mass += of_size;
+    if (share == 0 || FillApplication(index, 0, size).count(fill) > 0) continue;
+    lacking += of_size, rarest = std::min(rarest, share), largest = sphere_of_volume(shape);
+  }
+  if (fill.count == 0 || fill.every > 0 || !(lacking > good_part * mass)) return;
+  const std::string key = fmt::format("fill[{}].count", index);
+  findings.warning(
+      key,
+      "{} is {}, too few for every size: there is none with a diameter of {}, although sizes that are "
+      "missing have {:.0f} % of the mass: use {} or more",
+      key, fill.count, shown_length(setup, largest), 100 * lacking / mass, shown(rounded_up(1 / rarest)));
+}
+
 /// Bodies of prescribed motion that the case itself moves out of the domain: one message an entry.
 void check_prescribed(const Case& setup, Findings& findings) {
   int said_of = -1;
@@ -355,6 +379,7 @@ void find_turnover_faults(const Case& setup, Findings& findings) {
     findings.warning("outflow", "outflow: the case has no free bodies, and no others leave");
   for (std::size_t i = 0; i < setup.fills.size(); ++i) {
     const FillSpec& fill = setup.fills[i];
+    check_sizes(setup, findings, i);
     const std::string key = fmt::format("fill[{}].every", i);
     if (fill.every == 0) continue;
     if (fill.every >= setup.steps || static_cast<double>(fill.every) > fill.until)

@@ -163,8 +163,14 @@ std::optional<std::int64_t> TableReader::integer(std::string_view key, std::int6
                                                  std::string_view unit) {
   const Node* node = find(key);
   if (!node) return {};
-  if (node->kind == Node::Kind::integer && node->integer >= low && node->integer <= high)
-    return node->integer;
+  constexpr double exact = 0x1p53;  // numbers up to this are whole or not, 1e3 is
+  const bool is_whole = node->kind == Node::Kind::integer ||
+                        (node->kind == Node::Kind::floating && std::fabs(node->floating) <= exact &&
+                         node->floating == std::trunc(node->floating));
+  const std::int64_t found = node->kind == Node::Kind::floating && is_whole
+                                 ? static_cast<std::int64_t>(node->floating)
+                                 : node->integer;
+  if (is_whole && found >= low && found <= high) return found;
   const std::string range = high == std::numeric_limits<std::int64_t>::max()
                                 ? fmt::format("of at least {}", low)
                                 : fmt::format("between {} and {}", low, high);

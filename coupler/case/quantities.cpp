@@ -1,6 +1,7 @@
 // [[quantities]], and what may be wrong with them.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cctype>
 #include <cmath>
 #include <limits>
@@ -156,6 +157,10 @@ void check_place(const Case& setup, Findings& findings, const QuantitySpec& quan
                             shown_length(setup, setup.cells[d]));
 }
 
+/// The columns that series_NAME.csv and the table of a sweep have besides quantities.
+constexpr std::string_view columns_of_tables[] = {"step",        "time",  "folder",
+                                                  "exit_reason", "steps", "wall_seconds"};
+
 }  // namespace
 
 std::vector<KeySection> quantity_sections() {
@@ -187,6 +192,11 @@ void find_quantity_faults(const Case& setup, Findings& findings) {
     const QuantitySpec& quantity = setup.quantities[i];
     const QuantityType& type = quantity_type(quantity.type);
     const std::string entry = fmt::format("quantities[{}]", i), lack = lacking(setup, type);
+    if (std::ranges::find(columns_of_tables, quantity.name) != std::end(columns_of_tables))
+      findings.error(
+          entry + ".name",
+          "{}.name is '{}', and tables of results have a column of that name already; choose another", entry,
+          quantity.name);
     const auto end = static_cast<double>(setup.steps);
     if (!lack.empty())
       findings.error(entry + ".type", "{}.type is \"{}\", but {}", entry, quantity.type, lack);

@@ -174,6 +174,8 @@ std::unique_ptr<LiveSimulation> opened(const std::filesystem::path& directory,
 
 /// Runs, and lets an interrupt of the only rank end it between two looks at the fluid.
 void run(LiveSimulation& live, std::optional<std::int64_t> wanted) {
+  if (wanted && *wanted < 0)
+    throw std::invalid_argument(fmt::format("steps is {}; it must be at least 0", *wanted));
   std::int64_t steps = wanted.value_or(live.get().setup().steps - live.get().steps_done());
   while (steps > 0 && !(live.writes() && live.has_ended())) {
     const std::int64_t now = std::min(steps, guard_interval);

@@ -140,6 +140,14 @@ std::string wrong_subcommand(const CLI::App& app, const std::string& word) {
   return fmt::format("silt: there is no subcommand '{}'{}\n", word, suggestion(word, names));
 }
 
+/// The complaint about an instruction set that is asked for and that there is not, or "".
+std::string wrong_instruction_set() {
+  const char* const asked = std::getenv("SILT_ISA");
+  if (!asked || !*asked || std::ranges::find(isa_names, asked) != isa_names.end()) return "";
+  return fmt::format("silt: the environment variable SILT_ISA is '{}'; it must be portable, avx2 or avx512\n",
+                     asked);
+}
+
 Exit main_on(MPI_Comm comm, int argc, char** argv) {
   const int rank = parallel::rank_of(comm);
   const bool loud = rank == 0;
@@ -183,6 +191,10 @@ Exit main_on(MPI_Comm comm, int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     if (loud) app.exit(error);
     return error.get_exit_code() == 0 ? Exit::done : Exit::bad_case;
+  }
+  if (const std::string complaint = wrong_instruction_set(); !complaint.empty()) {
+    if (loud) fmt::print(stderr, "{}", complaint);
+    return Exit::bad_case;
   }
   if (checks->parsed()) return check(line, loud);
   if (infos->parsed()) return info(line, loud);

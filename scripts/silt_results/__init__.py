@@ -59,8 +59,12 @@ class Run:
 
     @functools.cached_property
     def report(self):
-        """report.json as a dictionary."""
-        return json.loads(self.file("report.json", "output.report, and at its end").read_text())
+        """report.json as a dictionary. ValueError: the file is cut off, or none of JSON."""
+        path = self.file("report.json", "output.report, and at its end")
+        try:
+            return json.loads(path.read_text())
+        except ValueError as error:
+            raise ValueError(f"{path}: not whole: {error}; let the run write it again (silt resume)") from None
 
     @functools.cached_property
     def series(self):

@@ -65,6 +65,23 @@ TEST(CaseCheck, WarnsOfOtherModelsThanTrtBetweenBodiesWhereThatLasts) {
   EXPECT_FALSE(tests::has_part(of("regularised", 0.51, "0.1"), "too much drag"));  // where trt does not last
 }
 
+TEST(CaseCheck, WarnsOfSizesThatAreMostOfTheMassAndOfNoBody) {
+  const auto of = [](int count) {
+    CaseText c;
+    c.domain = domain_of({200, 200, 200});
+    c.rest = gravity;
+    c.bodies =
+        fill_of("ball", 1.2, count,
+                "diameter = { distribution = \"table\", by = \"mass\", table = [[6, 0.5], [24, 0.5]] }");
+    return warnings(c);
+  };
+  // one in 65 bodies is a large one
+  EXPECT_TEXT(of(3),
+              "fill[0].count is 3, too few for every size: there is none with a diameter of 24, although "
+              "sizes that are missing have 50 % of the mass: use 65 or more");
+  EXPECT_FALSE(tests::has_part(of(130), "too few for every size"));
+}
+
 TEST(CaseCheck, WarnsOfCoarserCellsWithinTheFlowAroundABody) {
   CaseText c;
   c.domain = domain_of({96, 96, 96});

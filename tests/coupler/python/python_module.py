@@ -110,6 +110,8 @@ class Module(SiltTest):
 
     def test_fluid_at_rest(self):
         simulation = self.simulation(WATER)
+        with self.assertRaisesRegex(ValueError, "steps is -1; it must be at least 0"):
+            simulation.run(-1)
         simulation.run(3)
         self.assertEqual(simulation.steps_done, 3)
         self.assertEqual((simulation.cells, simulation.box), ((16, 20, 24), ((0, 0, 0), (16, 20, 24))))

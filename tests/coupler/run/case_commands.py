@@ -86,6 +86,9 @@ class Commands(SiltTest):
         self.assertTrue(all(str(run) in figure for run in (self.case, other, third)))
         self.assertIn("name two or more", script("compare", self.case, code=2))
         self.assertIn("report.json: not there", script("compare", self.case, self.scratch.name, code=1))
+        report = other / "report.json" if (other / "report.json").exists() else other / "out/report.json"
+        report.write_text(report.read_text()[:200])
+        self.assertRegex(script("compare", self.case, other, code=1), "report.json: not whole: .*; let the run write it again")
 
     def test_every_command_explains_itself(self):
         for path in sorted(SCRIPTS.iterdir()):

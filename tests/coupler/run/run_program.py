@@ -155,6 +155,16 @@ class Program(SiltTest):
         self.assertIsNone(said(si.format(shorter)))
         self.assertLess(self.report()["density_deviation"], 0.02)
 
+    def test_an_instruction_set_that_there_is_not_is_refused(self):
+        for asked in ("avx3", "AVX2"):
+            done = subprocess.run([SILT, "check", self.case], capture_output=True, text=True, env={**ENVIRONMENT, "SILT_ISA": asked})
+            self.assertEqual((done.returncode, done.stderr), (2, f"silt: the environment variable SILT_ISA is '{asked}'; it must be portable, avx2 or avx512\n"))
+
+    def test_a_number_of_steps_with_an_exponent_is_whole(self):
+        self.silt("run", self.case, "--set", "run.steps=1e1")
+        self.assertEqual(self.report()["steps"], 10)
+        self.assertIn("run.steps is 12.5; it must be a whole number", self.silt("check", self.case, "--set", "run.steps=1.25e1", code=2).stderr)
+
     def test_results_are_never_overwritten_silently(self):
         self.silt("run", self.case, "--steps", 5)
         first = self.report()["state_hash"]
