@@ -32,7 +32,7 @@ LONGEST = 20                                     # times in which the inflow pas
 GOALS = [Goal("accuracy.bed.re8.d12.flow", 0.3), Goal("accuracy.bed.re8.d12.error", 1.5), Goal("accuracy.bed.re50.d12.error", 3.0),
          Goal("accuracy.bed.re8.d16.collisions", 2.0),
          *(Goal(f"accuracy.bed.re{Re}.d{FINEST}.over_ergun", 25.0) for Re in PASSING)]
-SHORT_GOALS = [Goal(f"accuracy.bed.re8.d{SHORT_SIZE}.spread_behind", 0.1)]
+SHORT_GOALS = [Goal(f"accuracy.bed.re8.d{SHORT_SIZE}.spread_behind", 0.1), Goal(f"accuracy.bed.re8.d{SHORT_SIZE}.flow", 0.3)]
 
 
 @functools.cache

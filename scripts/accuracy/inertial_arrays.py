@@ -37,7 +37,8 @@ GOALS = [goal for lattice in MEMBERS for goal in (Goal(f"accuracy.inertial_array
                                                   Goal(f"accuracy.inertial_arrays.{lattice}.d12.worst_flow", 0.3))]
 GOALS += [Goal(f"accuracy.inertial_arrays.random.phi{phi:g}.re{Re}.d12.K", (1 + SCATTER) * between(phi, Re)[1],
                low=(1 - SCATTER) * between(phi, Re)[0]) for phi in FRACTIONS for Re in REYNOLDS]
-SHORT_GOALS = [Goal("accuracy.inertial_arrays.sc.phi0.3.re10.d8.error", 2.0 * (12 / 8)**2)]  # second order
+SHORT_GOALS = [Goal("accuracy.inertial_arrays.sc.phi0.3.re10.d8.error", 2.0 * (12 / 8)**2),  # second order
+               Goal("accuracy.inertial_arrays.sc.phi0.3.re10.d8.flow", 0.3)]
 
 
 def spheres_of(lattice, phi, across, member):
