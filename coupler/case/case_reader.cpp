@@ -159,18 +159,21 @@ std::optional<rigid::BoundingBox> TableReader::box(std::string_view key) {
   return {};
 }
 
+/// Returns an integer, also one that is written as 1e3.
+static std::optional<std::int64_t> whole_number(const Node& node) {
+  constexpr double exact = 0x1p53;  // beyond, not every integer is a number
+  if (node.kind == Node::Kind::integer) return node.integer;
+  const bool is_whole = node.kind == Node::Kind::floating && std::fabs(node.floating) <= exact &&
+                        node.floating == std::trunc(node.floating);
+  return is_whole ? std::optional(static_cast<std::int64_t>(node.floating)) : std::nullopt;
+}
+
 std::optional<std::int64_t> TableReader::integer(std::string_view key, std::int64_t low, std::int64_t high,
                                                  std::string_view unit) {
   const Node* node = find(key);
   if (!node) return {};
-  constexpr double exact = 0x1p53;  // numbers up to this are whole or not, 1e3 is
-  const bool is_whole = node->kind == Node::Kind::integer ||
-                        (node->kind == Node::Kind::floating && std::fabs(node->floating) <= exact &&
-                         node->floating == std::trunc(node->floating));
-  const std::int64_t found = node->kind == Node::Kind::floating && is_whole
-                                 ? static_cast<std::int64_t>(node->floating)
-                                 : node->integer;
-  if (is_whole && found >= low && found <= high) return found;
+  const std::optional<std::int64_t> found = whole_number(*node);
+  if (found && *found >= low && *found <= high) return found;
   const std::string range = high == std::numeric_limits<std::int64_t>::max()
                                 ? fmt::format("of at least {}", low)
                                 : fmt::format("between {} and {}", low, high);

@@ -13,8 +13,7 @@ namespace silt::coupler {
 struct PassedMass {
   std::vector<lbm::LocalCell> cells;
   std::vector<std::int64_t> masses;
-  rigid::FixedSum left =
-      0;  // in lbm::mass_quantum: what no neighbour that was fluid, and still is, could take
+  rigid::FixedSum left = 0;  // in lbm::mass_quantum, for which there was no neighbour that stayed fluid
 };
 
 /// Collective over the ranks of neighbouring blocks, after refill(): covered cells still have what they held.

@@ -73,8 +73,8 @@ std::optional<Diagnostic> pressure_warning(const Case& setup, const rigid::BodyS
     return Diagnostic{
         Diagnostic::Severity::warning, setup.place(side_key(side)),
         fmt::format("the bodies that stand in the stream from {} let the pressure fall by as much as makes "
-                    "the density "
-                    "{:.2g} % higher before them{}; above {} % the fluid is noticeably compressible: {}",
+                    "the density {:.2g} % higher before them{}; above {} % the fluid is noticeably "
+                    "compressible: {}",
                     side_key(side), 100 * found, in_si(setup, drop, dimension::pressure),
                     shown(100 * doubtful_deviation),
                     setup.units.si

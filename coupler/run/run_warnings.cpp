@@ -27,10 +27,8 @@ std::string doubt_of_sweeps(const Simulation& simulation) {
   const int sweeps = setup.contacts.resolver_settings.max_sweeps;
   return fmt::format(
       "contacts.sweeps: the sweeps over the contacts ended far from rest: the last of {} still changed a "
-      "body's "
-      "velocity by {}, where the fastest body had {}; raise contacts.sweeps (--set contacts.sweeps={}), or "
-      "take "
-      "smaller steps",
+      "body's velocity by {}, where the fastest body had {}; raise contacts.sweeps (--set "
+      "contacts.sweeps={}), or take smaller steps",
       sweeps, speed(counters.residual), speed(counters.body_speed), 4 * sweeps);
 }
 
@@ -41,8 +39,7 @@ std::string doubt_of_density(const Simulation& simulation) {
   const double factor = std::sqrt(doubtful_deviation / found);  // pressure is of the square of the speed
   return fmt::format(
       "the density of the fluid deviated by up to {:.1f} %; above {} % the fluid is noticeably compressible, "
-      "and "
-      "forces and rates of flow are off by as much: {}",
+      "and takes up and gives back flow: {}",
       100 * found, shown(100 * doubtful_deviation),
       setup.units.si ? time_step_cure(setup, factor)
                      : fmt::format("give all velocities times {}", shown(rounded_down(factor))));
@@ -55,8 +52,7 @@ std::string doubt_of_mass(const Simulation& simulation) {
   if (!(std::fabs(taken) > noticeable * fluid)) return "";
   return fmt::format(
       "cells that changed sides where no neighbour was fluid took {:.2f} % of the mass of the fluid: use "
-      "smaller "
-      "cells, for gaps of less than one between bodies",
+      "smaller cells, for gaps of less than one between bodies",
       100 * taken / fluid);
 }
 
