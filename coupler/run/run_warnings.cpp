@@ -38,8 +38,9 @@ std::string doubt_of_density(const Simulation& simulation) {
   if (found <= doubtful_deviation) return "";
   const double factor = std::sqrt(doubtful_deviation / found);  // pressure is of the square of the speed
   return fmt::format(
-      "the density of the fluid deviated by up to {:.1f} %; above {} % the fluid is noticeably compressible, "
-      "and takes up and gives back flow: {}",
+      "the density of the fluid deviated by up to {:.1f} % in a cell, which between bodies that collide may "
+      "be "
+      "for a moment only; above {} % the fluid is noticeably compressible: {}",
       100 * found, shown(100 * doubtful_deviation),
       setup.units.si ? time_step_cure(setup, factor)
                      : fmt::format("give all velocities times {}", shown(rounded_down(factor))));
