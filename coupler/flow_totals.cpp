@@ -22,6 +22,7 @@ void FlowSums::add(Int3 g, const lbm::Moments& m, const std::array<double, 3>& u
     return;
   }
   t.mass = lbm::mass_quanta(m);
+  t.mass_square = quanta(m.density_deviation * m.density_deviation, CellTotals::square_quantum);
   for (int d = 0; d < 3; ++d) t.momentum[d] = quanta(m.momentum[d], CellTotals::momentum_quantum);
   t.energy = quanta(0.5 * t.speed_squared, CellTotals::energy_quantum);
   t.energy_rest = quanta(0.5 * t.speed_squared - double(t.energy) * CellTotals::energy_quantum,
@@ -35,7 +36,7 @@ void FlowSums::add(int cells, const lbm::CellTotals& t) {
   const auto of_finest = [volume = std::int64_t{1} << 3 * level_](rigid::FixedSum x) { return x * volume; };
   count_ += std::uint64_t(cells) << 3 * level_;
   forces_ += std::uint64_t(cells) << 4 * level_;
-  mass_ += of_finest(t.mass);
+  mass_ += of_finest(t.mass), mass_square_ += of_finest(t.mass_square);
   for (int d = 0; d < 3; ++d) momentum_[d] += of_finest(t.momentum[d]);
   energy_ += of_finest(t.energy), energy_rest_ += of_finest(t.energy_rest);
   max_excess_ = std::max(max_excess_, t.most_deviation);
@@ -43,7 +44,7 @@ void FlowSums::add(int cells, const lbm::CellTotals& t) {
 
 void FlowSums::add(const FlowSums& other) {
   count_ += other.count_, forces_ += other.forces_;
-  mass_ += other.mass_;
+  mass_ += other.mass_, mass_square_ += other.mass_square_;
   for (int d = 0; d < 3; ++d) momentum_[d] += other.momentum_[d];
   energy_ += other.energy_, energy_rest_ += other.energy_rest_;
   max_excess_ = std::max(max_excess_, other.max_excess_);
@@ -61,10 +62,15 @@ FlowTotals FlowSums::over_ranks(MPI_Comm comm) const {
   using lbm::CellTotals;
   struct Sums {
     std::uint64_t cells, forces;
-    parallel::WideSum mass, momentum[3], energy, energy_rest;
+    parallel::WideSum mass, mass_square, momentum[3], energy, energy_rest;
   };
-  const Sums sums = parallel::sum_over_ranks(
-      comm, Sums{count_, forces_, mass_, {momentum_[0], momentum_[1], momentum_[2]}, energy_, energy_rest_});
+  const Sums sums = parallel::sum_over_ranks(comm, Sums{count_,
+                                                        forces_,
+                                                        mass_,
+                                                        mass_square_,
+                                                        {momentum_[0], momentum_[1], momentum_[2]},
+                                                        energy_,
+                                                        energy_rest_});
   const auto in_all = [](const parallel::WideSum& sum, double quantum) {
     return double(sum.value()) * quantum;
   };
@@ -75,6 +81,9 @@ FlowTotals FlowSums::over_ranks(MPI_Comm comm) const {
   FlowTotals t;
   t.fluid_cells = sums.cells, t.forces = sums.forces;
   t.mass_deviation = in_all(sums.mass, lbm::mass_quantum);
+  if (sums.cells > 0)
+    t.density_deviation =
+        std::sqrt(in_all(sums.mass_square, CellTotals::square_quantum) / double(sums.cells));
   for (int d = 0; d < 3; ++d) t.momentum[d] = in_all(sums.momentum[d], CellTotals::momentum_quantum);
   t.energy = in_all(sums.energy, CellTotals::energy_quantum) +
              in_all(sums.energy_rest, CellTotals::energy_rest_quantum);

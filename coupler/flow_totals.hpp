@@ -27,6 +27,7 @@ struct FlowTotals {
   std::uint64_t fluid_cells = 0;
   std::uint64_t forces = 0;          // on a finest cell in its step, that those on all cells in theirs are
   double mass_deviation = 0;         // sum of density deviations
+  double density_deviation = 0;      // their root mean square
   std::array<double, 3> momentum{};  // sum of c g (no half force)
   double energy = 0;                 // kinetic, of density 1
   double max_speed = 0, min_density = 0, max_density = 0;
@@ -73,7 +74,7 @@ class FlowSums {
   lbm::Int3 cells_;
   int level_;
   std::uint64_t count_ = 0, forces_ = 0;
-  rigid::FixedSum mass_ = 0, momentum_[3] = {}, energy_ = 0, energy_rest_ = 0;
+  rigid::FixedSum mass_ = 0, mass_square_ = 0, momentum_[3] = {}, energy_ = 0, energy_rest_ = 0;
   Extreme speed_squared_{-1}, deficit_{lowest};  // deficit and excess of the density
   double max_excess_ = lowest;
   std::int64_t first_bad_ = none;  // index of a global cell

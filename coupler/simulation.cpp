@@ -322,7 +322,7 @@ std::uint64_t Simulation::hash() const {
 FlowTotals Simulation::look_at_flow() {
   const FlowTotals totals = guarded([&] { return scene_.flow->totals(); });
   fluid_speed_ = std::max(fluid_speed_, totals.max_speed);
-  density_deviation_ = std::max({density_deviation_, totals.max_density - 1, 1 - totals.min_density});
+  density_deviation_ = std::max(density_deviation_, totals.density_deviation);
   check_flow(scene_, totals, step_);
   return totals;
 }

@@ -105,7 +105,7 @@ class Simulation : private rigid::StepObserver {
   Balance balance() const;
   FlowTotals look_at_flow();                           // needs a flow; also checks it (GuardStop)
   double fluid_speed() const { return fluid_speed_; }  // largest at any look; local
-  /// The largest |density - 1| of a cell at any look; local.
+  /// The largest root mean square of density - 1 at any look; local.
   double density_deviation() const { return density_deviation_; }
   std::uint64_t links() const;  // of all ranks
   BalanceRecord balance_record() const;

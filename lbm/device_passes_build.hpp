@@ -304,7 +304,7 @@ struct TotalRows {
     own.give(cells, t);
     const auto sum = [](auto a, auto b) { return a + b; };
     const auto most = [](auto a, auto b) { return a > b ? a : b; };
-    t.mass = team.joined(t.mass, sum);
+    t.mass = team.joined(t.mass, sum), t.mass_square = team.joined(t.mass_square, sum);
     for (std::int64_t& of : t.momentum) of = team.joined(of, sum);
     t.energy = team.joined(t.energy, sum), t.energy_rest = team.joined(t.energy_rest, sum);
     t.speed_squared = team.joined(t.speed_squared, most);

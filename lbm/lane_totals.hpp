@@ -48,7 +48,7 @@ class LaneTotals {
       deviation *= share, square *= share;
       for (int d = 0; d < 3; ++d) momentum[d] *= share;
     }
-    mass_.add(deviation);
+    mass_.add(deviation), mass_square_.add(deviation * deviation);
     for (int d = 0; d < 3; ++d) momentum_[d].add(momentum[d]);
 #pragma GCC unroll 2
     for (int part = 0; part < parts; ++part) {
@@ -62,7 +62,7 @@ class LaneTotals {
   /// Adds the totals to t; `cells` counts those that were seen before, too.
   SILT_DEVICE void give(std::ptrdiff_t cells, CellTotals& t) const {
     const std::uint64_t terms = std::uint64_t(cells);
-    t.mass += mass_.total(terms);
+    t.mass += mass_.total(terms), t.mass_square += mass_square_.total(terms);
     for (int d = 0; d < 3; ++d) t.momentum[d] += momentum_[d].total(terms);
     t.energy += energy_.total(terms);
     t.energy_rest += energy_rest_.total(terms);
@@ -113,6 +113,7 @@ class LaneTotals {
   }
 
   FixedSum<T, mass_quantum, n> mass_;
+  FixedSum<T, CellTotals::square_quantum, n> mass_square_;
   FixedSum<T, CellTotals::momentum_quantum, n> momentum_[3];
   FixedSum<double, CellTotals::energy_quantum, n / parts> energy_;
   FixedSum<double, CellTotals::energy_rest_quantum, n / parts> energy_rest_;

@@ -40,13 +40,15 @@ SILT_DEVICE inline std::int64_t mass_quanta(const Moments& m) {
 }
 
 /// The sums over cells, in whole quanta, so that they depend on no order, and the extremes: mass (of the
-/// deviations of density), momentum (without the half force) and kinetic energy (with it).
+/// deviations of density) and of their squares, momentum (without the half force) and kinetic energy (with
+/// it).
 struct CellTotals {
   static constexpr double momentum_quantum = 0x1p-48, energy_quantum = 0x1p-47, energy_rest_quantum = 0x1p-96;
+  static constexpr double square_quantum = 0x1p-46;
   static constexpr int most_cells = 1 << 14;  // at a time: the sums fit 64 bits
   static constexpr double no_flow_is_so_fast = 1, no_fluid_is_so_dense = 2;
 
-  std::int64_t mass = 0, momentum[3] = {};
+  std::int64_t mass = 0, mass_square = 0, momentum[3] = {};
   std::int64_t energy = 0, energy_rest = 0;  // what whole quanta leave of a cell is in finer ones
   double speed_squared = -1;                 // the largest
   double least_deviation = std::numeric_limits<double>::max(), most_deviation = -least_deviation;

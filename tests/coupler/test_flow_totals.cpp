@@ -82,6 +82,7 @@ void expect_runs_to_be_their_cells() {
   EXPECT_NEAR(a.max_speed, b.max_speed, near);
   EXPECT_NEAR(a.min_density, b.min_density, near);
   EXPECT_NEAR(a.max_density, b.max_density, near);
+  EXPECT_NEAR(a.density_deviation, b.density_deviation, near);
   EXPECT_TRUE(a.finite);
   EXPECT_EQ(a.fastest_cell, (lbm::Int3{99, 0, 0}));
   EXPECT_EQ(a.thinnest_cell, (lbm::Int3{99, 0, 0}));

@@ -260,6 +260,8 @@ TYPED_TEST(RowsOf, HaveTheTotalsOfTheirCells) {
       const auto u = this->fluid.velocity(m);
       const double square = u[0] * u[0] + u[1] * u[1] + u[2] * u[2];
       EXPECT_NEAR(double(t.mass) * mass_quantum, m.density_deviation, near + mass_quantum);
+      EXPECT_NEAR(double(t.mass_square) * CellTotals::square_quantum,
+                  m.density_deviation * m.density_deviation, near + CellTotals::square_quantum);
       for (int d = 0; d < 3; ++d)
         EXPECT_NEAR(double(t.momentum[d]) * CellTotals::momentum_quantum, m.momentum[d], near + 4e-15);
       EXPECT_NEAR(double(t.energy) * CellTotals::energy_quantum +
@@ -267,7 +269,8 @@ TYPED_TEST(RowsOf, HaveTheTotalsOfTheirCells) {
                   square / 2, near);
       EXPECT_NEAR(t.speed_squared, square, near);
       EXPECT_NEAR(t.least_deviation, m.density_deviation, near);
-      sum.mass += t.mass, sum.energy += t.energy, sum.energy_rest += t.energy_rest;
+      sum.mass += t.mass, sum.mass_square += t.mass_square;
+      sum.energy += t.energy, sum.energy_rest += t.energy_rest;
       for (int d = 0; d < 3; ++d) sum.momentum[d] += t.momentum[d];
       sum.speed_squared = std::max(sum.speed_squared, t.speed_squared);
       sum.least_deviation = std::min(sum.least_deviation, t.least_deviation);
@@ -275,6 +278,7 @@ TYPED_TEST(RowsOf, HaveTheTotalsOfTheirCells) {
     }
     EXPECT_TRUE(found.sound);
     EXPECT_EQ(found.mass, sum.mass);
+    EXPECT_EQ(found.mass_square, sum.mass_square);
     for (int d = 0; d < 3; ++d) EXPECT_EQ(found.momentum[d], sum.momentum[d]);
     EXPECT_EQ(found.energy, sum.energy);
     EXPECT_EQ(found.energy_rest, sum.energy_rest);
@@ -303,6 +307,7 @@ TYPED_TEST(RowsOf, HaveTheSameTotalsOnADevice) {
         EXPECT_EQ(is.sound, expected.sound);
         if (!is.sound) continue;
         EXPECT_EQ(is.mass, expected.mass);
+        EXPECT_EQ(is.mass_square, expected.mass_square);
         for (int d = 0; d < 3; ++d) EXPECT_EQ(is.momentum[d], expected.momentum[d]);
         EXPECT_EQ(is.energy, expected.energy);
         EXPECT_EQ(is.energy_rest, expected.energy_rest);
