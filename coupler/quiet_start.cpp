@@ -52,6 +52,7 @@ class HeldScene final : rigid::StepObserver {
       for (int b = 0; b < fields.blocks(); ++b) stop(fields, b);
     }
     stop_bodies();
+    if (scene_.springs) scene_.springs->start(scene_.bodies);
   }
 
   /// Gives the bodies back all that they had. Copies get velocities from their owners; what else of them
@@ -70,6 +71,7 @@ class HeldScene final : rigid::StepObserver {
       bodies.assign(bodies.first_wall() + wall, start_.record(start_.first_wall() + wall));
     forget_forces();
     scene_.exchange->relocate(bodies);
+    if (scene_.springs) scene_.springs->look(bodies);
     scene_.flow->hold_bodies(false);
   }
 

@@ -146,7 +146,10 @@ void Scene::drive(std::int64_t step) {
     bodies.set_velocity(row, velocity.linear, velocity.angular);
   }
   if (!setup.kind_motions.empty()) exchange->synchronise(bodies);  // other ranks may be in their way now
-  if (springs) springs->look(bodies);
+  if (springs) {
+    if (step == 0) springs->start(bodies);
+    springs->look(bodies);
+  }
   if (flow) flow->drive(step);
 }
 

@@ -296,8 +296,12 @@ void Simulation::set_velocity(BodyId id, const Vec3& velocity, const Vec3& angul
   rigid::BodySet& bodies = scene_.bodies;
   const std::size_t row = bodies.row_of(id);
   faults_.start_again();
-  if (row < bodies.owned) bodies.set_velocity(row, velocity, angular_velocity);
+  if (row < bodies.owned) {
+    bodies.set_velocity(row, velocity, angular_velocity);
+    Springs::start(bodies, row);
+  }
   scene_.exchange->relocate(bodies);  // other ranks may be in its way now
+  if (scene_.springs) scene_.springs->look(bodies);
 }
 
 void Simulation::set_pose(BodyId id, const rigid::Pose& pose) {
@@ -311,6 +315,7 @@ void Simulation::set_pose(BodyId id, const rigid::Pose& pose) {
   rigid::forget_impulses(bodies, id);
   faults_.start_again();
   scene_.exchange->relocate(bodies);  // it may be another rank's now
+  if (scene_.springs) scene_.springs->look(bodies);
 }
 
 // ---- what may be asked ----

@@ -107,8 +107,8 @@ struct SpringSpec {
   rigid::Vec3 arm = rigid::Vec3::Zero(),
               to_arm = rigid::Vec3::Zero();  // from the centre of mass, in its frame
   double stiffness = 0, damping = 0;
-  double length = 0;      // at which it does not pull; 0: the two points are one
-  double compliance = 0;  // of the two points together: velocity by an impulse, at most
+  double length = 0;          // at which it does not pull; 0: the two points are one
+  double compliance[2] = {};  // of the two points: velocity by an impulse, at most
 };
 
 // The sides of the domain and the curved walls in it: domain.boundary and [[walls]].

@@ -79,8 +79,8 @@ void read_ends(TableReader& table, SpringSpec& spring, const BodySpec& body, con
   spring.arm = arm(body, ends[0]);
   spring.to_arm = to ? arm(*to, ends[1]) : ends[1];
   if (!table.has("length")) spring.length = nearest_image(ends[1] - ends[0], extent).norm();
-  spring.compliance = compliance_of(body, spring.arm, setup);
-  if (to) spring.compliance += compliance_of(*to, spring.to_arm, setup);
+  spring.compliance[0] = compliance_of(body, spring.arm, setup);
+  if (to) spring.compliance[1] = compliance_of(*to, spring.to_arm, setup);
 }
 
 }  // namespace
@@ -105,24 +105,53 @@ void read_springs(TableReader& root, Case& setup) {
   }
 }
 
-/// A step has to resolve its oscillation: it is stable up to a product of 4 of stiffness and compliance.
-void find_spring_faults(const Case& setup, Findings& findings) {
-  constexpr double most = 0.4;
-  for (std::size_t i = 0; i < setup.springs.size(); ++i) {
-    const SpringSpec& spring = setup.springs[i];
-    const double square = spring.stiffness * spring.compliance;
-    const std::string entry = fmt::format("springs[{}]", i);
-    if (spring.compliance == 0)
-      findings.error(entry + ".body", "{}: neither of its ends can move; one must be of a free body", entry);
-    if (square > most)
-      findings.error(
-          entry + ".stiffness",
-          "{}.stiffness lets its bodies swing in {} steps; at least {} are needed: lower it to {} or "
-          "shorten the time step",
-          entry, shown(2 * std::numbers::pi / std::sqrt(square)),
-          shown(rounded_up(2 * std::numbers::pi / std::sqrt(most))),
-          shown(rounded_down(setup.units.physical(most / spring.compliance, {0, -2, 1}))));
+namespace {
+
+constexpr double most_square = 0.4;  // of the frequency of a spring: its oscillation is to be resolved
+
+void find_fault_of(const SpringSpec& spring, const std::string& entry, const Units& units,
+                   Findings& findings) {
+  const double compliance = spring.compliance[0] + spring.compliance[1];
+  const double square = spring.stiffness * compliance;
+  if (compliance == 0)
+    findings.error(entry + ".body", "{}: neither of its ends can move; one must be of a free body", entry);
+  if (square > most_square)
+    findings.error(
+        entry + ".stiffness",
+        "{}.stiffness lets its bodies swing in {} steps; at least {} are needed: lower it to {} or "
+        "shorten the time step",
+        entry, shown(2 * std::numbers::pi / std::sqrt(square)),
+        shown(rounded_up(2 * std::numbers::pi / std::sqrt(most_square))),
+        shown(rounded_down(units.physical(most_square / compliance, {0, -2, 1}))));
+}
+
+/// Of each body by its id, an upper bound of the squares of frequencies that all its springs give it: the sum
+/// of its row in the matrix of the springs, scaled with the roots of the compliances.
+std::vector<double> squares_of_bodies(const Case& setup) {
+  std::vector<double> squares(setup.bodies.size() + 1);
+  for (const SpringSpec& spring : setup.springs) {
+    const double between = std::sqrt(spring.compliance[0] * spring.compliance[1]);
+    squares[spring.body] += spring.stiffness * (spring.compliance[0] + between);
+    squares[spring.to] += spring.stiffness * (spring.compliance[1] + between);
   }
+  return squares;
+}
+
+}  // namespace
+
+/// A spring alone, and the springs of a body together: a step is stable up to a square of 4.
+void find_spring_faults(const Case& setup, Findings& findings) {
+  constexpr double most_together = 2;
+  for (std::size_t i = 0; i < setup.springs.size(); ++i)
+    find_fault_of(setup.springs[i], fmt::format("springs[{}]", i), setup.units, findings);
+  const std::vector<double> squares = squares_of_bodies(setup);
+  for (std::size_t id = 1; id < squares.size(); ++id)
+    if (squares[id] > most_together)
+      findings.error("springs",
+                     "springs: those of body '{}' together may be too stiff for the time step: lower their "
+                     "stiffness to {} times what it is, or shorten the time step",
+                     setup.kind_names[std::size_t(setup.bodies[id - 1].kind)],
+                     shown(rounded_down(most_together / squares[id])));
 }
 
 }  // namespace silt::coupler

@@ -32,7 +32,9 @@ inline constexpr HolderColumn contact_load = deferred_impulse.next("contact_load
 // force and torque about the centre of mass that the fluid had on the body when they were last evaluated, for
 // output
 inline constexpr HolderColumn seen_load = contact_load.next("seen_load", 6);
-static_assert(seen_load.end() == rigid::HolderState::most_numbers);
+// velocity and angular velocity of a body with springs, had nothing else acted in the last step
+inline constexpr HolderColumn sprung_velocity = seen_load.next("sprung_velocity", 6);
+static_assert(sprung_velocity.end() == rigid::HolderState::most_numbers);
 static_assert(mass_owed.end() == rigid::HolderState::most_integers);
 
 /// Copies on other ranks have what their owner has in these columns; the rest is the owner's alone.
@@ -40,8 +42,8 @@ inline constexpr HolderColumn copied[] = {mapping_position, mapping_orientation,
                                           mapping_steps,    foreseen_change,     mass_owed};
 /// These columns are in checkpoints.
 inline constexpr HolderColumn saved[] = {
-    mapping_position, mapping_orientation, mapping_velocity, mapping_steps,    impulse_debt,
-    mass_owed,        pending_impact,      contact_load,     deferred_impulse, foreseen_change};
+    mapping_position, mapping_orientation, mapping_velocity, mapping_steps,   impulse_debt,   mass_owed,
+    pending_impact,   contact_load,        deferred_impulse, foreseen_change, sprung_velocity};
 }  // namespace column
 
 /// A vector of a column, from its k-th number on.

@@ -1,7 +1,10 @@
 #include "coupler/forces/springs.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
+#include <map>
+#include <numeric>
 
 #include "coupler/exchange/coupling_state.hpp"
 
@@ -9,20 +12,84 @@ namespace silt::coupler {
 
 using rigid::BodyId;
 using rigid::BodySet;
+using rigid::Mat3;
 using rigid::Vec3;
 
 namespace {
 
-constexpr std::size_t words = sizeof(rigid::Kinematics) / sizeof(std::int64_t);
+/// What a rank has to know of a body.
+struct Told : rigid::Kinematics {
+  double gain[6] = {}, along[3] = {}, about[9] = {};
+};
+constexpr double most_damping =
+    1e4;  // times the compliance: what is stronger stops as soon, but for rounding
+constexpr std::size_t words = sizeof(Told) / sizeof(std::int64_t);
+
+Told told_of(const BodySet& bodies, std::size_t row) {
+  Told told{bodies.kinematics(row)};
+  Yield yield;
+  if (bodies.takes_impulses(row)) {
+    yield.along = bodies.unlocked(row, Vec3::Constant(1 / std::sqrt(bodies.mass[row])));
+    yield.about = Eigen::SelfAdjointEigenSolver<Mat3>(bodies.inverse_inertia_W(row)).operatorSqrt();
+  }
+  const auto sprung = vector_in<6>(bodies, row, column::sprung_velocity);
+  Eigen::Map<Vec6>{told.gain} << bodies.velocity[row] - sprung.head<3>(),
+      bodies.angular_velocity[row] - sprung.tail<3>();
+  std::copy_n(yield.along.data(), 3, told.along);
+  std::copy_n(yield.about.data(), 9, told.about);
+  return told;
+}
+
+/// Of each body by its id, the first of those that it is tied to over springs and bodies that move.
+std::vector<BodyId> first_of_sets(const Case& setup) {
+  std::vector<BodyId> first(setup.bodies.size() + 1);
+  std::iota(first.begin(), first.end(), BodyId{0});
+  const auto root = [&](BodyId id) {
+    while (first[id] != id) id = first[id] = first[first[id]];
+    return id;
+  };
+  const auto moves = [&](BodyId id) { return id != 0 && setup.bodies[id - 1].motion == rigid::Motion::free; };
+  for (const SpringSpec& spring : setup.springs)
+    if (moves(spring.body) && moves(spring.to)) {
+      const auto [low, high] = std::minmax({root(spring.body), root(spring.to)});
+      first[high] = low;
+    }
+  for (BodyId id = 0; id < first.size(); ++id) first[id] = root(id);
+  return first;
+}
+
+void sort_once(std::vector<BodyId>& ids) {
+  std::sort(ids.begin(), ids.end());
+  ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
+}
 
 }  // namespace
 
-Springs::Springs(const Case& setup, MPI_Comm comm)
-    : springs_(setup.springs), extent_(extent_of(setup)), comm_(comm) {
-  for (const SpringSpec& spring : springs_)
-    if (spring.to != 0) shared_.insert(shared_.end(), {spring.body, spring.to});
-  std::sort(shared_.begin(), shared_.end());
-  shared_.erase(std::unique(shared_.begin(), shared_.end()), shared_.end());
+Springs::Springs(const Case& setup, MPI_Comm comm) : extent_(extent_of(setup)), comm_(comm) {
+  const std::vector<BodyId> first = first_of_sets(setup);
+  std::map<BodyId, Set> sets;
+  for (const SpringSpec& spring : setup.springs) {
+    const bool moves = setup.bodies[spring.body - 1].motion == rigid::Motion::free;
+    Set& set = sets[first[moves ? spring.body : spring.to]];
+    set.springs.push_back(spring);
+    set.bodies.push_back(spring.body);
+    bodies_.push_back(spring.body);
+    if (spring.to == 0) continue;
+    bodies_.push_back(spring.to);
+    set.bodies.push_back(spring.to);
+    shared_.insert(shared_.end(), {spring.body, spring.to});
+  }
+  for (auto& [id, set] : sets) sort_once(set.bodies), sets_.push_back(std::move(set));
+  sort_once(shared_), sort_once(bodies_);
+}
+
+void Springs::start(BodySet& bodies, std::size_t row) {
+  vector_in<6>(bodies, row, column::sprung_velocity) << bodies.velocity[row], bodies.angular_velocity[row];
+}
+
+void Springs::start(BodySet& bodies) {
+  for (const BodyId id : bodies_)
+    if (const std::size_t row = bodies.row_of(id); row < bodies.owned) start(bodies, row);
 }
 
 /// Each body has one owner: the bits of the others add nothing.
@@ -31,8 +98,8 @@ void Springs::look(const BodySet& bodies) {
   std::vector<std::int64_t> mine(words * shared_.size());
   for (std::size_t k = 0; k < shared_.size(); ++k)
     if (const std::size_t row = bodies.row_of(shared_[k]); row < bodies.owned) {
-      const rigid::Kinematics kinematics = bodies.kinematics(row);
-      std::memcpy(&mine[words * k], &kinematics, sizeof kinematics);
+      const Told told = told_of(bodies, row);
+      std::memcpy(&mine[words * k], &told, sizeof told);
     }
   sums_.start(comm_, std::move(mine));
 }
@@ -40,7 +107,9 @@ void Springs::look(const BodySet& bodies) {
 void Springs::push(BodySet& bodies) {
   pushes_.clear();
   if (!shared_.empty()) told_ = sums_.finish();
-  for (const SpringSpec& spring : springs_) pull(bodies, spring);
+  const auto is_here = [&](BodyId id) { return bodies.row_of(id) < bodies.owned; };
+  for (const Set& set : sets_)
+    if (std::ranges::any_of(set.bodies, is_here)) push(bodies, set);
 }
 
 void Springs::leave_out(BodySet& bodies) const {
@@ -50,43 +119,71 @@ void Springs::leave_out(BodySet& bodies) const {
   }
 }
 
-/// Returns where drift takes the body before it is kicked; nothing for a body that is not there.
-std::optional<Springs::State> Springs::state(const BodySet& bodies, BodyId id) const {
+/// Returns the body where drift takes it before it is kicked; nothing for one that is not there.
+std::optional<Springs::Sprung> Springs::sprung(const BodySet& bodies, BodyId id) const {
   const auto found = std::lower_bound(shared_.begin(), shared_.end(), id);
-  rigid::Kinematics k;
+  Told told;
   if (found != shared_.end() && *found == id) {
-    std::memcpy(static_cast<void*>(&k), &told_[words * (found - shared_.begin())], sizeof k);
+    std::memcpy(static_cast<void*>(&told), &told_[words * (found - shared_.begin())], sizeof told);
   } else {
     const std::size_t row = bodies.row_of(id);
     if (row >= bodies.owned) return {};
-    k = bodies.kinematics(row);
+    told = told_of(bodies, row);
   }
-  const rigid::Quat q(k.orientation[0], k.orientation[1], k.orientation[2], k.orientation[3]);
+  const rigid::Quat q(told.orientation[0], told.orientation[1], told.orientation[2], told.orientation[3]);
   if (q.squaredNorm() == 0) return {};
-  const rigid::Twist twist{Vec3(k.velocity), Vec3(k.angular_velocity)};
-  return State{{Vec3(k.position) + 0.5 * twist.v, rigid::cayley(0.5 * twist.w) * q}, twist};
+  const rigid::Twist twist{Vec3(told.velocity), Vec3(told.angular_velocity)};
+  return Sprung{{Vec3(told.position) + 0.5 * twist.v, rigid::cayley(0.5 * twist.w) * q},
+                twist,
+                {Vec3(told.gain), Vec3(told.gain + 3)},
+                {Vec3(told.along), Mat3(told.about)}};
 }
 
-/// method.md, equations 49 and 50.
-void Springs::pull(BodySet& bodies, const SpringSpec& spring) {
-  if (bodies.row_of(spring.body) >= bodies.owned &&
-      (spring.to == 0 || bodies.row_of(spring.to) >= bodies.owned))
-    return;
-  const auto a = state(bodies, spring.body);
-  const auto b = spring.to == 0 ? std::optional<State>(State{}) : state(bodies, spring.to);
-  if (!a || !b) return;
-  const Vec3 arm_a = a->pose.orientation * spring.arm, arm_b = b->pose.orientation * spring.to_arm;
-  const Vec3 apart = nearest_image(b->pose.position + arm_b - a->pose.position - arm_a, extent_);
-  const Vec3 rate = b->twist.at(arm_b) - a->twist.at(arm_a);
+/// method.md, equations 49 and 50; of the bodies only where they are.
+SpringInStep Springs::in_step(const SpringSpec& spec, const Sprung& a, const Sprung& b) const {
+  SpringInStep spring{{-1, -1}, {a.pose.orientation * spec.arm, b.pose.orientation * spec.to_arm}};
+  const auto& [arm_a, arm_b] = spring.arms;
+  const Vec3 apart = nearest_image(b.pose.position + arm_b - a.pose.position - arm_a, extent_);
+  spring.rate = b.twist.at(arm_b) - a.twist.at(arm_a);
+  spring.gain = b.gain.at(arm_b) - a.gain.at(arm_a);
+  const double damping = std::min(spec.damping, most_damping / (spec.compliance[0] + spec.compliance[1]));
   const double distance = apart.norm();
-  const double damping = spring.damping / (1 + 0.5 * spring.damping * spring.compliance);
-  Vec3 force = spring.stiffness * apart + damping * rate;
-  if (spring.length > 0) {
-    const Vec3 along = distance > 0 ? Vec3(apart / distance) : Vec3(Vec3::Zero());
-    force = (spring.stiffness * (distance - spring.length) + damping * rate.dot(along)) * along;
+  const Vec3 along = distance > 0 ? Vec3(apart / distance) : Vec3(Vec3::Zero());
+  spring.force = spec.stiffness * (apart - spec.length * along);
+  spring.damping = damping * (spec.length > 0 ? Mat3(along * along.transpose()) : Mat3(Mat3::Identity()));
+  return spring;
+}
+
+/// A set has the same forces on all ranks that have one of its bodies.
+void Springs::push(BodySet& bodies, const Set& set) {
+  std::vector<std::optional<Sprung>> sprung_ones;
+  std::vector<Yield> yields;
+  for (const BodyId id : set.bodies) {
+    sprung_ones.push_back(sprung(bodies, id));
+    yields.push_back(sprung_ones.back() ? sprung_ones.back()->yield : Yield{});
   }
-  add(bodies, spring.body, force, arm_a);
-  if (spring.to != 0) add(bodies, spring.to, -force, arm_b);
+  const auto index = [&](BodyId id) {
+    return int(std::ranges::lower_bound(set.bodies, id) - set.bodies.begin());
+  };
+  for (const BodyId id : set.bodies)
+    if (const std::size_t row = bodies.row_of(id); row < bodies.owned) start(bodies, row);
+  std::vector<SpringInStep> springs;
+  std::vector<const SpringSpec*> specs;
+  for (const SpringSpec& spec : set.springs) {
+    const int a = index(spec.body), b = spec.to == 0 ? -1 : index(spec.to);
+    const auto& first = sprung_ones[a];
+    const auto second = b < 0 ? std::optional<Sprung>(Sprung{}) : sprung_ones[b];
+    if (!first || !second) continue;
+    springs.push_back(in_step(spec, *first, *second));
+    springs.back().bodies = {a, b};
+    specs.push_back(&spec);
+  }
+  if (springs.empty()) return;
+  const std::vector<Vec3> forces = forces_of(springs, yields);
+  for (std::size_t k = 0; k < springs.size(); ++k) {
+    add(bodies, specs[k]->body, forces[k], springs[k].arms[0]);
+    if (specs[k]->to != 0) add(bodies, specs[k]->to, -forces[k], springs[k].arms[1]);
+  }
 }
 
 void Springs::add(BodySet& bodies, BodyId id, const Vec3& force, const Vec3& arm) {
@@ -96,6 +193,9 @@ void Springs::add(BodySet& bodies, BodyId id, const Vec3& force, const Vec3& arm
   bodies.add_force(row, force);
   bodies.add_torque(row, torque);
   pushes_.push_back({row, force, torque});
+  auto sprung = vector_in<6>(bodies, row, column::sprung_velocity);
+  sprung.head<3>() += bodies.unlocked(row, force / bodies.mass[row]);
+  sprung.tail<3>() += bodies.inverse_inertia_W(row) * torque;
 }
 
 }  // namespace silt::coupler

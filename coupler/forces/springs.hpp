@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "coupler/case/case.hpp"
+#include "coupler/forces/spring_set.hpp"
 #include "parallel/sums_under_way.hpp"
 
 namespace silt::coupler {
@@ -16,8 +17,11 @@ class Springs {
  public:
   Springs(const Case&, MPI_Comm);
 
-  /// Tells all ranks where the bodies are that have springs between them. Collective, but waits for nobody;
-  /// after each step, and before the first.
+  /// Begins with bodies that nothing but their springs will change; also one whose velocity has been set.
+  void start(rigid::BodySet&);
+  static void start(rigid::BodySet&, std::size_t row);
+  /// Tells all ranks of the bodies that have springs between them. Collective, but waits for nobody; after
+  /// each step, and before the first.
   void look(const rigid::BodySet&);
   /// Adds the forces of a step to the accumulators of this rank's bodies.
   void push(rigid::BodySet&);
@@ -25,23 +29,31 @@ class Springs {
   void leave_out(rigid::BodySet&) const;
 
  private:
-  struct State {  // in the middle of the step
+  /// Springs that share bodies which move, and their bodies.
+  struct Set {
+    std::vector<SpringSpec> springs;
+    std::vector<rigid::BodyId> bodies;
+  };
+  struct Sprung {  // a body in the middle of the step
     rigid::Pose pose;
-    rigid::Twist twist;
+    rigid::Twist twist, gain;  // what else than springs changes the twist by in a step
+    Yield yield;
   };
   struct Push {
     std::size_t row;
     rigid::Vec3 force, torque;
   };
-  std::optional<State> state(const rigid::BodySet&, rigid::BodyId) const;
+  SpringInStep in_step(const SpringSpec&, const Sprung& first, const Sprung& second) const;
+  std::optional<Sprung> sprung(const rigid::BodySet&, rigid::BodyId) const;
+  void push(rigid::BodySet&, const Set&);
   void add(rigid::BodySet&, rigid::BodyId, const rigid::Vec3& force, const rigid::Vec3& arm);
-  void pull(rigid::BodySet&, const SpringSpec&);
 
-  std::vector<SpringSpec> springs_;
+  std::vector<Set> sets_;
+  std::vector<rigid::BodyId> bodies_;  // that have a spring, sorted
   rigid::Extent extent_;
   MPI_Comm comm_;
   std::vector<rigid::BodyId> shared_;  // that have a spring to another body, sorted
-  std::vector<std::int64_t> told_;     // of each of them, the bits of a Kinematics
+  std::vector<std::int64_t> told_;     // of each of them, the bits of a Told
   parallel::SumsUnderWay<std::vector<std::int64_t>> sums_;
   std::vector<Push> pushes_;  // of the step under way
 };

@@ -118,6 +118,7 @@ void require_body(const Row& row, const Case& setup, const BodyRecord& r, rigid:
   for (const auto& c : {column::pending_impact, column::contact_load, column::deferred_impulse})
     row.within(c, held, greatest);
   row.within(column::foreseen_change, held, fastest);
+  row.within(column::sprung_velocity, held, fastest);
 }
 
 bool is_wall_of(const Case& setup, rigid::BodyId id) {
