@@ -4,6 +4,8 @@
 // The populations of a pair i, opposite i that arrive at a cell lie in two slots A and B; what leaves along i
 // goes to B and what leaves against it to A. The parity decides nothing but A and B, so one pass serves the
 // even and the odd step.
+#include <type_traits>
+
 #include "cpu/lanes.hpp"
 #if !defined(SILT_SCALAR)
 #include "cpu/prefetch.hpp"
@@ -50,24 +52,11 @@ struct Prefetch {
 #endif
 };
 
-/// What cells give up of the populations that arrive at them, first of all: nothing, or their excess.
-struct NoExcess {
-  template <class V>
-  SILT_DEVICE const V& pair(int, const V& arriving) const {
-    return arriving;
-  }
-  template <class V>
-  SILT_DEVICE const V& rest(const V& arriving) const {
-    return arriving;
-  }
-};
-template <class V, class T>
+/// What cells give up first of all: nothing, or their excess.
+struct NoExcess {};
+template <class V>
 struct OwnExcess {
-  ExcessParts<V, T> parts;
-  SILT_DEVICE V pair(int k, const V& arriving) const {
-    return arriving - (k < 3 ? parts.axis : parts.diagonal);
-  }
-  SILT_DEVICE V rest(const V& arriving) const { return arriving - parts.rest; }
+  V quanta;
 };
 
 /// Collides the cells from x on, as many as a vector has. Slots of lanes that are no cells keep what they
@@ -78,15 +67,27 @@ template <class Model, bool source, class V, class T, class Keep, class Watch, c
                                                        Watch& watch, const Excess& excess = {}) {
   constexpr Prefetch prefetch;
   V sum[pairs + 1], difference[pairs];
-  for (int k = 0; k < pairs; ++k) {
-    const V a = excess.pair(k, load<V>(slots.a[k] + x)), b = excess.pair(k, load<V>(slots.b[k] + x));
-    prefetch(slots.a[k] + x);
-    prefetch(slots.b[k] + x);
-    sum[k] = a + b;
-    difference[k] = a - b;
+  if constexpr (std::is_same_v<Excess, NoExcess>) {
+    for (int k = 0; k < pairs; ++k) {
+      const V a = load<V>(slots.a[k] + x), b = load<V>(slots.b[k] + x);
+      prefetch(slots.a[k] + x);
+      prefetch(slots.b[k] + x);
+      sum[k] = a + b;
+      difference[k] = a - b;
+    }
+    sum[pairs] = load<V>(slots.rest + x);
+    prefetch(slots.rest + x);
+  } else {
+    V g[directions];
+    for (int i = 0; i < directions; ++i) {
+      g[i] = load<V>(slots.arriving(i) + x);
+      prefetch(slots.arriving(i) + x);
+    }
+    give_up_excess<T>(excess.quanta, g);
+    for (int k = 0; k < pairs; ++k)
+      sum[k] = g[2 * k + 1] + g[2 * k + 2], difference[k] = g[2 * k + 1] - g[2 * k + 2];
+    sum[pairs] = g[0];
   }
-  sum[pairs] = excess.rest(load<V>(slots.rest + x));
-  prefetch(slots.rest + x);
 
   const auto set_rest = [&](const V& left) __attribute__((always_inline)) {
     store(slots.rest + x, keep(left, sum[pairs]));

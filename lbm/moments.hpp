@@ -126,13 +126,17 @@ class MomentsByRow {
 template <class T>
 [[gnu::always_inline]] SILT_DEVICE inline Moments moments_of(const T* const (&g)[directions],
                                                              std::ptrdiff_t k, ExcessQuanta<T> excess = 0) {
-  const ExcessParts<T, T> parts{T(excess)};
+  T own[directions];
+  if (excess != 0) {
+    for (int i = 0; i < directions; ++i) own[i] = g[i][k];
+    give_up_excess<T>(T(excess), own);
+  }
   Moments m;
   const auto add = [](double& sum, int factor, double value) {  // factor: -1, 0, 1, known to the compiler
     if (factor) sum += factor * value;
   };
   for_directions<0>([&](auto i) __attribute__((always_inline)) {
-    const double value = parts.taken_from(i(), g[i()][k]);
+    const double value = excess != 0 ? own[i()] : g[i()][k];
     constexpr Int3 v = c[i()];
     m.density_deviation += value;
     add(m.momentum[0], v.x, value);

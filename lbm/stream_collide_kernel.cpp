@@ -82,10 +82,10 @@ void take_excess_of_block(Block<T>& block, Parity parity) {
       for (; x + width <= end; x += width) {
         const auto quanta = load<QuantaLanes<T>>(block.excess() + x);
         if (!any_lane(quanta != QuantaLanes<T>{})) continue;
-        const OwnExcess<V, T> own{ExcessParts<V, T>(__builtin_convertvector(quanta, V))};
-        store(slots.rest + x, own.rest(load<V>(slots.rest + x)));
-        for (int k = 0; k < pairs; ++k)
-          for (T* const slot : {slots.a[k], slots.b[k]}) store(slot + x, own.pair(k, load<V>(slot + x)));
+        V g[directions];
+        for (int i = 0; i < directions; ++i) g[i] = load<V>(slots.arriving(i) + x);
+        give_up_excess<T>(V(__builtin_convertvector(quanta, V)), g);
+        for (int i = 0; i < directions; ++i) store(slots.arriving(i) + x, g[i]);
         store(block.excess() + x, QuantaLanes<T>{});
       }
       for (; x < end; ++x) take_excess_of_cell(slots, x, block.excess());
@@ -105,7 +105,7 @@ template <class Model, bool source, class T, class Watch>
       collide<Model, source, V>(pass.slots, x, pass.rates, AllLanes{}, watch);
       continue;
     }
-    const OwnExcess<V, T> own{ExcessParts<V, T>(__builtin_convertvector(quanta, V))};
+    const OwnExcess<V> own{__builtin_convertvector(quanta, V)};
     collide<Model, source, V>(pass.slots, x, pass.rates, AllLanes{}, watch, own);
     store(excess + x, QuantaLanes<T>{});
   }

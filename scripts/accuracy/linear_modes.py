@@ -126,9 +126,17 @@ def coefficients(scheme, q, tau, model, share=None):
     return share * whole + (1 - share) * rest
 
 
-def step(scheme, tau, model, distances, wave, layers, **options):
+def without_excess():
+    """Returns how the populations of a cell change where it gives up an excess of 1, [19], and the matrix that makes the trace
+    of the second moments that of the equilibrium, [19, 19] (docs/method-walls.md, equation 9b)."""
+    trace = (C**2).sum(axis=1) - 1
+    return -(W + (np.arange(19) == 0)) / 2, np.eye(19) - np.outer(1.5 * W * trace, trace)
+
+
+def step(scheme, tau, model, distances, wave, layers, keeps_mass=True, **options):
     """Returns the matrix of a step of a channel across y for the wave (x, z) along it, [19 layers, 19 layers]."""
     streaming = np.zeros((19, layers, 19, layers), complex)
+    excess = np.zeros((layers, 19, layers), complex)
     for i, j in np.ndindex(19, layers):
         phase = np.exp(-1j * (wave[0] * C[i][0] + wave[1] * C[i][2]))
         source = j - C[i][1]
@@ -141,6 +149,12 @@ def step(scheme, tau, model, distances, wave, layers, **options):
                                                 (g, out, behind + C[i][1], back**2)):
             if value:
                 streaming[i, j, direction, layer] += value * factor
+        excess[j] += streaming[i, j]
+        excess[j, out, j] -= 1
+    if keeps_mass:
+        given_up, projected = without_excess()
+        for j in (0, layers - 1):
+            streaming[:, j] = np.tensordot(projected, streaming[:, j] + np.multiply.outer(given_up, excess[j]), 1)
     return streaming.reshape(19 * layers, -1) @ np.kron(collision(tau, model), np.eye(layers))
 
 

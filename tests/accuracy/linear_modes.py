@@ -19,19 +19,29 @@ class Growth(unittest.TestCase):
     def test_none_with_any_scheme(self):
         for scheme, magic in (("cli", 1 / 6), ("parabolic", 1 / 16), ("multireflection", MAGIC), ("multireflection", 1 / 6)):
             for tau in (0.502, 0.55, 0.7, 0.77, 1, 3):
-                for distances in ((0.02, 0.02), (0.5, 0.5), (1, 0.1)):
+                for distances in ((0.02, 0.02), (0.5, 0.5), (0.8, 0.8), (1, 1), (1, 0.1)):
                     with self.subTest(scheme=scheme, magic=magic, tau=tau, distances=distances):
                         self.assertLess(modes.growth(scheme, tau, magic, distances), 1e-12)
 
     def test_none_where_the_collision_is_regularised(self):
         for scheme in ("cli", "parabolic", "multireflection"):
             for tau in (0.5005, 0.523, 0.55, 0.58, 0.9, 3):
-                for distances in ((0.02, 0.02), (0.5, 0.5), (1, 0.1)):
+                for distances in ((0.02, 0.02), (0.5, 0.5), (1, 1), (1, 0.1)):
                     with self.subTest(scheme=scheme, tau=tau, distances=distances):
                         self.assertLess(modes.growth(scheme, tau, modes.REGULARISED, distances), 1e-12)
 
     def test_is_seen_where_all_of_multireflection_is_taken_at_low_viscosity(self):
         self.assertGreater(modes.growth("multireflection", 0.6, MAGIC, (0.3, 0.3), share=1), 1e-3)
+
+    def test_is_seen_where_the_excess_goes_by_weights_alone(self):
+        with unittest.mock.patch.object(modes, "without_excess", lambda: (-modes.W, np.eye(19))):
+            self.assertGreater(modes.growth("cli", 0.505, 1 / 6, (0.8, 0.8)), 1e-3)
+
+    def test_walls_keep_mass(self):
+        for keeps, largest in ((True, 1e-13), (False, None)):
+            matrix = modes.step("cli", 0.6, MAGIC, (0.3, 0.8), (0, 0), 5, keeps_mass=keeps)
+            change = np.abs(matrix.sum(axis=0) - 1).max()
+            self.assertLess(change, largest) if keeps else self.assertGreater(change, 0.1)
 
     def test_is_seen_below_the_magic(self):
         with unittest.mock.patch.object(modes, "EXCESS", -0.05):
