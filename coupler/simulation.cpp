@@ -25,18 +25,21 @@ using rigid::Vec3;
 
 namespace {
 
-/// Says whether quantities ask for the loads of contacts on bodies, or also on walls that they turn about a
-/// point.
-bool asks_for_contacts(const Case& setup, bool of_bodies_alone) {
+/// Says whether a quantity is of one of the types.
+bool asks_for(const Case& setup, std::initializer_list<std::string_view> types) {
   return std::ranges::any_of(setup.quantities, [&](const QuantitySpec& q) {
-    return q.type == "contact-force" || q.type == "contact-torque" ||
-           (!of_bodies_alone && (q.type == "wall-torque" || q.type == "wall-power"));
+    return std::ranges::find(types, q.type) != types.end();
   });
 }
-
+bool asks_for_body_loads(const Case& setup) {
+  return asks_for(setup, {"contact-force", "contact-torque"});
+}
+bool asks_for_contact_loads(const Case& setup) {
+  return asks_for_body_loads(setup) ||
+         asks_for(setup, {"wall-stress", "relative-viscosity", "wall-force", "wall-torque", "wall-power"});
+}
 bool asks_for_stress(const Case& setup) {
-  return std::ranges::any_of(setup.quantities,
-                             [](const QuantitySpec& q) { return q.type == "contact-stress"; });
+  return asks_for(setup, {"contact-stress"});
 }
 
 }  // namespace
@@ -100,10 +103,9 @@ void Simulation::resume(const SavedState& saved,
 
 void Simulation::before_drift(rigid::BodySet& bodies) {
   const rigid::RigidStep& step = *scene_.rigid_step;
-  if (asks_for_contacts(setup(), false))
-    contact_loads_ = coupler::contact_loads(bodies, step.contacts(), scene_.exchange->extent());
-  if (asks_for_stress(setup())) contact_moments_ = coupler::contact_moments(bodies, step.contacts());
-  add_wall_impulses(bodies, step.other_wall_impulses(), scene_.exchange->extent(), wall_impulses_);
+  const ContactsInStep contacts{bodies, step.contacts(), step.other_impulses()};
+  if (asks_for_contact_loads(setup())) add_contact_loads(contacts, scene_.exchange->extent(), contact_loads_);
+  if (asks_for_stress(setup())) add_contact_moments(contacts, contact_moments_);
   const double speed = faults_.hold_runaways(setup(), bodies, step_ + 1);
   counters_.body_speed = std::max(counters_.body_speed, speed);
   faults_.see_overlaps(setup(), bodies, step.contacts(), step_ + 1);
@@ -111,7 +113,11 @@ void Simulation::before_drift(rigid::BodySet& bodies) {
 
 /// Says whether contact loads are noted in the columns of the bodies, since something asks for them.
 bool Simulation::notes_contacts() const {
-  return setup().output.body_contacts || asks_for_contacts(setup(), true);
+  return setup().output.body_contacts || asks_for_body_loads(setup());
+}
+
+bool Simulation::wants_all_impulses() const {
+  return asks_for_stress(setup());
 }
 
 bool Simulation::wants_contact_impulses() const {
@@ -213,7 +219,7 @@ void Simulation::step() {
   const BusBytes on_bus_before = bus_bytes();
   parallel::begin_step_of_traffic();
   scene_.move_walls(step_);
-  wall_impulses_.clear();
+  contact_loads_.clear(), contact_moments_.clear();
   if (!scene_.flow && notes_contacts()) forget_contact_loads(scene_.bodies);
   const rigid::RigidStepReport report = guarded([&] { return coupled_step_(scene_.bodies, changes); });
   if (!scene_.rigid_step) {  // nothing has consumed them

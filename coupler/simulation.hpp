@@ -120,14 +120,11 @@ class Simulation : private rigid::StepObserver {
   /// row; zero of bodies that are not free, and where neither output.bodies.contacts nor a quantity of the
   /// case asks for them. Local.
   std::vector<BodyLoad> last_contact_loads() const;
-  /// Returns what owned bodies' contacts did to [[walls]] and to bodies that they do not move in the last
-  /// sub-step; empty where no quantity of the case asks for it. Local.
+  /// Returns what owned bodies' contacts did to walls, and to bodies that they do not move, in the last step;
+  /// empty where no quantity of the case asks for it. Local.
   std::span<const ContactLoad> contact_loads() const { return contact_loads_; }
   /// Returns the moments of their contacts, which quantities of stress ask for. Local.
   std::span<const ContactMoment> contact_moments() const { return contact_moments_; }
-  /// Returns what owned bodies' contacts did to walls in the last step, all sub-steps, besides the impulses
-  /// that bodies remember. Local.
-  std::span<const WallImpulse> wall_impulses() const { return wall_impulses_; }
   std::uint64_t body_count() const;     // that have an owner on any rank, counted
   std::uint64_t bodies_asleep() const;  // of all ranks, held at rest now
   std::uint64_t contacts_now() const;   // of all ranks, in the last step
@@ -139,6 +136,7 @@ class Simulation : private rigid::StepObserver {
   // of the bodies' step
   void before_drift(rigid::BodySet&) override;
   bool wants_contact_impulses() const override;
+  bool wants_all_impulses() const override;
   void contact_impulse(rigid::BodySet&, std::size_t row, const rigid::Vec3& impulse,
                        const rigid::Vec3& angular_impulse) override;
   void balance_work();
@@ -168,7 +166,6 @@ class Simulation : private rigid::StepObserver {
     BalanceRecord balance;
   } effort_;
   std::vector<ContactLoad> contact_loads_;
-  std::vector<WallImpulse> wall_impulses_;
   std::vector<ContactMoment> contact_moments_;
 };
 

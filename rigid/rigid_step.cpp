@@ -70,6 +70,8 @@ RigidStepReport RigidStep::substep(BodySet& bodies, double dt, bool last) {
   stage.goes_on(integrate);
   kick_before_contacts(bodies, dt);  // lines 2-5, velocities (M2)
   stage.goes_on(contact_response);
+  velocities_.wants_all_impulses = observer_ && observer_->wants_all_impulses();
+  velocities_.other_impulses.clear();
   report.resolver = resolver_.resolve(bodies, contacts_, dt, velocities_, exchange_);  // lines 14-20 (M3)
   velocities_.start = false;
   stage.goes_on(integrate);

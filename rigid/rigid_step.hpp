@@ -39,6 +39,8 @@ class StepObserver {
   /// The velocities are final, and no body has moved by them.
   virtual void before_drift(BodySet&) = 0;
   virtual bool wants_contact_impulses() const = 0;
+  /// Says whether other_impulses() is to have those between free bodies.
+  virtual bool wants_all_impulses() const { return false; }
   /// Is called before that for each owned free body in contact, with the impulse and the angular impulse
   /// about its centre of mass that its contacts, films included, gave it.
   virtual void contact_impulse(BodySet&, std::size_t row, const Vec3& impulse,
@@ -67,9 +69,9 @@ class RigidStep {
   void set_observer(StepObserver& observer) { observer_ = &observer; }
   /// Returns the contacts of the last sub-step that this rank knows: of its bodies, sorted by key.
   const std::vector<Contact>& contacts() const { return contacts_; }
-  /// Returns what the last sub-step did to walls besides the impulses that are remembered; of the first step
-  /// of a run not what films did against rolling.
-  std::span<const OtherWallImpulse> other_wall_impulses() const { return velocities_.other_wall_impulses; }
+  /// Returns what contacts gave in the last sub-step besides the impulses that are remembered; of the first
+  /// step of a run not what films did against rolling.
+  std::span<const OtherImpulse> other_impulses() const { return velocities_.other_impulses; }
   /// Returns what tells the seconds of all steps so far, on this rank.
   const RigidClock& clock() const { return clock_; }
 

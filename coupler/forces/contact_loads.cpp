@@ -25,53 +25,72 @@ const Contact* find(std::span<const Contact> contacts, rigid::BodyId a, rigid::B
   return at != contacts.end() && at->key() == key ? &*at : nullptr;
 }
 
+/// Appends the load that a contact with an owned free body puts on the other one, if that does not move by
+/// it.
+class LoadList {
+ public:
+  LoadList(const rigid::BodySet& bodies, const rigid::Extent& extent, std::vector<ContactLoad>& found)
+      : bodies_(bodies), extent_(extent), found_(found) {}
+
+  /// `c`: null if nobody looked at it; `impulse` and `moment`: on the second body.
+  void add(rigid::BodyId on, bool is_second, rigid::Image image, const Contact* c, const Vec3& impulse,
+           const Vec3& moment) {
+    const std::size_t row = bodies_.row_of(on);
+    if (row >= bodies_.size() || bodies_.is_dynamic(row)) return;
+    Vec3 arm = Vec3::Zero();
+    if (c && is_second)
+      arm = bodies_.position[bodies_.row_of(c->a)] + c->r_a - point_of(bodies_, on, image, extent_);
+    else if (c)
+      arm = c->r_a;
+    const double sign = is_second ? 1 : -1;
+    found_.push_back({on, bodies_.kind[row], sign * impulse, sign * (arm.cross(impulse) + moment)});
+  }
+
+ private:
+  const rigid::BodySet& bodies_;
+  const rigid::Extent& extent_;
+  std::vector<ContactLoad>& found_;
+};
+
 }  // namespace
 
-std::vector<ContactLoad> contact_loads(const rigid::BodySet& bodies, std::span<const Contact> contacts,
-                                       const rigid::Extent& extent) {
-  std::vector<ContactLoad> found;
+void add_contact_loads(const ContactsInStep& step, const rigid::Extent& extent,
+                       std::vector<ContactLoad>& found) {
+  const rigid::BodySet& bodies = step.bodies;
+  LoadList loads(bodies, extent, found);
   for (std::size_t row = 0; row < bodies.owned; ++row)
     for (const StoredImpulse& s : bodies.stored_impulses[row]) {
-      const std::size_t on = bodies.row_of(s.partner);
-      const bool is_side = s.partner >= rigid::first_wall_id && s.partner < rigid::first_tube_id;
-      if (is_side || on >= bodies.size() || bodies.is_dynamic(on)) continue;
       const bool is_second = s.partner > bodies.id[row];  // the impulse is that on the second
-      const Contact* const c = is_second ? find(contacts, bodies.id[row], s.partner, s)
-                                         : find(contacts, s.partner, bodies.id[row], s);
-      Vec3 arm = Vec3::Zero();
-      if (c && is_second)
-        arm = bodies.position[row] + c->r_a - point_of(bodies, s.partner, s.image, extent);
-      else if (c)
-        arm = c->r_a;
-      const Vec3 impulse = is_second ? s.impulse : Vec3(-s.impulse);
-      found.push_back({s.partner, bodies.kind[on], impulse, arm.cross(impulse)});
+      const Contact* const c = is_second ? find(step.contacts, bodies.id[row], s.partner, s)
+                                         : find(step.contacts, s.partner, bodies.id[row], s);
+      loads.add(s.partner, is_second, s.image, c, s.impulse, Vec3::Zero());
     }
-  return found;
+  for (const rigid::OtherImpulse& other : step.other) {
+    const Contact& c = step.contacts[other.contact];
+    if (bodies.row_of(c.a) < bodies.owned) loads.add(c.b, true, c.image, &c, other.impulse, other.moment);
+    if (bodies.row_of(c.b) < bodies.owned) loads.add(c.a, false, c.image, &c, other.impulse, other.moment);
+  }
 }
 
-std::vector<ContactMoment> contact_moments(const rigid::BodySet& bodies, std::span<const Contact> contacts) {
-  std::vector<ContactMoment> found;
-  for (std::size_t row = 0; row < bodies.owned; ++row) {
-    if (bodies.stored_impulses[row].empty()) continue;
-    ContactMoment& of = found.emplace_back(ContactMoment{bodies.kind[row], bodies.position[row], {}});
+void add_contact_moments(const ContactsInStep& step, std::vector<ContactMoment>& found) {
+  const rigid::BodySet& bodies = step.bodies;
+  const auto add = [&](std::size_t row, bool is_first, const Contact& c, const Vec3& impulse) {
+    found.push_back({bodies.kind[row], bodies.position[row],
+                     is_first ? symmetric_product(c.r_a, -impulse) : symmetric_product(c.r_b, impulse)});
+  };
+  for (std::size_t row = 0; row < bodies.owned; ++row)
     for (const StoredImpulse& s : bodies.stored_impulses[row]) {
       const bool is_first = s.partner > bodies.id[row];
-      const Contact* const c = is_first ? find(contacts, bodies.id[row], s.partner, s)
-                                        : find(contacts, s.partner, bodies.id[row], s);
-      if (!c) continue;
-      const auto product =
-          is_first ? symmetric_product(c->r_a, -s.impulse) : symmetric_product(c->r_b, s.impulse);
-      for (int k = 0; k < 6; ++k) of.moment[k] += product[k];
+      const Contact* const c = is_first ? find(step.contacts, bodies.id[row], s.partner, s)
+                                        : find(step.contacts, s.partner, bodies.id[row], s);
+      if (c) add(row, is_first, *c, s.impulse);
     }
-  }
-  return found;
-}
-
-void add_wall_impulses(const rigid::BodySet& bodies, std::span<const rigid::OtherWallImpulse> others,
-                       const rigid::Extent& extent, std::vector<WallImpulse>& found) {
-  for (const rigid::OtherWallImpulse& other : others) {
-    const Vec3 arm = bodies.position[other.row] - point_of(bodies, other.wall, other.image, extent);
-    found.push_back({other.wall, other.impulse, arm.cross(other.impulse) + other.moment});
+  for (const rigid::OtherImpulse& other : step.other) {
+    const Contact& c = step.contacts[other.contact];
+    for (const bool is_first : {true, false})
+      if (const std::size_t row = bodies.row_of(is_first ? c.a : c.b);
+          row < bodies.owned && bodies.is_dynamic(row))
+        add(row, is_first, c, other.impulse);
   }
 }
 

@@ -1,6 +1,7 @@
 #pragma once
-// The loads of contacts on what they cannot move: tubes and meshes, and bodies that are fixed or of
-// prescribed motion. The point of a contact is known only while the contact exists.
+// The loads of contacts on what they cannot move: sides, tubes and meshes, and bodies that are fixed or of
+// prescribed motion; and what contacts add to the stress. The point of a contact is known only while the
+// contact exists.
 #include <array>
 #include <span>
 #include <vector>
@@ -12,6 +13,7 @@
 
 namespace silt::coupler {
 
+/// The impulse of a contact in a sub-step.
 struct ContactLoad {
   rigid::BodyId on;
   int kind;                     // of a body; of a wall it means nothing
@@ -36,24 +38,18 @@ inline std::array<double, 6> symmetric_product(const rigid::Vec3& a, const rigid
           0.5 * (a[1] * b[2] + a[2] * b[1])};
 }
 
-/// The impulse of a contact on a wall in a sub-step, besides the impulse that its body remembers.
-struct WallImpulse {
-  rigid::BodyId wall;
-  rigid::Vec3 impulse, torque;  // the latter about the point of the wall
+/// The contacts of a sub-step whose velocities are final and whose second half of the drift is still to come.
+struct ContactsInStep {
+  const rigid::BodySet& bodies;
+  std::span<const rigid::Contact> contacts;    // sorted by key
+  std::span<const rigid::OtherImpulse> other;  // than what bodies remember
 };
 
-/// Returns the loads that contacts of owned bodies put on [[walls]] and on bodies of infinite mass in a
-/// sub-step whose velocities are final and whose second half of the drift is still to come: the impulses that
-/// bodies remember. Contacts are sorted by key; one that was not examined, of a body at rest, gives no
-/// torque.
-std::vector<ContactLoad> contact_loads(const rigid::BodySet&, std::span<const rigid::Contact>,
-                                       const rigid::Extent&);
+/// Appends the loads that contacts of owned free bodies put on walls and on bodies of infinite mass. A
+/// contact that was not examined, of a body at rest, gives no torque.
+void add_contact_loads(const ContactsInStep&, const rigid::Extent&, std::vector<ContactLoad>&);
 
-/// Returns the moments of the owned bodies' contacts, at the same time.
-std::vector<ContactMoment> contact_moments(const rigid::BodySet&, std::span<const rigid::Contact>);
-
-/// Appends what they did besides, at the same time.
-void add_wall_impulses(const rigid::BodySet&, std::span<const rigid::OtherWallImpulse>, const rigid::Extent&,
-                       std::vector<WallImpulse>&);
+/// Appends the moments of the owned free bodies' contacts.
+void add_contact_moments(const ContactsInStep&, std::vector<ContactMoment>&);
 
 }  // namespace silt::coupler

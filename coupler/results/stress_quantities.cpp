@@ -52,9 +52,8 @@ void add_particle_stress(const Simulation& simulation, const QuantitySpec& q, st
 }
 
 void add_contact_stress(const Simulation& simulation, const QuantitySpec& q, std::span<ExactSum> stress) {
-  const double steps = simulation.setup().contacts.substeps;
   for (const ContactMoment& of : simulation.contact_moments())
-    if (q.is_about(of.kind) && is_in(q, of.position)) stress[0].add(steps * of.moment[q.component]);
+    if (q.is_about(of.kind) && is_in(q, of.position)) stress[0].add(of.moment[q.component]);
 }
 
 double over_volume(const Case&, const QuantitySpec& q, std::int64_t, std::span<const double> sum) {

@@ -1,6 +1,5 @@
 // Quantities that look at what fluid and bodies do to the walls, means over the steps from a time on, and at
-// what fluid and contacts do to walls and bodies in a step. The force of contacts on walls, and on bodies
-// that they do not move, is that of the last sub-step of each step.
+// what fluid and contacts do to walls and bodies in a step.
 #include "coupler/case/case.hpp"
 #include "coupler/exchange/coupling_state.hpp"
 #include "coupler/results/quantity_computation.hpp"
@@ -18,25 +17,11 @@ void add(const Vec3& v, std::span<ExactSum> sums) {
   for (int d = 0; d < 3; ++d) sums[d].add(v[d]);
 }
 
-/// Calls visit(force) for what this rank's bodies did to a wall in the last step.
-template <class Visit>
-void for_contacts(const Simulation& simulation, rigid::BodyId wall, Visit&& visit) {
-  const BodySet& bodies = simulation.bodies();
-  const double steps = simulation.setup().contacts.substeps;
-  for (std::size_t row = 0; row < bodies.owned; ++row)
-    for (const rigid::StoredImpulse& s : bodies.stored_impulses[row])
-      if (s.partner == wall) visit(Vec3(steps * s.impulse));
-  for (const WallImpulse& other : simulation.wall_impulses())
-    if (other.wall == wall) visit(other.impulse);
-}
-
-/// Adds the torque of what bodies did to a wall, as add_fluid_wall_load does.
-void add_contact_torque(const Simulation& simulation, int wall, std::span<ExactSum> torque) {
-  const double steps = simulation.setup().contacts.substeps;
+/// Adds the force, or the torque, of what this rank's bodies did to a wall in the last step.
+void add_contacts(const Simulation& simulation, rigid::BodyId wall, rigid::Vec3 ContactLoad::*of,
+                  std::span<ExactSum> sums, int sign = 1) {
   for (const ContactLoad& contact : simulation.contact_loads())
-    if (contact.on == rigid::first_tube_id + wall) add(steps * contact.torque, torque);
-  for (const WallImpulse& other : simulation.wall_impulses())
-    if (other.wall == rigid::first_tube_id + wall) add(other.torque, torque);
+    if (contact.on == wall) add(sign * contact.*of, sums);
 }
 
 double area_of(const Case& setup, int axis) {
@@ -54,7 +39,7 @@ void add_fluid_side_force(const Simulation& simulation, int side, int sign, std:
 /// Adds the force of fluid and bodies on it.
 void add_side_force(const Simulation& simulation, int side, int sign, std::span<ExactSum> force) {
   add_fluid_side_force(simulation, side, sign, force);
-  for_contacts(simulation, rigid::first_wall_id + side, [&](const Vec3& f) { add(sign * f, force); });
+  add_contacts(simulation, rigid::first_wall_id + side, &ContactLoad::impulse, force, sign);
 }
 
 /// Adds what the fluid does to one of [[walls]], whose rows come after those of the sides: its force, or its
@@ -105,14 +90,14 @@ double relative_viscosity(const Case& setup, const QuantitySpec& q, std::int64_t
 
 void add_wall_force(const Simulation& simulation, const QuantitySpec& q, std::span<ExactSum> force) {
   add_fluid_wall_load(simulation, q.wall, false, force);
-  for_contacts(simulation, rigid::first_tube_id + q.wall, [&](const Vec3& f) { add(f, force); });
+  add_contacts(simulation, rigid::first_tube_id + q.wall, &ContactLoad::impulse, force);
 }
 
 /// Adds the force, and the torque about the origin of the wall's frame.
 void add_wall_load(const Simulation& simulation, const QuantitySpec& q, std::span<ExactSum> load) {
   add_wall_force(simulation, q, load.first(3));
   add_fluid_wall_load(simulation, q.wall, true, load.subspan(3));
-  add_contact_torque(simulation, q.wall, load.subspan(3));
+  add_contacts(simulation, rigid::first_tube_id + q.wall, &ContactLoad::torque, load.subspan(3));
 }
 
 /// Returns the torque about the point of the axis: that about the frame's origin and r x F.
@@ -161,11 +146,10 @@ void add_fluid_load(const Simulation& simulation, const QuantitySpec& q, std::sp
 void add_contact_load_of_bodies(const Simulation& simulation, const QuantitySpec& q,
                                 std::span<ExactSum> load) {
   add_noted_loads(simulation.bodies(), q, column::contact_load, true, load);
-  const double steps = simulation.setup().contacts.substeps;
   for (const ContactLoad& contact : simulation.contact_loads()) {
     if (contact.on >= rigid::first_wall_id || !q.is_about(contact.kind)) continue;
-    add(steps * contact.impulse, load.first(3));
-    add(steps * contact.torque, load.subspan(3));
+    add(contact.impulse, load.first(3));
+    add(contact.torque, load.subspan(3));
   }
 }
 
@@ -173,8 +157,8 @@ void add_contact_load(const Simulation& simulation, const QuantitySpec& q, std::
   if (q.bearer == Bearer::bodies) return add_contact_load_of_bodies(simulation, q, load);
   const bool is_wall = q.bearer == Bearer::wall;
   const rigid::BodyId on = is_wall ? rigid::first_tube_id + q.wall : rigid::first_wall_id + q.side;
-  for_contacts(simulation, on, [&](const Vec3& f) { add(f, load); });
-  if (is_wall) add_contact_torque(simulation, q.wall, load.subspan(3));
+  add_contacts(simulation, on, &ContactLoad::impulse, load.first(3));
+  if (is_wall) add_contacts(simulation, on, &ContactLoad::torque, load.subspan(3));
 }
 
 double force_of(const Case&, const QuantitySpec& q, std::int64_t, std::span<const double> load) {

@@ -78,13 +78,11 @@ struct ResolverStatistics {
   }
 };
 
-/// The impulse of a contact on a wall besides the one that a body remembers: that of its film against
-/// rolling, that in an impact, which is forgotten, and that of the ImpactSink.
-struct OtherWallImpulse {
-  BodyId wall;
-  Image image;           // of the wall, as in Contact
-  std::size_t row;       // of the body
-  Vec3 impulse, moment;  // on the wall, W; the latter about the body's centre
+/// What a contact gives its second body, and takes from its first one, besides the impulse that they
+/// remember: what its film does against rolling, an impact, which is forgotten, and what the ImpactSink adds.
+struct OtherImpulse {
+  std::size_t contact;   // its index
+  Vec3 impulse, moment;  // W; the latter about its point
 };
 
 /// Velocities at hand in the middle of a step, one entry a row of the BodySet: set where a contact is.
@@ -96,7 +94,13 @@ struct StepVelocities {
   std::vector<Twist> push;                // out: position correction, velocities for positions only; or empty
   std::vector<Vec3> load, angular_load;   // out: impulses that bodies at rest take from moving ones; or empty
   std::vector<std::uint8_t> misses_kick;  // out (if first_kick() < 1): bodies that miss the rest of theirs
-  std::vector<OtherWallImpulse> other_wall_impulses;  // out: of owned bodies
+  std::vector<double>
+      rebounds;  // in: least velocities of contacts at which impacts have parted them; or empty
+  bool wants_all_impulses = false;           // in: else those of walls and fixed bodies alone are told
+  std::vector<OtherImpulse> other_impulses;  // added to: of pairs with an owned free body
+  bool tells_impulses(const BodySet& bodies, std::size_t row_a, std::size_t row_b) const {
+    return wants_all_impulses || !bodies.takes_impulses(row_a) || !bodies.takes_impulses(row_b);
+  }
 };
 
 class ContactResolver {

@@ -75,7 +75,7 @@ void ImpactPhase::collect(const BodySet& bodies, const std::vector<Contact>& con
   pairs_.clear();
   contacts_.clear();
   index_.assign(bodies.size(), -1);
-  for_each_pair(contacts, [&](std::size_t, std::span<const Contact> of_pair) {
+  for_each_pair(contacts, [&](std::size_t first, std::span<const Contact> of_pair) {
     const Contact& c = of_pair[0];
     if (!takes(c)) return;
     const std::size_t a = involve(bodies, bodies.row_of(c.a)), b = involve(bodies, bodies.row_of(c.b));
@@ -84,7 +84,8 @@ void ImpactPhase::collect(const BodySet& bodies, const std::vector<Contact>& con
     const bool b_turns = !is_wall(c.b) || bodies.angular_velocity[bodies_[b].row] != Vec3::Zero();
     const std::size_t from = contacts_.size();
     for (const Contact& of : of_pair)
-      contacts_.push_back({.direction = contact_directions(of.normal),
+      contacts_.push_back({.index = first + contacts_.size() - from,
+                           .direction = contact_directions(of.normal),
                            .r_a = of.r_a,
                            .r_b = b_turns ? of.r_b : Vec3(Vec3::Zero()),
                            .gap = of.gap,
@@ -311,6 +312,33 @@ void ImpactPhase::rebound(BodySet& bodies, BodyExchange& exchange) {
   exchange.share(bodies, state_, share_width);
 }
 
+/// The impulses of a round that has ended.
+void ImpactPhase::add_given() {
+  for (const Pair& p : pairs_)
+    for (std::size_t k = p.first; k < p.last && p.collides; ++k)
+      for (int d = 0; d < 3; ++d) contacts_[k].given += contacts_[k].impulse[d] * contacts_[k].direction[d];
+}
+
+/// What impacts gave, and how fast they parted the contacts that they gave it to.
+void ImpactPhase::note_impacts(const BodySet& bodies, std::size_t contacts,
+                               StepVelocities& velocities) const {
+  const auto was_hit = [](const ImpactContact& c) { return !c.given.isZero(0); };
+  velocities.rebounds.clear();
+  if (std::ranges::none_of(contacts_, was_hit)) return;
+  velocities.rebounds.assign(contacts, std::numeric_limits<double>::lowest());
+  for (const Pair& p : pairs_) {
+    const Body &a = bodies_[p.a], &b = bodies_[p.b];
+    const Twist twist_a = read(state_, a.row), twist_b = read(state_, b.row);
+    const bool tells = velocities.tells_impulses(bodies, a.row, b.row);
+    for (std::size_t k = p.first; k < p.last; ++k) {
+      const ImpactContact& c = contacts_[k];
+      if (!was_hit(c)) continue;
+      velocities.rebounds[c.index] = c.direction[0].dot(twist_b.at(c.r_b) - twist_a.at(c.r_a));
+      if (tells) velocities.other_impulses.push_back({c.index, c.given, Vec3::Zero()});
+    }
+  }
+}
+
 bool ImpactPhase::rubs() const {
   return std::ranges::any_of(pairs_,
                              [&](const Pair& p) { return p.collides && contacts_[p.first].friction > 0; });
@@ -328,7 +356,9 @@ int ImpactPhase::operator()(BodySet& bodies, const std::vector<Contact>& contact
     sweeps += sweep_to_rest(bodies, exchange, Stage::normal);
     rebound(bodies, exchange);
     if (on_any(bodies, exchange, rubs())) sweeps += sweep_to_rest(bodies, exchange, Stage::tangential);
+    add_given();
   }
+  note_impacts(bodies, contacts.size(), velocities);
   for (const Body& b : bodies_) {
     const Twist after = read(state_, b.row);
     Twist &before = velocities.before[b.row], &now = velocities.now[b.row];

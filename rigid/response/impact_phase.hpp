@@ -24,8 +24,8 @@ class ImpactPhase {
       : most_sweeps_(most_sweeps), least_restitution_(least_restitution) {}
   bool takes(const Contact& c) const { return c.restitution > 0 && c.restitution >= least_restitution_; }
 
-  /// Changes velocities.before of every row, and velocities.now of owned rows by as much. contacts: as
-  /// for a resolver. Returns how many sweeps this rank took part in.
+  /// Changes velocities.before of every row, and velocities.now of owned rows by as much; sets rebounds and
+  /// adds to other_impulses. contacts: as for a resolver. Returns how many sweeps this rank took part in.
   int operator()(BodySet&, const std::vector<Contact>& contacts, double dt, StepVelocities&, BodyExchange&);
 
  private:
@@ -40,13 +40,15 @@ class ImpactPhase {
     Twist start;           // of the round
     Vec3 impulse = Vec3::Zero(), angular_impulse = Vec3::Zero();
   };
-  struct ImpactContact {  // a contact
+  struct ImpactContact {
+    std::size_t index;  // of the contact
     std::array<Vec3, 3> direction;
     Vec3 r_a, r_b;
     double gap, friction;
     bool approaching = false;
     double k_n = 0, k_t = 0;  // velocities a unit of impulse gives, with the masses split
     std::array<double, 3> impulse{};
+    Vec3 given = Vec3::Zero();  // in all rounds so far
   };
   struct Pair {
     std::size_t first, last;  // its contacts
@@ -72,6 +74,8 @@ class ImpactPhase {
   void apply();
   void spread_word(BodySet&, BodyExchange&);
   void rebound(BodySet&, BodyExchange&);
+  void add_given();
+  void note_impacts(const BodySet&, std::size_t contacts, StepVelocities&) const;
   bool rubs() const;
 
   int most_sweeps_;
@@ -85,7 +89,8 @@ class ImpactPhase {
   std::vector<double> state_;               // a row of the BodySet: v, w, and what else is shared
 };
 
-/// sffd after an impact phase: its contacts then no longer bounce.
+/// sffd after an impact phase: its contacts then no longer bounce, but leave each other as impacts have
+/// parted them, whatever forces do in the step.
 class ImpactThenContact : public ContactResolver {
  public:
   ImpactThenContact(const ImpactPhase& impact, std::unique_ptr<ContactResolver> contact)

@@ -122,7 +122,9 @@ void SffdResolver::start(const Step& step) {
       const Contact& c = p.contacts[k];
       const Target t =
           target_of(c, step.dt, p.reduced_mass, before[p.row_b].at(c.r_b) - before[p.row_a].at(c.r_a));
-      targets_[p.first + k] = t.velocity;
+      const bool has_rebounded = !step.velocities.rebounds.empty();
+      targets_[p.first + k] =
+          has_rebounded ? std::max(t.velocity, step.velocities.rebounds[p.first + k]) : t.velocity;
       impact_changes_[p.first + k] = t.impact_change;
       impulses_[p.first + k] = {};
     }
@@ -283,19 +285,17 @@ bool SffdResolver::is_mostly_impact(const Pair& p, std::size_t k) const {
          targets_[p.first + k] * p.reduced_mass > 0.5 * impulses_[p.first + k].normal;
 }
 
-/// `by_sink`: sum over the pair's impacts, on the wall; they act about the body's centre.
-void SffdResolver::note_other_wall_impulse(const Pair& p, const Vec3& by_sink,
-                                           StepVelocities& velocities) const {
+/// `by_sink`: sum over the pair's impacts, on the second body; they act about the first one's centre.
+void SffdResolver::note_other_impulses(const Pair& p, const Vec3& by_sink, StepVelocities& velocities) const {
   const PairLanes::Rolling rolling = lanes_.read_rolling(p.place);
-  OtherWallImpulse other{p.contacts[0].b, p.contacts[0].image, p.row_a, rolling.impulse + by_sink,
-                         rolling.moment};
-  for (std::size_t k = 0; k < p.contacts.size(); ++k) {
-    if (!is_mostly_impact(p, k)) continue;
-    const Vec3 impulse = impulses_[p.first + k].along(p.contacts[k].normal);
-    other.impulse += impulse;
-    other.moment += p.contacts[k].r_a.cross(impulse);
-  }
-  if (!other.impulse.isZero(0) || !other.moment.isZero(0)) velocities.other_wall_impulses.push_back(other);
+  const Vec3 impulse = rolling.impulse + by_sink;
+  const Vec3 moment = rolling.moment - p.contacts[0].r_a.cross(impulse);
+  if (!impulse.isZero(0) || !moment.isZero(0))
+    velocities.other_impulses.push_back({p.first, impulse, moment});
+  for (std::size_t k = 0; k < p.contacts.size(); ++k)
+    if (is_mostly_impact(p, k))
+      velocities.other_impulses.push_back(
+          {p.first + k, impulses_[p.first + k].along(p.contacts[k].normal), Vec3::Zero()});
 }
 
 /// Reads the impulses of a pair, for the next step and for the statistics.
@@ -313,7 +313,8 @@ void SffdResolver::finish_pair(const Pair& p, const Step& step, ResolverStatisti
       statistics.cone_excess = std::max(statistics.cone_excess, i.tangential.norm() / i.normal - c.friction);
     if (settings_.impacts && impact_changes_[p.first + k] > 0) by_sink += report_impact(step.bodies, p, k);
   }
-  if (is_wall(p.contacts[0].b)) note_other_wall_impulse(p, by_sink, step.velocities);
+  if (step.velocities.tells_impulses(step.bodies, p.row_a, p.row_b))
+    note_other_impulses(p, by_sink, step.velocities);
   for (std::size_t k = 0; k < impulses.size(); ++k)
     if (is_mostly_impact(p, k)) impulses[k] = {};
   if (!settings_.warm_start) return;
@@ -328,7 +329,6 @@ void SffdResolver::finish_pair(const Pair& p, const Step& step, ResolverStatisti
 void SffdResolver::finish(const Step& step, ResolverStatistics& statistics) {
   BodySet& bodies = step.bodies;
   forget_last_impulses(bodies, involved_);
-  step.velocities.other_wall_impulses.clear();
   const auto fetch = [&](const Pair& p) {
     prefetch_impulses(bodies.stored_impulses[p.row_a]);
     prefetch_impulses(bodies.stored_impulses[p.row_b]);

@@ -92,7 +92,7 @@ class SffdResolver : public ContactResolver {
   void finish_pair(const Pair&, const Step&, ResolverStatistics&);
   Vec3 report_impact(BodySet&, const Pair&, std::size_t k) const;
   bool is_mostly_impact(const Pair&, std::size_t k) const;
-  void note_other_wall_impulse(const Pair&, const Vec3& by_sink, StepVelocities&) const;
+  void note_other_impulses(const Pair&, const Vec3& by_sink, StepVelocities&) const;
   bool is_to_correct(const Step&) const;
   void correct_positions(const Step&);
 

@@ -52,6 +52,33 @@ TEST(ImpactPhase, CradleOfFive) {
   for (int k = 0; k < 5; ++k) EXPECT_NEAR(two.v(k)[0], k >= 3, 1e-12) << k;
 }
 
+/// A ball, alone or with another one on top of it, keeps its energy in every step of many falls: of the two,
+/// which meet on the floor, up to what the sweeps leave.
+TEST(ImpactPhase, BallsThatBounceForEverKeepTheirEnergy) {
+  constexpr double gravity = 1e-3;
+  for (const bool two : {false, true}) {
+    Scene s(1, 0);
+    s.settings.impact_sweeps = 100;
+    s.world.gravity = {0, 0, -gravity};
+    const int ball = s.shape(Sphere{0.5});
+    s.add(ball, {10, 10, 5.3});
+    if (two) s.add(ball, {10, 10, 8.1});
+    s.floor();
+    s.start();
+    const auto energy = [&] {
+      double sum = s.kinetic_energy();
+      for (std::size_t row = 0; row < s.bodies.owned; ++row)
+        sum += s.bodies.mass[row] * gravity * s.bodies.position[row][2];
+      return sum;
+    };
+    const double first = energy();
+    for (int step = 0; step < 4000; ++step) {
+      s.run(1, 1.0);
+      ASSERT_NEAR(energy(), first, (two ? 1e-8 : 1e-12) * first) << step;
+    }
+  }
+}
+
 TEST(ImpactPhase, ThreeBallsCollideOneAfterTheOther) {
   for (double e : {0.25, 0.5, 0.75, 0.9, 1.0})
     for (const std::vector<double>& masses : {std::vector<double>{1, 1, 1}, {1, 2, 1}, {3, 1, 2}}) {
@@ -244,7 +271,7 @@ TEST(ImpactSink, HearsOfAFlatLandingAsOfWhatItChanged) {
   Vec3 on_floor = Vec3::Zero();  // by the listener's word
   for (int i = 0; i < 500; ++i) {
     s.run(1);
-    for (const OtherWallImpulse& other : s.step->other_wall_impulses()) on_floor += other.impulse;
+    for (const OtherImpulse& other : s.step->other_impulses()) on_floor += other.impulse;
   }
   double sum = 0;
   for (const Impact& impact : listener->heard) sum += impact.impulse;
