@@ -110,12 +110,7 @@ class FieldsOf final : public FluidFields {
   }
   /// What came back to a cell along c_i before the cell gave up its excess.
   double came_back(int b, Int3 x, int i) const {
-    return fluid_.arriving(b, x, lbm::opposite(i)) + given_up(b, fluid_.blocks()[b].cell(x), i);
-  }
-  /// The part of the excess that the cell gave up in the populations along c_i and against it.
-  double given_up(int b, std::ptrdiff_t cell, int i) const {
-    const auto* const of_block = fluid_.given_up(b);
-    return of_block ? lbm::w(i) * lbm::excess_quantum<T> * double(of_block[cell]) : 0;
+    return fluid_.arriving(b, x, lbm::opposite(i)) + fluid_.given_up(b, fluid_.blocks()[b].cell(x), i);
   }
   /// Calls visit(offset in the block, cells) for runs of at most 64 of its fluid cells from low to high.
   template <class Visit>
@@ -162,9 +157,9 @@ class FieldsOf final : public FluidFields {
       for (std::size_t k = 0; k < across.size(); ++k) {
         std::int64_t of_run = 0;
         for (std::ptrdiff_t cell = first; cell < first + cells; ++cell)
-          of_run +=
-              std::llrint((double(out[k][cell]) + (double(back[k][cell]) + given_up(b, cell, across[k]))) /
-                          lbm::link_quantum);
+          of_run += std::llrint(
+              (double(out[k][cell]) + (double(back[k][cell]) + fluid_.given_up(b, cell, across[k]))) /
+              lbm::link_quantum);
         exchanged[k] += of_run;
       }
     });

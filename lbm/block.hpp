@@ -132,8 +132,11 @@ class Block {
   }
   /// Returns whether cells of a row may have an excess.
   bool has_excess(int y, int z) const { return excess_ && excess_rows_[y + box_.size.y * z]; }
+  /// In which they give up their bulk stress with it.
+  T stress_share() const { return stress_share_; }
   /// Cells with links are all in rows [y0, y1) of planes [z0, z1), and in those of other such calls.
-  void hold_excess(const RowRange& rows, Device device = Device::cpu) {
+  void hold_excess(const RowRange& rows, T stress_share, Device device = Device::cpu) {
+    stress_share_ = stress_share;
     if (!excess_) {
       const std::size_t cells = excess_cells();
       if (device == Device::gpu)
@@ -168,6 +171,7 @@ class Block {
   std::shared_ptr<T[]> memory_;
   T* first_;  // slot (cell 0, 0)
   std::shared_ptr<ExcessQuanta<T>[]> excess_;
+  T stress_share_ = 0;
   static constexpr std::uint8_t has_links = 1, had_links = 2;
   std::vector<std::uint8_t> excess_rows_;  // y fastest: what of these holds for cells of the row
   std::vector<RowEnd<T>> row_ends_[2];

@@ -54,9 +54,10 @@ struct Prefetch {
 
 /// What cells give up first of all: nothing, or their excess.
 struct NoExcess {};
-template <class V>
+template <class V, class T>
 struct OwnExcess {
   V quanta;
+  T stress_share;
 };
 
 /// Collides the cells from x on, as many as a vector has. Slots of lanes that are no cells keep what they
@@ -83,7 +84,7 @@ template <class Model, bool source, class V, class T, class Keep, class Watch, c
       g[i] = load<V>(slots.arriving(i) + x);
       prefetch(slots.arriving(i) + x);
     }
-    give_up_excess<T>(excess.quanta, g);
+    give_up_excess<T>(excess.quanta, excess.stress_share, g);
     for (int k = 0; k < pairs; ++k)
       sum[k] = g[2 * k + 1] + g[2 * k + 2], difference[k] = g[2 * k + 1] - g[2 * k + 2];
     sum[pairs] = g[0];

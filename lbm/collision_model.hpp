@@ -61,6 +61,10 @@ struct CollisionSpec {
     }
     __builtin_unreachable();
   }
+  /// The share in which cells at walls give up their bulk stress with their excess (method.md, equation 9b).
+  constexpr double bulk_stress_given_up() const {
+    return std::clamp((0.53 - relaxation_time) / 0.01, 0.0, 1.0);
+  }
   /// (tau - 1/2)(tau_odd - 1/2).
   constexpr double magic_in_effect() const {
     return model_of(model).odd == OddRate::by_magic ? magic : excess() * (odd_relaxation_time() - 0.5);

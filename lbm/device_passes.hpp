@@ -26,6 +26,7 @@ struct ListedCells {
     std::ptrdiff_t arriving[directions], step[directions];
     T* data;
     ExcessQuanta<T>* excess;
+    T stress_share;
   };
   const Cell* cells;
   std::int64_t count;

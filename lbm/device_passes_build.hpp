@@ -84,10 +84,11 @@ template <class T>
 struct TakeExcess {
   Slots<T> slots;
   ExcessQuanta<T>* excess;
+  T stress_share;
   CellsOfRows cells;
   SILT_DEVICE void operator()(int x, int row) const {
     const std::ptrdiff_t at = cells.row_at(row) + x;
-    take_excess<T>(excess[at], [&](int i) -> T& { return slots.arriving(i)[at]; });
+    take_excess<T>(excess[at], stress_share, [&](int i) -> T& { return slots.arriving(i)[at]; });
   }
 };
 template <class T>
@@ -95,7 +96,8 @@ void take_excess(Block<T>& block, Parity parity, RowRange range) {
   const int rows = std::max(range.y1 - range.y0, 0) * std::max(range.z1 - range.z0, 0);
   if (block.excess() && rows > 0)
     for_rows(block.size().x, rows,
-             TakeExcess<T>{Slots<T>(block, parity), block.excess(), CellsOfRows(block, range)});
+             TakeExcess<T>{Slots<T>(block, parity), block.excess(), block.stress_share(),
+                           CellsOfRows(block, range)});
 }
 
 template <class T>
@@ -175,7 +177,8 @@ struct GatherMoments {
     const auto& block = of.blocks[cell.block];
     const T* g[directions];
     for (int i = 0; i < directions; ++i) g[i] = cell.data + block.arriving[i];
-    const Moments m = moments_of<T>(g, 0, block.excess ? block.excess[cell.data - block.data] : 0);
+    const Moments m =
+        moments_of<T>(g, 0, block.excess ? block.excess[cell.data - block.data] : 0, block.stress_share);
     if (moments)
       moments[k] = m;
     else

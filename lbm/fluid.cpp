@@ -120,12 +120,26 @@ void Fluid<T>::take_excess() {
 template <class T>
 void Fluid<T>::take_and_keep_excess() {
   given_up_.resize(blocks_.size());
-  for (std::size_t b = 0; b < blocks_.size(); ++b) {
-    const ExcessQuanta<T>* const excess = blocks_[b].excess();
-    given_up_[b].assign(excess, excess + (excess ? blocks_[b].excess_cells() : 0));
-  }
+  for (std::size_t b = 0; b < blocks_.size(); ++b) keep_excess(b);
   is_given_up_ = true;
   take_excess();
+}
+
+/// Notes what the cells of a block are about to give up.
+template <class T>
+void Fluid<T>::keep_excess(std::size_t b) {
+  const Block<T>& block = blocks_[b];
+  given_up_[b].assign(block.excess() ? block.excess_cells() : 0, {});
+  for_cells({}, block.size(), [&](Int3 x) {
+    if (!block.has_excess(x.y, x.z)) return;
+    const std::ptrdiff_t cell = block.cell(x);
+    const ExcessQuanta<T> excess = block.excess()[cell];
+    if (excess == 0) return;
+    T g[directions], left[directions];
+    for (int i = 0; i < directions; ++i) g[i] = left[i] = arriving(int(b), x, i);
+    give_up_excess<T>(T(excess), block.stress_share(), left);
+    given_up_[b][std::size_t(cell)] = {g[1] - left[1], g[7] - left[7]};
+  });
 }
 
 template <class T>
@@ -211,7 +225,7 @@ template <class T>
 Moments Fluid<T>::moments(int b, Int3 x) const {
   const ExcessQuanta<T>* const excess = blocks_[b].excess();
   return for_arriving(b, x, [&](const T* const(&g)[directions]) {
-    return moments_of(g, 0, excess ? excess[blocks_[b].cell(x)] : 0);
+    return moments_of(g, 0, excess ? excess[blocks_[b].cell(x)] : 0, blocks_[b].stress_share());
   });
 }
 
@@ -221,6 +235,7 @@ ListedCells<T> Fluid<T>::listed(std::span<const LocalCell> cells) {
   for (std::size_t b = 0; b < blocks_.size(); ++b) {
     auto& listed = listed_blocks_.here()[b];
     listed.data = blocks_[b].data(), listed.excess = blocks_[b].excess();
+    listed.stress_share = blocks_[b].stress_share();
     for (int i = 0; i < directions; ++i)
       listed.arriving[i] = blocks_[b].arriving(i, parity_), listed.step[i] = blocks_[b].step(i);
   }
@@ -288,7 +303,8 @@ void Fluid<T>::totals(int b, std::span<const LocalRows> of, CellTotals* totals_o
 template <class T>
 void Fluid<T>::give_masses(std::span<const LocalCell> cells, std::span<const std::int64_t> masses) {
   if (cells.empty()) return;
-  for (const auto& [b, x] : cells) blocks_[b].hold_excess({x.y, x.y + 1, x.z, x.z + 1}, device_);
+  for (const auto& [b, x] : cells)
+    blocks_[b].hold_excess({x.y, x.y + 1, x.z, x.z + 1}, T(spec_.bulk_stress_given_up()), device_);
   if (device_ != Device::cpu) {
     cell_masses_.here().assign(masses.begin(), masses.end());
     passes_on<T>(device_).give_masses(listed(cells), cell_masses_.send());

@@ -3,6 +3,7 @@
 // velocity and momentum flux where they are asked for (never computed otherwise).
 #include <mpi.h>
 
+#include <array>
 #include <memory>
 #include <span>
 #include <vector>
@@ -49,7 +50,8 @@ class Fluid {
   /// the next call.
   void hold_excess(int b, std::span<const RowRange> rows) {
     blocks_[b].hold_no_more_excess();
-    for (const RowRange& range : rows) blocks_[b].hold_excess(range, device_);
+    for (const RowRange& range : rows)
+      blocks_[b].hold_excess(range, T(spec_.bulk_stress_given_up()), device_);
   }
   /// All cells give up their excess, as they would when they collide: what arrives is complete then, but is
   /// no longer what came back along links.
@@ -57,9 +59,10 @@ class Fluid {
   /// As take_excess(), and what a cell gave up can be asked for until forget_given_up().
   void take_and_keep_excess();
   void forget_given_up() { is_given_up_ = false; }
-  /// The mass that cells of a block gave up, by Block::cell, in quanta of excess.hpp; null if none did.
-  const ExcessQuanta<T>* given_up(int b) const {
-    return is_given_up_ && !given_up_[b].empty() ? given_up_[b].data() : nullptr;
+  /// Returns what the populations along c_i and against it, i > 0, of a cell by its Block::cell lost thereby.
+  double given_up(int b, std::ptrdiff_t cell, int i) const {
+    if (!is_given_up_ || given_up_[b].empty()) return 0;
+    return given_up_[b][cell][i < 7 ? 0 : 1];
   }
   /// A block without a fluid cell need not collide; what its slots hold means nothing then.
   void set_idle(int b, bool idle) { idle_[b] = idle; }
@@ -128,6 +131,7 @@ class Fluid {
   void prefetch(int b, Int3 local_cell) const;
   template <class Sum>
   auto for_arriving(int b, Int3 local_cell, Sum&& sum) const;
+  void keep_excess(std::size_t b);
 
   Domain domain_;
   CollisionSpec spec_;
@@ -147,7 +151,7 @@ class Fluid {
   Mirror<Moments> cell_moments_{device_};
   Mirror<double> cell_densities_{device_};
   Mirror<std::int64_t> cell_masses_{device_};
-  std::vector<std::vector<ExcessQuanta<T>>> given_up_;  // of the blocks
+  std::vector<std::vector<std::array<T, 2>>> given_up_;  // of the blocks: along an axis, along a diagonal
   bool is_given_up_ = false;
   Halo<T> halo_;
 };

@@ -125,11 +125,12 @@ class MomentsByRow {
 /// its excess.
 template <class T>
 [[gnu::always_inline]] SILT_DEVICE inline Moments moments_of(const T* const (&g)[directions],
-                                                             std::ptrdiff_t k, ExcessQuanta<T> excess = 0) {
+                                                             std::ptrdiff_t k, ExcessQuanta<T> excess = 0,
+                                                             T stress_share = 0) {
   T own[directions];
   if (excess != 0) {
     for (int i = 0; i < directions; ++i) own[i] = g[i][k];
-    give_up_excess<T>(T(excess), own);
+    give_up_excess<T>(T(excess), stress_share, own);
   }
   Moments m;
   const auto add = [](double& sum, int factor, double value) {  // factor: -1, 0, 1, known to the compiler

@@ -64,8 +64,9 @@ using QuantaLanes = typename VectorOf<ExcessQuanta<T>, vector_bytes / int(sizeof
 
 /// The populations of a cell give up its excess.
 template <class T>
-void take_excess_of_cell(const Slots<T>& slots, std::ptrdiff_t cell, ExcessQuanta<T>* excess) {
-  take_excess<T>(excess[cell], [&](int i) -> T& { return slots.arriving(i)[cell]; });
+void take_excess_of_cell(const Slots<T>& slots, std::ptrdiff_t cell, Block<T>& block) {
+  take_excess<T>(block.excess()[cell], block.stress_share(),
+                 [&](int i) -> T& { return slots.arriving(i)[cell]; });
 }
 
 /// Those of all cells do.
@@ -84,11 +85,11 @@ void take_excess_of_block(Block<T>& block, Parity parity) {
         if (!any_lane(quanta != QuantaLanes<T>{})) continue;
         V g[directions];
         for (int i = 0; i < directions; ++i) g[i] = load<V>(slots.arriving(i) + x);
-        give_up_excess<T>(V(__builtin_convertvector(quanta, V)), g);
+        give_up_excess<T>(V(__builtin_convertvector(quanta, V)), block.stress_share(), g);
         for (int i = 0; i < directions; ++i) store(slots.arriving(i) + x, g[i]);
         store(block.excess() + x, QuantaLanes<T>{});
       }
-      for (; x < end; ++x) take_excess_of_cell(slots, x, block.excess());
+      for (; x < end; ++x) take_excess_of_cell(slots, x, block);
     }
 }
 
@@ -105,11 +106,11 @@ template <class Model, bool source, class T, class Watch>
       collide<Model, source, V>(pass.slots, x, pass.rates, AllLanes{}, watch);
       continue;
     }
-    const OwnExcess<V> own{__builtin_convertvector(quanta, V)};
+    const OwnExcess<V, T> own{__builtin_convertvector(quanta, V), pass.block.stress_share()};
     collide<Model, source, V>(pass.slots, x, pass.rates, AllLanes{}, watch, own);
     store(excess + x, QuantaLanes<T>{});
   }
-  for (; x < row_end; ++x) take_excess_of_cell(pass.slots, x, excess);
+  for (; x < row_end; ++x) take_excess_of_cell(pass.slots, x, pass.block);
 }
 
 /// `watch` sees the cells' squares and where they are; `linked`: cells of the block have links.

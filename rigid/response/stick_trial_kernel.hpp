@@ -205,15 +205,14 @@ struct StickTrial {
     motion.push_about_a(g, impulse, moment);
   }
 
-  /// Numbers where no contact pulls (as impulses that are carried on may), slides, or is passed through.
-  /// scale: largest squared impulse.
+  /// Numbers where no contact pulls, slides, or is passed through. scale: largest squared impulse.
   Mask is_right(Numbers& scale) const {
     Mask right = scale == scale;
     for (std::uint32_t k = 0; k < g.count; ++k) {
       const BlockContact& c = contacts[k];
       const Numbers square = dot(tangential[k], tangential[k]), limit = c.friction * normal[k];
       const Mask presses = (normal[k] >= 0) & (square <= limit * limit);
-      const Mask stays_open = (normal[k] >= 0) & (dot(motion.at(load(c.r)), load(c.normal)) >= c.target);
+      const Mask stays_open = dot(motion.at(load(c.r)), load(c.normal)) >= c.target;
       right = right & choose(on[k], presses, stays_open);
       scale = larger(scale, normal[k] * normal[k] + square);
     }

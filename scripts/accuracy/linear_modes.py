@@ -126,11 +126,11 @@ def coefficients(scheme, q, tau, model, share=None):
     return share * whole + (1 - share) * rest
 
 
-def without_excess():
-    """Returns how the populations of a cell change where it gives up an excess of 1, [19], and the matrix that makes the trace
-    of the second moments that of the equilibrium, [19, 19] (docs/method-walls.md, equation 9b)."""
-    trace = (C**2).sum(axis=1) - 1
-    return -(W + (np.arange(19) == 0)) / 2, np.eye(19) - np.outer(1.5 * W * trace, trace)
+def without_excess(tau):
+    """Returns how the populations of a cell change where it gives up an excess of 1, [19], and the matrix that takes, at low
+    viscosity, what the trace of the second moments is off its equilibrium, [19, 19] (docs/method-walls.md, equation 9b)."""
+    trace, share = (C**2).sum(axis=1) - 1, min(1, max(0, (0.53 - tau) / 0.01))
+    return -(W + 3 * (np.arange(19) == 0)) / 4, np.eye(19) - share * np.outer(1.5 * W * trace, trace)
 
 
 def step(scheme, tau, model, distances, wave, layers, keeps_mass=True, **options):
@@ -152,7 +152,7 @@ def step(scheme, tau, model, distances, wave, layers, keeps_mass=True, **options
         excess[j] += streaming[i, j]
         excess[j, out, j] -= 1
     if keeps_mass:
-        given_up, projected = without_excess()
+        given_up, projected = without_excess(tau)
         for j in (0, layers - 1):
             streaming[:, j] = np.tensordot(projected, streaming[:, j] + np.multiply.outer(given_up, excess[j]), 1)
     return streaming.reshape(19 * layers, -1) @ np.kron(collision(tau, model), np.eye(layers))

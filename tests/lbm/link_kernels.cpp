@@ -19,7 +19,7 @@ constexpr int walls = int(std::size(links_of_wall));
 
 template <class T>
 void hold_excess(Block<T>& block) {
-  block.hold_excess({0, block.size().y, 0, block.size().z});
+  block.hold_excess({0, block.size().y, 0, block.size().z}, 0);
 }
 template <class T>
 std::vector<ExcessQuanta<T>> excess_of(Block<T>& block) {
