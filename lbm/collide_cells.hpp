@@ -52,43 +52,32 @@ struct Prefetch {
 #endif
 };
 
-/// What cells give up first of all: nothing, or their excess.
-struct NoExcess {};
-template <class V, class T>
-struct OwnExcess {
-  V quanta;
-  T stress_share;
+/// What cells give up first of all (excess.hpp): here nothing.
+struct NothingGivenUp {
+  template <class V>
+  SILT_DEVICE const V& left(int, const V& g) const {
+    return g;
+  }
 };
 
 /// Collides the cells from x on, as many as a vector has. Slots of lanes that are no cells keep what they
 /// hold: no other lane of the vector has them.
-template <class Model, bool source, class V, class T, class Keep, class Watch, class Excess = NoExcess>
+template <class Model, bool source, class V, class T, class Keep, class Watch, class Given = NothingGivenUp>
 [[gnu::always_inline]] SILT_DEVICE inline void collide(const Slots<T>& slots, std::ptrdiff_t x,
                                                        const CollisionRates<T>& r, const Keep& keep,
-                                                       Watch& watch, const Excess& excess = {}) {
+                                                       Watch& watch, const Given& given = {}) {
   constexpr Prefetch prefetch;
   V sum[pairs + 1], difference[pairs];
-  if constexpr (std::is_same_v<Excess, NoExcess>) {
-    for (int k = 0; k < pairs; ++k) {
-      const V a = load<V>(slots.a[k] + x), b = load<V>(slots.b[k] + x);
-      prefetch(slots.a[k] + x);
-      prefetch(slots.b[k] + x);
-      sum[k] = a + b;
-      difference[k] = a - b;
-    }
-    sum[pairs] = load<V>(slots.rest + x);
-    prefetch(slots.rest + x);
-  } else {
-    V g[directions];
-    for (int i = 0; i < directions; ++i) {
-      g[i] = load<V>(slots.arriving(i) + x);
-      prefetch(slots.arriving(i) + x);
-    }
-    give_up_excess<T>(excess.quanta, excess.stress_share, g);
-    for (int k = 0; k < pairs; ++k)
-      sum[k] = g[2 * k + 1] + g[2 * k + 2], difference[k] = g[2 * k + 1] - g[2 * k + 2];
-    sum[pairs] = g[0];
+  const auto arriving = [&](int i, const T* from) __attribute__((always_inline)) {
+    prefetch(from + x);
+    return V(given.left(i, load<V>(from + x)));
+  };
+  for (int k = 0; k < pairs; ++k) {
+    const V a = arriving(2 * k + 1, slots.a[k]), b = arriving(2 * k + 2, slots.b[k]);
+    sum[k] = a + b;
+    difference[k] = a - b;
   }
+  sum[pairs] = arriving(0, slots.rest);
 
   const auto set_rest = [&](const V& left) __attribute__((always_inline)) {
     store(slots.rest + x, keep(left, sum[pairs]));

@@ -177,8 +177,9 @@ struct GatherMoments {
     const auto& block = of.blocks[cell.block];
     const T* g[directions];
     for (int i = 0; i < directions; ++i) g[i] = cell.data + block.arriving[i];
-    const Moments m =
-        moments_of<T>(g, 0, block.excess ? block.excess[cell.data - block.data] : 0, block.stress_share);
+    const Moments m = block.excess
+                          ? moments_of<T>(g, 0, block.excess[cell.data - block.data], block.stress_share)
+                          : moments_of<T>(g, 0);
     if (moments)
       moments[k] = m;
     else

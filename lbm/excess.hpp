@@ -17,15 +17,21 @@ using ExcessQuanta = std::conditional_t<sizeof(T) == 4, std::int32_t, std::int64
 template <class T>
 inline constexpr double excess_quantum = sizeof(T) == 4 ? 0x1p-32 : 0x1p-50;
 
-/// Takes a share of what the trace of the second moments of populations is off its equilibrium, without a
-/// force.
-template <class T, class V>
-SILT_DEVICE inline void give_up_bulk_stress(T share, V (&g)[directions]) {
-  V off = -g[0], momentum[3]{};
+/// What the populations that arrive at a cell give up. V: a number, or a vector of cells.
+template <class V>
+struct GivenUp {
+  V rest, axis, diagonal;  // by each population that rests, or moves along an axis or a diagonal
+  SILT_DEVICE V left(int i, const V& g) const { return g - (i == 0 ? rest : i < 7 ? axis : diagonal); }
+};
+
+/// Returns what the trace of the second moments of populations g(i) is off its equilibrium, without a force.
+template <class V, class Populations>
+SILT_DEVICE inline V bulk_stress(Populations&& g) {
+  V off = -g(0), momentum[3]{};
   for_directions<1>([&](auto i) __attribute__((always_inline)) {
     if constexpr (i() % 2 == 1) {  // opposite ones follow each other
-      if (i() >= 7) off += g[i()] + g[i() + 1];
-      const V difference = g[i()] - g[i() + 1];
+      const V a = g(i()), b = g(i() + 1), difference = a - b;
+      if (i() >= 7) off += a + b;
       constexpr Int3 v = c[i()];
       const auto push = [&](V & sum, int towards) __attribute__((always_inline)) {
         if (towards) sum = towards > 0 ? sum + difference : sum - difference;
@@ -34,34 +40,29 @@ SILT_DEVICE inline void give_up_bulk_stress(T share, V (&g)[directions]) {
     }
   });
   for (int d = 0; d < 3; ++d) off -= momentum[d] * momentum[d];
-  off *= share;
-  g[0] += T(1. / 2) * off;
-  for (int i = 7; i < directions; ++i) g[i] -= T(1. / 24) * off;
+  return off;
 }
 
-/// Takes an excess from the populations that arrive at a cell: three quarters of it from the one that rests,
-/// the rest from all by their weights; and a share (CollisionSpec::bulk_stress_given_up) of what the second
-/// moments' trace then is off its equilibrium. Without an excess the populations keep their bits. V: a
-/// number, or a vector of cells.
-template <class T, class V>
-SILT_DEVICE inline void give_up_excess(const V& quanta, T stress_share, V (&g)[directions]) {
-  constexpr double quantum = excess_quantum<T>, shares[] = {0.75 + w(0) / 4, w(1) / 4, w(7) / 4};
-  const V excess = quanta * T(quantum);
-  V left[directions] = {g[0] - T(shares[0]) * excess};
-  const V axis = T(shares[1]) * excess, diagonal = T(shares[2]) * excess;
-  for (int i = 1; i < directions; ++i) left[i] = g[i] - (i < 7 ? axis : diagonal);
-  if (stress_share != 0) give_up_bulk_stress<T>(stress_share, left);
-  for (int i = 0; i < directions; ++i) g[i] = quanta != V{} ? left[i] : g[i];
+/// Returns what cells with an excess take from the populations g(i) that arrive at them: three quarters of it
+/// from the one that rests, the rest from all by their weights; and a share
+/// (CollisionSpec::bulk_stress_given_up) of the bulk stress that is left then. Without an excess this is 0.
+template <class T, class V, class Populations>
+SILT_DEVICE inline GivenUp<V> given_up(const V& quanta, T stress_share, Populations&& g) {
+  const V excess = quanta * T(excess_quantum<T>);
+  GivenUp<V> all{T(0.75 + w(0) / 4) * excess, T(w(1) / 4) * excess, T(w(7) / 4) * excess};
+  if (stress_share == 0) return all;
+  const V off = bulk_stress<V>([&](int i) { return all.left(i, g(i)); });
+  const V taken = quanta != V{} ? V(stress_share * off) : V{};
+  all.rest -= T(1. / 2) * taken, all.diagonal += T(1. / 24) * taken;
+  return all;
 }
 
 /// Takes a cell's excess from the populations g(i) that arrive at it.
 template <class T, class Populations>
 SILT_DEVICE inline void take_excess(ExcessQuanta<T>& excess, T stress_share, Populations&& g) {
   if (excess == 0) return;
-  T left[directions];
-  for (int i = 0; i < directions; ++i) left[i] = g(i);
-  give_up_excess<T>(T(excess), stress_share, left);
-  for (int i = 0; i < directions; ++i) g(i) = left[i];
+  const GivenUp<T> given = given_up<T>(T(excess), stress_share, g);
+  for (int i = 0; i < directions; ++i) g(i) = given.left(i, g(i));
   excess = 0;
 }
 

@@ -135,10 +135,9 @@ void Fluid<T>::keep_excess(std::size_t b) {
     const std::ptrdiff_t cell = block.cell(x);
     const ExcessQuanta<T> excess = block.excess()[cell];
     if (excess == 0) return;
-    T g[directions], left[directions];
-    for (int i = 0; i < directions; ++i) g[i] = left[i] = arriving(int(b), x, i);
-    give_up_excess<T>(T(excess), block.stress_share(), left);
-    given_up_[b][std::size_t(cell)] = {g[1] - left[1], g[7] - left[7]};
+    const auto g = [&](int i) { return arriving(int(b), x, i); };
+    const GivenUp<T> given = lbm::given_up<T>(T(excess), block.stress_share(), g);
+    given_up_[b][std::size_t(cell)] = {given.axis, given.diagonal};
   });
 }
 
@@ -225,7 +224,8 @@ template <class T>
 Moments Fluid<T>::moments(int b, Int3 x) const {
   const ExcessQuanta<T>* const excess = blocks_[b].excess();
   return for_arriving(b, x, [&](const T* const(&g)[directions]) {
-    return moments_of(g, 0, excess ? excess[blocks_[b].cell(x)] : 0, blocks_[b].stress_share());
+    return excess ? moments_of(g, 0, excess[blocks_[b].cell(x)], blocks_[b].stress_share())
+                  : moments_of(g, 0);
   });
 }
 

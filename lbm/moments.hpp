@@ -121,23 +121,15 @@ class MomentsByRow {
   MomentArrays row_;
 };
 
-/// Returns the moments of one cell, where g[i][k] is the population i that arrives at it, as they are without
-/// its excess.
-template <class T>
-[[gnu::always_inline]] SILT_DEVICE inline Moments moments_of(const T* const (&g)[directions],
-                                                             std::ptrdiff_t k, ExcessQuanta<T> excess = 0,
-                                                             T stress_share = 0) {
-  T own[directions];
-  if (excess != 0) {
-    for (int i = 0; i < directions; ++i) own[i] = g[i][k];
-    give_up_excess<T>(T(excess), stress_share, own);
-  }
+/// Returns the moments of one cell with the populations g(i), which is called with constants.
+template <class Populations>
+[[gnu::always_inline]] SILT_DEVICE inline Moments moments_of(Populations&& g) {
   Moments m;
   const auto add = [](double& sum, int factor, double value) {  // factor: -1, 0, 1, known to the compiler
     if (factor) sum += factor * value;
   };
   for_directions<0>([&](auto i) __attribute__((always_inline)) {
-    const double value = excess != 0 ? own[i()] : g[i()][k];
+    const double value = g(i);
     constexpr Int3 v = c[i()];
     m.density_deviation += value;
     add(m.momentum[0], v.x, value);
@@ -151,6 +143,20 @@ template <class T>
     add(m.flux[5], v.y * v.z, value);
   });
   return m;
+}
+/// g[i][k] is the population i that arrives at the cell.
+template <class T>
+[[gnu::always_inline]] SILT_DEVICE inline Moments moments_of(const T* const (&g)[directions],
+                                                             std::ptrdiff_t k) {
+  return moments_of([&](auto i) { return g[i()][k]; });
+}
+/// As they are when the cell has given up its excess.
+template <class T>
+SILT_DEVICE inline Moments moments_of(const T* const (&g)[directions], std::ptrdiff_t k,
+                                      ExcessQuanta<T> excess, T stress_share) {
+  if (excess == 0) return moments_of(g, k);
+  const GivenUp<T> given = given_up<T>(T(excess), stress_share, [&](int i) { return g[i][k]; });
+  return moments_of([&](auto i) { return given.left(i(), g[i()][k]); });
 }
 
 inline Moments MomentArrays::operator[](std::int64_t cell) const {

@@ -83,10 +83,9 @@ void take_excess_of_block(Block<T>& block, Parity parity) {
       for (; x + width <= end; x += width) {
         const auto quanta = load<QuantaLanes<T>>(block.excess() + x);
         if (!any_lane(quanta != QuantaLanes<T>{})) continue;
-        V g[directions];
-        for (int i = 0; i < directions; ++i) g[i] = load<V>(slots.arriving(i) + x);
-        give_up_excess<T>(V(__builtin_convertvector(quanta, V)), block.stress_share(), g);
-        for (int i = 0; i < directions; ++i) store(slots.arriving(i) + x, g[i]);
+        const auto g = [&](int i) { return load<V>(slots.arriving(i) + x); };
+        const auto given = given_up<T>(V(__builtin_convertvector(quanta, V)), block.stress_share(), g);
+        for (int i = 0; i < directions; ++i) store(slots.arriving(i) + x, V(given.left(i, g(i))));
         store(block.excess() + x, QuantaLanes<T>{});
       }
       for (; x < end; ++x) take_excess_of_cell(slots, x, block);
@@ -106,8 +105,9 @@ template <class Model, bool source, class T, class Watch>
       collide<Model, source, V>(pass.slots, x, pass.rates, AllLanes{}, watch);
       continue;
     }
-    const OwnExcess<V, T> own{__builtin_convertvector(quanta, V), pass.block.stress_share()};
-    collide<Model, source, V>(pass.slots, x, pass.rates, AllLanes{}, watch, own);
+    const auto g = [&](int i) { return load<V>(pass.slots.arriving(i) + x); };
+    const auto given = given_up<T>(V(__builtin_convertvector(quanta, V)), pass.block.stress_share(), g);
+    collide<Model, source, V>(pass.slots, x, pass.rates, AllLanes{}, watch, given);
     store(excess + x, QuantaLanes<T>{});
   }
   for (; x < row_end; ++x) take_excess_of_cell(pass.slots, x, pass.block);

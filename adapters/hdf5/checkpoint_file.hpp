@@ -25,7 +25,7 @@
 
 namespace silt::adapters {
 
-inline constexpr std::int64_t checkpoint_format_version = 15;
+inline constexpr std::int64_t checkpoint_format_version = 16;
 
 // ---- the checkpoints of a folder: checkpoint_000000005000.h5, the number being the step ----
 

@@ -76,14 +76,15 @@ struct RefillCells {
     const T* g[lbm::directions];
     for (int i = 0; i < lbm::directions; ++i) g[i] = at.data + block.arriving[i];
     lbm::ExcessQuanta<T>* const excess = block.excess ? block.excess + (at.data - block.data) : nullptr;
-    const auto excess_of = [&](std::ptrdiff_t step) { return excess ? excess[step] : 0; };
+    const auto moments_at = [&](std::ptrdiff_t step) {
+      return excess ? lbm::moments_of<T>(g, step, excess[step], block.stress_share)
+                    : lbm::moments_of<T>(g, step);
+    };
     const lbm::Moments* next = told + cell.first_told;
     NeighbourMeans means;
     for (int i = 1; i < lbm::directions; ++i)
       if (cell.neighbours >> i & 1)
-        means.add(cell.elsewhere >> i & 1 ? *next++
-                                          : lbm::moments_of<T>(g, block.step[i], excess_of(block.step[i])),
-                  force);
+        means.add(cell.elsewhere >> i & 1 ? *next++ : moments_at(block.step[i]), force);
     means.finish();
     lbm::for_directions<0>([&](auto i) {
       constexpr lbm::Int3 c = lbm::c[i()];
