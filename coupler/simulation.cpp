@@ -406,5 +406,8 @@ std::vector<BodyLoad> Simulation::last_loads() const {
 std::vector<BodyLoad> Simulation::last_contact_loads() const {
   return noted_loads(scene_.bodies, column::contact_load);
 }
+std::vector<BodyLoad> Simulation::last_spring_loads() const {
+  return noted_loads(scene_.bodies, column::spring_load);
+}
 
 }  // namespace silt::coupler

@@ -120,6 +120,8 @@ class Simulation : private rigid::StepObserver {
   /// row; zero of bodies that are not free, and where neither output.bodies.contacts nor a quantity of the
   /// case asks for them. Local.
   std::vector<BodyLoad> last_contact_loads() const;
+  /// Of their springs.
+  std::vector<BodyLoad> last_spring_loads() const;
   /// Returns what owned bodies' contacts did to walls, and to bodies that they do not move, in the last step;
   /// empty where no quantity of the case asks for it. Local.
   std::span<const ContactLoad> contact_loads() const { return contact_loads_; }

@@ -32,6 +32,7 @@ std::vector<Column> body_columns(const BodySeriesInfo& info) {
   const std::string of_fluid =
       "what the fluid gave the body in the step, and what a program added; without gravity and without the "
       "fluid's hydrostatic pressure";
+  const std::string of_springs = "of springs and dampers in the step";
   const std::string of_contacts =
       "of contacts and lubrication films in the step; nan of bodies that are not free";
   std::vector<Column> columns = {
@@ -51,11 +52,17 @@ std::vector<Column> body_columns(const BodySeriesInfo& info) {
   if (info.columns.scale)
     columns.push_back({"scale", offsetof(BodyRow, scale), Column::float64, 1, "1",
                        "lengths of the body over those of the surface of its kind"});
-  if (!info.columns.contacts) return columns;
-  columns.push_back(
-      {"contact_force", offsetof(BodyRow, contact_force), Column::float64, 3, force, of_contacts});
-  columns.push_back(
-      {"contact_torque", offsetof(BodyRow, contact_torque), Column::float64, 3, torque, of_contacts});
+  const auto push = [&](const char* name, std::size_t at, const std::string& unit, const std::string& of) {
+    columns.push_back({name, at, Column::float64, 3, unit, of});
+  };
+  if (info.columns.springs) {
+    push("spring_force", offsetof(BodyRow, spring_force), force, of_springs);
+    push("spring_torque", offsetof(BodyRow, spring_torque), torque, of_springs);
+  }
+  if (info.columns.contacts) {
+    push("contact_force", offsetof(BodyRow, contact_force), force, of_contacts);
+    push("contact_torque", offsetof(BodyRow, contact_torque), torque, of_contacts);
+  }
   return columns;
 }
 
@@ -201,6 +208,7 @@ void require_columns(const File& file, BodyColumns with) {
   for (const auto& [name, wanted] : {std::pair{"mass", true},
                                      {"buoyancy", with.buoyancy},
                                      {"contact_force", with.contacts},
+                                     {"spring_force", with.springs},
                                      {"scale", with.scale}})
     if (there(name) != wanted)
       file.refuse(std::string("its columns are not those of this run (") + name +

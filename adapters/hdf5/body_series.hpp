@@ -43,13 +43,13 @@ struct BodyRow {
   std::array<double, 3> velocity, angular_velocity, force,
       torque;  // world frame; torque about the centre of mass
   double mass;
-  std::array<double, 3> buoyancy, contact_force, contact_torque;
+  std::array<double, 3> buoyancy, contact_force, contact_torque, spring_force, spring_torque;
   double scale = 1;  // its size over that of the surface of its kind
 };
 
 /// BodyColumns says which columns a series has besides those that all have.
 struct BodyColumns {
-  bool buoyancy = false, contacts = false, scale = false;  // contact_force and contact_torque
+  bool buoyancy = false, contacts = false, scale = false, springs = false;  // force and torque of these two
 };
 
 struct BodySeriesInfo {

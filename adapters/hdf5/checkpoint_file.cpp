@@ -276,6 +276,11 @@ void CheckpointReader::refuse(const std::string& what) const {
   throw hdf5::Error(with_advice(state_->path, state_->path.string() + ": " + what));
 }
 
+void CheckpointReader::refuse_case(const std::string& what) const {
+  throw hdf5::Error("the case cannot begin with the checkpoint " + state_->path.string() + ": " + what +
+                    "; give the case what that run had, or let it begin with another run");
+}
+
 const std::filesystem::path& CheckpointReader::path() const {
   return state_->path;
 }
@@ -318,6 +323,11 @@ std::array<int, 3> CheckpointReader::lattice(const std::string& name) const {
 int CheckpointReader::components(const std::string& name) const {
   const auto shape = state_->file->shape(state_->file->dataset("/cells/" + name));
   return shape.size() == 4 ? int(shape[0]) : 1;
+}
+
+bool CheckpointReader::is_stored_as(const std::string& name, Storage storage) const {
+  const auto type = state_->file->type(state_->file->dataset("/cells/" + name));
+  return H5Tequal(type, hdf5::type_of(storage)) > 0;
 }
 
 void CheckpointReader::cells(const std::string& name, Storage storage, const std::vector<CellBox>& boxes,

@@ -102,6 +102,8 @@ class CheckpointReader {
 
   /// Throws what the file cannot be used for, and which one can be.
   [[noreturn]] void refuse(const std::string& what) const;
+  /// Throws why another case than the one it is of cannot begin with it, nor with another one of that run.
+  [[noreturn]] void refuse_case(const std::string& what) const;
   const std::filesystem::path& path() const;
   MPI_Comm comm() const;
 
@@ -115,6 +117,7 @@ class CheckpointReader {
   /// Returns the lattice and the number of populations a cell of a dataset.
   std::array<int, 3> lattice(const std::string& name) const;
   int components(const std::string& name) const;
+  bool is_stored_as(const std::string& name, Storage) const;
   /// Reads this rank's boxes, whatever rank wrote them; take(q, box, in) mirrors fill of
   /// CheckpointWriter::cells. It must be stored so.
   void cells(const std::string& name, Storage, const std::vector<CellBox>& boxes,

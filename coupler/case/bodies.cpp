@@ -224,6 +224,13 @@ void read_given_bodies(TableReader& root, Case& setup) {
       continue;
     }
     if (setup.start && !table.has("position") && !table.has("positions")) {
+      for (const char* key : {"velocity", "angular_velocity", "orientation", "axis_angle", "axis", "origin"})
+        if (table.has(key))
+          table.fail(
+              key,
+              "{} has no effect: an entry without position names bodies of initial.from, which go on as "
+              "they were there; remove it, or give a position to add a body",
+              table.path(key));
       setup.continued.push_back(body);
       continue;
     }

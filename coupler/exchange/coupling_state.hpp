@@ -34,7 +34,9 @@ inline constexpr HolderColumn contact_load = deferred_impulse.next("contact_load
 inline constexpr HolderColumn seen_load = contact_load.next("seen_load", 6);
 // velocity and angular velocity of a body with springs, had nothing else acted in the last step
 inline constexpr HolderColumn sprung_velocity = seen_load.next("sprung_velocity", 6);
-static_assert(sprung_velocity.end() == rigid::HolderState::most_numbers);
+// force and torque about the centre of mass of its springs in the last step, for output
+inline constexpr HolderColumn spring_load = sprung_velocity.next("spring_load", 6);
+static_assert(spring_load.end() == rigid::HolderState::most_numbers);
 static_assert(mass_owed.end() == rigid::HolderState::most_integers);
 
 /// Copies on other ranks have what their owner has in these columns; the rest is the owner's alone.

@@ -105,7 +105,9 @@ void Springs::look(const BodySet& bodies) {
 }
 
 void Springs::push(BodySet& bodies) {
-  pushes_.clear();
+  for (const BodyId id : bodies_)
+    if (const std::size_t row = bodies.row_of(id); row < bodies.owned)
+      vector_in<6>(bodies, row, column::spring_load).setZero();
   if (!shared_.empty()) told_ = sums_.finish();
   const auto is_here = [&](BodyId id) { return bodies.row_of(id) < bodies.owned; };
   for (const Set& set : sets_)
@@ -113,10 +115,9 @@ void Springs::push(BodySet& bodies) {
 }
 
 void Springs::leave_out(BodySet& bodies) const {
-  for (const Push& p : pushes_) {
-    vector_in<3>(bodies, p.row, column::seen_load) -= p.force;
-    vector_in<3>(bodies, p.row, column::seen_load, 3) -= p.torque;
-  }
+  for (const BodyId id : bodies_)
+    if (const std::size_t row = bodies.row_of(id); row < bodies.owned)
+      vector_in<6>(bodies, row, column::seen_load) -= vector_in<6>(bodies, row, column::spring_load);
 }
 
 /// Returns the body where drift takes it before it is kicked; nothing for one that is not there.
@@ -192,7 +193,8 @@ void Springs::add(BodySet& bodies, BodyId id, const Vec3& force, const Vec3& arm
   const Vec3 torque = arm.cross(force);
   bodies.add_force(row, force);
   bodies.add_torque(row, torque);
-  pushes_.push_back({row, force, torque});
+  vector_in<3>(bodies, row, column::spring_load) += force;
+  vector_in<3>(bodies, row, column::spring_load, 3) += torque;
   auto sprung = vector_in<6>(bodies, row, column::sprung_velocity);
   sprung.head<3>() += bodies.unlocked(row, force / bodies.mass[row]);
   sprung.tail<3>() += bodies.inverse_inertia_W(row) * torque;

@@ -25,7 +25,7 @@ class Springs {
   void look(const rigid::BodySet&);
   /// Adds the forces of a step to the accumulators of this rank's bodies.
   void push(rigid::BodySet&);
-  /// Takes them out of what has been noted of the fluid's.
+  /// Takes them out of what has been noted of the fluid's, which counts all of the accumulators.
   void leave_out(rigid::BodySet&) const;
 
  private:
@@ -39,10 +39,6 @@ class Springs {
     rigid::Twist twist, gain;  // what else than springs changes the twist by in a step
     Yield yield;
   };
-  struct Push {
-    std::size_t row;
-    rigid::Vec3 force, torque;
-  };
   SpringInStep in_step(const SpringSpec&, const Sprung& first, const Sprung& second) const;
   std::optional<Sprung> sprung(const rigid::BodySet&, rigid::BodyId) const;
   void push(rigid::BodySet&, const Set&);
@@ -55,7 +51,6 @@ class Springs {
   std::vector<rigid::BodyId> shared_;  // that have a spring to another body, sorted
   std::vector<std::int64_t> told_;     // of each of them, the bits of a Told
   parallel::SumsUnderWay<std::vector<std::int64_t>> sums_;
-  std::vector<Push> pushes_;  // of the step under way
 };
 
 }  // namespace silt::coupler

@@ -235,7 +235,70 @@ void send(const Case& setup, const FiledBodies& filed, Surroundings& around, con
   around.messages.unannounced();
 }
 
+/// A body of another run as one of this case.
+BodySpec spec_of(const rigid::BodyRecord& r) {
+  BodySpec spec;
+  spec.shape = r.shape, spec.kind = r.kind, spec.motion = r.motion;
+  spec.pose.position = Vec3(r.position);
+  spec.pose.orientation = {r.orientation[0], r.orientation[1], r.orientation[2], r.orientation[3]};
+  return spec;
+}
+
+std::string name_of(const Case& setup, const rigid::BodyRecord& r) {
+  return fmt::format("body {} ('{}') of initial.from", r.id, setup.kind_names[std::size_t(r.kind)]);
+}
+
+/// Appends what a given body that is near overlaps of those that are there.
+void find_overlaps(const Case& setup, const std::vector<GivenBody>& given, const NeighbourGrid& grid,
+                   const rigid::BodyRecord& there, std::vector<BodyFault>& faults) {
+  const rigid::Extent extent = extent_of(setup);
+  const BodySpec b = spec_of(there);
+  const rigid::Shape& shape = setup.shapes[b.shape];
+  grid.visit(rigid::bounding_box(shape, b.pose), [&](int i) {
+    const BodySpec& a = given[std::size_t(i)].spec;
+    const double depth = overlap_depth(setup.shapes[a.shape], a.pose, shape, b.pose, extent);
+    if (depth > start_overlap && (a.motion == Motion::free || b.motion == Motion::free))
+      faults.push_back(
+          {given[std::size_t(i)].id, there.id,
+           fmt::format("{}: the body at {} overlaps {}, at {}, by at least {} at the start; move "
+                       "it away",
+                       position_text(setup, a), shown_point(setup, a.given_position()), name_of(setup, there),
+                       shown_point(setup, b.pose.position), shown_length(setup, depth))});
+    return true;
+  });
+}
+
+void throw_faults(const Case& setup, MPI_Comm comm, std::vector<BodyFault> mine, const std::string& key) {
+  std::vector<Diagnostic> list;
+  for (const BodyFault& fault : first_faults(comm, std::move(mine), most_messages))
+    list.push_back({Diagnostic::Severity::error, setup.place(key), fault.text});
+  if (!list.empty()) throw CaseError(std::move(list));
+}
+
 }  // namespace
+
+void require_room_beside(std::span<const rigid::BodyRecord> there, bool walls_are_new, const Case& setup,
+                         const lbm::Domain& domain, MPI_Comm comm) {
+  std::vector<BodyFault> in_walls, overlaps;
+  for (const rigid::BodyRecord& r : there)
+    if (const BodySpec body = spec_of(r); walls_are_new && body.motion != Motion::fixed)
+      if (std::string text = fault_in_curved_walls(setup, body, name_of(setup, r), start_overlap);
+          !text.empty())
+        in_walls.push_back({r.id, 0, std::move(text)});
+  throw_faults(setup, comm, std::move(in_walls), "initial.from");
+  Surroundings around(setup, domain, comm, 1);
+  const std::vector<GivenBody> given = given_bodies(setup, around);
+  NeighbourGrid grid(around.extent, mean_width(setup, given));
+  for (std::size_t i = 0; i < given.size(); ++i)
+    grid.insert(int(i), rigid::bounding_box(setup.shapes[given[i].spec.shape], given[i].spec.pose));
+  for (const rigid::BodyRecord& r : there)
+    for (const int rank : around.ranks_near(rigid::bounding_box(setup.shapes[r.shape], spec_of(r).pose)))
+      parallel::put(around.messages.to(rank), r);
+  around.messages.unannounced();
+  around.messages.for_received<rigid::BodyRecord>(
+      [&](const rigid::BodyRecord& r, int) { find_overlaps(setup, given, grid, r, overlaps); });
+  throw_faults(setup, comm, std::move(overlaps), "bodies");
+}
 
 void require_sound_start(const Case& setup, const lbm::Domain& domain, MPI_Comm comm) {
   Surroundings around(setup, domain, comm, 1);

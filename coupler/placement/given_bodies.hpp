@@ -89,4 +89,9 @@ struct Case;
 /// the case. The case must have passed check_case.
 void require_sound_start(const Case&, const lbm::Domain&, MPI_Comm);
 
+/// Collective. CaseError on every rank says which bodies of another run, of which each rank has some, a given
+/// body overlaps, or reach into [[walls]] that were not there.
+void require_room_beside(std::span<const rigid::BodyRecord> there, bool walls_are_new, const Case&,
+                         const lbm::Domain&, MPI_Comm);
+
 }  // namespace silt::coupler

@@ -20,8 +20,8 @@ std::array<double, 3> scaled(const Vec3& v, double scale) {
 adapters::BodySeriesInfo series_info(const Simulation& simulation) {
   const Case& setup = simulation.setup();
   adapters::BodySeriesInfo info;
-  info.columns = {setup.fluid && !simulation.scene().world.gravity.isZero(0), setup.output.body_contacts,
-                  setup.has_sizes()};
+  info.columns = {setup.fluid && !setup.gravity.isZero(0), setup.output.body_contacts, setup.has_sizes(),
+                  !setup.springs.empty()};
   for (int d = 0; d < 3; ++d) info.domain_upper[d] = setup.cells[d] * setup.units.cell_size;
   info.length = setup.units.unit_text(dimension::length);
   info.time = setup.units.unit_text(dimension::time);
@@ -36,7 +36,8 @@ std::array<double, 3> known_of_free(bool free, const Vec3& v, double scale) {
 }
 
 adapters::BodyRow body_row(const rigid::BodySet& bodies, std::size_t row, const BodyLoad& load,
-                           const BodyLoad& contact, const Vec3& gravity, const Units& units) {
+                           const BodyLoad& contact, const BodyLoad& spring, const Vec3& gravity,
+                           const Units& units) {
   const double newton = units.scale(dimension::force), newton_metre = units.scale(dimension::torque);
   const rigid::Quat& q = bodies.orientation[row];
   adapters::BodyRow r;
@@ -53,6 +54,8 @@ adapters::BodyRow body_row(const rigid::BodySet& bodies, std::size_t row, const 
   r.buoyancy = scaled(-bodies.displaced_mass(row) * gravity, newton);
   r.contact_force = known_of_free(bodies.is_dynamic(row), contact.force, newton);
   r.contact_torque = known_of_free(bodies.is_dynamic(row), contact.torque, newton_metre);
+  r.spring_force = scaled(spring.force, newton);
+  r.spring_torque = scaled(spring.torque, newton_metre);
   return r;
 }
 
@@ -86,14 +89,15 @@ BodyOutput::BodyOutput(const Simulation& simulation, const std::filesystem::path
 void BodyOutput::append(const Simulation& simulation) {
   const rigid::BodySet& bodies = simulation.bodies();
   const Units& units = simulation.setup().units;
-  const auto loads = simulation.last_loads(), contacts = simulation.last_contact_loads();
-  const Vec3& gravity = simulation.scene().world.gravity;
+  const auto loads = simulation.last_loads(), contacts = simulation.last_contact_loads(),
+             springs = simulation.last_spring_loads();
   const std::vector<double>& radii = simulation.scene().world.bounding_radii;
   const std::vector<int>& kind_shapes = simulation.setup().kind_shapes;
   const std::int64_t step = simulation.steps_done();
+  const Vec3 gravity = simulation.setup().gravity_at(double(step) - (step > 0 ? 0.5 : -0.5));  // as it acted
   parallel::naming(path_.string(), [&] {
     series_.append(step, double(step) * units.time_step, bodies.owned, [&](std::size_t row) {
-      adapters::BodyRow r = body_row(bodies, row, loads[row], contacts[row], gravity, units);
+      adapters::BodyRow r = body_row(bodies, row, loads[row], contacts[row], springs[row], gravity, units);
       r.scale = radii[bodies.shape[row]] / radii[kind_shapes[r.kind]];
       return r;
     });

@@ -87,6 +87,16 @@ std::string Probes::columns() const {
   return names;
 }
 
+std::vector<std::string> Probes::places(const Case& setup) const {
+  std::vector<std::string> places;
+  for (std::size_t p = 0; p < spec_.points.size(); ++p) {
+    std::string& place = places.emplace_back(fmt::format("{}", p));
+    for (const double x : spec_.points[p])
+      place += ',' + csv_number(setup.units.physical(x, dimension::length));
+  }
+  return places;
+}
+
 TableRows Probes::take_rows(const Case& setup) {
   finish(setup);
   return std::exchange(rows_, {});
@@ -98,14 +108,14 @@ void Probes::finish(const Case& setup) {
   const std::vector<ExactSum>& sums = sums_.finish();
   const Units& units = setup.units;
   const std::size_t width = 1 + levels_ * terms();
+  const std::vector<std::string> places = this->places(setup);
   std::string& text = rows_.text;
   for (std::size_t p = 0; p < spec_.points.size(); ++p) {
     const ExactSum* at = &sums[p * width];
     const auto level = std::size_t(at->value()) - 1;
     at += 1 + level * terms();
     const double weight = (at++)->value();
-    text += fmt::format("{},{},{}", step_, double(step_) * units.time_step, p);
-    for (const double x : spec_.points[p]) text += ',' + csv_number(units.physical(x, dimension::length));
+    text += fmt::format("{},{},{}", step_, double(step_) * units.time_step, places[p]);
     for (const Field field : spec_.quantities)
       for (int k = 0; k < numbers_of(field); ++k)
         text += ',' + csv_number(units.physical((at++)->value() / weight, dimension_of(field)));

@@ -23,6 +23,8 @@ class Probes {
   /// each; the same on every rank and any number of ranks.
   TableRows take_rows(const Case&);
   std::string columns() const;
+  /// Returns the fields of a row that say which point it is of: its number and its coordinates.
+  std::vector<std::string> places(const Case&) const;
 
  private:
   int terms() const;  // of a level: the weights, and the weighted numbers

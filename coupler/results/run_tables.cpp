@@ -92,6 +92,22 @@ struct SeriesRow {
   }
 };
 
+/// Says whether the rows of the first step of a table, and those of no other places, are of these.
+bool has_places(const fs::path& path, const std::vector<std::string>& places) {
+  std::ifstream file(path);
+  std::string row, first_step;
+  std::getline(file, row);  // the columns
+  std::size_t rows = 0;
+  for (; std::getline(file, row); ++rows) {
+    const std::size_t step = row.find(','), time = row.find(',', step + 1);
+    if (rows == 0) first_step = row.substr(0, step);
+    if (row.substr(0, step) != first_step) break;
+    if (rows >= places.size() || row.compare(time + 1, places[rows].size() + 1, places[rows] + ',') != 0)
+      return false;
+  }
+  return rows == places.size();
+}
+
 /// Moves a table away, so that another can begin in its place.
 void set_aside(const fs::path& path) {
   fs::path aside;
@@ -117,18 +133,20 @@ std::string csv_field(const std::string& text) {
   return quoted + '"';
 }
 
-StepTable::StepTable(const fs::path& path, std::int64_t resumed_at) : path_(path) {
+StepTable::StepTable(const fs::path& path, std::int64_t resumed_at, const std::vector<std::string>& places)
+    : path_(path) {
   if (resumed_at < 0) return;
   const RowsLeft left = remove_rows_after(path_, resumed_at);
   columns_ = left.columns, last_step_ = left.last_step;
+  is_of_other_places_ = left.last_step >= 0 && !places.empty() && !has_places(path_, places);
 }
 
 void StepTable::append(const std::string& columns, const TableRows& rows) {
   if (rows.text.empty() || rows.last_step == last_step_) return;
-  const bool deleted = !fs::exists(path_), fresh = deleted || columns != columns_;
+  const bool deleted = !fs::exists(path_), fresh = deleted || columns != columns_ || is_of_other_places_;
   if (fresh && !deleted && !columns_.empty()) set_aside(path_);
   add_rows(path_, fresh, columns, rows.text);
-  columns_ = columns, last_step_ = rows.last_step;
+  columns_ = columns, last_step_ = rows.last_step, is_of_other_places_ = false;
 }
 
 /// A quantity that is a mean over steps has its value in the last step, and then the mean under a name that

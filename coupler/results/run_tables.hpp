@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "coupler/body_turnover.hpp"
 #include "coupler/case/units.hpp"
@@ -21,15 +22,17 @@ struct TableRows {
 class StepTable {
  public:
   /// Starts a table; with a step, goes on with the one there, without rows of later steps and an incomplete
-  /// one.
-  explicit StepTable(const std::filesystem::path&, std::int64_t resumed_at = -1);
-  /// Appends rows, unless the last one is of the same step. If their columns are not those of the file (a
-  /// quantity more, say), the file is renamed to series.1.csv (or .2, ...) and a new one begun.
+  /// one. `places`: what the rows of a step have after step and time, if they are of places.
+  explicit StepTable(const std::filesystem::path&, std::int64_t resumed_at = -1,
+                     const std::vector<std::string>& places = {});
+  /// Appends rows, unless the last one is of the same step. If their columns or their places are not those of
+  /// the file (a quantity more, say), the file is renamed to series.1.csv (or .2, ...) and a new one begun.
   void append(const std::string& columns, const TableRows&);
 
  private:
   std::filesystem::path path_;
   std::string columns_;  // of the file; "": there is none
+  bool is_of_other_places_ = false;
   std::int64_t last_step_ = -1;
 };
 

@@ -7,6 +7,7 @@
 #include "coupler/case/case.hpp"
 #include "coupler/case/counter_random.hpp"
 #include "coupler/exchange/coupling_state.hpp"
+#include "coupler/flow.hpp"
 #include "coupler/placement/place_bodies.hpp"
 #include "coupler/results/checkpoint.hpp"
 #include "lbm/fluid.hpp"
@@ -50,8 +51,8 @@ Scales scales_of(const CheckpointReader& reader, const Case& setup) {
     return value;
   };
   if (const double width = positive("start.cell_size"); width != setup.units.cell_size)
-    reader.refuse(fmt::format("its cells are {} wide, those of the case {}; they must be of one size", width,
-                              setup.units.cell_size));
+    reader.refuse_case(fmt::format("its cells are {} wide, those of the case {}; they must be of one size",
+                                   width, setup.units.cell_size));
   Scales scales;
   scales.step = setup.units.time_step / positive("start.time_step");
   scales.density = setup.units.density / positive("start.density");
@@ -164,10 +165,13 @@ void write_origin_of_start(adapters::CheckpointWriter& writer, const Case& setup
 SavedState start_from(const CheckpointReader& reader, const Case& setup) {
   const Scales scales = scales_of(reader, setup);
   if (takes_fluid(reader, setup) && reader.text("start.walls") != walls_after(setup, 0))
-    reader.refuse(
+    reader.refuse_case(
         "its [[walls]] are not where those of the case begin, and what fluid is there is not known");
   if (takes_fluid(reader, setup)) require_populations(reader, setup);
-  return state_from(reader, setup, scales);
+  SavedState state = state_from(reader, setup, scales);
+  require_room_beside(state.bodies.records, reader.text("start.walls") != walls_after(setup, 0), setup,
+                      make_domain(setup, parallel::ranks_of(reader.comm())), reader.comm());
+  return state;
 }
 
 std::unique_ptr<Simulation> simulation_from(const CheckpointReader& reader, Case setup, MPI_Comm comm) {

@@ -33,8 +33,8 @@ constexpr double seconds_of_a_body = 0.4e-6, seconds_of_an_impulse = 0.3e-6;  //
 constexpr double memory_of_a_rank = 45e6, memory_of_a_body = 1200, memory_of_a_link = 40,
                  memory_of_a_mean = 88;  // bytes
 constexpr double file_row_of_a_body = 184, file_buoyancy_of_a_body = 24, file_contacts_of_a_body = 48,
-                 checkpoint_of_a_body = 600, file_field_of_a_row = 20;  // bytes
-constexpr double multireflection_link = 1.27;                           // over one of the other schemes
+                 file_springs_of_a_body = 48, checkpoint_of_a_body = 600, file_field_of_a_row = 20;  // bytes
+constexpr double multireflection_link = 1.27;  // over one of the other schemes
 // Costs of writing, in steps of a cell in single precision: a cell of a field, each of its numbers, one that
 // is a derivative, packing one and a level of it; a population in a checkpoint with its checksum, a body
 // there, a row of bodies.h5; a cell of a report's pass over the fluid, of a quantity that looks at the flow
@@ -332,7 +332,8 @@ double disk_needed(const Case& setup, std::uint64_t bodies, double share) {
   bytes *= share;
   const bool buoyancy = setup.fluid && !setup.gravity.isZero(0);
   const double row = file_row_of_a_body + (buoyancy ? file_buoyancy_of_a_body : 0) +
-                     (output.body_contacts ? file_contacts_of_a_body : 0);
+                     (output.body_contacts ? file_contacts_of_a_body : 0) +
+                     (setup.springs.empty() ? 0 : file_springs_of_a_body);
   bytes += times(output.bodies, setup.steps, true) * n * row;
   for (const ColumnsSpec& series : output.series)
     bytes += times(series, setup.steps, true) * file_field_of_a_row * double(series.columns.size() + 2);

@@ -57,7 +57,8 @@ void RunOutputs::start() {
     for (const ColumnsSpec& series : output.series)
       series_.emplace_back(folder_ / (series.name + ".csv"), resumed_at);
     for (const ProbesSpec& probes : output.probes)
-      probe_tables_.emplace_back(folder_ / (probes.name + ".csv"), resumed_at);
+      probe_tables_.emplace_back(folder_ / (probes.name + ".csv"), resumed_at,
+                                 Probes(probes).places(setup()));
     if (setup().bodies_leave()) departures_.emplace(folder_, resumed_at, setup().units);
   });
   for (const ProbesSpec& probes : output.probes) probes_.emplace_back(probes);

@@ -125,7 +125,7 @@ struct HolderColumn {
 
 /// A body's numbers in all columns; zero until they are set.
 struct HolderState {
-  static constexpr int most_numbers = 46, most_integers = 10;
+  static constexpr int most_numbers = 52, most_integers = 10;
   double numbers[most_numbers] = {};
   std::int64_t integers[most_integers] = {};
 

@@ -18,7 +18,7 @@ import h5py
 import numpy as np
 
 COLUMNS = ("id", "kind", "image", "position", "orientation", "velocity", "angular_velocity", "force", "torque")
-SOMETIMES = ("mass", "scale", "buoyancy", "contact_force", "contact_torque")
+SOMETIMES = ("mass", "scale", "buoyancy", "contact_force", "contact_torque", "spring_force", "spring_torque")
 
 
 def read_meshes(kinds, count):

@@ -265,6 +265,15 @@ class Probes(SiltTest):
         self.forget(50, 60)
         self.silt("resume", self.case)
         self.assertEqual((self.out / "probes_cloud.csv").read_bytes(), whole)
+        for other in (points[:30], points + 0.25 * (points < 12)):  # fewer; elsewhere
+            self.forget(50, 60)
+            self.silt("resume", self.case, "--set", f"output.probes[0].points={other.tolist()}")
+            before = (self.out / "probes_cloud.1.csv").read_bytes()
+            self.assertTrue(whole.startswith(before) and before.count(b"\n") == 1 + 3 * len(points))
+            cloud = silt_results.open(self.case).probes("cloud")
+            self.assertEqual(list(cloud.time), [60])
+            np.testing.assert_allclose(cloud.of("x")[0], other[:, 0])
+            (self.out / "probes_cloud.1.csv").replace(self.out / "probes_cloud.csv")
 
     def test_the_parabola(self):
         """At the middles of the cells exact, between them linear."""
