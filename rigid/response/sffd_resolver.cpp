@@ -292,10 +292,13 @@ void SffdResolver::note_other_impulses(const Pair& p, const Vec3& by_sink, StepV
   const Vec3 moment = rolling.moment - p.contacts[0].r_a.cross(impulse);
   if (!impulse.isZero(0) || !moment.isZero(0))
     velocities.other_impulses.push_back({p.first, impulse, moment});
-  for (std::size_t k = 0; k < p.contacts.size(); ++k)
-    if (is_mostly_impact(p, k))
-      velocities.other_impulses.push_back(
-          {p.first + k, impulses_[p.first + k].along(p.contacts[k].normal), Vec3::Zero()});
+  for (std::size_t k = 0; k < p.contacts.size(); ++k) {
+    const ContactImpulse& i = impulses_[p.first + k];
+    const Vec3 all = i.along(p.contacts[k].normal);
+    const bool is_remembered = i.normal > 0 || p.contacts[k].lubrication;  // not what only pulls
+    if (is_mostly_impact(p, k) || (!is_remembered && !all.isZero(0)))
+      velocities.other_impulses.push_back({p.first + k, all, Vec3::Zero()});
+  }
 }
 
 /// Reads the impulses of a pair, for the next step and for the statistics.

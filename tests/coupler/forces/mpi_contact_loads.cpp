@@ -31,15 +31,15 @@ Total total(const Simulation& simulation) {
   return all;
 }
 
-/// Balls of two sizes that fall past a fixed ball into a box and jump in it, dry.
+/// Balls and bricks that fall past a fixed ball into a box and jump in it, dry.
 void expect_momentum_to_be_kept(const std::string& contacts) {
   constexpr double gravity = 2e-4;
   CaseText c;
   c.fluid = "";
   c.domain = domain_of({32, 32, 48}, "\"no-slip\"");
-  c.shapes += shape_of("marble", "sphere", "radius = 2");
+  c.shapes += shape_of("brick", "box", "edges = [5, 3, 3]");
   c.bodies = body_of("ball", 2, "name = \"post\"\nposition = [16, 16, 8]\nmotion = \"fixed\"") +
-             fill_of("ball", 2, 12, "gap = 0.5") + fill_of("marble", 1, 12, "gap = 0.5");
+             fill_of("ball", 2, 12, "gap = 0.5") + fill_of("brick", 1, 12, "gap = 0.5");
   c.rest = fmt::format("[gravity]\nacceleration = [0, 0, -{}]\n[contacts]\n{}", gravity, contacts);
   c.run =
       "[run]\nsteps = 600\n[[quantities]]\nname = \"f\"\ntype = \"contact-force\"\naxis = \"z\"\nbody = "
