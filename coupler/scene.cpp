@@ -44,7 +44,6 @@ rigid::World make_world(const Case& setup, const std::vector<CentredShape>& shap
   world.material_count = static_cast<int>(setup.material_names.size());
   world.gravity = setup.gravity;
   world.contact_margin = setup.contacts.margin;
-  world.sleep = sleep_rule(setup);
   if (setup.has_lubrication()) world.lubrication = make_lubrication(*setup.fluid, setup.coupling);
   return world;
 }

@@ -389,13 +389,6 @@ std::uint64_t Simulation::body_count() const {
   return parallel::sum_over_ranks(scene_.comm, std::uint64_t(scene_.bodies.owned));
 }
 
-std::uint64_t Simulation::bodies_asleep() const {
-  const rigid::BodySet& bodies = scene_.bodies;
-  std::uint64_t n = 0;
-  for (std::size_t row = 0; row < bodies.owned; ++row) n += bodies.is_at_rest(row);
-  return parallel::sum_over_ranks(scene_.comm, n);
-}
-
 std::uint64_t Simulation::contacts_now() const {
   return parallel::sum_over_ranks(scene_.comm, std::uint64_t(last_contacts_));
 }

@@ -127,9 +127,8 @@ class Simulation : private rigid::StepObserver {
   std::span<const ContactLoad> contact_loads() const { return contact_loads_; }
   /// Returns the moments of their contacts, which quantities of stress ask for. Local.
   std::span<const ContactMoment> contact_moments() const { return contact_moments_; }
-  std::uint64_t body_count() const;     // that have an owner on any rank, counted
-  std::uint64_t bodies_asleep() const;  // of all ranks, held at rest now
-  std::uint64_t contacts_now() const;   // of all ranks, in the last step
+  std::uint64_t body_count() const;    // that have an owner on any rank, counted
+  std::uint64_t contacts_now() const;  // of all ranks, in the last step
 
  private:
   Simulation(Case&&, MPI_Comm, const SavedState*);

@@ -72,7 +72,7 @@ Quat free_rotation(const Quat& q, const Mat3& inertia_B, const Vec3& angular_mom
 
 void drift(BodySet& b, std::size_t rows, double h) {
   for (std::size_t row = 0; row < rows; ++row) {
-    if (b.is_awake(row)) {
+    if (b.is_dynamic(row)) {
       drift_free(b, row, h);
     } else if (b.motion[row] == Motion::prescribed) {
       b.position[row] += h * b.velocity[row];

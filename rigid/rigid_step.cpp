@@ -37,8 +37,7 @@ RigidStep::RigidStep(const World& world, CollisionBackend& backend, ContactResol
       resolver_(resolver),
       exchange_(exchange),
       clock_([] { return parallel::traffic(); }),
-      detect_contacts_(std::move(broad_phase)),
-      sleep_(world) {
+      detect_contacts_(std::move(broad_phase)) {
   velocities_.start = true;
 }
 
@@ -66,7 +65,6 @@ RigidStepReport RigidStep::substep(BodySet& bodies, double dt, bool last) {
   stage.goes_on(synchronisation);
   exchange_.exchange_contacts(bodies, contacts_);  // line 13
   report.mixed_owner_contacts = mixed_owner_contacts(bodies, contacts_);
-  sleep_.wake_what_is_hit(bodies, contacts_, dt, exchange_);
   stage.goes_on(integrate);
   kick_before_contacts(bodies, dt);  // lines 2-5, velocities (M2)
   stage.goes_on(contact_response);
@@ -84,7 +82,6 @@ RigidStepReport RigidStep::substep(BodySet& bodies, double dt, bool last) {
 /// The second half of the drift, with the velocities after the contacts.
 void RigidStep::finish(BodySet& bodies, double dt, bool last) {
   take_velocities(bodies, dt);
-  if (last) sleep_.look(bodies, contacts_, velocities_, dt);
   if (last && forced_) clear_forces(bodies);
   if (observer_) observer_->before_drift(bodies);
   if (holds_poses_) return;
@@ -116,16 +113,14 @@ void RigidStep::kick_before_contacts(BodySet& bodies, double dt) {
   for (auto* all : {&of.before, &of.now}) all->resize(bodies.size());
   if (resolver_.first_kick() < 1) of.misses_kick.assign(bodies.size(), 0);
   for (const std::size_t row : of.rows) of.before[row] = bodies.twist(row);
-  if (world_.sleep)
-    for (auto* load : {&of.load, &of.angular_load}) load->assign(bodies.size(), Vec3::Zero());
   if (!world_.gravity.isZero(0))
     for (std::size_t row = 0; row < bodies.owned; ++row)
-      if (bodies.is_awake(row))
+      if (bodies.is_dynamic(row))
         bodies.velocity[row] += bodies.unlocked(row, (dt * bodies.weight_in_fluid[row]) * world_.gravity);
   forced_ = any(bodies.force) || any(bodies.torque);
   if (forced_)
     for (std::size_t row = 0; row < bodies.owned; ++row)
-      if (bodies.is_awake(row)) kick(bodies, row, resolver_.first_kick() * dt);
+      if (bodies.is_dynamic(row)) kick(bodies, row, resolver_.first_kick() * dt);
   for (const std::size_t row : of.rows) of.now[row] = bodies.twist(row);
 }
 
@@ -144,7 +139,7 @@ void RigidStep::kick(BodySet& bodies, std::size_t row, double dt) const {
 void RigidStep::take_velocities(BodySet& bodies, double dt) {
   StepObserver* const observer = observer_ && observer_->wants_contact_impulses() ? observer_ : nullptr;
   for (const std::size_t row : velocities_.rows) {
-    if (row >= bodies.owned || !bodies.takes_impulses(row)) continue;
+    if (row >= bodies.owned || !bodies.is_dynamic(row)) continue;
     const auto& [v, w] = velocities_.now[row];
     const Vec3 contacts = w - bodies.angular_velocity[row];
     Vec3 angular_impulse = Vec3::Zero();
@@ -158,23 +153,17 @@ void RigidStep::take_velocities(BodySet& bodies, double dt) {
     bodies.velocity[row] = v;
     bodies.angular_velocity[row] = w;
   }
-  if (observer && world_.sleep)
-    for (std::size_t row = 0; row < bodies.owned; ++row)
-      if (bodies.is_at_rest(row))
-        observer->contact_impulse(
-            bodies, row, velocities_.load[row] + Eigen::Map<const Vec3>(bodies.rest[row].impulse),
-            velocities_.angular_load[row] + Eigen::Map<const Vec3>(bodies.rest[row].angular_impulse));
   const double share = 1 - resolver_.first_kick();
   if (share == 0) return;
   for (std::size_t row = 0; row < bodies.owned; ++row)
-    if (bodies.takes_impulses(row) && !velocities_.misses_kick[row]) kick(bodies, row, share * dt);
+    if (bodies.is_dynamic(row) && !velocities_.misses_kick[row]) kick(bodies, row, share * dt);
 }
 
 /// Split impulses move bodies apart without giving them speed.
 void RigidStep::take_position_correction(BodySet& bodies, double dt) const {
   if (velocities_.push.empty()) return;
   for (const std::size_t row : velocities_.rows) {
-    if (row >= bodies.owned || !bodies.is_awake(row)) continue;
+    if (row >= bodies.owned || !bodies.is_dynamic(row)) continue;
     const auto& [shift, turn] = velocities_.push[row];
     bodies.position[row] += dt * shift;
     if (turn != Vec3::Zero())

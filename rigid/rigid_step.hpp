@@ -9,7 +9,6 @@
 #include "rigid/math/stage_clock.hpp"
 #include "rigid/math/types.hpp"
 #include "rigid/response/contact_resolver.hpp"
-#include "rigid/sleep.hpp"
 
 namespace silt::rigid {
 
@@ -91,7 +90,6 @@ class RigidStep {
   StepObserver* observer_ = nullptr;
   RigidClock clock_;
   DetectContacts detect_contacts_;
-  Sleep sleep_;
   std::vector<Contact> contacts_;
   StepVelocities velocities_;
   bool holds_poses_ = false;

@@ -24,29 +24,20 @@ std::vector<Column> record_columns(std::span<const rigid::HolderColumn> holder) 
   const auto offset = [&](const auto& member) {
     return std::size_t(reinterpret_cast<const char*>(&member) - reinterpret_cast<const char*>(&record));
   };
-  const std::size_t rest = offset(record.rest);
-  std::vector<Column> columns{
-      {"id", offset(record.id), Column::uint64},
-      {"shape", offset(record.shape), Column::int32},
-      {"material", offset(record.material), Column::int32},
-      {"kind", offset(record.kind), Column::int32},
-      {"motion", offset(record.motion), Column::uint8},
-      {"wakefulness", offset(record.wakefulness), Column::uint8},
-      {"mass", offset(record.mass), Column::float64},
-      {"weight_in_fluid", offset(record.weight_in_fluid), Column::float64},
-      {"inertia_B", offset(record.inertia_B), Column::float64, 9},
-      {"position", offset(record.position), Column::float64, 3},
-      {"orientation", offset(record.orientation), Column::float64, 4},
-      {"image", offset(record.image), Column::int32, 3},
-      {"velocity", offset(record.velocity), Column::float64, 3},
-      {"angular_velocity", offset(record.angular_velocity), Column::float64, 3},
-      {"angular_momentum", offset(record.angular_momentum), Column::float64, 3},
-      {"quiet_steps", rest + offsetof(rigid::Rest, quiet_steps), Column::int32},
-      {"rest_impulse", rest + offsetof(rigid::Rest, impulse), Column::float64, 3},
-      {"rest_angular_impulse", rest + offsetof(rigid::Rest, angular_impulse), Column::float64, 3},
-      {"rest_unbalanced_velocity", rest + offsetof(rigid::Rest, unbalanced_velocity), Column::float64, 3},
-      {"rest_unbalanced_angular_velocity", rest + offsetof(rigid::Rest, unbalanced_angular_velocity),
-       Column::float64, 3}};
+  std::vector<Column> columns{{"id", offset(record.id), Column::uint64},
+                              {"shape", offset(record.shape), Column::int32},
+                              {"material", offset(record.material), Column::int32},
+                              {"kind", offset(record.kind), Column::int32},
+                              {"motion", offset(record.motion), Column::uint8},
+                              {"mass", offset(record.mass), Column::float64},
+                              {"weight_in_fluid", offset(record.weight_in_fluid), Column::float64},
+                              {"inertia_B", offset(record.inertia_B), Column::float64, 9},
+                              {"position", offset(record.position), Column::float64, 3},
+                              {"orientation", offset(record.orientation), Column::float64, 4},
+                              {"image", offset(record.image), Column::int32, 3},
+                              {"velocity", offset(record.velocity), Column::float64, 3},
+                              {"angular_velocity", offset(record.angular_velocity), Column::float64, 3},
+                              {"angular_momentum", offset(record.angular_momentum), Column::float64, 3}};
   for (const rigid::HolderColumn& c : holder) {
     const bool whole = c.type == rigid::HolderColumn::int64;
     const std::size_t first =
@@ -64,7 +55,7 @@ const Column count_column{"/bodies/impulse_count", 0, Column::uint64};
 /// ImpulseRow is a stored impulse as a plain row of /impulses, in the order of the bodies.
 struct ImpulseRow {
   rigid::BodyId partner;
-  std::int8_t image[3], held;
+  std::int8_t image[3];
   std::uint64_t feature;
   double impulse[3];
 };
@@ -72,24 +63,19 @@ struct ImpulseRow {
 const std::vector<Column> impulse_columns{
     {"/impulses/partner", offsetof(ImpulseRow, partner), Column::uint64},
     {"/impulses/image", offsetof(ImpulseRow, image), Column::int8, 3},
-    {"/impulses/held", offsetof(ImpulseRow, held), Column::int8},
     {"/impulses/feature", offsetof(ImpulseRow, feature), Column::uint64},
     {"/impulses/impulse", offsetof(ImpulseRow, impulse), Column::float64, 3}};
 
 ImpulseRow row_of(const rigid::StoredImpulse& s) {
-  return {s.partner,
-          {s.image.x, s.image.y, s.image.z},
-          s.held,
-          s.feature,
-          {s.impulse[0], s.impulse[1], s.impulse[2]}};
+  return {
+      s.partner, {s.image.x, s.image.y, s.image.z}, s.feature, {s.impulse[0], s.impulse[1], s.impulse[2]}};
 }
 
 rigid::StoredImpulse impulse_of(const ImpulseRow& r) {
   return {r.partner,
           {r.image[0], r.image[1], r.image[2]},
           r.feature,
-          rigid::Vec3(r.impulse[0], r.impulse[1], r.impulse[2]),
-          r.held != 0};
+          rigid::Vec3(r.impulse[0], r.impulse[1], r.impulse[2])};
 }
 
 Counts as_numbers(const Bytes& bytes) {

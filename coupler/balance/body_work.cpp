@@ -56,13 +56,11 @@ bool any_solid(const BlockMap& map, int y, int z) {
   return false;
 }
 
-/// The contacts of a body that are solved, in halves: one whose partner remembers it as well is a half of
-/// each, one with a wall or another body that does not move by itself is the body's alone. Held ones are not
-/// solved.
+/// The contacts of a body, in halves: one whose partner remembers it as well is a half of each, one with a
+/// wall or another body that does not move by itself is the body's alone.
 std::int64_t half_contacts(const rigid::BodySet& bodies, std::size_t row) {
   std::int64_t halves = 0;
   for (const rigid::StoredImpulse& s : bodies.stored_impulses[row]) {
-    if (s.held) continue;
     const std::size_t partner = bodies.row_of(s.partner);
     const bool alone = rigid::is_wall(s.partner) || (partner < bodies.size() && !bodies.is_dynamic(partner));
     halves += alone ? 2 : 1;
@@ -72,7 +70,7 @@ std::int64_t half_contacts(const rigid::BodySet& bodies, std::size_t row) {
 
 /// Returns whether a body is mapped again now and then.
 bool is_mapped(const rigid::BodySet& bodies, std::size_t row) {
-  return bodies.motion[row] != Motion::fixed && !bodies.is_at_rest(row);
+  return bodies.motion[row] != Motion::fixed;
 }
 
 /// Steps from one mapping to the next of a body that moves at 0.01 cells a step, or has not moved yet.

@@ -166,8 +166,6 @@ void read_locked(TableReader& table, BodySpec& body, const Case& setup,
           "give them different names");
   if (!body.locked) return;
   if (body.motion != rigid::Motion::free) unfit("the body is not free", "remove the key, or motion");
-  if (setup.contacts.sleep_speed)
-    unfit("bodies may sleep, and a body that sleeps knows no locked axes", "remove contacts.sleep_speed");
   if (const ContactSpec& c = setup.contacts; c.resolver_settings.impact_sweeps > 0 || c.resolver != "sffd")
     unfit("the contact resolver is not sffd without an impact phase, which alone knows locked axes",
           "set contacts.resolver = \"sffd\" and contacts.impact_sweeps = 0");

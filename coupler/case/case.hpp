@@ -173,7 +173,6 @@ struct ContactSpec {
   rigid::ResolverSettings resolver_settings;
   int substeps = 1;
   double margin = 1.0;
-  std::optional<double> sleep_speed, sleep_time;  // of bodies at rest; no speed: none sleeps
 };
 
 struct Case {
@@ -284,9 +283,5 @@ void put_at(BodySpec&, const rigid::Vec3& point, const rigid::Extent&);
 
 /// Returns the shortest of the displacements between a point and the periodic images of another.
 rigid::Vec3 nearest_image(rigid::Vec3 displacement, const rigid::Extent&);
-
-/// Returns when bodies of a case are held at rest. Without a time of its own it is that in which a thousandth
-/// of gravity gives the speed; none where nothing sleeps.
-std::optional<rigid::SleepRule> sleep_rule(const Case&);
 
 }  // namespace silt::coupler

@@ -140,7 +140,7 @@ MotionFile read_motion_file(const std::string& text, const Units&);
 // The judges of a case: they report to the Findings what is wrong or doubtful, and what cures it.
 void find_domain_faults(const Case&, Findings&);   // cells, blocks, sides, inlets and outlets
 void find_fluid_faults(const Case&, Findings&);    // relaxation time, viscosity, cell Reynolds number, start
-void find_contact_faults(const Case&, Findings&);  // coefficients, margin, lubrication, sleep
+void find_contact_faults(const Case&, Findings&);  // coefficients, margin, lubrication
 void find_run_faults(const Case&, Findings&);      // length, what becomes steady, output of what is not there
 void find_density_faults(const Case&, Findings&);  // of fluid and bodies, and slips of units in them
 void find_quantity_faults(const Case&, Findings&);    // what the case has not, or the run is too short for

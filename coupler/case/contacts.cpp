@@ -1,7 +1,6 @@
 // [contacts], [[materials]] and [[material_pairs]]: how bodies touch, and what may be wrong with it.
 
 #include <algorithm>
-#include <cmath>
 #include <numbers>
 
 #include "adapters/automatic/collision_factory.hpp"
@@ -26,14 +25,7 @@ constexpr std::tuple contact_keys{
     Key{"margin", &ContactSpec::margin, Number{dimension::length, range::at_least(0)},
         "gap at which a pair becomes a contact; without a fluid bodies may go half of it and half their "
         "least width in a sub-step",
-        "1 cell"},
-    Key{"sleep_speed", &ContactSpec::sleep_speed, Number{dimension::velocity, range::above(0)},
-        "sffd: bodies slower than that for sleep_time sleep until something moves them; far below what "
-        "matters; none: no body sleeps",
-        "none"},
-    Key{"sleep_time", &ContactSpec::sleep_time, Number{dimension::time, range::above(0)},
-        "bodies wake when what is not balanced would give them sleep_speed in that time, twice",
-        "1000 speed / g"}};
+        "1 cell"}};
 
 constexpr std::tuple material_keys{
     Key{"restitution", &rigid::Material::restitution, Number{dimension::none, unit_interval},
@@ -87,21 +79,15 @@ void read_material(TableReader& table, rigid::Material& material, const ContactS
   read_keys(table, material, material_keys);
   if (material.hamaker > 0 && material.hamaker_gap == 0)
     table.need("hamaker_gap", "the gap below which the attraction grows no more, as in 4e-10 m");
-  const auto given = [&](const char* key, double value) { return value > 0 && table.has(key); };
   for (const auto& [key, value] : {std::pair{"rolling_friction", material.rolling_friction},
                                    {"twisting_friction", material.twisting_friction},
                                    {"cohesion", material.cohesion},
                                    {"hamaker", material.hamaker}}) {
-    if (given(key, value) && !rigid::resolver_model(contacts.resolver).resists_rolling_and_pulls)
+    if (value > 0 && table.has(key) && !rigid::resolver_model(contacts.resolver).resists_rolling_and_pulls)
       table.fail(key,
                  "{} is given, but contacts.resolver is '{}', which knows restitution and friction only; set "
                  "contacts.resolver = \"sffd\", or remove the key",
                  table.path(key), contacts.resolver);
-    if (given(key, value) && contacts.sleep_speed && std::string_view(key).ends_with("friction"))
-      table.fail(key,
-                 "{} is given: where rolling or twisting is resisted no body can sleep; remove "
-                 "contacts.sleep_speed, or the key",
-                 table.path(key));
   }
 }
 
@@ -159,10 +145,6 @@ void require_resolver(TableReader& table, const ContactSpec& contacts) {
     refuse("impact_sweeps", std::to_string(impact_sweeps), "which has no impact phase", "sffd");
   if (table.has("half_force") && !resolver.has_half_force)
     refuse("half_force", "for the classic resolver", "where all of a force acts before the contacts", "ffd");
-  if (contacts.sleep_speed && !resolver.lets_sleep)
-    refuse("sleep_speed", "given", "where no body sleeps", "sffd");
-  if (contacts.sleep_time)
-    table.need("sleep_speed", "the speed below which bodies are at rest: sleep_time says how long");
 }
 
 constexpr double most_friction = 5;    // of dry matter it is up to about 1
@@ -228,24 +210,6 @@ void check_lubrication(const Case& setup, Findings& findings) {
                      shown_length(setup, gap), shown(gap));
 }
 
-/// A body at the top of its path must not sleep: it is slower than the speed for as long as gravity takes to
-/// give it twice that.
-void check_sleep(const Case& setup, Findings& findings) {
-  const auto rule = sleep_rule(setup);
-  if (!rule) return;
-  const double gravity = setup.gravity.norm();
-  if (gravity == 0 && !setup.contacts.sleep_time)
-    findings.error("contacts.sleep_speed",
-                   "there is no gravity that tells how long a body is to be slower than "
-                   "contacts.sleep_speed; give contacts.sleep_time");
-  constexpr double most_of_gravity = 0.1;
-  if (gravity > 0 && rule->speed / rule->steps > most_of_gravity * gravity)
-    findings.warning("contacts.sleep_speed",
-                     "bodies at rest sleep until {} of gravity is not balanced; use a longer "
-                     "contacts.sleep_time, or a lower contacts.sleep_speed",
-                     shown(rule->speed / rule->steps / gravity));
-}
-
 }  // namespace
 
 std::vector<KeySection> contact_sections() {
@@ -273,22 +237,10 @@ void read_contacts(TableReader& root, Case& setup) {
   if (!table.has("impact_sweeps")) collide_without_loss(setup);
 }
 
-std::optional<rigid::SleepRule> sleep_rule(const Case& setup) {
-  constexpr double share_of_gravity = 1e-3, longest = 1e9;
-  const ContactSpec& contacts = setup.contacts;
-  if (!contacts.sleep_speed) return std::nullopt;
-  const double gravity = setup.gravity.norm();
-  const double time = contacts.sleep_time ? *contacts.sleep_time
-                      : gravity > 0       ? *contacts.sleep_speed / (share_of_gravity * gravity)
-                                          : longest;
-  return rigid::SleepRule{*contacts.sleep_speed, int(std::clamp(std::ceil(time), 1.0, longest))};
-}
-
 void find_contact_faults(const Case& setup, Findings& findings) {
   check_materials(setup, findings);
   check_margin(setup, findings);
   check_lubrication(setup, findings);
-  check_sleep(setup, findings);
 }
 
 }  // namespace silt::coupler

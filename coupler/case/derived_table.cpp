@@ -255,10 +255,6 @@ void add_bodies(const Case& setup, Table& table) {
   table.line("collision backend", setup.contacts.backend);
   table.line("broad phase", setup.contacts.broad_phase);
   table.line("contact resolver", setup.contacts.resolver);
-  if (const auto rule = sleep_rule(setup)) {
-    table.quantity("sleep, no faster than", rule->speed, dimension::velocity);
-    table.quantity("sleep, for", rule->steps, dimension::time);
-  }
   if (setup.fluid) table.line("lubrication", setup.has_lubrication() ? "on" : "off");
 }
 

@@ -28,8 +28,8 @@ std::uint64_t hash_of_id(rigid::BodyId id) {
 parallel::Bytes shared_bytes(const rigid::BodyRecord& r) {
   parallel::Bytes bytes;
   const auto put = [&](const auto&... members) { (parallel::put(bytes, members), ...); };
-  put(static_cast<const rigid::Kinematics&>(r), r.id, r.shape, r.material, r.kind, r.motion, r.wakefulness,
-      r.image, r.mass, r.weight_in_fluid, r.inertia_B);
+  put(static_cast<const rigid::Kinematics&>(r), r.id, r.shape, r.material, r.kind, r.motion, r.image, r.mass,
+      r.weight_in_fluid, r.inertia_B);
   for (const rigid::HolderColumn& c : column::copied) put(r.holder_state[c], r.holder_state.whole(c));
   return bytes;
 }

@@ -60,7 +60,7 @@ rigid::BodySet made_again(std::vector<OwnedBody>& own, const rigid::BodySet& bef
 /// Calls each(member) with all that a stored impulse is.
 template <class AnyImpulse, class Each>
 void for_impulse_members(AnyImpulse& s, Each&& each) {
-  each(s.partner), each(s.image), each(s.feature), each(s.held);
+  each(s.partner), each(s.image), each(s.feature);
   for (int d = 0; d < 3; ++d) each(s.impulse[d]);
 }
 

@@ -27,23 +27,17 @@ struct State {
   BodyId id;
   rigid::Kinematics kinematics;
   std::int32_t image[3];
-  std::uint32_t owner : 28, motion : 2, wakefulness : 2;
+  std::uint32_t owner : 30, motion : 2;
 };
 
 State state_of(const BodyRecord& r, int owner) {
-  return {r.id,
-          r,
-          {r.image[0], r.image[1], r.image[2]},
-          std::uint32_t(owner),
-          std::uint32_t(r.motion) & 3,
-          std::uint32_t(r.wakefulness) & 3};
+  return {r.id, r, {r.image[0], r.image[1], r.image[2]}, std::uint32_t(owner), std::uint32_t(r.motion) & 3};
 }
 
 void assign(BodySet& bodies, std::size_t row, const State& s) {
   bodies.set_kinematics(row, s.kinematics);
   bodies.image[row] = std::to_array(s.image);
   bodies.motion[row] = rigid::Motion(s.motion);
-  bodies.wakefulness[row] = rigid::Wakefulness(s.wakefulness);
 }
 
 /// Inserts where the order of ids in a section of rows asks for it.

@@ -16,13 +16,18 @@ Vec3 point_of(const rigid::BodySet& bodies, rigid::BodyId wall, rigid::Image ima
   return bodies.position[bodies.row_of(wall)] + extent.shift(image);
 }
 
-/// The contact that an impulse is of; none if nobody looked at it.
-const Contact* find(std::span<const Contact> contacts, rigid::BodyId a, rigid::BodyId b,
-                    const StoredImpulse& s) {
-  const auto key = std::tuple(a, b, s.image, s.feature);
-  const auto at = std::lower_bound(contacts.begin(), contacts.end(), key,
-                                   [](const Contact& c, const auto& k) { return c.key() < k; });
-  return at != contacts.end() && at->key() == key ? &*at : nullptr;
+/// Calls visit(row, is_first, contact, impulse) with what each owned body remembers of each of its contacts;
+/// the impulse is that on the second body.
+template <class Visit>
+void for_remembered(const ContactsInStep& step, Visit&& visit) {
+  const rigid::BodySet& bodies = step.bodies;
+  for (std::size_t row = 0; row < bodies.owned; ++row)
+    for (const StoredImpulse& s : bodies.stored_impulses[row]) {
+      const auto [a, b] = std::minmax({bodies.id[row], s.partner});
+      const auto key = std::tuple(a, b, s.image, s.feature);
+      const auto c = std::ranges::lower_bound(step.contacts, key, {}, &Contact::key);
+      if (c != step.contacts.end() && c->key() == key) visit(row, a == bodies.id[row], *c, s.impulse);
+    }
 }
 
 /// Appends the load that a contact with an owned free body puts on the other one, if that does not move by
@@ -32,17 +37,15 @@ class LoadList {
   LoadList(const rigid::BodySet& bodies, const rigid::Extent& extent, std::vector<ContactLoad>& found)
       : bodies_(bodies), extent_(extent), found_(found) {}
 
-  /// `c`: null if nobody looked at it; `impulse` and `moment`: on the second body.
-  void add(rigid::BodyId on, bool is_second, rigid::Image image, const Contact* c, const Vec3& impulse,
-           const Vec3& moment) {
+  /// `impulse` and `moment`: on the second body.
+  void add(bool on_second, const Contact& c, const Vec3& impulse, const Vec3& moment) {
+    const rigid::BodyId on = on_second ? c.b : c.a;
     const std::size_t row = bodies_.row_of(on);
     if (row >= bodies_.size() || bodies_.is_dynamic(row)) return;
-    Vec3 arm = Vec3::Zero();
-    if (c && is_second)
-      arm = bodies_.position[bodies_.row_of(c->a)] + c->r_a - point_of(bodies_, on, image, extent_);
-    else if (c)
-      arm = c->r_a;
-    const double sign = is_second ? 1 : -1;
+    Vec3 arm = c.r_a;
+    if (on_second)
+      arm = bodies_.position[bodies_.row_of(c.a)] + c.r_a - point_of(bodies_, on, c.image, extent_);
+    const double sign = on_second ? 1 : -1;
     found_.push_back({on, bodies_.kind[row], sign * impulse, sign * (arm.cross(impulse) + moment)});
   }
 
@@ -58,17 +61,13 @@ void add_contact_loads(const ContactsInStep& step, const rigid::Extent& extent,
                        std::vector<ContactLoad>& found) {
   const rigid::BodySet& bodies = step.bodies;
   LoadList loads(bodies, extent, found);
-  for (std::size_t row = 0; row < bodies.owned; ++row)
-    for (const StoredImpulse& s : bodies.stored_impulses[row]) {
-      const bool is_second = s.partner > bodies.id[row];  // the impulse is that on the second
-      const Contact* const c = is_second ? find(step.contacts, bodies.id[row], s.partner, s)
-                                         : find(step.contacts, s.partner, bodies.id[row], s);
-      loads.add(s.partner, is_second, s.image, c, s.impulse, Vec3::Zero());
-    }
+  for_remembered(step, [&](std::size_t, bool is_first, const Contact& c, const Vec3& impulse) {
+    loads.add(is_first, c, impulse, Vec3::Zero());
+  });
   for (const rigid::OtherImpulse& other : step.other) {
     const Contact& c = step.contacts[other.contact];
-    if (bodies.row_of(c.a) < bodies.owned) loads.add(c.b, true, c.image, &c, other.impulse, other.moment);
-    if (bodies.row_of(c.b) < bodies.owned) loads.add(c.a, false, c.image, &c, other.impulse, other.moment);
+    if (bodies.row_of(c.a) < bodies.owned) loads.add(true, c, other.impulse, other.moment);
+    if (bodies.row_of(c.b) < bodies.owned) loads.add(false, c, other.impulse, other.moment);
   }
 }
 
@@ -78,13 +77,7 @@ void add_contact_moments(const ContactsInStep& step, std::vector<ContactMoment>&
     found.push_back({bodies.kind[row], bodies.position[row],
                      is_first ? symmetric_product(c.r_a, -impulse) : symmetric_product(c.r_b, impulse)});
   };
-  for (std::size_t row = 0; row < bodies.owned; ++row)
-    for (const StoredImpulse& s : bodies.stored_impulses[row]) {
-      const bool is_first = s.partner > bodies.id[row];
-      const Contact* const c = is_first ? find(step.contacts, bodies.id[row], s.partner, s)
-                                        : find(step.contacts, s.partner, bodies.id[row], s);
-      if (c) add(row, is_first, *c, s.impulse);
-    }
+  for_remembered(step, add);
   for (const rigid::OtherImpulse& other : step.other) {
     const Contact& c = step.contacts[other.contact];
     for (const bool is_first : {true, false})

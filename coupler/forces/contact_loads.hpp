@@ -45,8 +45,7 @@ struct ContactsInStep {
   std::span<const rigid::OtherImpulse> other;  // than what bodies remember
 };
 
-/// Appends the loads that contacts of owned free bodies put on walls and on bodies of infinite mass. A
-/// contact that was not examined, of a body at rest, gives no torque.
+/// Appends the loads that contacts of owned free bodies put on walls and on bodies of infinite mass.
 void add_contact_loads(const ContactsInStep&, const rigid::Extent&, std::vector<ContactLoad>&);
 
 /// Appends the moments of the owned free bodies' contacts.

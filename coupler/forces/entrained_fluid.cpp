@@ -28,8 +28,8 @@ rigid::Vec3 EntrainedFluid::operator()(rigid::BodySet& bodies, const rigid::Impa
   const double reduced_mass = 1 / (bodies.inverse_mass(a) + bodies.inverse_mass(b));
   const double share = 1 / (reduced_mass * (compliance(a) + compliance(b))) - 1;
   const rigid::Vec3 impulse = share * impact.impulse * impact.normal;
-  if (a < bodies.owned && bodies.takes_impulses(a)) pending_impact(bodies, a) -= impulse;
-  if (b < bodies.owned && bodies.takes_impulses(b)) pending_impact(bodies, b) += impulse;
+  if (a < bodies.owned && bodies.is_dynamic(a)) pending_impact(bodies, a) -= impulse;
+  if (b < bodies.owned && bodies.is_dynamic(b)) pending_impact(bodies, b) += impulse;
   return impulse;
 }
 

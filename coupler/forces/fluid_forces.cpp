@@ -156,7 +156,7 @@ void FluidForces<T>::prefetch_row(const SurfaceLinks<T>& surface) {
 template <class T>
 void FluidForces<T>::finish_body(lbm::Block<T>& block, const BlockLinks<T>& links, SurfaceLinks<T>& surface) {
   const std::size_t row = surface.row;
-  if (row >= bodies_->owned || !bodies_->takes_impulses(row) || surface.sums.invalid) return;
+  if (row >= bodies_->owned || !bodies_->is_dynamic(row) || surface.sums.invalid) return;
   add_sums(surface, sums_);
   settle(*bodies_, row);
   surface.finished = true;
@@ -217,7 +217,7 @@ void FluidForces<T>::move(lbm::Fluid<T>& fluid, std::span<BlockLinks<T>> links, 
     settle(bodies, row);
     Eigen::Map<Vec6> correction(corrections.data() + row * 6);
     const Vec6 motion = motion_of_links(bodies, row);
-    if (bodies.takes_impulses(row))
+    if (bodies.is_dynamic(row))
       correction = time_.take_velocity_change(bodies, row, sums_);
     else
       add_link_force(bodies, row, sums_);
@@ -256,7 +256,7 @@ void FluidForces<T>::correct(lbm::Block<T>& block, BlockLinks<T>& links, const r
   std::vector<typename BlockLinks<T>::Group> open;
   for (std::uint32_t k = 0; k < links.surfaces.size(); ++k) {
     SurfaceLinks<T>& surface = links.surfaces[k];
-    if (surface.finished || !bodies.takes_impulses(surface.row)) continue;
+    if (surface.finished || !bodies.is_dynamic(surface.row)) continue;
     const double* const d = corrections.data() + surface.row * 6;
     set_motion(surface.motion, Vec3(d[0], d[1], d[2]), Vec3(d[3], d[4], d[5]));
     if (is_at_rest(surface.motion)) continue;

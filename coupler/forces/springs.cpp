@@ -28,7 +28,7 @@ constexpr std::size_t words = sizeof(Told) / sizeof(std::int64_t);
 Told told_of(const BodySet& bodies, std::size_t row) {
   Told told{bodies.kinematics(row)};
   Yield yield;
-  if (bodies.takes_impulses(row)) {
+  if (bodies.is_dynamic(row)) {
     yield.along = bodies.unlocked(row, Vec3::Constant(1 / std::sqrt(bodies.mass[row])));
     yield.about = Eigen::SelfAdjointEigenSolver<Mat3>(bodies.inverse_inertia_W(row)).operatorSqrt();
   }

@@ -93,7 +93,6 @@ void require_body(const Row& row, const Case& setup, const BodyRecord& r, rigid:
   row.within("material", r.material, std::int64_t{0}, last_of(setup.material_names));
   row.within("kind", r.kind, std::int64_t{0}, last_of(setup.kind_names));
   row.within("motion", int(r.motion), 0, int(rigid::Motion::prescribed));
-  row.within("wakefulness", int(r.wakefulness), 0, int(rigid::Wakefulness::waking));
   row.within("mass", r.mass, std::numeric_limits<double>::min(), greatest);
   row.within("weight_in_fluid", r.weight_in_fluid, -greatest, 1.0);
   require_inertia(row, r);
@@ -103,11 +102,6 @@ void require_body(const Row& row, const Case& setup, const BodyRecord& r, rigid:
   row.within("velocity", r.velocity, fastest);
   row.within("angular_velocity", r.angular_velocity, fastest);
   row.within("angular_momentum", r.angular_momentum, greatest);
-  row.within("quiet_steps", r.rest.quiet_steps, 0, std::numeric_limits<std::int32_t>::max() / 2);
-  row.within("rest_impulse", r.rest.impulse, greatest);
-  row.within("rest_angular_impulse", r.rest.angular_impulse, greatest);
-  row.within("rest_unbalanced_velocity", r.rest.unbalanced_velocity, fastest);
-  row.within("rest_unbalanced_angular_velocity", r.rest.unbalanced_angular_velocity, fastest);
   const rigid::HolderState& held = r.holder_state;
   require_place(row, column::mapping_position.name, setup, held[column::mapping_position].first<3>());
   row.unit_quaternion(column::mapping_orientation.name, held[column::mapping_orientation].first<4>());

@@ -225,7 +225,6 @@ void add_counters(const Simulation& simulation, Json& report) {
       report[name.report] = x;
   });
   report["bodies_left_by"] = left_by(simulation.setup(), c);
-  report["bodies_asleep"] = simulation.bodies_asleep();
   report["contacts_now"] = simulation.contacts_now();
   report["links"] = simulation.links();
 }

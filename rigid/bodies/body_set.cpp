@@ -14,7 +14,6 @@ void for_each_array(BodySet& b, F f) {
   f(b.material);
   f(b.kind);
   f(b.motion);
-  f(b.wakefulness);
   f(b.position);
   f(b.image);
   f(b.orientation);
@@ -26,7 +25,6 @@ void for_each_array(BodySet& b, F f) {
   f(b.inertia_B);
   f(b.force);
   f(b.torque);
-  f(b.rest);
   f(b.holder_state);
   f(b.stored_impulses);
 }
@@ -91,13 +89,16 @@ void BodySet::set_kinematics(std::size_t row, const Kinematics& k) {
 }
 
 BodyRecord BodySet::record(std::size_t row) const {
-  BodyRecord r{kinematics(row),  id[row],
-               shape[row],       material[row],
-               kind[row],        motion[row],
-               wakefulness[row], {image[row][0], image[row][1], image[row][2]},
-               mass[row],        weight_in_fluid[row]};
+  BodyRecord r{kinematics(row),
+               id[row],
+               shape[row],
+               material[row],
+               kind[row],
+               motion[row],
+               {image[row][0], image[row][1], image[row][2]},
+               mass[row],
+               weight_in_fluid[row]};
   Eigen::Map<Mat3>{r.inertia_B} = inertia_B[row];
-  r.rest = rest[row];
   r.holder_state = holder_state[row];
   return r;
 }
@@ -109,12 +110,10 @@ void BodySet::assign(std::size_t row, const BodyRecord& r) {
   material[row] = r.material;
   kind[row] = r.kind;
   motion[row] = r.motion;
-  wakefulness[row] = r.wakefulness;
   image[row] = std::to_array(r.image);
   mass[row] = r.mass;
   weight_in_fluid[row] = r.weight_in_fluid;
   inertia_B[row] = Eigen::Map<const Mat3>{r.inertia_B};
-  rest[row] = r.rest;
   holder_state[row] = r.holder_state;
 }
 
@@ -163,7 +162,7 @@ bool BodySet::is_isotropic(std::size_t row) const {
 }
 
 Mat3 BodySet::inverse_inertia_W(std::size_t row) const {
-  if (!takes_impulses(row)) return Mat3::Zero();
+  if (!is_dynamic(row)) return Mat3::Zero();
   if (locked(row) & locked_rotations) return inverse_about_free_axes(*this, row);
   if (is_isotropic(row)) return Mat3::Identity() * (1.0 / inertia_B[row](0, 0));
   const Mat3 r = orientation[row].toRotationMatrix();
@@ -181,14 +180,7 @@ void BodySet::set_pose(std::size_t row, const Pose& pose) {
   set_velocity(row, velocity[row], angular_velocity[row]);
 }
 
-void BodySet::wake(std::size_t row) {
-  if (!is_dynamic(row)) return;
-  wakefulness[row] = Wakefulness::awake;
-  rest[row] = {};
-}
-
 void BodySet::set_velocity(std::size_t row, const Vec3& v, const Vec3& w) {
-  wake(row);
   velocity[row] = v;
   angular_velocity[row] = w;
   const Quat& q = orientation[row];

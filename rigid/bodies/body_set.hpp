@@ -81,14 +81,6 @@ inline Vec3 without_locked(LockedAxes locked, Vec3 change) {
   return change;
 }
 
-/// Only free bodies sleep (rigid/sleep.hpp); all others, and all where there is no sleeping, are awake.
-enum class Wakefulness : std::uint8_t {
-  awake,
-  falling_asleep,  // at rest, held; its contacts are looked at for the last time
-  asleep,          // at rest, held; its contacts with bodies that do not move either are not looked at
-  waking,          // hit in this step: moved by contacts, not yet by forces
-};
-
 /// The impulse of one contact in the previous step (world frame, acting on the pair's body b): the warm
 /// start.
 struct StoredImpulse {
@@ -96,16 +88,6 @@ struct StoredImpulse {
   Image image;     // of b relative to a, as in Contact
   std::uint64_t feature;
   Vec3 impulse;
-  bool held = false;  // of a body at rest: kept while nobody looks at the contact
-};
-
-/// The rest of a body (rigid/sleep.hpp).
-struct Rest {
-  std::int32_t quiet_steps = 0;
-  std::int32_t unused = 0;
-  double impulse[3] = {}, angular_impulse[3] = {};  // a step, by held contacts
-  // velocities that forces out of balance would have given it, lately
-  double unbalanced_velocity[3] = {}, unbalanced_angular_velocity[3] = {};
 };
 
 /// Columns that a holder of bodies, such as a coupler, keeps with them travel with a body from rank to rank
@@ -158,11 +140,9 @@ struct BodyRecord : Kinematics {
   BodyId id = 0;
   std::int32_t shape = 0, material = 0, kind = 0;
   Motion motion = Motion::free;
-  Wakefulness wakefulness = Wakefulness::awake;
   std::int32_t image[3] = {};
   double mass = 1, weight_in_fluid = 1;
   double inertia_B[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
-  Rest rest = {};
   HolderState holder_state = {};
 };
 
@@ -172,7 +152,6 @@ struct BodyIdentities {
   std::vector<std::int32_t> material;  // index into the scene's materials
   std::vector<std::int32_t> kind;      // which entry of the case made it (for output)
   std::vector<Motion> motion;
-  std::vector<Wakefulness> wakefulness;
 };
 
 /// The position is canonical, wrapped into the domain; position + image * period is the unwrapped path.
@@ -200,7 +179,6 @@ struct BodySet : BodyIdentities, BodyMotions, BodyMasses {
 
   // what acts on it this step, besides gravity; any holder may add
   std::vector<FixedVec3> force, torque;  // W, about the centre of mass
-  std::vector<Rest> rest;
   // the coupler's; travels with the body
   std::vector<HolderState> holder_state;
   // contact impulses of the previous step, sorted by (partner, image, feature); owned rows only
@@ -208,21 +186,8 @@ struct BodySet : BodyIdentities, BodyMotions, BodyMasses {
 
   std::size_t size() const { return id.size(); }
   std::size_t first_wall() const { return size() - walls; }
-  /// Moves by itself, or held at rest. What is neither has infinite mass for good.
+  /// Moved by contacts and forces. What is not has infinite mass.
   bool is_dynamic(std::size_t row) const { return motion[row] == Motion::free; }
-  /// Moved by contacts.
-  bool takes_impulses(std::size_t row) const { return is_dynamic(row) && !is_at_rest(row); }
-  /// Moved by contacts and forces.
-  bool is_awake(std::size_t row) const { return is_dynamic(row) && wakefulness[row] == Wakefulness::awake; }
-  bool is_at_rest(std::size_t row) const {
-    return wakefulness[row] == Wakefulness::falling_asleep || wakefulness[row] == Wakefulness::asleep;
-  }
-  /// Its contacts need not be looked at every step: what they gave it stays until they are. (Owned rows.)
-  bool keeps_impulses(std::size_t row) const { return wakefulness[row] != Wakefulness::awake; }
-  /// May have another velocity after the step, or has one: its contacts are looked at.
-  bool is_active(std::size_t row) const {
-    return motion[row] != Motion::fixed && wakefulness[row] != Wakefulness::asleep;
-  }
 
   Kinematics kinematics(std::size_t row) const;
   void set_kinematics(std::size_t row, const Kinematics&);
@@ -252,7 +217,7 @@ struct BodySet : BodyIdentities, BodyMotions, BodyMasses {
   bool is_isotropic(std::size_t row) const;  // the same moment of inertia about every axis
   /// Mass of the fluid that the body displaces.
   double displaced_mass(std::size_t row) const { return mass[row] * (1 - weight_in_fluid[row]); }
-  double inverse_mass(std::size_t row) const { return takes_impulses(row) ? 1.0 / mass[row] : 0.0; }
+  double inverse_mass(std::size_t row) const { return is_dynamic(row) ? 1.0 / mass[row] : 0.0; }
   Pose pose(std::size_t row) const { return {position[row], orientation[row]}; }
   Twist twist(std::size_t row) const { return {velocity[row], angular_velocity[row]}; }
   Vec3 velocity_at(std::size_t row, const Vec3& r_W) const {
@@ -262,12 +227,9 @@ struct BodySet : BodyIdentities, BodyMotions, BodyMasses {
 
   void add_force(std::size_t row, const Vec3& force_W) { force[row].add(force_W); }
   void add_torque(std::size_t row, const Vec3& torque_W) { torque[row].add(torque_W); }
-  /// Both wake the body, and keep angular velocity and momentum consistent (with a new pose the angular
-  /// velocity stays).
+  /// Both keep angular velocity and momentum consistent (with a new pose the angular velocity stays).
   void set_pose(std::size_t row, const Pose&);
   void set_velocity(std::size_t row, const Vec3& velocity, const Vec3& angular_velocity);
-  /// Lets a body that is held at rest, or waking, move by all that acts on it.
-  void wake(std::size_t row);
 
  private:
   RowTable row_of_;

@@ -2,7 +2,6 @@
 // The shapes, materials and laws of the bodies, which all ranks know alike.
 #include <algorithm>
 #include <memory>
-#include <optional>
 #include <vector>
 
 #include "rigid/bodies/lubrication.hpp"
@@ -24,13 +23,6 @@ struct Material {
   double van_der_waals_reach() const { return hamaker > 0 ? 10 * hamaker_gap : 0; }
 };
 
-/// A body whose surface moves no faster than `speed` for `steps` steps is held at rest until forces out of
-/// balance would have given it twice that speed in as many, or something hits it.
-struct SleepRule {
-  double speed;  // lattice units
-  int steps;
-};
-
 /// Tables of pairs are [i * materials + j], symmetric.
 struct World {
   ShapeList shapes;
@@ -40,7 +32,6 @@ struct World {
   Vec3 gravity = Vec3::Zero();
   double contact_margin = 1.0;  // largest gap a speculative contact may have, lattice units
   std::shared_ptr<const LubricationLaw> lubrication;  // between smooth surfaces; null: none
-  std::optional<SleepRule> sleep;                     // none: no body is ever held at rest
 
   /// The widest gap across which bodies attract each other.
   double van_der_waals_reach() const {

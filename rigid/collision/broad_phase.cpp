@@ -28,13 +28,13 @@ void BroadPhase::sort_into(const BodySet& bodies, std::vector<CandidatePair>& pa
     });
 }
 
-/// Looks for pairs that meet or might soon do, also of bodies that sleep: they may wake.
+/// Looks for pairs that meet or might soon do.
 void BroadPhase::look(const Surroundings& around, std::span<const WallSurface> walls) {
   const std::span slack = kept_.plan(around);
   wider_.assign(around.reach.begin(), around.reach.end());
   for (std::size_t row = 0; row < around.size(); ++row) wider_[row].margin += slack[row].to_bodies;
   found_.clear();
-  find_pairs({around.bodies, around.extent, wider_, true}, found_);
+  find_pairs({around.bodies, around.extent, wider_}, found_);
   sort_into(around.bodies, kept_.renew(around, walls));
 }
 

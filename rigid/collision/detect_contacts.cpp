@@ -115,11 +115,10 @@ void DetectContacts::set_reach(const World& world, const BodySet& bodies, double
     if (shape.mesh)
       walls_.push_back(WallSurface::out_of_sight());
     else if (shape.hollow)
-      walls_.push_back({.moves = bodies.is_active(row), .hollow = shape.hollow, .pose = bodies.pose(row)});
+      walls_.push_back({.hollow = shape.hollow, .pose = bodies.pose(row)});
     else
-      walls_.push_back({bodies.position[row],
-                        bodies.orientation[row] * std::get<HalfSpace>(shape.parts[0].shape).normal,
-                        bodies.is_active(row)});
+      walls_.push_back(
+          {bodies.position[row], bodies.orientation[row] * std::get<HalfSpace>(shape.parts[0].shape).normal});
   }
 }
 
@@ -327,7 +326,7 @@ std::optional<Passing> DetectContacts::find_passing(const Pair& p, const Piece& 
   const double dt = p.call.dt;
   const auto moving = [&](const Piece& piece, std::size_t row, const Vec3& position, std::uint32_t code) {
     const ConvexShape* convex = piece.of->mesh ? nullptr : &piece.of->parts[piece.index].shape;
-    const Vec3 fall = bodies.takes_impulses(row)
+    const Vec3 fall = bodies.is_dynamic(row)
                           ? Vec3(dt * dt * bodies.weight_in_fluid[row] * p.call.world.gravity)
                           : Vec3(Vec3::Zero());
     Pose after{position + dt * bodies.velocity[row],
@@ -367,7 +366,7 @@ void DetectContacts::add_mesh_walls(const Call& call) {
     const BoundingBox box = Mesh{mesh->mesh().surface}.bounding_box(bodies.pose(wall));  // if hollow, too
     for (const Image image : images_of(extent))
       for (std::size_t row = 0; row < bodies.first_wall(); ++row) {
-        if (!bodies.is_dynamic(row) || !(bodies.is_active(row) || bodies.is_active(wall))) continue;
+        if (!bodies.is_dynamic(row)) continue;
         const CandidatePair p{row, wall, image};
         const Vec3 shift = extent.shift(image), x = bodies.position[row] - shift;
         const double reach = reach_[row].radius + pair_margin(call, p, shift);

@@ -64,7 +64,6 @@ struct Reach {
 /// A WallSurface is a half-space whose surface goes through a point, or a hollow. World frame.
 struct WallSurface {
   Vec3 point = Vec3::Zero(), normal = Vec3::UnitZ();  // of a half-space
-  bool moves = false;
   std::optional<HollowShape> hollow = {};
   Pose pose = {};  // of the hollow
 
@@ -83,7 +82,6 @@ struct Surroundings {
   const BodySet& bodies;
   const Extent& extent;
   std::span<const Reach> reach;  // one a row
-  bool with_sleeping = false;    // pairs of which nothing is active count, too
 
   std::size_t size() const { return bodies.first_wall(); }
   /// Returns the pair of two bodies, `image` being that of `other` seen from `row`, in id order.
@@ -91,19 +89,16 @@ struct Surroundings {
     if (bodies.id[row] < bodies.id[other]) return {row, other, image};
     return {other, row, opposite(image)};
   }
-  /// Says whether contacts of the two matter and their bounding spheres are no further apart than both
-  /// margins. It rounds alike whoever asks.
+  /// Says whether one of the two is free and their bounding spheres are no further apart than both margins.
+  /// It rounds alike whoever asks.
   bool meet(const CandidatePair& p) const {
     if (!bodies.is_dynamic(p.row_a) && !bodies.is_dynamic(p.row_b)) return false;
-    if (!with_sleeping && !bodies.is_active(p.row_a) && !bodies.is_active(p.row_b)) return false;
     const double range = reach[p.row_a].sum() + reach[p.row_b].sum();
     return near(bodies.position[p.row_a], bodies.position[p.row_b], p.image, range);
   }
-  /// Says whether contacts with the wall matter and the body's bounding sphere is no further from it than its
-  /// margin.
+  /// Says whether the body is free and its bounding sphere no further from the wall than its margin.
   bool meets(std::size_t row, const WallSurface& wall) const {
-    return bodies.is_dynamic(row) && (with_sleeping || wall.moves || bodies.is_active(row)) &&
-           wall.distance(bodies.position[row]) <= reach[row].sum();
+    return bodies.is_dynamic(row) && wall.distance(bodies.position[row]) <= reach[row].sum();
   }
   bool near(const Vec3& a, const Vec3& b, Image of_b, double range) const {
     return (b + extent.shift(of_b) - a).squaredNorm() <= range * range;

@@ -92,14 +92,13 @@ struct StepVelocities {
   std::vector<Twist> before;              // the kick: what restitution sees
   std::vector<Twist> now;                 // in: after the kick; out: after the contacts
   std::vector<Twist> push;                // out: position correction, velocities for positions only; or empty
-  std::vector<Vec3> load, angular_load;   // out: impulses that bodies at rest take from moving ones; or empty
   std::vector<std::uint8_t> misses_kick;  // out (if first_kick() < 1): bodies that miss the rest of theirs
   std::vector<double>
       rebounds;  // in: least velocities of contacts at which impacts have parted them; or empty
   bool wants_all_impulses = false;           // in: else those of walls and fixed bodies alone are told
   std::vector<OtherImpulse> other_impulses;  // added to: of pairs with an owned free body
   bool tells_impulses(const BodySet& bodies, std::size_t row_a, std::size_t row_b) const {
-    return wants_all_impulses || !bodies.takes_impulses(row_a) || !bodies.takes_impulses(row_b);
+    return wants_all_impulses || !bodies.is_dynamic(row_a) || !bodies.is_dynamic(row_b);
   }
 };
 
@@ -120,7 +119,6 @@ class ContactResolver {
 struct ResolverModel {
   std::string_view name;
   bool lubricates, has_impact_phase, has_half_force;
-  bool lets_sleep;  // bodies at rest may be held
   bool resists_rolling_and_pulls;
   bool makes_energy;  // contacts of several bodies may leave more than there was
   std::unique_ptr<ContactResolver> (*make)(const ResolverSettings&);

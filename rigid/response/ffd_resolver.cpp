@@ -145,12 +145,12 @@ void FfdResolver::add_constraints(const BodySet& bodies, const Contact& c, doubl
   for (int k = 0; k < 2; ++k) {
     const double* s = state_.data() + rows[k] * width;
     speed[k] = -c.normal.dot(Vec3(s[0], s[1], s[2]) + Vec3(s[3], s[4], s[5]).cross(arms[k]));
-    mass[k] = bodies.takes_impulses(rows[k]) ? 1 / mobility(bodies, rows[k], arms[k], c.normal) : 0;
+    mass[k] = bodies.is_dynamic(rows[k]) ? 1 / mobility(bodies, rows[k], arms[k], c.normal) : 0;
   }
   const double d =
       mass[0] > 0 && mass[1] > 0 ? (mass[0] * speed[0] + mass[1] * speed[1]) / (mass[0] + mass[1]) : 0;
   for (int k = 0; k < 2; ++k) {
-    if (rows[k] >= bodies.owned || !bodies.takes_impulses(rows[k])) continue;
+    if (rows[k] >= bodies.owned || !bodies.is_dynamic(rows[k])) continue;
     const Vec3 inward = k == 0 ? Vec3(-c.normal) : c.normal;
     const double offset = k == 0 ? d : -d, own = k == 0 ? speed[0] : -speed[1];
     if (own - offset > 0) continue;

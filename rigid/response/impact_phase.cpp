@@ -61,7 +61,7 @@ std::size_t ImpactPhase::involve(const BodySet& bodies, std::size_t row) {
   if (index_[row] < 0) {
     index_[row] = static_cast<std::int32_t>(bodies_.size());
     bodies_.push_back({.row = row,
-                       .moves = row < bodies.owned && bodies.takes_impulses(row),
+                       .moves = row < bodies.owned && bodies.is_dynamic(row),
                        .inverse_mass = bodies.inverse_mass(row),
                        .inverse_inertia = bodies.inverse_inertia_W(row),
                        .start = {}});

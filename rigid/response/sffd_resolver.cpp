@@ -57,9 +57,8 @@ void SffdResolver::involve(const BodySet& bodies, std::size_t row) {
   b.involved = true;
   b.pairs = 0;
   involved_.push_back(row);
-  const bool free = bodies.takes_impulses(row);
+  const bool free = bodies.is_dynamic(row);
   b.moves = row < bodies.owned && free;
-  b.asks_for_impulses = row < bodies.owned && bodies.is_dynamic(row);
   b.inverse_mass = bodies.inverse_mass(row);
   b.inverse_inertia = bodies.inverse_inertia_W(row);
   b.locked = free ? bodies.locked(row) : LockedAxes{0};
@@ -70,7 +69,7 @@ void SffdResolver::involve(const BodySet& bodies, std::size_t row) {
 }
 
 /// Returns the number of contacts whose lower body is owned.
-std::size_t SffdResolver::collect_pairs(BodySet& bodies, const std::vector<Contact>& contacts) {
+std::size_t SffdResolver::collect_pairs(const BodySet& bodies, const std::vector<Contact>& contacts) {
   std::size_t owned_contacts = 0;
   pairs_.clear();
   for (const std::size_t row : involved_) bodies_[row].involved = false;
@@ -85,12 +84,7 @@ std::size_t SffdResolver::collect_pairs(BodySet& bodies, const std::vector<Conta
     if (row_a < bodies.owned) owned_contacts += of_pair.size();
     involve(bodies, row_a);
     involve(bodies, row_b);
-    if (!bodies_[row_a].asks_for_impulses && !bodies_[row_b].asks_for_impulses)
-      return;  // its owners' business
-    const bool moves = bodies.takes_impulses(row_a) || bodies.takes_impulses(row_b);
-    hold_or_release(bodies, row_a, of_pair, !moves);
-    hold_or_release(bodies, row_b, of_pair, !moves);
-    if (!moves) return;
+    if (!bodies_[row_a].moves && !bodies_[row_b].moves) return;  // its owners' business
     ++bodies_[row_a].pairs;
     ++bodies_[row_b].pairs;
     pairs_.push_back({of_pair, first, row_a, row_b});
@@ -111,7 +105,7 @@ void SffdResolver::start(const Step& step) {
   sums_.resize(bodies.size() + 1);
   state_.back() = {};
   for (const std::size_t row : involved_) {
-    store(state_[row], step.velocities.now[row], bodies.takes_impulses(row) ? bodies_[row].pairs : 0);
+    store(state_[row], step.velocities.now[row], bodies.is_dynamic(row) ? bodies_[row].pairs : 0);
     sums_[row] = {};
   }
   Recall recall(bodies);
@@ -137,7 +131,7 @@ void SffdResolver::start(const Step& step) {
 void SffdResolver::warm_start(const Pair& p, double dt, Recall& recall) {
   const std::span impulses = impulses_of(p);
   if (p.material) set_greatest_pulls(*p.material, dt, p.contacts, impulses);
-  if (bodies_[p.row_a].asks_for_impulses)
+  if (bodies_[p.row_a].moves)
     recall.of_lower(p.row_a, p.contacts, impulses);
   else
     recall.of_higher(p.row_b, p.contacts, impulses);
@@ -305,8 +299,6 @@ void SffdResolver::note_other_impulses(const Pair& p, const Vec3& by_sink, StepV
 void SffdResolver::finish_pair(const Pair& p, const Step& step, ResolverStatistics& statistics) {
   const std::span impulses = impulses_of(p);
   lanes_.read_impulses(p.place, impulses);
-  if (!step.velocities.load.empty())
-    add_load(step.bodies, p.row_a, p.row_b, p.contacts, impulses, step.velocities);
   Vec3 by_sink = Vec3::Zero();
   for (std::size_t k = 0; k < impulses.size(); ++k) {
     const Contact& c = p.contacts[k];
@@ -322,23 +314,19 @@ void SffdResolver::finish_pair(const Pair& p, const Step& step, ResolverStatisti
     if (is_mostly_impact(p, k)) impulses[k] = {};
   if (!settings_.warm_start) return;
   auto& stored = step.bodies.stored_impulses;
-  if (bodies_[p.row_a].asks_for_impulses)
-    remember_impulses(p.contacts, impulses, p.contacts[0].b, stored[p.row_a]);
-  if (bodies_[p.row_b].asks_for_impulses)
-    remember_impulses(p.contacts, impulses, p.contacts[0].a, stored[p.row_b]);
+  if (bodies_[p.row_a].moves) remember_impulses(p.contacts, impulses, p.contacts[0].b, stored[p.row_a]);
+  if (bodies_[p.row_b].moves) remember_impulses(p.contacts, impulses, p.contacts[0].a, stored[p.row_b]);
 }
 
 /// Pairs are finished in key order: lists of bodies come out sorted by it.
 void SffdResolver::finish(const Step& step, ResolverStatistics& statistics) {
   BodySet& bodies = step.bodies;
-  forget_last_impulses(bodies, involved_);
+  for (std::size_t row = 0; row < bodies.owned; ++row) bodies.stored_impulses[row].clear();
   const auto fetch = [&](const Pair& p) {
     prefetch_impulses(bodies.stored_impulses[p.row_a]);
     prefetch_impulses(bodies.stored_impulses[p.row_b]);
   };
   for_ahead(pairs_, pairs_ahead, fetch, [&](std::size_t n) { finish_pair(pairs_[n], step, statistics); });
-  for (const std::size_t row : involved_)
-    if (row < bodies.owned && bodies.keeps_impulses(row)) sort_by_partner(bodies.stored_impulses[row]);
 }
 
 /// Says whether an overlap here is to be corrected, or may be on a rank that contacts connect this one with.

@@ -18,12 +18,11 @@ class SffdResolver : public ContactResolver {
                              BodyExchange&) override;
 
  private:
-  struct Body : BodyMass {           // one a row
-    bool moves = false;              // owned and free: this rank applies its impulses
-    bool asks_for_impulses = false;  // owned, and moves or is held at rest
-    bool involved = false;           // in a contact of this step; else all here is unset
-    double pairs = 0;                // that are solved here
-    double size = 0;                 // radius of gyration
+  struct Body : BodyMass {  // one a row
+    bool moves = false;     // owned and free: this rank applies its impulses
+    bool involved = false;  // in a contact of this step; else all here is unset
+    double pairs = 0;       // that are solved here
+    double size = 0;        // radius of gyration
   };
   struct Pair {
     std::span<const Contact> contacts;
@@ -51,7 +50,7 @@ class SffdResolver : public ContactResolver {
     BodyExchange& exchange;
   };
 
-  std::size_t collect_pairs(BodySet&, const std::vector<Contact>&);
+  std::size_t collect_pairs(const BodySet&, const std::vector<Contact>&);
   void involve(const BodySet&, std::size_t row);
   void start(const Step&);
   void warm_start(const Pair&, double dt, Recall&);

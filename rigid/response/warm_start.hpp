@@ -1,8 +1,6 @@
 #pragma once
 // A step remembers its contact impulses for the next one. Both bodies of a pair keep the same values, so that
-// the owner of either can start from them. A body that is held at rest (method-bodies.md, Sleep) keeps
-// the impulses of partners that do not move either, step after step, in BodySet::rest; those of partners that
-// move are its load.
+// the owner of either can start from them.
 #include <span>
 
 #include "rigid/response/contact_resolver.hpp"
@@ -38,23 +36,7 @@ class Recall {
 void remember_impulses(std::span<const Contact>, std::span<const ContactImpulse>, BodyId partner,
                        std::vector<StoredImpulse>& stored);
 
-/// Holds what the row, if it is an owned body at rest, remembers of the pair, or no longer does; before a
-/// step.
-void hold_or_release(BodySet&, std::size_t row, std::span<const Contact> of_pair, bool hold);
-
-/// Forgets the impulses of the last step, before those of this one are remembered. `in_contact`: rows whose
-/// contacts were looked at; bodies at rest among them keep what is held, the others all they have.
-void forget_last_impulses(BodySet&, std::span<const std::size_t> in_contact);
-
-/// Adds a pair's impulses to the loads of those of its bodies that are at rest.
-void add_load(const BodySet&, std::size_t row_a, std::size_t row_b, std::span<const Contact> of_pair,
-              std::span<const ContactImpulse>, StepVelocities&);
-
-/// Brings what a body remembers into the order that Recall expects.
-void sort_by_partner(std::vector<StoredImpulse>& stored);
-
 /// Forgets the impulses that a body and others gave each other: it is put where it no longer meets them.
-/// Bodies that it helped to hold at rest wake.
 void forget_impulses(BodySet&, BodyId);
 
 }  // namespace silt::rigid

@@ -11,7 +11,7 @@
 // - Bullet: 3.24 as Debian ships it in double precision (which rules out its SIMD rows), its default solver
 //   with its default 10 iterations, warm starting and split impulse, dynamic AABB trees. It gets large enough
 //   pools, sizes it is tuned for (about 1 m), and boxes as walls (planes would be candidates of every body).
-//   Nothing sleeps, in neither code.
+//   Its bodies are never deactivated.
 // - Not the same: Bullet meets its 10 iterations in one order of contacts (Gauss-Seidel); Silt's sweeps give
 //   the same bits in any order and on any number of ranks.
 #include <cstdio>

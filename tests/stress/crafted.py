@@ -1,8 +1,8 @@
 #!/usr/bin/python3
 """crafted SILT [--count N] [--seed S]: checkpoints that no run wrote, with every checksum right. Every
-dataset and every number of three runs' checkpoints (a fluid with contacts, a dry heap some of which sleeps,
-bodies that come and go) is replaced by what it cannot be: not a number, infinite, negative, the largest of
-its type, of another shape or type, missing, a link to another place, to a pipe, or with its values in one.
+dataset and every number of three runs' checkpoints (a fluid with contacts, a dry heap, bodies that come and
+go) is replaced by what it cannot be: not a number, infinite, negative, the largest of its type, of another
+shape or type, missing, a link to another place, to a pipe, or with its values in one.
 Each is resumed on one or two ranks. None may end by a signal or take more than ten seconds; what names
 nothing a run can have left is refused by its name, and what was in the folder stays as it was. N of them, at
 random; without --count all.
@@ -33,7 +33,7 @@ WET = (domain_of([24, 16, 16], WALLS_ACROSS_Z) + "[fluid]\nrelaxation_time = 0.8
        body_of("ball", 1.5, "velocity = [0.02, 0, 0]", "positions = [[6, 8, 2.5], [11, 8, 2.5]]") +
        '[[quantities]]\nname = "height"\ntype = "mean-height"\n' + RUN)
 DRY = (domain_of([24, 24, 24], '{ x = "periodic", y = "no-slip", z = "no-slip" }') + "[gravity]\nacceleration = [0, 0, -1e-3]\n" +
-       "[contacts]\nfriction = 0.5\nsleep_speed = 1e-3\nsleep_time = 5\n" + shape_of("box", "box", "edges = [6, 5, 4]") +
+       "[contacts]\nfriction = 0.5\n" + shape_of("box", "box", "edges = [6, 5, 4]") +
        body_of("box", 2, "positions = [[6, 12, 2], [6, 12, 6], [6.5, 12, 10], [16, 12, 2]]") + RUN)
 FEED = (domain_of([24, 24, 40], WALLS_ACROSS_Z) + "[gravity]\nacceleration = [0, 0, -2e-2]\n" + BALL +
         fill_of("ball", 2, 2, "every = 5", "velocity = [0, 0, -0.3]", "box = [[0, 0, 30], [24, 24, 40]]") +

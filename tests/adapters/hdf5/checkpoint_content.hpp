@@ -80,7 +80,6 @@ inline BodyRecord record(std::uint64_t id) {
   r.shape = int(id % 3);
   r.kind = -int(id);
   r.motion = static_cast<rigid::Motion>(id % 3);
-  r.wakefulness = static_cast<rigid::Wakefulness>(id % 4);
   r.mass = std::nextafter(double(id), 0);
   for (int d = 0; d < 3; ++d) {
     r.position[d] = std::sin(id + d);
@@ -107,12 +106,11 @@ inline std::vector<StoredImpulse> impulses(std::uint64_t id) {
 inline void expect_equal(const BodyRecord& a, const BodyRecord& b) {
   const auto same = [](const auto& x, const auto& y) { return std::memcmp(&x, &y, sizeof x) == 0; };
   EXPECT_TRUE(same(a.id, b.id) && same(a.shape, b.shape) && same(a.material, b.material) &&
-              same(a.kind, b.kind) && same(a.motion, b.motion) && same(a.wakefulness, b.wakefulness) &&
-              same(a.mass, b.mass) && same(a.weight_in_fluid, b.weight_in_fluid) &&
-              same(a.inertia_B, b.inertia_B) && same(a.position, b.position) &&
-              same(a.orientation, b.orientation) && same(a.image, b.image) && same(a.velocity, b.velocity) &&
-              same(a.angular_velocity, b.angular_velocity) && same(a.angular_momentum, b.angular_momentum) &&
-              same(a.holder_state, b.holder_state))
+              same(a.kind, b.kind) && same(a.motion, b.motion) && same(a.mass, b.mass) &&
+              same(a.weight_in_fluid, b.weight_in_fluid) && same(a.inertia_B, b.inertia_B) &&
+              same(a.position, b.position) && same(a.orientation, b.orientation) && same(a.image, b.image) &&
+              same(a.velocity, b.velocity) && same(a.angular_velocity, b.angular_velocity) &&
+              same(a.angular_momentum, b.angular_momentum) && same(a.holder_state, b.holder_state))
       << "body " << b.id;
 }
 

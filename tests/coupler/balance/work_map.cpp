@@ -65,8 +65,6 @@ TEST(WorkMap, ALargeBoxIsNotWalkedCellByCell) {
 struct Body {
   std::vector<rigid::BodyId> partners;  // that it remembers; ids count from 1
   rigid::Motion motion = rigid::Motion::free;
-  rigid::Wakefulness wakefulness = rigid::Wakefulness::awake;
-  bool held = false;  // all of these
 };
 
 /// A body is 150, half a contact 100.
@@ -75,10 +73,10 @@ std::int64_t work_of(const std::vector<Body>& all) {
   for (const Body& body : all) {
     rigid::BodyRecord record;
     record.id = bodies.size() + 1;
-    record.motion = body.motion, record.wakefulness = body.wakefulness;
+    record.motion = body.motion;
     bodies.add(record);
     for (const rigid::BodyId partner : body.partners)
-      bodies.stored_impulses.back().push_back({partner, {}, 0, Vec3(0, 0, 1), body.held});
+      bodies.stored_impulses.back().push_back({partner, {}, 0, Vec3(0, 0, 1)});
   }
   bodies.reindex();
   WorkMap work(lbm::Domain(lbm::equal_cut({16, 16, 16}, 1), {}, 1));
@@ -99,14 +97,6 @@ TEST(BodyWork, AContactCountsAlikeWhereverItIs) {
   EXPECT_EQ(work_of({{{2}}, {{}, fixed}}), 150 + 200);
   EXPECT_EQ(work_of({{{2}}, {{}, prescribed}}), 2 * 150 + 200);
   EXPECT_EQ(work_of({{{7}}}), 150 + 100) << "whose other half another rank has";
-}
-
-TEST(BodyWork, ContactsThatAreHeldAreNone) {
-  using enum rigid::Motion;
-  using enum rigid::Wakefulness;
-  EXPECT_EQ(work_of({{{2}, free, asleep, true}, {{1}, free, asleep, true}}), 2 * 150);
-  EXPECT_EQ(work_of({{{rigid::first_wall_id}, free, asleep, true}, {}}), 2 * 150);
-  EXPECT_EQ(work_of({{{2}, free, asleep}, {{1}}}), 2 * 150 + 200) << "with one that moves";
 }
 
 }  // namespace

@@ -43,7 +43,7 @@ class BitHash {
 inline std::uint64_t hash_of(const rigid::BodyRecord& r) {
   BitHash hash;
   hash.add(r.position, r.orientation, r.velocity, r.angular_velocity, r.angular_momentum, r.id, r.shape,
-           r.material, r.kind, r.motion, r.wakefulness, r.image, r.mass, r.weight_in_fluid, r.inertia_B);
+           r.material, r.kind, r.motion, r.image, r.mass, r.weight_in_fluid, r.inertia_B);
   for (const rigid::HolderColumn& column : column::saved)
     hash.add(r.holder_state[column], r.holder_state.whole(column));
   return hash.value();

@@ -2,8 +2,6 @@
 // ranks.
 #include <gtest/gtest.h>
 
-#include <map>
-
 #include "tests/coupler/exchange/exchange_scene.hpp"
 
 namespace silt::coupler {
@@ -136,47 +134,6 @@ TEST_P(BodyExchange, IsAsOnOneRank) {
 }
 INSTANTIATE_TEST_SUITE_P(Parallel, BodyExchange, ::testing::ValuesIn(exchange_runs),
                          [](const auto& info) { return info.param.name; });
-
-/// Most of a heap on a rough floor sleeps; a body that is moved through it wakes what it meets, which falls
-/// asleep again.
-TEST(ParallelBodyExchange, AHeapThatSleepsAndIsWoken) {
-  ExchangeScene s = heap();
-  s.periodic = {false, false, false};
-  s.world.gravity = {0, 0, -0.003};
-  s.world.materials = {{0, 0.6}};
-  s.world.sleep = rigid::SleepRule{2e-3, 20};
-  s.bodies.set_velocity(40, {0.01, 0, 0}, Vec3::Zero());
-  s.bodies.motion[5] = rigid::Motion::free;
-  s.bodies.walls = 0;
-  for (std::size_t row = s.bodies.size(); row-- > s.bodies.owned;) s.bodies.erase(row);
-  s.add_walls();
-  for (const Blocks& blocks : {Blocks{{12, 12, 12}}, odd_blocks(3, 6)}) {
-    SceneRun<Witness> parallel(MPI_COMM_WORLD, s, "sffd", blocks), serial(MPI_COMM_SELF, s, "sffd", blocks);
-    std::map<BodyId, bool> slept;
-    std::size_t fell_asleep = 0, woke = 0, most = 0;
-    for (int i = 0; i < 1500; ++i) {
-      parallel.advance(1);
-      serial.advance(1);
-      std::size_t now = 0;
-      for (std::size_t row = 0; row < serial.bodies().owned; ++row) {
-        const bool sleeps = serial.bodies().is_at_rest(row);
-        bool& did = slept[serial.bodies().id[row]];
-        fell_asleep += sleeps && !did, woke += did && !sleeps, now += sleeps;
-        did = sleeps;
-      }
-      most = std::max(most, now);
-      if (i % 50 != 0) continue;
-      ASSERT_EQ(parallel.hash(), serial.hash()) << "step " << i;
-      ASSERT_NO_THROW(check_exchange(parallel.exchange, parallel.bodies(), ExpectedBodies(parallel.bodies())))
-          << "step " << i;
-    }
-    EXPECT_EQ(parallel.hash(), serial.hash());
-    EXPECT_EQ(sum_of(MPI_COMM_WORLD, parallel.contacts), serial.contacts);
-    EXPECT_GT(fell_asleep, 60u);
-    EXPECT_GT(woke, 20u);
-    EXPECT_GT(most, 40u);
-  }
-}
 
 /// Stacks that begin at rest, all heavier at the top, along the longest axis of the cut and across others.
 TEST(ParallelBodyExchange, StacksThatBeginAtRest) {

@@ -103,7 +103,6 @@ def elsewhere(name):
 CRAFTED = {
     "/bodies/shape, row 0 (body 1): it is 1000, and must be from 0 to 0": change("bodies/shape", 0, 1000),
     "/bodies/motion, row 0 (body 1): it is 200, and must be from 0 to 2": change("bodies/motion", 0, 200),
-    "/bodies/wakefulness, row 0 (body 1): it is 200, and must be from 0 to 3": change("bodies/wakefulness", 0, 200),
     "/bodies/mass, row 0 (body 1): it is inf": change("bodies/mass", 0, np.inf),
     "/bodies/position, row 0 (body 1): it is nan": change("bodies/position", (0, 1), np.nan),
     "/bodies/inertia_B, row 1 (body 2): it is no tensor": change("bodies/inertia_B", 1, 0),

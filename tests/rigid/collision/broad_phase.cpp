@@ -47,7 +47,7 @@ TEST_P(BroadPhases, WallsAreApart) {
   std::size_t walls = 0, expected = 0;
   for (const CandidatePair& p : pairs) walls += p.row_b == 50;
   for (std::size_t row = 0; row < 50; ++row)
-    expected += cloud.bodies.takes_impulses(row) &&
+    expected += cloud.bodies.is_dynamic(row) &&
                 cloud.bodies.position[row][2] <= cloud.reach[row].radius + cloud.reach[row].margin;
   EXPECT_EQ(walls, expected);
   EXPECT_GT(walls, 0u);

@@ -45,8 +45,7 @@ struct Cloud {
     const auto images = [&](int d) { return extent.periodic[d] ? 1 : 0; };
     for (std::size_t a = 0; a < bodies.first_wall(); ++a)
       for (std::size_t b = 0; b < bodies.first_wall(); ++b) {
-        if (bodies.id[a] >= bodies.id[b] || (!bodies.takes_impulses(a) && !bodies.takes_impulses(b)))
-          continue;
+        if (bodies.id[a] >= bodies.id[b] || (!bodies.is_dynamic(a) && !bodies.is_dynamic(b))) continue;
         for (int i = -images(0); i <= images(0); ++i)
           for (int j = -images(1); j <= images(1); ++j)
             for (int k = -images(2); k <= images(2); ++k) {

@@ -82,7 +82,7 @@ struct FallingCloud {
   void step() {
     ++now;
     for (std::size_t row = 0; row < cloud.bodies.first_wall(); ++row) {
-      if (!cloud.bodies.takes_impulses(row)) continue;
+      if (!cloud.bodies.is_dynamic(row)) continue;
       const bool back = turns && (now + 5 * row) % 24 < 12;
       cloud.bodies.position[row] += back ? Vec3(velocity - own_velocity[row]) : velocity + own_velocity[row];
       cloud.extent.wrap(cloud.bodies.position[row], cloud.bodies.image[row]);
@@ -111,7 +111,7 @@ struct FallingCloud {
     std::set<std::pair<BodyId, BodyId>> near_walls;
     for (std::size_t row = 0; row < here.bodies.first_wall(); ++row)
       for (std::size_t w = 0; w < walls.size(); ++w)
-        if (here.bodies.takes_impulses(row) &&
+        if (here.bodies.is_dynamic(row) &&
             walls[w].distance(here.bodies.position[row]) <= here.reach[row].sum())
           near_walls.emplace(here.bodies.id[row], here.bodies.id[here.bodies.first_wall() + w]);
     return {here.brute(), near_walls};
