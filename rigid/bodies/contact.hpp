@@ -39,6 +39,12 @@ inline std::uint32_t feature_of(std::uint64_t packed) {
   return static_cast<std::uint32_t>(packed);
 }
 
+/// The principal radii of curvature of the gap between two surfaces (method-bodies.md, R3); 0 at an edge or a
+/// corner.
+struct ReducedRadii {
+  double least = 0, largest = 0;
+};
+
 struct Contact {
   BodyId a, b;            // a < b
   Image image;            // of b, relative to the canonical position of a
@@ -49,6 +55,7 @@ struct Contact {
                   // from its axis abreast of a
   double restitution, friction;
   LubricationResistance lubrication = {};  // of the film in a narrow gap
+  ReducedRadii radii = {};                 // where the pair's material asks for them
 
   auto pair() const { return std::tuple(a, b, image); }
   /// The order in which contacts are resolved and summed, on any number of ranks.

@@ -8,26 +8,10 @@
 #include "rigid/collision/manifold.hpp"
 #include "rigid/collision/mesh_contacts.hpp"
 #include "rigid/collision/mesh_features.hpp"
+#include "rigid/collision/shape_parts.hpp"
 #include "rigid/shapes/shape.hpp"
 
 namespace silt::rigid {
-
-struct DetectContacts::ShapeParts {
-  std::vector<Part> parts;
-  std::vector<double> radii;  // of the parts' bounding spheres, about the parts' own origins
-  bool sphere, half_space;
-  std::optional<HollowShape> hollow;                          // then there are no parts
-  std::shared_ptr<const MeshFeatures> mesh;                   // nor here
-  std::shared_ptr<const FacetCurvature> facets;               // of the mesh, where there is lubrication
-  std::vector<std::shared_ptr<const MeshFeatures>> surfaces;  // of the parts that are polytopes, for meshes
-  bool plain;                                                 // one part, whose pose is the body's
-  bool smooth;  // some part of it: lubrication films may form there
-
-  std::size_t pieces() const { return hollow || mesh ? 1 : parts.size(); }
-  Pose pose_of(std::size_t piece, const Pose& body) const {
-    return hollow || mesh || plain ? body : body * parts[piece].pose;
-  }
-};
 
 namespace {
 
@@ -67,19 +51,8 @@ DetectContacts::~DetectContacts() = default;
 
 void DetectContacts::learn_shapes(const World& world) {
   for (std::size_t s = shapes_.size(); s < world.shapes.size(); ++s) {
-    const Shape& shape = world.shapes[s];
-    ShapeParts known;
-    known.parts = convex_parts(shape);
-    for (const Part& part : known.parts) known.radii.push_back(reach({part.shape, Pose{}}));
-    known.smooth = std::ranges::any_of(known.parts, [](const Part& part) { return is_smooth(part.shape); });
-    known.sphere = is_sphere(shape);
-    known.half_space = std::holds_alternative<HalfSpace>(shape);
-    known.hollow = hollow_of(shape);
-    if (const auto* mesh = std::get_if<Mesh>(&shape))
-      known.mesh = std::make_shared<const MeshFeatures>(*mesh), with_meshes_ = true;
-    if (known.mesh && world.lubrication) known.facets = std::make_shared<const FacetCurvature>(*known.mesh);
-    known.plain = known.parts.size() == 1 && known.parts[0].pose == Pose{};
-    shapes_.push_back(std::move(known));
+    shapes_.emplace_back(world.shapes[s], world.lubrication || world.asks_for_radii());
+    with_meshes_ |= shapes_.back().mesh != nullptr;
   }
   if (!with_meshes_) return;
   for (ShapeParts& shape : shapes_)
@@ -201,19 +174,12 @@ bool DetectContacts::has_lubrication(const ContactPoint& point, bool with_mesh) 
 /// Gives the contact a film if both surfaces are smooth and curve away from each other.
 void DetectContacts::put_lubrication(const Pair& p, const Piece& a, const Piece& b, const ContactPoint& point,
                                      Contact& c) const {
+  if (!a.of->is_smooth(a.index) || !b.of->is_smooth(b.index)) return;
   const BodySet& bodies = p.call.bodies;
   const Vec3& n = point.normal;
-  const auto curvature_W = [&](const Piece& piece, const Vec3& x, const Vec3& out) -> std::optional<Mat3> {
-    const Mat3 r = piece.pose.orientation.toRotationMatrix();
-    const Vec3 outward_B = r.transpose() * out;
-    const ShapeParts& of = *piece.of;
-    const auto k = of.mesh     ? of.facets->at(feature_of(point.feature))
-                   : of.hollow ? of.hollow->curvature(outward_B)
-                               : curvature(of.parts[piece.index].shape, piece.pose.to_body(x), outward_B);
-    if (!k) return std::nullopt;
-    return r * *k * r.transpose();
-  };
-  const auto of_a = curvature_W(a, point.on_a, n), of_b = curvature_W(b, point.on_b, -n);
+  const std::uint32_t code = feature_of(point.feature);
+  const auto of_a = a.of->curvature_at(a.index, a.pose, point.on_a, n, code),
+             of_b = b.of->curvature_at(b.index, b.pose, point.on_b, -n, code);
   if (!of_a || !of_b) return;
   const double opening = n.dot(bodies.velocity_at(p.row_b, c.r_b) - bodies.velocity_at(p.row_a, c.r_a));
   const Vec3 middle = bodies.position[p.row_a] + 0.5 * (point.on_a + point.on_b);
@@ -222,6 +188,34 @@ void DetectContacts::put_lubrication(const Pair& p, const Piece& a, const Piece&
   if (sum > 0 && gap.curvature_product() >= least_roundness * sum * sum)
     c.lubrication = (*p.call.world.lubrication)(gap);
   if (c.lubrication) c.feature |= lubrication_feature;
+}
+
+/// Of a body that is a mesh.
+std::uint32_t DetectContacts::code_of_a(const Piece& b, const ContactPoint& point) {
+  return b.of->mesh ? static_cast<std::uint32_t>(point.feature >> 32) : feature_of(point.feature);
+}
+
+/// What has infinite mass has no arm: a wall is the same however thick it is.
+ReducedRadii DetectContacts::radii_of(const Pair& p, const Piece& a, const Piece& b,
+                                      const ContactPoint& point) const {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  if (a.of->sphere && (b.of->sphere || b.of->half_space)) {
+    const double radius = reduced(a.of->radii[0], b.of->sphere ? b.of->radii[0] : infinity);
+    return {radius, radius};
+  }
+  const auto curvature = [&](const Piece& piece, const Vec3& x, const Vec3& out, std::uint32_t code) {
+    const Vec3 out_B = piece.pose.orientation.conjugate() * out;
+    return piece.of->curvature_at(piece.index, piece.pose, x, out,
+                                  piece.of->mesh ? piece.of->mesh->code_across(out_B, code) : code);
+  };
+  const auto arm = [&](std::size_t row, const Vec3& r) {
+    return p.call.bodies.is_dynamic(row) ? std::abs(point.normal.dot(r)) : infinity;
+  };
+  const auto of_a = curvature(a, point.on_a, point.normal, code_of_a(b, point)),
+             of_b = curvature(b, point.on_b, -point.normal, feature_of(point.feature));
+  if (!of_a || !of_b) return {};
+  return reduced_radii(*of_a, *of_b, point.normal,
+                       reduced(arm(p.row_a, point.on_a), arm(p.row_b, point.on_b - p.from_a_to_b)));
 }
 
 /// Fills points_ with those of a piece of one body and a piece of the other.
@@ -263,6 +257,7 @@ void DetectContacts::collide_pair(const Pair& p, std::vector<Contact>& contacts)
       pose_b{p.from_a_to_b, bodies.orientation[p.row_b]};
   const bool single = a.pieces() == 1 && b.pieces() == 1, with_mesh = a.mesh || b.mesh;
   const Material& material = world.pair(bodies.material[p.row_a], bodies.material[p.row_b]);
+  const bool with_radii = material.asks_for_radii();
   const LubricationLaw* const lubrication = may_lubricate(a, b) ? world.lubrication.get() : nullptr;
   const std::size_t first = contacts.size();
   double least_gap = std::numeric_limits<double>::infinity();
@@ -282,6 +277,7 @@ void DetectContacts::collide_pair(const Pair& p, std::vector<Contact>& contacts)
                             point.on_a, point.on_b - p.from_a_to_b, material.restitution, material.friction});
         if (lubrication && point.gap < lubrication->reach() && has_lubrication(point, with_mesh))
           put_lubrication(p, of_a, of_b, point, contacts.back());
+        if (with_radii) contacts.back().radii = radii_of(p, of_a, of_b, point);
         set_arms(bodies, p, point.on_b - point.on_a, contacts.back());
         if (point.gap < least_gap) least_gap = point.gap, narrowest = point_near_both(p, point);
       }
@@ -337,9 +333,8 @@ std::optional<Passing> DetectContacts::find_passing(const Pair& p, const Piece& 
     part.fallen = piece.of->pose_of(piece.index, after);
     return part;
   };
-  const std::uint32_t code_b = feature_of(point.feature), code_a = b.of->mesh ? point.feature >> 32 : code_b;
-  return passing(moving(a, p.row_a, Vec3::Zero(), code_a), moving(b, p.row_b, p.from_a_to_b, code_b),
-                 point.on_a, reach);
+  return passing(moving(a, p.row_a, Vec3::Zero(), code_of_a(b, point)),
+                 moving(b, p.row_b, p.from_a_to_b, feature_of(point.feature)), point.on_a, reach);
 }
 
 /// Returns the displacement from a to b: small numbers, and the same ones on every rank. A hollow that is

@@ -14,6 +14,8 @@
 
 namespace silt::rigid {
 
+struct ShapeParts;
+
 /// Contacts narrow enough for a lubrication film.
 struct LubricationCounts {
   std::uint64_t with = 0, without = 0;
@@ -38,7 +40,6 @@ class DetectContacts {
   LubricationCounts lubrication() const { return lubrication_counts_; }
 
  private:
-  struct ShapeParts;
   struct Call {  // what a call of operator() works on
     const World& world;
     const BodySet& bodies;
@@ -69,6 +70,8 @@ class DetectContacts {
   static bool may_lubricate(const ShapeParts& a, const ShapeParts& b);
   bool has_lubrication(const ContactPoint&, bool with_mesh) const;
   void put_lubrication(const Pair&, const Piece& a, const Piece& b, const ContactPoint&, Contact&) const;
+  static std::uint32_t code_of_a(const Piece& b, const ContactPoint&);
+  ReducedRadii radii_of(const Pair&, const Piece& a, const Piece& b, const ContactPoint&) const;
   void let_pass(const Pair&, const Piece& a, const Piece& b, std::span<Contact> of_pieces) const;
   std::optional<Passing> find_passing(const Pair&, const Piece& a, const Piece& b, const ContactPoint&,
                                       double reach) const;

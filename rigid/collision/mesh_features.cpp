@@ -110,7 +110,8 @@ void MeshFeatures::find_rings() {
   for (std::size_t v = 0; v + 1 < ring_start_.size(); ++v) ring_start_[v + 1] += ring_start_[v];
   ring_.resize(2 * edges_.size());
   std::vector<std::uint32_t> next(ring_start_.begin(), ring_start_.end() - 1);
-  for (const Edge& e : edges_) ring_[next[e.low]++] = e.high, ring_[next[e.high]++] = e.low;
+  for (std::uint32_t e = 0; e < edges_.size(); ++e)
+    ring_[next[edges_[e].low]++] = ring_[next[edges_[e].high]++] = e;
 }
 
 /// Vertices on a straight line, where just two sharp edges meet and one continues the other, are no corners.
@@ -169,11 +170,25 @@ bool MeshFeatures::edge_supports(std::uint32_t e, const Vec3& m, double slack) c
 
 bool MeshFeatures::corner_supports(std::uint32_t vertex, const Vec3& m, double slack) const {
   for (std::uint32_t k = ring_start_[vertex]; k < ring_start_[vertex + 1]; ++k) {
-    const Vec3 d = corner(ring_[k]) - corner(vertex);
+    const Edge& e = edges_[ring_[k]];
+    const Vec3 d = corner(e.low == vertex ? e.high : e.low) - corner(vertex);
     const double rise = m.dot(d);
     if (rise > 0 && rise > slack * d.norm()) return false;
   }
   return true;
+}
+
+std::uint32_t MeshFeatures::code_across(const Vec3& m, std::uint32_t code) const {
+  const auto look = [&](std::uint32_t e) {
+    for (const std::uint32_t t : edges_[e].triangles)
+      if (is_along(normal(t), m)) return code_of_facet(t);
+    return code;
+  };
+  if (code >= vertex_count() + edge_count()) return code;
+  if (code >= vertex_count()) return look(code - vertex_count());
+  for (std::uint32_t k = ring_start_[code]; k < ring_start_[code + 1]; ++k)
+    if (const std::uint32_t found = look(ring_[k]); found != code) return found;
+  return code;
 }
 
 std::shared_ptr<const MeshFeatures> features_of_polytope(const ConvexShape& shape) {

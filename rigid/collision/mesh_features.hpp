@@ -44,6 +44,9 @@ class MeshFeatures {
   /// further out than the feature itself, up to a sine.
   bool edge_supports(std::uint32_t e, const Vec3& m, double slack) const;
   bool corner_supports(std::uint32_t vertex, const Vec3& m, double slack) const;
+  /// Returns the number of the facet that unit m is the outward normal of, of those at the corner or edge
+  /// numbered `code`: the surface lies flat there. Without one, `code`.
+  std::uint32_t code_across(const Vec3& m, std::uint32_t code) const;
 
   /// Numbers for contacts, below 2^31: stable for one mesh. An edge or corner within a facet is the facet.
   std::uint32_t code_of_corner(std::uint32_t vertex) const { return vertex; }
@@ -67,7 +70,7 @@ class MeshFeatures {
   Mesh mesh_;
   std::vector<Edge> edges_;
   std::vector<std::array<std::uint32_t, 3>> edges_of_;
-  std::vector<std::uint32_t> facet_, ring_start_, ring_;
+  std::vector<std::uint32_t> facet_, ring_start_, ring_;  // ring: the edges that end at a vertex
   std::vector<char> sharp_, corner_;
 };
 

@@ -10,7 +10,7 @@ double pull(const Material& material, const Contact& c, bool pressed) {
   double force = c.gap <= widest ? material.cohesion : 0;
   if (material.hamaker > 0 && c.gap <= material.van_der_waals_reach()) {
     const double gap = std::max(c.gap, material.hamaker_gap);
-    force += material.hamaker * reduced_radius(c) / (6 * gap * gap);
+    force += material.hamaker * std::sqrt(c.radii.least * c.radii.largest) / (6 * gap * gap);
   }
   return force;
 }

@@ -2,8 +2,6 @@
 
 #include <array>
 
-#include "rigid/response/contact_targets.hpp"
-
 namespace silt::rigid {
 namespace {
 
@@ -114,7 +112,7 @@ void release(RollingGroup& g, int l) {
 
 void set_rolling(BlockRolling& lanes, int l, const PairToSolve& p, std::size_t k) {
   const Mat3 turn = p.share_a * p.a.inverse_inertia + p.share_b * p.b.inverse_inertia;
-  const double arm = reduced_radius(p.contacts[k]);
+  const double arm = p.contacts[k].radii.least;
   lanes.roll_arm[l] = arm;
   lanes.rolling_friction[l] = p.rolling->rolling_friction;
   lanes.twisting_friction[l] = p.rolling->twisting_friction;
@@ -169,7 +167,7 @@ PairLanes::Place PairLanes::add_central(const PairToSolve& p) {
 PairLanes::Place PairLanes::add_rolling(const PairToSolve& p) {
   const int l = next_lane(rolling_, rolling_lane_, rows_);
   RollingGroup& g = rolling_.back();
-  const double k_t = set_central(g, l, p)[1], arm = reduced_radius(p.contacts[0]);
+  const double k_t = set_central(g, l, p)[1], arm = p.contacts[0].radii.least;
   const double turn_a = p.share_a * p.a.inverse_inertia(0, 0), turn_b = p.share_b * p.b.inverse_inertia(0, 0);
   const double k_r = arm * arm * (turn_a + turn_b),
                across = arm * (turn_a * g.arm_a[l] + turn_b * g.arm_b[l]);

@@ -44,6 +44,12 @@ void Box::add_inner_balls(std::vector<InnerBall>& balls) const {
       }
 }
 
+std::optional<Mat3> Box::curvature(const Vec3&, const Vec3& n) const {
+  for (int k = 0; k < 3; ++k)
+    if (is_along(std::copysign(1.0, n[k]) * Vec3::Unit(k), n)) return Mat3(Mat3::Zero());
+  return std::nullopt;
+}
+
 void Box::kinks(const Placement& at, const Vec3& n_B, double angle, Kinks& out) const {
   const double sine = elementary::sin(angle), cosine = elementary::cos(angle);
   for (int k = 0; k < 3; ++k) {

@@ -40,6 +40,7 @@ struct Box {
   double least_width() const { return 2 * half_edges.minCoeff(); }
   void add_inner_balls(std::vector<InnerBall>&) const;
 
+  std::optional<Mat3> curvature(const Vec3& x, const Vec3& n) const;
   static constexpr bool is_polytope = true;
   Vec3 half_widths() const { return half_edges; }
   InnerBall inner_ball(const Vec3& x) const;

@@ -61,8 +61,9 @@ void Capsule::add_inner_balls(std::vector<InnerBall>& balls) const {
 
 /// It is curved along the axis only where the ends are.
 Mat3 Capsule::curvature(const Vec3& x, const Vec3& n) const {
+  constexpr double rounding = 1e-12;  // a line that touches along the side ends where the ends begin
   Mat3 k = across(n) / radius;
-  if (std::abs(x[2]) <= half_length) {
+  if (std::abs(x[2]) <= half_length * (1 + rounding)) {
     k.row(2).setZero();
     k.col(2).setZero();
   }

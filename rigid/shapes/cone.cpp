@@ -89,6 +89,18 @@ Mat3 Cone::support_derivative(const Vec3& n) const {
   return apex_lead(n) >= 0 ? Mat3(Mat3::Zero()) : rim_derivative(radius, n);
 }
 
+/// The normal of the side makes an angle with the circle through x about the axis: its curvature is that of
+/// the circle times the cosine (Meusnier).
+std::optional<Mat3> Cone::curvature(const Vec3& x, const Vec3& n) const {
+  constexpr double at_apex = 1e-6;  // of the base's radius
+  if (is_along(-Vec3::UnitZ(), n)) return Mat3(Mat3::Zero());
+  const Vec3 around = n.cross(Vec3::UnitZ()).normalized();
+  const Vec3 side = (height * Vec3::UnitZ().cross(around) + radius * Vec3::UnitZ()) / slant();
+  const double from_axis = elementary::hypot(x[0], x[1]);
+  if (!is_along(side, n) || from_axis <= at_apex * radius) return std::nullopt;
+  return Mat3(height / slant() / from_axis * around * around.transpose());
+}
+
 void Cone::kinks(const Placement& at, const Vec3& n_B, double angle, Kinks& out) const {
   const double from_axis = elementary::atan2(elementary::hypot(n_B[0], n_B[1]), n_B[2]);
   if (std::abs(from_axis - elementary::atan2(height, radius)) <= angle)

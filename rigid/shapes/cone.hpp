@@ -24,6 +24,7 @@ struct Cone {
   double least_width() const { return std::min(height, 2 * radius * height / slant()); }
   void add_inner_balls(std::vector<InnerBall>&) const;
 
+  std::optional<Mat3> curvature(const Vec3& x, const Vec3& n) const;
   Mat3 support_derivative(const Vec3& n) const;
   void kinks(const Placement&, const Vec3& n_B, double angle, Kinks& out) const;
   static constexpr bool is_revolved = true;

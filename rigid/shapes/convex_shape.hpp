@@ -26,10 +26,10 @@ Vec3 support(const ConvexShape&, const Vec3& direction_B);
 /// The part of the line origin + t direction inside the shape; none if the line misses it.
 std::optional<LineInterval> line_interval(const ConvexShape&, const Vec3& origin_B, const Vec3& direction_B);
 /// Curvature tensor of the surface at x_B (on it, to rounding) with outward unit normal n_B: symmetric, zero
-/// along the normal, eigenvalues across it the principal curvatures, >= 0. None for a shape that may be flat
-/// or have an edge (box, cylinder, polyhedron). A half-space has zero curvature.
+/// along the normal, eigenvalues across it the principal curvatures, >= 0; zero on a flat face. None at an
+/// edge or a corner: where the normal is not that of a face or a side.
 std::optional<Mat3> curvature(const ConvexShape&, const Vec3& x_B, const Vec3& n_B);
-/// Says whether the surface has a curvature everywhere.
+/// Says whether the surface has a curvature everywhere: neither edges nor corners.
 bool is_smooth(const ConvexShape&);
 
 }  // namespace silt::rigid

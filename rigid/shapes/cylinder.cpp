@@ -53,6 +53,13 @@ void Cylinder::add_inner_balls(std::vector<InnerBall>& balls) const {
   }
 }
 
+std::optional<Mat3> Cylinder::curvature(const Vec3&, const Vec3& n) const {
+  if (is_along(std::copysign(1.0, n.z()) * Vec3::UnitZ(), n)) return Mat3(Mat3::Zero());
+  const Vec3 around = n.cross(Vec3::UnitZ()).normalized();
+  if (!is_along(Vec3::UnitZ().cross(around), n)) return std::nullopt;
+  return Mat3(around * around.transpose() / radius);
+}
+
 void Cylinder::kinks(const Placement& at, const Vec3& n_B, double angle, Kinks& out) const {
   if (std::abs(n_B.z()) <= elementary::sin(angle)) out.circles.push_back({at.axes.col(2)});
   if (std::abs(n_B.z()) >= elementary::cos(angle))

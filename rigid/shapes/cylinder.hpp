@@ -26,6 +26,7 @@ struct Cylinder {
   double least_width() const { return 2 * std::min(radius, half_length); }
   void add_inner_balls(std::vector<InnerBall>&) const;
 
+  std::optional<Mat3> curvature(const Vec3& x, const Vec3& n) const;
   Vec3 half_widths() const { return {radius, radius, half_length}; }
   Mat3 support_derivative(const Vec3& n) const { return rim_derivative(radius, n); }
   void kinks(const Placement&, const Vec3& n_B, double angle, Kinks& out) const;

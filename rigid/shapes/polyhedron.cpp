@@ -139,6 +139,11 @@ void Polyhedron::kinks(const Placement& at, const Vec3& n_B, double angle, Kinks
     if (face.normal.dot(n_B) >= cosine) out.faces.push_back(at.axes * face.normal);
 }
 
+std::optional<Mat3> Polyhedron::curvature(const Vec3&, const Vec3& n) const {
+  if (is_along(mesh->faces[face_towards(n)].normal, n)) return Mat3(Mat3::Zero());
+  return std::nullopt;
+}
+
 double Polyhedron::touching_ball(const Vec3& x, const Vec3& n) const {
   BallUnderPlanes ball(n);
   for (const auto& face : mesh->faces) ball.add(face.normal, face.offset - face.normal.dot(x));

@@ -21,6 +21,7 @@ struct Polyhedron {
   double least_width() const;
   void add_inner_balls(std::vector<InnerBall>&) const;
 
+  std::optional<Mat3> curvature(const Vec3& x, const Vec3& n) const;
   static constexpr bool is_polytope = true;
   Vec3 half_widths() const;
   InnerBall inner_ball(const Vec3&) const;

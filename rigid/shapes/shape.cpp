@@ -69,11 +69,6 @@ S scaled_solid(const S& hollow, double) {
   return hollow;
 }
 
-template <class S>
-constexpr bool has_curvature = requires(const S& s, const Vec3& x) {
-  s.curvature(x, x);
-};
-
 }  // namespace
 
 Shape scaled(const Shape& shape, double factor) {
@@ -143,18 +138,17 @@ std::optional<LineInterval> line_interval(const ConvexShape& shape, const Vec3& 
 }
 
 std::optional<Mat3> curvature(const ConvexShape& shape, const Vec3& x, const Vec3& n) {
-  return std::visit(
-      [&]<class S>(const S& s) -> std::optional<Mat3> {
-        if constexpr (has_curvature<S>)
-          return s.curvature(x, n);
-        else
-          return std::nullopt;
-      },
-      shape);
+  return std::visit([&](const auto& s) -> std::optional<Mat3> { return s.curvature(x, n); }, shape);
 }
 
 bool is_smooth(const ConvexShape& shape) {
-  return std::visit([]<class S>(const S&) { return has_curvature<S>; }, shape);
+  return std::visit(
+      []<class S>(const S&) {
+        return !requires {
+          &S::kinks;
+        };
+      },
+      shape);
 }
 
 }  // namespace silt::rigid

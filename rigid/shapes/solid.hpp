@@ -163,6 +163,12 @@ struct BallUnderPlanes {
   static constexpr double same_plane = 1e-18;
 };
 
+/// Says whether a face's outward normal is that of a contact, up to what bodies that lie flat rock by.
+inline bool is_along(const Vec3& face, const Vec3& n) {
+  constexpr double sine = 0.01;
+  return face.dot(n) > 0 && face.cross(n).squaredNorm() <= sine * sine;
+}
+
 /// Projects onto the plane across unit n.
 inline Mat3 across(const Vec3& n) {
   return Mat3::Identity() - n * n.transpose();
@@ -177,6 +183,7 @@ inline Mat3 across(const Vec3& n) {
 /// - bounding_box(pose): the tight one along the axes of the frame that the pose is given in;
 /// - reach(pose): how far its furthest point is from that frame's origin;
 /// - support(n): its point furthest along unit n;
+/// - curvature(x, n): rigid::curvature (convex_shape.hpp);
 /// - ==: whether it is bitwise the same (compounds are known by it);
 /// - mass_properties();
 /// - least_width(): between two parallel planes that touch it, the least, or a length near it;
@@ -192,6 +199,7 @@ concept ConvexSolid = requires(const S& s, const Vec3& x, const Pose& pose, std:
   { s.bounding_box(pose) } -> std::same_as<BoundingBox>;
   { s.reach(pose) } -> std::same_as<double>;
   { s.support(x) } -> std::same_as<Vec3>;
+  { s.curvature(x, x) } -> std::convertible_to<std::optional<Mat3>>;
   { s.mass_properties() } -> std::same_as<MassProperties>;
   { s.least_width() } -> std::same_as<double>;
   s.add_inner_balls(balls);

@@ -273,14 +273,20 @@ double fall_of(const ConvexShape& shape, const Vec3& x, const Vec3& n, const Vec
 }
 
 TEST(Curvature, IsThatOfTheSurface) {
-  const std::vector<std::pair<ConvexShape, Vec3>> cases = {{Sphere{2}, {1, 2, -0.5}},
-                                                           {Ellipsoid{{3, 2, 1}}, {1, 2, 0.5}},
-                                                           {Ellipsoid{{1, 1, 4}}, {0.3, -1, 2}},
-                                                           {Capsule{1, 2}, {1, 1, 0}},
-                                                           {Capsule{1, 2}, {1, 1, 2}}};
-  for (const auto& [shape, direction] : cases) {
-    Vec3 x = support(shape, direction);
-    if (direction[2] == 0) x[2] = 0;  // of the capsule's straight side
+  // of the cone, an end of the cylinder and the box at a point inside the side
+  const std::vector<std::tuple<ConvexShape, Vec3, std::optional<Vec3>>> cases = {
+      {Sphere{2}, {1, 2, -0.5}, {}},
+      {Ellipsoid{{3, 2, 1}}, {1, 2, 0.5}, {}},
+      {Ellipsoid{{1, 1, 4}}, {0.3, -1, 2}, {}},
+      {Capsule{1, 2}, {1, 1, 0}, {}},
+      {Capsule{1, 2}, {1, 1, 2}, {}},
+      {Cylinder{1, 2}, {1, 2, 0}, {}},
+      {Cylinder{2, 2}, {0, 0, -1}, Vec3(0.3, 0.2, -2)},
+      {Cone{3, 4}, {0.8, 0, 0.6}, Vec3(1.5, 0, 1)},
+      {Box{{1, 1, 2}}, {0, 1, 0}, Vec3(0.1, 1, 0.3)}};
+  for (const auto& [shape, direction, at] : cases) {
+    Vec3 x = at.value_or(support(shape, direction));
+    if (!at && direction[2] == 0) x[2] = 0;  // of a straight side
     const Vec3 n = direction.normalized();
     const auto k = curvature(shape, x, n);
     ASSERT_TRUE(k);
@@ -291,7 +297,8 @@ TEST(Curvature, IsThatOfTheSurface) {
       EXPECT_NEAR(fall_of(shape, x, n, step * t), 0.5 * step * step * t.dot(*k * t), 2e-9) << i;
     }
   }
-  EXPECT_FALSE(curvature(Box{{1, 1, 1}}, {1, 0, 0}, {1, 0, 0}));
+  EXPECT_FALSE(curvature(Box{{1, 1, 1}}, {1, 0, 1}, Vec3(1, 0, 1).normalized()));
+  EXPECT_FALSE(curvature(Cylinder{1, 1}, {1, 0, 1}, Vec3(1, 0, 1).normalized()));
 }
 
 }  // namespace

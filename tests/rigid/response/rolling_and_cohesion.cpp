@@ -5,6 +5,8 @@
 
 #include "rigid/math/types.hpp"
 #include "tests/rigid/scene.hpp"
+#include "tests/rigid/shapes/meshes.hpp"
+#include "tests/rigid/shapes/solids.hpp"
 
 namespace silt::rigid::testing {
 namespace {
@@ -38,6 +40,49 @@ TEST(RollingFriction, ABallStartsOnASlopeAboveItsCoefficient) {
     EXPECT_NEAR(rolls.x(0)[0] - 10, a / 2, 1e-6 * a) << coefficient;
     EXPECT_NEAR(rolls.w(0)[1] * ball_radius, rolls.v(0)[0], 1e-9) << coefficient;
   }
+}
+
+/// Fixed bodies whose upper face is flat, and where their centre is below it.
+std::vector<std::pair<Shape, double>> flat_grounds() {
+  std::vector<std::pair<Shape, double>> all;
+  for (const double thick : {0.01, 0.2, 3.0}) {
+    const Vec3 half(6, 5, thick / 2);
+    all.push_back({Box{half}, thick / 2});
+    all.push_back({cuboid(-half, half), thick / 2});
+    all.push_back({solid_of(cuboid_mesh(-half, half)), thick / 2});
+    all.push_back({Cylinder{6, thick / 2}, thick / 2});
+  }
+  return all;
+}
+
+/// A body `height` above such a plate, the plate fixed at height 10; row 0 is the body.
+Scene on_plate(const std::pair<Shape, double>& plate, const Shape& body, double height,
+               const Quat& q = Quat::Identity()) {
+  Scene s(0, 0.9);
+  s.add_with_id(0, s.shape(body), Vec3(10, 10, 10 + height), Vec3::Zero(), Vec3::Zero(), 1, q);
+  s.add_with_id(1, s.shape(plate.first), Vec3(11, 9, 10 - plate.second), Vec3::Zero(), Vec3::Zero(), 1);
+  s.bodies.motion[s.row(1)] = Motion::fixed;
+  return s;
+}
+
+/// On a plate of any form and thickness as on a wall.
+TEST(RollingFriction, IsThatOfTheBallOnAPlate) {
+  constexpr double coefficient = 0.05;
+  const Quat lying = rotation_between(Vec3::UnitZ(), Vec3::UnitY());
+  for (const auto& plate : flat_grounds())
+    for (const double tangent : {0.04, 0.1})
+      for (const bool ball : {true, false}) {
+        Scene s = ball ? on_plate(plate, Sphere{ball_radius}, ball_radius)
+                       : on_plate(plate, Cylinder{ball_radius, 0.3}, ball_radius, lying);
+        s.world.materials[0].rolling_friction = coefficient;
+        s.world.gravity = g * Vec3(tangent, 0, -1).normalized();
+        s.start();
+        s.run(500, time_step);
+        const double a =
+            (ball ? 5. / 7 : 2. / 3) * normal_gravity(tangent) * std::max(0., tangent - coefficient);
+        EXPECT_NEAR(s.x(0)[0] - 10, a / 8, (ball ? 1e-5 : 0.01) * a + 1e-6)
+            << shape_name(plate.first) << ' ' << plate.second << ' ' << tangent << ' ' << ball;
+      }
 }
 
 /// Friction that cannot make it roll leaves it sliding.
@@ -78,6 +123,20 @@ TEST(RollingFriction, ASpinningBallStops) {
   EXPECT_NEAR(s.w(0)[2], spin - 0.2 * deceleration, 1e-9);
   s.run(400, time_step);
   EXPECT_LT(s.w(0).norm(), 1e-12);
+}
+
+TEST(RollingFriction, ABallSpinsOnAPlateAsOnAWall) {
+  constexpr double coefficient = 0.2, spin = 20;
+  for (const auto& plate : flat_grounds()) {
+    Scene s = on_plate(plate, Sphere{ball_radius}, ball_radius);
+    s.world.materials[0].twisting_friction = coefficient;
+    s.world.gravity = Vec3(0, 0, -g);
+    s.bodies.set_velocity(s.row(0), Vec3::Zero(), Vec3(0, 0, spin));
+    s.start();
+    s.run(200, time_step);
+    const double deceleration = 2.5 * coefficient * g / ball_radius;
+    EXPECT_NEAR(s.w(0)[2], spin - 0.2 * deceleration, 1e-6) << shape_name(plate.first) << ' ' << plate.second;
+  }
 }
 
 /// A column of balls, one thick, falls down into a heap: how high its middle is.
@@ -202,6 +261,39 @@ TEST(Cohesion, OfVanDerWaalsActsAcrossAGap) {
   const double force = 1e-8 * (ball_radius / 2) / (6 * 4e-5 * 4e-5);
   EXPECT_NEAR(s.v(0)[0], 1e-7 * force, 1e-3 * 1e-7 * force);
   EXPECT_NEAR(s.v(0)[0] + s.v(1)[0], 0, 1e-18);
+}
+
+/// The pull on a body at rest, of Hamaker's constant 1e-8.
+double pull_on(Scene& s) {
+  s.world.materials[0].hamaker = 1e-8, s.world.materials[0].hamaker_gap = 1e-4;
+  s.start();
+  s.run(1, 1e-7);
+  return s.v(0).norm() / 1e-7;
+}
+
+TEST(Cohesion, OfVanDerWaalsIsThatOfTheCurvatures) {
+  constexpr double near = 4e-4, unit = 1e-8 / (6 * near * near);
+  for (const auto& plate : flat_grounds()) {
+    Scene s = on_plate(plate, Sphere{ball_radius}, ball_radius + near);
+    EXPECT_NEAR(pull_on(s), unit * ball_radius, 1e-6 * unit)
+        << shape_name(plate.first) << ' ' << plate.second;
+  }
+  // rods of unlike radii that cross at a right angle: the geometric mean (Israelachvili)
+  Scene rods(0, 0);
+  rods.add_with_id(0, rods.shape(Capsule{0.1, 0.5}), Vec3(50, 50, 50), Vec3::Zero(), Vec3::Zero(), 1,
+                   rotation_between(Vec3::UnitZ(), Vec3::UnitX()));
+  rods.add_with_id(1, rods.shape(Cylinder{0.4, 1}), Vec3(50, 50, 49.5 - near), Vec3::Zero(), Vec3::Zero(), 1,
+                   rotation_between(Vec3::UnitZ(), Vec3::UnitY()));
+  EXPECT_NEAR(pull_on(rods), unit * 0.2, 1e-6 * unit);
+  Scene balls(0, 0);  // far apart for their size
+  const int ball = balls.shape(Sphere{0.01});
+  balls.add(ball, Vec3(50, 50, 50)), balls.add(ball, Vec3(50, 50, 50.02 + near));
+  EXPECT_NEAR(pull_on(balls), unit * 0.005, 1e-6 * unit * 0.01);
+  Scene edge(0, 0);  // has no radius: nothing pulls by it
+  edge.add(edge.shape(Sphere{0.1}), Vec3(50, 50, 50));
+  edge.add(edge.shape(Box{{0.5, 0.5, 0.5}}),
+           Vec3(50, 50, 50) + Vec3(0.5, 0, 0.5) + (0.1 + near) * std::sqrt(0.5) * Vec3(1, 0, 1));
+  EXPECT_EQ(pull_on(edge), 0);
 }
 
 /// The force that holds a ball on a ceiling also presses it: friction holds it at the side of a wall.
