@@ -71,28 +71,27 @@ class FieldsOf final : public FluidFields {
     });
     return sums;
   }
-  rigid::FixedSum flow_through(int axis, int layer) const override {
+  rigid::FixedSum flow_through(int axis, int b, const lbm::CellBox& cells, double share) const override {
+    const Int3 low = cells.lower, high = low + cells.size;
+    const lbm::Block<T>& block = fluid_.blocks()[b];
+    const T *along[5], *against[5];
+    for (int i = 1, k = 0; i < lbm::directions; ++i) {
+      if (lbm::c[i][axis] != 1) continue;
+      along[k] = block.data() + block.arriving(i, fluid_.parity());
+      against[k++] = block.data() + block.arriving(lbm::opposite(i), fluid_.parity());
+    }
+    const double half_force = 0.5 * spec().force[axis];
     rigid::FixedSum sum = 0;
-    for_layer(axis, layer, [&](int b, Int3 low, Int3 high) {
-      const lbm::Block<T>& block = fluid_.blocks()[b];
-      const T *along[5], *against[5];
-      for (int i = 1, k = 0; i < lbm::directions; ++i) {
-        if (lbm::c[i][axis] != 1) continue;
-        along[k] = block.data() + block.arriving(i, fluid_.parity());
-        against[k++] = block.data() + block.arriving(lbm::opposite(i), fluid_.parity());
+    for_fluid_runs_of(b, low, high, [&](std::ptrdiff_t first, int cells) {
+      std::int64_t of_run = 0;
+      for (std::ptrdiff_t cell = first; cell < first + cells; ++cell) {
+        double u = half_force;
+        for (int k = 0; k < 5; ++k) u += double(along[k][cell]) - double(against[k][cell]);
+        of_run += std::llrint(share * u / flow_quantum);
       }
-      const double half_force = 0.5 * spec().force[axis];
-      for_fluid_runs_of(b, low, high, [&](std::ptrdiff_t first, int cells) {
-        std::int64_t of_run = 0;
-        for (std::ptrdiff_t cell = first; cell < first + cells; ++cell) {
-          double u = half_force;
-          for (int k = 0; k < 5; ++k) u += double(along[k][cell]) - double(against[k][cell]);
-          of_run += std::llrint(u / flow_quantum);
-        }
-        sum += of_run;
-      });
-      sum -= flow_into_surfaces(axis, b, low, high);
+      sum += of_run;
     });
+    sum -= flow_into_surfaces(axis, b, low, high, share);
     return sum * width() * width();
   }
   std::size_t bytes() const override { return fluid_.bytes(); }
@@ -128,9 +127,9 @@ class FieldsOf final : public FluidFields {
               if (!(is_solid >> k & 1)) visit(first + k, 1);
         }
   }
-  /// Half of what passes along an axis through the cut links of bodies and [[walls]] of the cells from low to
-  /// high: a cell's velocity counts it, although it goes through neither face of the layer.
-  rigid::FixedSum flow_into_surfaces(int axis, int b, Int3 low, Int3 high) const {
+  /// A share of half of what passes along an axis through the cut links of bodies and [[walls]] of the cells
+  /// from low to high: a cell's velocity counts it, although it goes through neither face of the layer.
+  rigid::FixedSum flow_into_surfaces(int axis, int b, Int3 low, Int3 high, double share) const {
     rigid::FixedSum sum = 0;
     for_cells(low, high, [&](Int3 x) {
       if (solid(b).test(x)) return;
@@ -138,7 +137,7 @@ class FieldsOf final : public FluidFields {
         const Int3 y = x + lbm::c[i];
         if (lbm::c[i][axis] == 0 || !solid(b).test(y) || maps()[b].walls.test(y)) continue;
         const double out = fluid_.leaving(b, x, i), back = came_back(b, x, i);
-        sum += lbm::c[i][axis] * std::llrint(0.5 * (out - back) / flow_quantum);
+        sum += lbm::c[i][axis] * std::llrint(share * 0.5 * (out - back) / flow_quantum);
       }
     });
     return sum;
@@ -188,6 +187,15 @@ class FieldsOf final : public FluidFields {
 };
 
 }  // namespace
+
+lbm::CellBox FluidFields::cells_meeting(const rigid::BoundingBox& box) const {
+  lbm::CellBox cells;
+  for (int d = 0; d < 3; ++d) {
+    cells.lower[d] = int(std::floor(box.lower[d] / width()));
+    cells.size[d] = int(std::ceil(box.upper[d] / width())) - cells.lower[d];
+  }
+  return cells;
+}
 
 template <class T>
 std::unique_ptr<FluidFields> make_fields(lbm::Fluid<T>& fluid, const std::vector<BlockMap>& maps) {

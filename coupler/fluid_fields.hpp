@@ -40,6 +40,14 @@ class FluidFields {
   rigid::Vec3 centre(lbm::Int3 cell) const {
     return width() * rigid::Vec3(cell.x + 0.5, cell.y + 0.5, cell.z + 0.5);
   }
+  /// Returns how much of a cell's volume lies in a box, in finest cells.
+  double volume_in(const rigid::BoundingBox& box, lbm::Int3 cell) const {
+    const auto low = (width() * rigid::Vec3(cell.x, cell.y, cell.z)).eval();
+    const rigid::Vec3 high = (low.array() + width()).min(box.upper.array());
+    return (high - low.cwiseMax(box.lower)).cwiseMax(0).prod();
+  }
+  /// The cells that a box reaches into.
+  lbm::CellBox cells_meeting(const rigid::BoundingBox&) const;
 
   // ---- cells of a box of a block's local cells, x fastest; of solid ones they mean nothing ----
   virtual void moments(int b, const lbm::CellBox&, lbm::MomentArrays&) const = 0;
@@ -78,10 +86,10 @@ class FluidFields {
   /// or lower side of an axis (method.md, equation 1), in units of the finest lattice. It is 0 where that is
   /// not a wall.
   virtual std::array<rigid::FixedSum, 3> side_force(int axis, bool upper) const = 0;
-  /// Returns this rank's share of the volume that goes along an axis through a layer of cells across it, in a
-  /// step, in flow_quantum and finest units: the sum of the velocities times the face of a cell, less what
-  /// goes into bodies and [[walls]] there: in steady flow it is alike for all layers.
-  virtual rigid::FixedSum flow_through(int axis, int layer) const = 0;
+  /// Returns the volume that goes along an axis through a block's local cells of one layer across it, in a
+  /// step, times a share, in flow_quantum and finest units: the sum of the velocities times the face of a
+  /// cell, less what goes into bodies and [[walls]] there: in steady flow it is alike for all layers.
+  virtual rigid::FixedSum flow_through(int axis, int b, const lbm::CellBox&, double share) const = 0;
   static constexpr double flow_quantum = 0x1p-48;
   virtual std::size_t bytes() const = 0;  // of the populations
 
@@ -106,16 +114,23 @@ class FluidFields {
 template <class T>
 std::unique_ptr<FluidFields> make_fields(lbm::Fluid<T>&, const std::vector<BlockMap>&);
 
-/// Calls visit(global cell of the level, moments) for every fluid cell, x fastest.
+/// Calls visit(global cell of the level, moments) for every fluid cell of a box, x fastest.
 template <class Visit>
-void for_each_fluid_cell(const FluidFields& fields, Visit&& visit) {
+void for_each_fluid_cell(const FluidFields& fields, const lbm::CellBox& within, Visit&& visit) {
   for (int b = 0; b < fields.blocks(); ++b) {
-    const lbm::CellBox& box = fields.block(b);
-    lbm::MomentsByRow moments(fields, b, 0, box.size.x);
-    for_cells({}, box.size, [&](lbm::Int3 x) {
-      if (fields.is_fluid(b, x)) visit(box.lower + x, moments(x));
+    const lbm::Int3 corner = fields.block(b).lower;
+    const lbm::CellBox box = overlap(fields.block(b), within);
+    const lbm::Int3 first = box.lower - corner, last = first + box.size;
+    lbm::MomentsByRow moments(fields, b, first.x, last.x);
+    for_cells(first, last, [&](lbm::Int3 x) {
+      if (fields.is_fluid(b, x)) visit(corner + x, moments(x));
     });
   }
+}
+/// The same of all fluid cells.
+template <class Visit>
+void for_each_fluid_cell(const FluidFields& fields, Visit&& visit) {
+  for_each_fluid_cell(fields, {{}, fields.domain().cells()}, visit);
 }
 
 /// Puts the fluid of a level of a case into its initial state, `fluid.initial`; it must be fresh, at rest

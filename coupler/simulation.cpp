@@ -105,7 +105,7 @@ void Simulation::before_drift(rigid::BodySet& bodies) {
   const rigid::RigidStep& step = *scene_.rigid_step;
   const ContactsInStep contacts{bodies, step.contacts(), step.other_impulses()};
   if (asks_for_contact_loads(setup())) add_contact_loads(contacts, scene_.exchange->extent(), contact_loads_);
-  if (asks_for_stress(setup())) add_contact_moments(contacts, contact_moments_);
+  if (asks_for_stress(setup())) add_contact_moments(contacts, scene_.exchange->extent(), contact_moments_);
   const double speed = faults_.hold_runaways(setup(), bodies, step_ + 1);
   counters_.body_speed = std::max(counters_.body_speed, speed);
   faults_.see_overlaps(setup(), bodies, step.contacts(), step_ + 1);

@@ -169,8 +169,8 @@ inline constexpr QuantityType types[] = {
      "torque of contacts about the axis: on bodies about their centres of mass, on a wall about its point; "
      "in the last step"},
     {"flow-rate", flow_rate, Q::axis | Q::at, Q::fluid | Q::stepwise,
-     "volume of fluid that goes through a plane across the axis, per time, at the end; in the cells the "
-     "plane lies in"},
+     "volume of fluid that goes through a plane across the axis, per time, at the end; linear between the "
+     "layers of cells beside the plane"},
     {"body-force", dimension::acceleration, Q::axis, Q::fluid | Q::stepwise,
      "acceleration of the fluid along the axis, as given or as the superficial velocity asks for, at the "
      "end"},
@@ -188,7 +188,8 @@ inline constexpr QuantityType types[] = {
      "shear stress on the two walls across the axis over that of the fluid alone at the same velocities, "
      "mean from a time on"},
     {"viscous-stress", dimension::pressure, Q::box | Q::component, Q::fluid | Q::stepwise,
-     "2 ρ ν S of the fluid in the box, over the volume of the box, at the end"},
+     "2 ρ ν S of the fluid in the box, over the volume of the box, at the end; a cell counts by its "
+     "part in the box"},
     {"particle-stress", dimension::pressure, Q::body | Q::box | Q::component,
      Q::fluid | Q::bodies | Q::stepwise,
      "what bodies with their centres in the box add to it: force of the fluid on their surfaces times the "

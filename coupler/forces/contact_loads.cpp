@@ -71,10 +71,14 @@ void add_contact_loads(const ContactsInStep& step, const rigid::Extent& extent,
   }
 }
 
-void add_contact_moments(const ContactsInStep& step, std::vector<ContactMoment>& found) {
+void add_contact_moments(const ContactsInStep& step, const rigid::Extent& extent,
+                         std::vector<ContactMoment>& found) {
   const rigid::BodySet& bodies = step.bodies;
   const auto add = [&](std::size_t row, bool is_first, const Contact& c, const Vec3& impulse) {
-    found.push_back({bodies.kind[row], bodies.position[row],
+    Vec3 position = bodies.position[row];
+    std::array<std::int32_t, 3> image{};
+    extent.wrap(position, image);
+    found.push_back({bodies.kind[row], position,
                      is_first ? symmetric_product(c.r_a, -impulse) : symmetric_product(c.r_b, impulse)});
   };
   for_remembered(step, add);

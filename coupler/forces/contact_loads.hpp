@@ -48,7 +48,8 @@ struct ContactsInStep {
 /// Appends the loads that contacts of owned free bodies put on walls and on bodies of infinite mass.
 void add_contact_loads(const ContactsInStep&, const rigid::Extent&, std::vector<ContactLoad>&);
 
-/// Appends the moments of the owned free bodies' contacts.
-void add_contact_moments(const ContactsInStep&, std::vector<ContactMoment>&);
+/// Appends the moments of the owned free bodies' contacts, and where these are in the domain, which a body
+/// may have left by a period in the first half of the drift.
+void add_contact_moments(const ContactsInStep&, const rigid::Extent&, std::vector<ContactMoment>&);
 
 }  // namespace silt::coupler

@@ -143,7 +143,10 @@ constexpr Computation since_start(std::string_view type) {
           },
           {8, add_totals, is_at_start},
           [](const Case&, const QuantitySpec& q, std::int64_t, std::span<const double> sums,
-             QuantityHistory& start) { start = kept(Totals::from(sums), q); }};
+             QuantityHistory& start) { start = kept(Totals::from(sums), q); },
+          nullptr,
+          {},
+          true};
 }
 
 QuantityHistory kept_momentum(const Totals& t, const QuantitySpec& q) {

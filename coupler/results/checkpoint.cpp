@@ -11,6 +11,7 @@
 #include "adapters/hdf5/body_series.hpp"
 #include "coupler/case/case.hpp"
 #include "coupler/exchange/coupling_state.hpp"
+#include "coupler/results/definitions.hpp"
 #include "parallel/together.hpp"
 
 namespace silt::coupler {
@@ -104,26 +105,16 @@ struct Read {
   void operator()(const CounterName& name, std::uint64_t& x) const { (*this)(name.checkpoint, x, 0, most); }
 };
 
-std::string history_name(const QuantitySpec& q, std::size_t k) {
-  return fmt::format("quantity.{}#{}", q.name, k);
-}
-
-/// Visits the means of series that a step leaves unfinished, by names that say which rows they are of.
+/// Visits the means of series that a step leaves unfinished, by names that say which rows they are of, with
+/// their definitions.
 template <class Means, class Visit>
 void visit_means(const Case& setup, Means& means, Visit&& visit) {
   for (std::size_t s = 0; s < means.size(); ++s) {
     const ColumnsSpec& series = setup.output.series[s];
     if (series.mean_of == 1) continue;
     for (std::size_t k = 0; k < means[s].size(); ++k)
-      visit(fmt::format("{}.{}.{}#{}", series.name, series.every, series.mean_of, series.columns[k]),
-            means[s][k]);
+      visit(mean_name(series, k), definition_of(setup, series, k), means[s][k]);
   }
-}
-
-/// Returns whether the checkpoint has the watch that the case asks for, not one with another rule.
-bool has_watch_of(const CheckpointReader& reader, const SteadySpec& spec) {
-  return reader.has("steady.quantity") && reader.text("steady.quantity") == spec.quantity &&
-         reader.number("steady.change") == spec.change && reader.integer("steady.every") == spec.every;
 }
 
 // ---- bodies ----
@@ -174,16 +165,18 @@ void write_state(CheckpointWriter& writer, const Simulation& simulation, const Q
   writer.set("files", joined_lines(setup.files));
   visit_state(state, Write{writer});
   write_origin_of_start(writer, setup, state.step);
-  for (std::size_t i = 0; i < history.size(); ++i)
-    for (std::size_t k = 0; k < history[i].size(); ++k)
-      writer.set(history_name(setup.quantities[i], k), history[i][k]);
-  visit_means(setup, quantities.means(), [&](const std::string& name, const StepMean& mean) {
-    writer.set(name + ".sum", mean.sum), writer.set(name + ".count", mean.count);
-  });
+  for (std::size_t i = 0; i < history.size(); ++i) {
+    const QuantitySpec& q = setup.quantities[i];
+    for (std::size_t k = 0; k < history[i].size(); ++k) writer.set(history_name(q, k), history[i][k]);
+    writer.set(definition_name(history_name(q, 0)), definition_of(q));
+  }
+  visit_means(setup, quantities.means(),
+              [&](const std::string& name, const std::string& definition, const StepMean& mean) {
+                writer.set(name + ".sum", mean.sum), writer.set(name + ".count", mean.count);
+                writer.set(definition_name(name), definition);
+              });
   if (steady) {
-    writer.set("steady.quantity", setup.steady->quantity);
-    writer.set("steady.change", setup.steady->change);
-    writer.set("steady.every", setup.steady->every);
+    writer.set(definition_name(watch_name), definition_of(setup, *setup.steady));
     SteadyWatch::State watch = steady->state();
     visit_steady_watch(watch, Write{writer});
   }
@@ -256,7 +249,7 @@ std::optional<SteadyWatch> read_steady_watch(const CheckpointReader& reader, con
   if (!setup.steady) return {};
   SteadyWatch watch(setup.steady->change);
   SteadyWatch::State state;
-  if (has_watch_of(reader, *setup.steady)) visit_steady_watch(state, Read{reader});
+  if (holds(reader, watch_name, definition_of(setup, *setup.steady))) visit_steady_watch(state, Read{reader});
   watch.set_state(state);
   return watch;
 }
@@ -265,9 +258,10 @@ std::vector<QuantityHistory> read_history(const CheckpointReader& reader, const 
   std::vector<QuantityHistory> history;
   for (const QuantitySpec& q : setup.quantities) {
     QuantityHistory& h = history.emplace_back(no_history);
+    if (!holds(reader, history_name(q, 0), definition_of(q))) continue;
     for (std::size_t k = 0; k < h.size(); ++k) {
       const std::string name = history_name(q, k);
-      if (reader.has(name) && reader.number(name) != no_history[k]) Read{reader}(name, h[k]);
+      if (reader.number(name) != no_history[k]) Read{reader}(name, h[k]);
     }
   }
   return history;
@@ -276,8 +270,8 @@ std::vector<QuantityHistory> read_history(const CheckpointReader& reader, const 
 SeriesMeans read_means(const CheckpointReader& reader, const Case& setup) {
   SeriesMeans means;
   for (const ColumnsSpec& series : setup.output.series) means.emplace_back(series.columns.size());
-  visit_means(setup, means, [&](const std::string& name, StepMean& mean) {
-    if (!reader.has(name + ".count")) return;
+  visit_means(setup, means, [&](const std::string& name, const std::string& definition, StepMean& mean) {
+    if (!holds(reader, name, definition)) return;
     Read{reader}(name + ".sum", mean.sum);
     Read{reader}(name + ".count", mean.count, 0);
   });

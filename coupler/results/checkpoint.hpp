@@ -34,11 +34,11 @@ SavedState read_state(const adapters::CheckpointReader&, const Case&);
 /// Collective. Makes the simulation that goes on from it, populations and all.
 std::unique_ptr<Simulation> resumed_simulation(const adapters::CheckpointReader&, Case, MPI_Comm);
 
-/// Returns what Quantities had gathered, for its set_history.
+/// Returns what Quantities had gathered, for its set_history; of other definitions (definitions.hpp) nothing.
 std::vector<QuantityHistory> read_history(const adapters::CheckpointReader&, const Case&);
 
-/// Returns what rows of [[output.series]] had gathered, for Quantities::set_means; nothing of a series of
-/// other rows than the run had.
+/// Returns what rows of [[output.series]] had gathered, for Quantities::set_means; nothing of other rows or
+/// of columns of other definitions than the run had.
 SeriesMeans read_means(const adapters::CheckpointReader&, const Case&);
 
 /// Returns the watch of a case, as it was; fresh if the run watched something else; none without run.steady.

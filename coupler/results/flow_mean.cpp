@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "coupler/case/case.hpp"
+#include "coupler/results/definitions.hpp"
 #include "coupler/results/flow_fields.hpp"
 #include "coupler/results/solid_cells.hpp"
 #include "parallel/together.hpp"
@@ -113,25 +114,23 @@ void FlowMean::write(const Simulation& simulation, const std::filesystem::path& 
 }
 
 void FlowMean::save(adapters::CheckpointWriter& writer, const Simulation& simulation) const {
-  writer.set("mean.from", spec_.from);
-  writer.set("mean.every", spec_.every);
+  writer.set(definition_name(flow_mean_name), definition_of(spec_));
   writer.set("mean.samples", samples_);
-  writer.cells("mean", adapters::Storage::double_, simulation.setup().cells, numbers,
+  writer.cells(flow_mean_name, adapters::Storage::double_, simulation.setup().cells, numbers,
                boxes_of(simulation.scene().flow->fields()), [&](int q, std::size_t b, void* out) {
                  std::copy_n(blocks_[b].array(q), blocks_[b].cells, static_cast<double*>(out));
                });
 }
 
 void FlowMean::restore(const adapters::CheckpointReader& reader, const Simulation& simulation) {
-  if (!reader.has("mean.samples") || reader.number("mean.from") != spec_.from ||
-      reader.integer("mean.every") != spec_.every)
-    return;
+  if (!holds(reader, flow_mean_name, definition_of(spec_))) return;
   samples_ = reader.integer("mean.samples");
-  const bool fits = reader.has_cells("mean") && reader.lattice("mean") == simulation.setup().cells &&
-                    reader.components("mean") == numbers;
+  const bool fits = reader.has_cells(flow_mean_name) &&
+                    reader.lattice(flow_mean_name) == simulation.setup().cells &&
+                    reader.components(flow_mean_name) == numbers;
   if (!fits) reader.refuse("/cells/mean is not there, or of another lattice than the case's");
   std::string fault;
-  reader.cells("mean", adapters::Storage::double_, boxes_of(simulation.scene().flow->fields()),
+  reader.cells(flow_mean_name, adapters::Storage::double_, boxes_of(simulation.scene().flow->fields()),
                [&](int q, std::size_t b, const void* in) {
                  const auto* const found = static_cast<const double*>(in);
                  std::copy_n(found, blocks_[b].cells, blocks_[b].array(q));

@@ -4,6 +4,7 @@
 
 #include "coupler/case/case.hpp"
 #include "coupler/placement/place_bodies.hpp"
+#include "coupler/results/layers_beside.hpp"
 #include "coupler/results/quantity_computation.hpp"
 #include "coupler/results/velocity_gradient.hpp"
 #include "parallel/collectives.hpp"
@@ -88,12 +89,12 @@ double velocity_past_bodies(const Simulation& simulation, const QuantitySpec& q)
   return superficial_velocity(simulation, q.axis, bodies);
 }
 
-/// Adds the flow through the layer of cells in which a plane across the axis lies, or beside which.
+/// Adds the flow through a plane across the axis.
 void add_flow_rate(const Simulation& simulation, const QuantitySpec& q, std::span<rigid::ExactSum> rate) {
   simulation.scene().flow->for_levels([&](const FluidFields& fields) {
-    const int last = fields.domain().cells()[q.axis] - 1;
-    const int layer = std::min(int(q.height) / fields.width(), last);
-    rate[0].add(fields.flow_through(q.axis, layer), FluidFields::flow_quantum);
+    LayersBeside(fields, q.axis, q.height).for_each([&](int b, const lbm::CellBox& cells, double share) {
+      rate[0].add(fields.flow_through(q.axis, b, cells, share), FluidFields::flow_quantum);
+    });
   });
 }
 

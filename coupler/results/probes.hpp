@@ -1,7 +1,9 @@
 #pragma once
-// Fields of the fluid at points, for [[output.probes]]: trilinear between the centres of the cells around a
-// point, of the level that the point's cell has. Of these only fluid cells of that level count, by their
-// weights; where there is none there is no value.
+// Fields of the fluid at points, for [[output.probes]]: trilinear between the centres of the eight cells
+// around a point, of the level that the point's cell has. One that is not fluid, or of another level, has the
+// value there of the linear function that is nearest (least squares) to the others and to the cells next to
+// these outward, so that a linear field is exact up to walls and to borders of levels. Where none of the
+// eight is there is no value.
 #include <string>
 #include <vector>
 
@@ -9,7 +11,7 @@
 #include "coupler/results/run_tables.hpp"
 #include "coupler/simulation.hpp"
 #include "parallel/sums_under_way.hpp"
-#include "rigid/math/exact_sum.hpp"
+#include "rigid/math/types.hpp"
 
 namespace silt::coupler {
 
@@ -27,18 +29,19 @@ class Probes {
   std::vector<std::string> places(const Case&) const;
 
  private:
-  int terms() const;  // of a level: the weights, and the weighted numbers
-  void add(const FluidFields&, const rigid::Vec3& point, std::span<rigid::ExactSum>) const;
+  int numbers() const;  // of a cell
+  std::size_t width() const;
+  void see(const FluidFields&, const rigid::Vec3& point, std::span<double> of_point) const;
+  void see_cell(const FluidFields&, int block, lbm::Int3 cell, double* numbers) const;
+  std::vector<double> at(const rigid::Vec3& point, const double* of_point) const;
   void finish(const Case&);
-  void add_cell(const FluidFields&, int block, lbm::Int3 cell, double weight,
-                std::span<rigid::ExactSum>) const;
 
   ProbesSpec spec_;
   std::int64_t step_ = 0;  // of the look under way
   int levels_ = 0;         // the same; 0: there is none
   TableRows rows_;
-  // of each point: the level of its cell, counted from 1, and the terms of each level
-  parallel::SumsUnderWay<std::vector<rigid::ExactSum>> sums_;
+  // of each point: the level of its cell, and of each level the numbers of its stencil's cells
+  parallel::LargestUnderWay<std::vector<double>> seen_;
 };
 
 }  // namespace silt::coupler

@@ -54,6 +54,10 @@ struct Computation {
   /// Returns the value in the last step of a mean over steps; null for others.
   double (*in_last_step)(const QuantityHistory&) = nullptr;
   StepValue in_step = {};  // of those that have a value in every step
+  bool of_start = false;   // the history is of the start, and can be made again from the case
+
+  /// Returns whether the value has to be gathered step by step.
+  bool gathers() const { return (observe || fold) && !of_start; }
 };
 
 std::span<const Computation> body_computations();
@@ -152,12 +156,13 @@ constexpr Computation mean_of(std::string_view type, const StepSums& sums) {
           {of_step<f>}};
 }
 
-/// f(simulation) at the first step from half a step before the spec's time; without a time, at the end.
+/// f(simulation) at the step that is nearest to the spec's time; without a time, at the end.
 template <auto f>
 constexpr Computation at_instant(std::string_view type) {
   return {type,
           [](const Simulation& simulation, const QuantitySpec& q, QuantityHistory& h) {
-            if (h[0] == not_yet && double(simulation.steps_done()) >= q.time - 0.5) h[0] = f(simulation);
+            const auto step = double(simulation.steps_done());
+            if (step >= q.time - 0.5 && step < q.time + 0.5) h[0] = f(simulation);
           },
           [](const Simulation& simulation, const QuantitySpec& q, const QuantityHistory& h) {
             return std::isfinite(q.time) ? value_seen(simulation, q, h) : f(simulation);

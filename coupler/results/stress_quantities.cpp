@@ -18,11 +18,13 @@ bool is_in(const QuantitySpec& q, const Vec3& x) {
   return (x.array() >= q.box.lower.array()).all() && (x.array() < q.box.upper.array()).all();
 }
 
+/// A cell counts by the part of it that lies in the box.
 void add_viscous_stress(const Simulation& simulation, const QuantitySpec& q, std::span<ExactSum> stress) {
+  const double twice_viscosity = 2 * simulation.setup().fluid->kinematic_viscosity;
   simulation.scene().flow->for_levels([&](const FluidFields& fields) {
-    const double share = 2 * simulation.setup().fluid->kinematic_viscosity * double(fields.volume());
-    for_each_fluid_cell(fields, [&](Int3 cell, const lbm::Moments& m) {
-      if (is_in(q, fields.centre(cell))) stress[0].add(share * strain_rate(fields, m)[q.component]);
+    for_each_fluid_cell(fields, fields.cells_meeting(q.box), [&](Int3 cell, const lbm::Moments& m) {
+      const double share = twice_viscosity * fields.volume_in(q.box, cell);
+      stress[0].add(share * strain_rate(fields, m)[q.component]);
     });
   });
 }

@@ -12,6 +12,7 @@
 #include "coupler/placement/given_bodies.hpp"
 #include "coupler/results/body_output.hpp"
 #include "coupler/results/checkpoint.hpp"
+#include "coupler/results/definitions.hpp"
 #include "coupler/run/run_estimate.hpp"
 #include "lbm/cut_links.hpp"
 #include "parallel/collectives.hpp"
@@ -260,6 +261,7 @@ PreparedRun prepare_resume(const RunOptions& options, MPI_Comm comm, const fs::p
     prepared.quantities->set_history(read_history(reader, *setup));
     prepared.quantities->set_means(read_means(reader, *setup));
     prepared.steady = read_steady_watch(reader, *setup);
+    std::ranges::move(begun_anew(reader, *setup), std::back_inserter(prepared.warnings));
   });
   prepared.simulation = resumed_simulation(reader, std::move(*setup), comm);
   if (prepared.simulation->setup().output.mean) {

@@ -5,6 +5,7 @@
 #include "coupler/results/checkpoint.hpp"
 #include "coupler/results/flow_fields.hpp"
 #include "coupler/results/lattice_of_levels.hpp"
+#include "coupler/results/quantity_computation.hpp"
 #include "tests/adapters/hdf5/scratch.hpp"
 #include "tests/coupler/levelled_flow.hpp"
 #include "tests/world.hpp"
@@ -54,6 +55,30 @@ TEST(FieldsOfLevels, VorticityIsThatOfTheFinestUnits) {
     EXPECT_NEAR(vorticity[2], -1e-4, 1e-12);
   });
   EXPECT_EQ(tests::sum_over_ranks(looked_at), 8 * 12 * 4 + 8 * 14 * 6);
+}
+
+/// A flow that grows linearly along an axis, through planes across it: between the centres of cells, on
+/// borders between cells of two widths, and on the sides of the domain.
+TEST(QuantitiesOfLevels, TheFlowThroughAPlaneIsLinearBetweenCells) {
+  CaseText text = levelled_case();
+  text.domain = domain_of({24, 16, 8}, R"("no-slip")");
+  Simulation s = text.start(MPI_COMM_WORLD);
+  LevelledFlow& flow = put_levels(s);
+  for (int axis = 0; axis < 3; ++axis) {
+    set_cells(flow, [axis](const FluidFields& fields, lbm::Int3 cell) {
+      rigid::Vec3 u(1e-3, 2e-3, 3e-3);
+      u[axis] += 1e-3 * fields.centre(cell)[axis];
+      return LocalFlow{0, u};
+    });
+    const double length = s.setup().cells[axis], area = s.setup().volume() / length;
+    QuantitySpec q;
+    q.type = "flow-rate", q.axis = axis;
+    for (double share = 0; share <= 1; share += 1. / 64) {
+      q.height = share * length;
+      EXPECT_NEAR(value_in_last_step(s, q) / area, 1e-3 * (1 + axis + q.height), 1e-13)
+          << "xyz"[axis] << " " << q.height;
+    }
+  }
 }
 
 /// VTK wants cells of the next level under all: means of what is above.

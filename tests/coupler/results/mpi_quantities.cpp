@@ -9,6 +9,7 @@
 
 #include "coupler/case/case.hpp"
 #include "coupler/case/quantity_spec.hpp"
+#include "coupler/results/definitions.hpp"
 #include "parallel/traffic.hpp"
 #include "tests/coupler/case/case_text.hpp"
 #include "tests/coupler/same_bits.hpp"
@@ -301,6 +302,83 @@ TEST(Quantities, GoOnFromACheckpoint) {
     return numbers(q.evaluate(s));
   };
   expect_same_bits(finish(*resumed, again), finish(simulation, quantities));
+}
+
+/// The quantities of a checkpoint that are read again for a case.
+std::vector<bool> taken_up(const Saved& saved, const Case& setup) {
+  std::vector<bool> taken;
+  for (const QuantityHistory& h : read_history(saved.reader(), setup)) taken.push_back(h != no_history);
+  return taken;
+}
+
+/// Each key of each accumulated quantity, changed alone: what was summed before is dropped, and that of no
+/// other quantity; a warning names it. A name that another quantity had is no way to its sums.
+TEST(Quantities, OfOtherDefinitionsBeginAnew) {
+  using Q = QuantityType;
+  const CaseText text = watched_crowd();
+  Simulation simulation = text.start(MPI_COMM_WORLD, {finely_cut});
+  const Case& scene = simulation.setup();
+  Quantities quantities(scene);
+  quantities.observe(simulation);
+  for (int i = 0; i < 70; ++i) {
+    simulation.step();
+    quantities.observe(simulation);
+  }
+  const Saved saved(simulation, quantities);
+  const std::vector<bool> before = taken_up(saved, scene);
+  EXPECT_TRUE(begun_anew(saved.reader(), scene).empty());
+  int changed = 0;
+  const auto expect_anew = [&](std::size_t i, const std::string& name, const Overrides& overrides) {
+    const Case other = text.read(overrides);
+    std::vector<bool> after = before;
+    after[i] = false;
+    EXPECT_EQ(taken_up(saved, other), after) << overrides.front();
+    const auto warnings = begun_anew(saved.reader(), other);
+    const bool warns = computation_of(scene.quantities[i].type).gathers();
+    ASSERT_EQ(warnings.size(), warns) << overrides.front();
+    if (warns) EXPECT_NE(warnings[0].text.find("'" + name + "'"), std::string::npos) << warnings[0].text;
+    ++changed;
+  };
+  for (std::size_t i = 0; i < scene.quantities.size(); ++i) {
+    if (!before[i]) continue;
+    const std::string name = scene.quantities[i].name;
+    const QuantityType& type = quantity_type(scene.quantities[i].type);
+    for (const auto& [key, value] : {std::pair(Q::axis, "axis=\"y\""),
+                                     {Q::time, "time=61"},
+                                     {Q::height, "height=10"},
+                                     {Q::centre, "centre=[16, 15, 16]"},
+                                     {Q::body, "body=\"brick\""}})
+      if (type.takes(key)) expect_anew(i, name, {fmt::format("quantities[{}].{}", i, value)});
+    expect_anew(i, "other", {fmt::format("quantities[{}].name=\"other\"", i)});
+  }
+  EXPECT_GT(changed, 30);
+}
+
+/// An instant that is over when a run goes on has no value, and not that of another one.
+TEST(Quantities, AnInstantBeforeAResumeHasNoValue) {
+  const CaseText text = vortex("type = \"kinetic-energy\"\ntime = 5", 12);
+  Simulation simulation = text.start(MPI_COMM_WORLD);
+  Quantities quantities(simulation.setup());
+  for (int i = 0; i < 9; ++i) {
+    simulation.step();
+    quantities.observe(simulation);
+  }
+  const Saved saved(simulation, quantities);
+  const auto value = [&](const char* time) {
+    const Case scene = text.read({time});
+    const auto again = saved.go_on(scene);
+    Quantities resumed(scene);
+    resumed.set_history(read_history(saved.reader(), scene));
+    while (again->steps_done() < 12) {
+      again->step();
+      resumed.observe(*again);
+    }
+    return resumed.evaluate(*again).front().second;
+  };
+  EXPECT_EQ(value("quantities[0].time=5"), quantities.evaluate(simulation).front().second);
+  EXPECT_TRUE(std::isnan(value("quantities[0].time=6")));
+  EXPECT_EQ(value("quantities[0].time=11"),
+            vortex("type = \"kinetic-energy\"\ntime = 11", 12).values(MPI_COMM_WORLD).front());
 }
 
 /// A ball in a sheared fluid beside two walls, and every quantity that looks at what the walls bear.

@@ -1,4 +1,5 @@
 // The parts of the stress of a suspension against closed forms and against the stress on the walls.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <mpi.h>
 
@@ -43,6 +44,33 @@ TEST(Stress, TheFluidsInAPlaneShearIsViscosityTimesTheShear) {
   EXPECT_NEAR(values[2], 0, 1e-6 * theory);
 }
 
+/// Cells count by their parts in a box, which may be thinner than one, on cells of two widths and across the
+/// borders between them.
+TEST(Stress, AUniformShearHasTheSameStressInAnyBox) {
+  const std::vector<std::string> boxes = {
+      "[[0, 0, 0], [16, 16, 48]]",          "[[0, 0, 8], [16, 16, 40]]",
+      "[[3.3, 2.2, 5.1], [7.7, 9.1, 9.3]]", "[[3.3, 2.2, 37.9], [7.7, 9.1, 44]]",
+      "[[0, 0, 20], [16, 16, 21]]",         "[[0, 0, 20.1], [16, 16, 20.2]]",
+      "[[0, 0, 0], [16, 16, 0.3]]",         "[[5.5, 0, 47.9], [5.6, 16, 48]]",
+      "[[0, 0, 7.9], [0.1, 0.1, 8.1]]"};
+  for (const bool levels : {true, false}) {
+    std::string quantities;
+    for (const std::string& box : boxes)
+      for (const char* component : {"xz", "yz"})
+        quantities += stress("viscous-stress", component, "box = " + box + "\n");
+    CaseText c = shear(48, quantities, 4000);
+    c.domain.replace(c.domain.find("20, 20"), 6, "16, 16");
+    c.fluid.replace(c.fluid.find("0.8"), 3, "2.0");
+    if (levels) c.rest = "[coarsening]\nlevels = 1\ndistance = 8\nfine_sides = [\"z-low\", \"z-high\"]\n";
+    const auto values = c.values(MPI_COMM_WORLD);
+    const double theory = 0.5 * 0.04 / 48;
+    for (std::size_t k = 0; k < boxes.size(); ++k) {
+      EXPECT_NEAR(values[2 * k], theory, 1e-9 * theory) << boxes[k];
+      EXPECT_NEAR(values[2 * k + 1], 0, 1e-9 * theory) << boxes[k];
+    }
+  }
+}
+
 /// The shear turns a sphere: the walls bear what the fluid has and what the sphere adds
 /// (Batchelor 1970); a sphere alone adds 5/2 of its share of the volume (Einstein 1906), near walls more.
 TEST(Stress, TheFluidsAndTheBodiesPartsAreWhatTheWallsBear) {
@@ -84,6 +112,28 @@ TEST(Stress, ContactsOfAColumnBearItsWeight) {
   const double substeps = c.values(MPI_COMM_SELF, {"contacts.substeps=4"})[0];
   EXPECT_NEAR(substeps, values[0], 1e-3 * std::abs(values[0]));
   EXPECT_NEAR(c.values(MPI_COMM_SELF)[0], values[0], 1e-15) << "on any ranks";
+}
+
+/// While a column glides over a periodic border it stays in a box that is the domain.
+TEST(Stress, ContactsOfAColumnOnAPeriodicBorderBearItsWeight) {
+  constexpr int steps = 50;
+  constexpr double radius = 4, speed = 0.05;
+  CaseText c;
+  c.fluid = "";
+  c.domain =
+      domain_of({24, 24, 40}, "{ x = \"periodic\", y = \"periodic\", z = [\"free-slip\", \"free-slip\"] }");
+  c.rest = "[gravity]\nacceleration = [0, 0, -1e-4]\n";
+  const double x = 24 - speed * (steps - 1) - 0.01;  // across the border in the first half of the last drift
+  c.bodies = "";
+  for (const double z : {4, 12})
+    c.bodies +=
+        body_of("ball", 2, fmt::format("position = [{}, 12, {}]\nvelocity = [{}, 0, 0]", x, z, speed));
+  c.run = fmt::format("[run]\nsteps = {}\n", steps) + stress("contact-stress", "zz");
+  const double weight = 2 * 4 * std::numbers::pi / 3 * std::pow(radius, 3) * 1e-4;
+  const double theory = -weight * radius * 4 / (24. * 24 * 40);
+  for (const int last : {steps - 1, steps, steps + 1})
+    EXPECT_NEAR(c.values(MPI_COMM_WORLD, {fmt::format("run.steps={}", last)})[0], theory, 1e-6 * -theory)
+        << last;
 }
 
 }  // namespace
