@@ -10,6 +10,7 @@
 namespace silt::rigid::testing {
 
 inline constexpr double g = 9.81;  // m / s^2
+inline const Vec3 down(0, 0, -g);
 
 /// The collision backend of the scenes made from now on.
 inline const char* backend_name = "analytic";

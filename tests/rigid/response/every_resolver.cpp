@@ -51,8 +51,6 @@ TEST(EveryResolver, UnknownNamesAreRefusedWithTheKnownOnes) {
   for (const ResolverModel& model : resolver_models()) EXPECT_TEXT(error, model.name);
 }
 
-const Vec3 down(0, 0, -g);
-
 TEST(DualActiveSet, ClosestPointOfAPolyhedron) {
   const auto half_space = [](std::initializer_list<double> n, double offset) {
     HalfSpace6 h{Vec6::Zero(), offset};

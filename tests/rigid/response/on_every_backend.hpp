@@ -17,8 +17,6 @@ inline std::string name_of_backend(const ::testing::TestParamInfo<const char*>& 
   return info.param;
 }
 
-inline const Vec3 down(0, 0, -g);
-
 /// Gravity as seen by a slope of that angle, falling along +x.
 inline Vec3 slope(double degrees) {
   const double a = degrees * M_PI / 180;
