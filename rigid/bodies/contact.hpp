@@ -45,6 +45,10 @@ struct ReducedRadii {
   double least = 0, largest = 0;
 };
 
+/// Which motion turns the normal of bodies that stay in contact: that of the centres of two spheres, or that
+/// of the bodies whose faces it stands on.
+enum class NormalTurns : std::uint8_t { never, with_centres, with_a, with_b, with_both };
+
 struct Contact {
   BodyId a, b;            // a < b
   Image image;            // of b, relative to the canonical position of a
@@ -54,8 +58,9 @@ struct Contact {
   Vec3 r_a, r_b;  // where its impulse acts (method.md, C3a), from each centre of mass; of a tube
                   // from its axis abreast of a
   double restitution, friction;
-  LubricationResistance lubrication = {};  // of the film in a narrow gap
-  ReducedRadii radii = {};                 // where the pair's material asks for them
+  LubricationResistance lubrication = {};         // of the film in a narrow gap
+  ReducedRadii radii = {};                        // where the pair's material asks for them
+  NormalTurns normal_turns = NormalTurns::never;  // known of pairs that cohere
 
   auto pair() const { return std::tuple(a, b, image); }
   /// The order in which contacts are resolved and summed, on any number of ranks.

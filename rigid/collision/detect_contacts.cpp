@@ -33,6 +33,15 @@ void set_arms(const BodySet& bodies, const CandidatePair& p, const Vec3& across,
   c.r_b -= (1 - share) * across;
 }
 
+/// Walls that are no meshes turn in their own surface.
+template <class ShapeParts>
+NormalTurns normal_turns(const ShapeParts& a, const ShapeParts& b) {
+  using enum NormalTurns;
+  if (b.half_space || b.hollow) return never;
+  if (a.sphere) return b.sphere ? with_centres : with_b;
+  return b.sphere ? with_a : with_both;
+}
+
 /// Canonical and inside the domain also where a contact point lies behind a wall.
 Vec3 into_domain(const Extent& extent, Vec3 x) {
   std::array<std::int32_t, 3> image{};
@@ -279,6 +288,7 @@ void DetectContacts::collide_pair(const Pair& p, std::vector<Contact>& contacts)
           put_lubrication(p, of_a, of_b, point, contacts.back());
         if (with_radii) contacts.back().radii = radii_of(p, of_a, of_b, point);
         set_arms(bodies, p, point.on_b - point.on_a, contacts.back());
+        if (material.pulls()) contacts.back().normal_turns = normal_turns(a, b);
         if (point.gap < least_gap) least_gap = point.gap, narrowest = point_near_both(p, point);
       }
       let_pass(p, of_a, of_b, std::span(contacts).subspan(first_of_pieces));

@@ -122,7 +122,7 @@ Impulse<kind> find(const LubricatedGroup& g, const Impulse<kind>& old, const Twi
   const Vector across = along - n * dot(along, n);
   const Vector roll = cross(a.w * g.reach_a - b.w * g.reach_b, n) - across * g.skew;
 
-  const Numbers stop_n = old.normal - u_n * g.inverse_k_n;
+  const Numbers stop_n = old.normal - (u_n - g.together) * g.inverse_k_n;
   Impulse<kind> p;
   p.normal = larger(g.normal_damped * stop_n, old.normal + (g.target - u_n) * g.inverse_k_n);
   const Numbers pressing = g.normal_stiffness * (p.normal - g.normal_damped * stop_n);

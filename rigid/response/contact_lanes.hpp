@@ -85,6 +85,7 @@ struct alignas(64) RollingGroup : CentralGroup {
 /// it takes away.
 struct alignas(64) LubricatedGroup : CentralGroup {
   Real8 normal_stiffness;  // 1 + z k
+  Real8 together;          // the normal velocity that leaves the gap as it is; not 0 where bodies cohere
   Real8 normal_damped, tangential_damped;
   Real8 skew;                   // alpha of lubrication.hpp
   Real8 reach_a, reach_b;       // A and B there; at a wall, of arm R, 2 A - R: as seen from it where it turns
@@ -97,6 +98,7 @@ struct alignas(64) LubricatedGroup : CentralGroup {
 /// centre.
 struct alignas(64) BlockGroup : PairGroup {
   Real8 offset[3];                                   // from b's centre to a's
+  Real8 together[3];                                 // velocity of b seen from a that is none to the contacts
   Real8 inverse_mass[3];                             // of both together, along each axis
   Real8 inverse_inertia_a[6], inverse_inertia_b[6];  // xx, yy, zz, xy, xz, yz
   Real8 inverse_arm;                                 // of the furthest contact from a's centre

@@ -1,38 +1,74 @@
 #include "rigid/response/contact_targets.hpp"
 
+#include "rigid/response/turning.hpp"
+
 namespace silt::rigid {
 namespace {
 
 constexpr double no_gap = 1e-6;  // of the lever arms: a gap that is none
 
-double pull(const Material& material, const Contact& c, bool pressed) {
-  const double widest = (pressed || c.lubrication ? hair : no_gap) * lever_arms(c);
-  double force = c.gap <= widest ? material.cohesion : 0;
-  if (material.hamaker > 0 && c.gap <= material.van_der_waals_reach()) {
-    const double gap = std::max(c.gap, material.hamaker_gap);
+/// How two bodies that attract each other meet at a contact.
+struct Hold {
+  bool touch;
+  double chord, kept;  // gaps: that of turning about each other; that they are to have next
+};
+
+Hold hold(const Contact& c, const Turning& turning, bool pressed) {
+  const double arms = lever_arms(c), chord = turning.gap_of_chord();
+  constexpr double turn_of_step = 4;  // of the second order, to that of half a step
+  if ((pressed || c.lubrication) && c.gap <= hair * arms + turn_of_step * chord)
+    return {true, chord, chord + (c.lubrication ? 0 : hair * arms)};
+  constexpr double share = 0.5;  // of what turning opens: that to which the start is known
+  const bool touched = c.gap <= no_gap * arms || turning.gap_at_start() <= no_gap * arms + share * chord;
+  return {touched, chord, touched ? chord : 0};
+}
+
+double pull(const Material& material, const Contact& c, const Hold& hold) {
+  double force = hold.touch ? material.cohesion : 0;
+  const double apart = c.gap - (hold.touch ? hold.chord : 0);
+  if (material.hamaker > 0 && apart <= material.van_der_waals_reach()) {
+    const double gap = std::max(apart, material.hamaker_gap);
     force += material.hamaker * std::sqrt(c.radii.least * c.radii.largest) / (6 * gap * gap);
   }
   return force;
 }
 
 template <class Pressed>
-void set(const Material& material, double dt, std::span<const Contact> contacts,
-         std::span<ContactImpulse> impulses, Pressed pressed) {
-  for (std::size_t k = 0; k < contacts.size(); ++k)
-    impulses[k].pull =
-        dt * pull(material, contacts[k], pressed(impulses[k])) / static_cast<double>(contacts.size());
+void set(const CohesivePair& p, std::span<ContactImpulse> impulses, Pressed pressed) {
+  for (std::size_t k = 0; k < p.contacts.size(); ++k) {
+    const Contact& c = p.contacts[k];
+    const Turning turning(c, p.joined, p.a, p.b, p.dt);
+    const Hold held = hold(c, turning, pressed(impulses[k]));
+    impulses[k].last_normal = turning.normal_before();
+    impulses[k].pull = p.dt * pull(p.material, c, held) / static_cast<double>(p.contacts.size());
+    impulses[k].kept_gap = held.kept;
+  }
 }
 
 }  // namespace
 
-void set_pulls(const Material& material, double dt, std::span<const Contact> contacts,
-               std::span<ContactImpulse> impulses) {
-  set(material, dt, contacts, impulses, [](const ContactImpulse& i) { return i.normal > 0; });
+void set_pulls(const CohesivePair& p, std::span<ContactImpulse> impulses) {
+  set(p, impulses, [](const ContactImpulse& i) { return i.pressed; });
 }
 
-void set_greatest_pulls(const Material& material, double dt, std::span<const Contact> contacts,
-                        std::span<ContactImpulse> impulses) {
-  set(material, dt, contacts, impulses, [](const ContactImpulse&) { return true; });
+void set_greatest_pulls(const CohesivePair& p, std::span<ContactImpulse> impulses) {
+  set(p, impulses, [](const ContactImpulse&) { return true; });
+}
+
+Vec3 keep_together(const CohesivePair& p, std::span<const ContactImpulse> impulses,
+                   std::span<double> targets) {
+  if (std::ranges::none_of(impulses, [](const ContactImpulse& i) { return i.pull > 0; })) return Vec3::Zero();
+  const Vec3 together = Turning(p.contacts[0], p.joined, p.a, p.b, p.dt).velocity_together();
+  for (std::size_t k = 0; k < p.contacts.size(); ++k) {
+    const Contact& c = p.contacts[k];
+    if (targets[k] > 0) continue;
+    const double turns_open = std::max(0.0, -together.dot(c.normal));
+    if (c.gap <= 0)
+      targets[k] = std::min(-c.gap / p.dt, turns_open);
+    else if (impulses[k].pull > 0)
+      targets[k] = std::min(0.0, impulses[k].kept_gap - c.gap) / p.dt;
+  }
+  return together;
 }
 
 }  // namespace silt::rigid

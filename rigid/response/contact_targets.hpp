@@ -62,12 +62,25 @@ inline double target_of_push(const Contact& c, double dt, double velocity, const
 // own impulse presses against it: what is left of that impulse while others pull the bodies apart holds them,
 // and where nothing is left they part.
 
-/// Sets the pull of each contact of a pair, a share each of the pair's. One that pressed in the step before
-/// has an impulse already, and is a contact as long as it has opened by no more than a hair.
-void set_pulls(const Material&, double dt, std::span<const Contact> of_pair, std::span<ContactImpulse>);
+/// The contacts of two bodies that attract each other, and their velocities.
+struct CohesivePair {
+  const Material& material;
+  double dt;
+  std::span<const Contact> contacts;
+  bool joined;  // as Turning has it
+  Twist a, b;
+};
+
+/// Sets the pull of each contact of a pair, a share each of the pair's, and the gap that it is to keep, by
+/// the velocities before the kick. One that pressed in the step before has an impulse already, and is a
+/// contact as long as it has opened by no more than a hair and by what turning does.
+void set_pulls(const CohesivePair&, std::span<ContactImpulse>);
 
 /// The most that set_pulls may give them: for what they recall of the step before.
-void set_greatest_pulls(const Material&, double dt, std::span<const Contact> of_pair,
-                        std::span<ContactImpulse>);
+void set_greatest_pulls(const CohesivePair&, std::span<ContactImpulse>);
+
+/// Returns the velocity, of b seen from a, that leaves a pair as it is while it turns, at the velocities at
+/// hand (K3, K4), and sets the targets, as velocities besides that one. Zero where nothing pulls or turns.
+Vec3 keep_together(const CohesivePair&, std::span<const ContactImpulse>, std::span<double> targets);
 
 }  // namespace silt::rigid

@@ -98,6 +98,7 @@ std::array<double, 2> set_central(CentralGroup& g, int l, const PairToSolve& p) 
   const double k_t = k_n + arm_a * arm_a * turn_a + arm_b * arm_b * turn_b;
   set_pair(g, l, p);
   set_contact(g, l, p, 0, k_n, k_t);
+  g.target[l] += c.normal.dot(p.together);
   g.arm_a[l] = arm_a;
   g.arm_b[l] = arm_b;
   return {k_n, k_t};
@@ -196,6 +197,7 @@ PairLanes::Place PairLanes::add_lubricated(const PairToSolve& p) {
   const double across = turn_b - turn_a - skew * k_n;
   const double gain = z_r / (1 + z_r * k_r);
   g.normal_stiffness[l] = 1 + z_n * k_n;
+  g.together[l] = c.normal.dot(p.together);
   g.normal_damped[l] = damped(z_n, k_n);
   const double k_slip = k_t - gain * across * across;
   g.inverse_k_t[l] = 1 / k_slip;
@@ -239,6 +241,7 @@ PairLanes::Place PairLanes::add_block(const PairToSolve& p) {
   const int l = open.lane++;
   const Contact& c = p.contacts[0];
   set(g.offset, l, c.r_b - c.r_a);
+  set(g.together, l, p.together);
   set(g.inverse_mass, l, inverse_masses(p));
   set_symmetric(g.inverse_inertia_a, l, p.share_a * p.a.inverse_inertia);
   set_symmetric(g.inverse_inertia_b, l, p.share_b * p.b.inverse_inertia);
@@ -368,6 +371,7 @@ void PairLanes::aim(const Place& at, std::span<const double> targets, double lea
   group.least_scale[at.lane] = least_scale;
   group.age[at.lane] = 1;
   group.carried[at.lane] = 0;
+  if (at.kind == Kind::block) set(blocks_[at.group].together, at.lane, Vec3::Zero());
   if (at.kind == Kind::lubricated) dry(lubricated_[at.group], at.lane);
   if (at.kind == Kind::rolling) release(rolling_[at.group], at.lane);
   for (std::size_t k = 0; k < targets.size(); ++k) set_target(contact_at(at, k), targets[k]);

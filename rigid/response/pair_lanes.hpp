@@ -33,6 +33,8 @@ struct PairToSolve {
   double least_scale;                 // impulses below are rounding
   bool again;                         // false: one sweep is exact, nothing else moves its bodies
   const Material* rolling = nullptr;  // that resists rolling or twisting
+  Vec3 together = Vec3::Zero();       // velocity, of b seen from a, that is none to the contacts: targets and
+                                      // friction are besides it (contact_targets.hpp)
 };
 
 class PairLanes {

@@ -111,7 +111,7 @@ void SffdResolver::start(const Step& step) {
   Recall recall(bodies);
   const auto fetch = [&](const Pair& p) { prefetch_impulses(bodies.stored_impulses[p.row_a]); };
   for_ahead(pairs_, pairs_ahead, fetch, [&](std::size_t n) {
-    const Pair& p = pairs_[n];
+    Pair& p = pairs_[n];
     for (std::size_t k = 0; k < p.contacts.size(); ++k) {
       const Contact& c = p.contacts[k];
       const Target t =
@@ -122,25 +122,37 @@ void SffdResolver::start(const Step& step) {
       impact_changes_[p.first + k] = t.impact_change;
       impulses_[p.first + k] = {};
     }
-    if (settings_.warm_start) warm_start(p, step.dt, recall);
+    if (settings_.warm_start) warm_start(p, step, recall);
   });
   leave_locked_axes();
   for (const std::size_t row : involved_) take_sum(state_[row], row, state_[row].number);
 }
 
-void SffdResolver::warm_start(const Pair& p, double dt, Recall& recall) {
+/// As the step before left it.
+CohesivePair SffdResolver::cohesive(const Pair& p, const Step& step) {
+  const BodySet& bodies = step.bodies;
+  const bool joined = p.contacts[0].lubrication || (bodies.is_dynamic(p.row_a) && bodies.is_dynamic(p.row_b));
+  const std::vector<Twist>& before = step.velocities.before;
+  return {*p.material, step.dt, p.contacts, joined, before[p.row_a], before[p.row_b]};
+}
+
+void SffdResolver::warm_start(Pair& p, const Step& step, Recall& recall) {
   const std::span impulses = impulses_of(p);
-  if (p.material) set_greatest_pulls(*p.material, dt, p.contacts, impulses);
+  const bool pulls = p.material && p.material->pulls();
+  if (pulls) set_greatest_pulls(cohesive(p, step), impulses);
   if (bodies_[p.row_a].moves)
     recall.of_lower(p.row_a, p.contacts, impulses);
   else
     recall.of_higher(p.row_b, p.contacts, impulses);
-  if (p.material) set_pulls(*p.material, dt, p.contacts, impulses);
+  if (pulls) {
+    set_pulls(cohesive(p, step), impulses);
+    p.together = keep_together(cohesive(p, step), impulses, {targets_.data() + p.first, p.contacts.size()});
+  }
   for (std::size_t k = 0; k < impulses.size(); ++k) {
     const Contact& c = p.contacts[k];
     const Vec3 impulse = impulses[k].along(c.normal);
     double& target = targets_[p.first + k];
-    if (impulses[k].normal > 0) target = target_of_pressed(c, dt, target);
+    if (impulses[k].normal > 0) target = target_of_pressed(c, step.dt, target);
     add(sums_[p.row_a], c.r_a, -impulse);
     add(sums_[p.row_b], c.r_b, impulse);
   }
@@ -174,7 +186,8 @@ void SffdResolver::lay_out(double dt, bool links_only) {
                           .dt = dt,
                           .least_scale = least_scale(p),
                           .again = share_a > 1 || share_b > 1 || rolling,
-                          .rolling = rolling});
+                          .rolling = rolling,
+                          .together = p.together});
   }
   lanes_.prepare();
 }

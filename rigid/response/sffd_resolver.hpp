@@ -6,6 +6,7 @@
 // A pair is solved wherever one of its free bodies is owned, redundantly and bitwise equally; each owner
 // moves its own bodies. Nothing depends on rows, only on keys.
 #include "rigid/response/contact_resolver.hpp"
+#include "rigid/response/contact_targets.hpp"
 #include "rigid/response/pair_lanes.hpp"
 
 namespace silt::rigid {
@@ -31,6 +32,7 @@ class SffdResolver : public ContactResolver {
     double reduced_mass = 0;
     bool link = false;                   // of a chain
     const Material* material = nullptr;  // null: rolls freely, and does not pull
+    Vec3 together = Vec3::Zero();        // PairToSolve
     PairLanes::Place place{};
   };
   struct Sweeps {
@@ -53,7 +55,8 @@ class SffdResolver : public ContactResolver {
   std::size_t collect_pairs(const BodySet&, const std::vector<Contact>&);
   void involve(const BodySet&, std::size_t row);
   void start(const Step&);
-  void warm_start(const Pair&, double dt, Recall&);
+  void warm_start(Pair&, const Step&, Recall&);
+  static CohesivePair cohesive(const Pair&, const Step&);
   /// Null where no material has more than restitution and friction.
   const Material* material_of(const BodySet& bodies, const Pair& p) const {
     if (settings_.materials.empty()) return nullptr;

@@ -21,7 +21,7 @@ struct PairMotion {
   Vector impulse{}, angular{};
 
   PairMotion(const BlockGroup& g, const Twist& a, const Twist& b)
-      : u(b.v + cross(b.w, load(g.offset)) - a.v), omega(b.w - a.w) {}
+      : u(b.v + cross(b.w, load(g.offset)) - a.v - load(g.together)), omega(b.w - a.w) {}
 
   Vector at(const Vector& r) const { return u + cross(omega, r); }
 

@@ -20,18 +20,25 @@ std::size_t recall(std::span<const StoredImpulse> stored, BodyId partner, std::s
   while (first != stored.end() && first->partner < partner) ++first;
   auto last = first;
   while (last != stored.end() && last->partner == partner) ++last;
+  bool known = first == last;
   for (std::size_t k = 0; k < contacts.size(); ++k) {
     const Contact& c = contacts[k];
     const StoredImpulse* s = find({first, last}, c);
+    known |= s != nullptr;
     ContactImpulse& p = impulses[k];
-    const double along = s ? c.normal.dot(s->impulse) : 0, normal = along + p.pull;
+    Vec3 impulse = s ? s->impulse : Vec3(Vec3::Zero());
+    if (s && !p.last_normal.isZero(0)) impulse = rotation_between(p.last_normal, c.normal) * impulse;
+    const double along = c.normal.dot(impulse), normal = along + p.pull;
     if (!s || (normal <= 0 && !c.lubrication)) continue;
     p.normal = normal;
-    p.tangential = s->impulse - along * c.normal;
+    p.pressed = normal > 0;
+    p.tangential = impulse - along * c.normal;
     if (c.lubrication) continue;  // pulls as well, and drags without pressing
     const double size = p.tangential.norm(), limit = c.friction * normal;
     if (size > limit) p.tangential *= limit / size;
   }
+  if (!known)
+    for (ContactImpulse& p : impulses) p.pressed = true;
   return static_cast<std::size_t>(first - stored.begin());
 }
 

@@ -10,9 +10,12 @@ namespace silt::rigid {
 /// The impulse of one contact, on b.
 struct ContactImpulse {
   double normal = 0;
-  Vec3 tangential = Vec3::Zero();  // W
-  double pull = 0;                 // by cohesion, against which the normal impulse presses besides
-                                   // (rigid/response/contact_targets.hpp)
+  Vec3 tangential = Vec3::Zero();   // W
+  double pull = 0;                  // by cohesion, against which the normal impulse presses besides
+                                    // (rigid/response/contact_targets.hpp)
+  bool pressed = false;             // in the step before; also where the bodies then met at other points only
+  double kept_gap = 0;              // where there is a pull, the gap that is not to grow
+  Vec3 last_normal = Vec3::Zero();  // of the pull in the step before; zero: as it is now
 
   Vec3 along(const Vec3& n) const { return (normal - pull) * n + tangential; }
 };

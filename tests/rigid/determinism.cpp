@@ -136,6 +136,14 @@ Scene meshes_on_a_floor(unsigned order) {
   return s;
 }
 
+/// Balls, boxes and stars that stick to each other and to a floor that moves.
+Scene sticky(unsigned order) {
+  Scene s = tumble(order);
+  Material& m = s.world.materials[0];
+  m.restitution = 0, m.cohesion = 60, m.hamaker = 1e-4, m.hamaker_gap = 1e-3;
+  return s;
+}
+
 using MakeScene = Scene (*)(unsigned order);
 
 void push(BodySet& bodies, int step) {  // the outside world: a force on some, by id; the same on any rank
@@ -278,6 +286,13 @@ TEST(Determinism, ImpactsToo) {
   EXPECT_GT(reference.impact_sweeps, 300u);
   expect_same(reference, on_one_rank("sffd", 2, 250, tumble_of_impacts));
   for (int ranks : {1, 2, 4, 8}) expect_same(reference, on_ranks("sffd", ranks, 250, tumble_of_impacts));
+}
+
+TEST(Determinism, CohesionToo) {
+  const Outcome reference = on_one_rank("sffd", 1, 250, sticky);
+  EXPECT_GT(reference.contacts, 10000u);
+  expect_same(reference, on_one_rank("sffd", 2, 250, sticky));
+  for (int ranks : {1, 2, 4, 8}) expect_same(reference, on_ranks("sffd", ranks, 250, sticky));
 }
 
 TEST(Determinism, MeshesToo) {
