@@ -147,12 +147,24 @@ void FaultWatch::see_overlaps(const Case& setup, const BodySet& bodies,
     const auto at = [&](rigid::BodyId id, const Vec3& r) { return bodies.velocity_at(bodies.row_of(id), r); };
     return (at(c.a, c.r_a) - at(c.b, c.r_b)).dot(c.normal);
   };
+  const auto gives_way = [&](rigid::BodyId id, const Vec3& r, const Vec3& normal) {
+    constexpr double rounding = 1e-9;  // of what a body without locked axes gives way
+    const std::size_t row = bodies.row_of(id);
+    if (!bodies.is_dynamic(row) || bodies.locked(row) == 0) return bodies.is_dynamic(row);
+    const Vec3 arm = r.cross(normal);
+    return normal.dot(bodies.unlocked(row, normal)) +
+               bodies.mass[row] * arm.dot(bodies.inverse_inertia_W(row) * arm) >
+           rounding;
+  };
   constexpr double at_rest = 1e-4;  // of the half-width in a step
   for (const rigid::Contact& c : contacts) {
     if (-c.gap <= limits_.least_half_width()) continue;
     const double allowed = std::min(half_width(c.a), half_width(c.b)), share = -c.gap / allowed;
     if (share > 1 && approach(c) > at_rest * allowed)
-      note(overlap, share, c.a, [&] { return overlap_text(setup, c, allowed, step); });
+      note(overlap, share, c.a, [&] {
+        const bool can_part = gives_way(c.a, c.r_a, c.normal) || gives_way(c.b, c.r_b, c.normal);
+        return overlap_text(setup, c, allowed, can_part, step);
+      });
   }
 }
 

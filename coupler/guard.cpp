@@ -210,7 +210,8 @@ std::string motion_text(const Case& setup, rigid::BodyId id, double speed, doubl
                      speed_remedy(setup, speed / limit, step));
 }
 
-std::string overlap_text(const Case& setup, const rigid::Contact& c, double half_width, std::int64_t step) {
+std::string overlap_text(const Case& setup, const rigid::Contact& c, double half_width, bool can_part,
+                         std::int64_t step) {
   std::string remedy = contact_remedy(setup);
   if (!rigid::resolver_model(setup.contacts.resolver).makes_energy) {
     const std::string shorter = shorter_step(setup);
@@ -220,6 +221,10 @@ std::string overlap_text(const Case& setup, const rigid::Contact& c, double half
         setup.contacts.resolver_settings.max_sweeps, setup.contacts.substeps,
         shorter.empty() ? "" : ", use " + shorter);
   }
+  if (!can_part)
+    remedy =
+        "no contact can: along a locked axis a body keeps its velocity, whatever is in its way; lower that "
+        "velocity, end the run before, or take the axis out of `locked`";
   return fmt::format(
       "step {}: {} and {} overlap by {}{}, deeper than half the width of one ({}), and contacts do not hold "
       "them; {}",

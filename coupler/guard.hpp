@@ -49,8 +49,9 @@ std::string too_fast_text(const Scene&, const FluidFields::Fast&, std::int64_t s
 std::string motion_text(const Case&, rigid::BodyId, double speed, double limit, std::int64_t step);
 
 /// Returns the text for two bodies (or a body and a wall) that overlap deeper than half the width of one, and
-/// go on.
-std::string overlap_text(const Case&, const rigid::Contact&, double half_width, std::int64_t step);
+/// go on; can_part: whether an impulse along the normal moves either.
+std::string overlap_text(const Case&, const rigid::Contact&, double half_width, bool can_part,
+                         std::int64_t step);
 
 /// Returns the text for bodies whose energy has grown since a step though nothing drives them.
 struct EnergyGain {

@@ -187,19 +187,25 @@ void Scene::renew_flow() {
   flow->start(bodies);
 }
 
-/// Returns a body of this rank that is nearer to coarser cells than it may ever be.
-std::optional<rigid::BodyId> Scene::body_at_border() const {
+bool Scene::has_coarser_cells_near(const rigid::BoundingBox& box) const {
   const double margin = least_margin(setup);
-  const lbm::Domain& coarser = flow->fields(1).domain();
-  for (std::size_t row = 0; row < bodies.owned; ++row) {
-    const rigid::BoundingBox box = rigid::bounding_box(world.shapes[bodies.shape[row]], bodies.pose(row));
+  for (int level = 1; level < flow->levels(); ++level) {
+    const double width = 1 << level;
     lbm::CellBox cells;
     for (int d = 0; d < 3; ++d) {
-      cells.lower[d] = int(std::floor((box.lower[d] - margin) / 2));
-      cells.size[d] = int(std::ceil((box.upper[d] + margin) / 2)) - cells.lower[d];
+      cells.lower[d] = int(std::floor((box.lower[d] - margin) / width));
+      cells.size[d] = int(std::ceil((box.upper[d] + margin) / width)) - cells.lower[d];
     }
-    if (!coarser.blocks_meeting(cells).empty()) return bodies.id[row];
+    if (!flow->fields(level).domain().blocks_meeting(cells).empty()) return true;
   }
+  return false;
+}
+
+/// Returns a body of this rank that is nearer to coarser cells than it may ever be.
+std::optional<rigid::BodyId> Scene::body_at_border() const {
+  for (std::size_t row = 0; row < bodies.owned; ++row)
+    if (has_coarser_cells_near(rigid::bounding_box(world.shapes[bodies.shape[row]], bodies.pose(row))))
+      return bodies.id[row];
   return {};
 }
 

@@ -83,6 +83,9 @@ class Scene {
   bool regrid();
   /// Returns the levels of the cells that this rank knows of; needs [coarsening].
   const lbm::Domain& level_view() const { return *level_view_; }
+  /// Says whether this rank knows of cells, other than finest ones, that are nearer to a box than bodies may
+  /// ever be; needs [coarsening].
+  bool has_coarser_cells_near(const rigid::BoundingBox&) const;
   std::optional<rigid::BodyId> body_at_border() const;
 
   /// Makes a row that of a body which a case places: wrapped into the domain, at rest on the lattice.

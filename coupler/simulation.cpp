@@ -16,7 +16,6 @@
 #include "coupler/state_hash.hpp"
 #include "cpu/isa.hpp"
 #include "parallel/collectives.hpp"
-#include "rigid/response/warm_start.hpp"
 
 namespace silt::coupler {
 
@@ -272,56 +271,6 @@ RunCounters Simulation::counters() const {
   }
   return {parallel::sum_over_ranks<Counts>(scene_.comm, c),
           parallel::max_over_ranks<Extremes>(scene_.comm, c)};
-}
-
-// ---- what a program may do ----
-
-void Simulation::require_movable(BodyId id) const {
-  const rigid::BodySet& bodies = scene_.bodies;
-  const std::size_t row = bodies.row_of(id);
-  struct {
-    std::uint64_t there, movable;
-  } found = {row < bodies.owned, row < bodies.owned && bodies.motion[row] != rigid::Motion::fixed};
-  found = parallel::sum_over_ranks(scene_.comm, found);
-  if (found.there == 0) throw std::invalid_argument(fmt::format("there is no body {}", id));
-  if (found.movable == 0) throw std::invalid_argument(fmt::format("body {} is fixed", id));
-}
-
-void Simulation::add_force(BodyId id, const Vec3& force, const Vec3& torque) {
-  require_movable(id);
-  rigid::BodySet& bodies = scene_.bodies;
-  const std::size_t row = bodies.row_of(id);
-  faults_.start_again();
-  if (row >= bodies.owned) return;
-  bodies.add_force(row, force);
-  bodies.add_torque(row, torque);
-}
-
-void Simulation::set_velocity(BodyId id, const Vec3& velocity, const Vec3& angular_velocity) {
-  require_movable(id);
-  rigid::BodySet& bodies = scene_.bodies;
-  const std::size_t row = bodies.row_of(id);
-  faults_.start_again();
-  if (row < bodies.owned) {
-    bodies.set_velocity(row, velocity, angular_velocity);
-    Springs::start(bodies, row);
-  }
-  scene_.exchange->relocate(bodies);  // other ranks may be in its way now
-  if (scene_.springs) scene_.springs->look(bodies);
-}
-
-void Simulation::set_pose(BodyId id, const rigid::Pose& pose) {
-  require_movable(id);
-  rigid::BodySet& bodies = scene_.bodies;
-  const std::size_t row = bodies.row_of(id);
-  if (row < bodies.owned) {
-    bodies.image[row] = {};
-    bodies.set_pose(row, pose);
-  }
-  rigid::forget_impulses(bodies, id);
-  faults_.start_again();
-  scene_.exchange->relocate(bodies);  // it may be another rank's now
-  if (scene_.springs) scene_.springs->look(bodies);
 }
 
 // ---- what may be asked ----

@@ -79,13 +79,14 @@ class Simulation : private rigid::StepObserver {
   rigid::BodySet& bodies() { return scene_.bodies; }
   const rigid::BodySet& bodies() const { return scene_.bodies; }
 
-  // ---- what a program may do between steps, by id. std::invalid_argument for a body that is not there or is
-  // fixed ----
-  /// Gives a force that acts in the next step, once, however many ranks hold the body.
+  // ---- what a program may do between steps, by id (steering.cpp). std::invalid_argument on every rank, and
+  // nothing is changed, for a body that is not there or is fixed, and for what a case may not have ----
+  /// Gives a force that acts in the next step, once, however many ranks hold the body. All forces that it has
+  /// for that step must not move it further than a step may.
   void add_force(rigid::BodyId, const rigid::Vec3& force_W,
                  const rigid::Vec3& torque_W = rigid::Vec3::Zero());
   void set_velocity(rigid::BodyId, const rigid::Vec3& velocity_W, const rigid::Vec3& angular_velocity_W);
-  /// Moves a body to anywhere in the domain; its velocity stays.
+  /// Moves a body to where it meets neither a wall nor another body and cells are finest; its velocity stays.
   void set_pose(rigid::BodyId, const rigid::Pose&);
 
   /// Moves everything to the ranks that another cut of the domain gives: no result depends on it.
@@ -148,7 +149,9 @@ class Simulation : private rigid::StepObserver {
   void tell_faults();
   template <class Work>
   auto guarded(Work&&);
-  void require_movable(rigid::BodyId) const;
+  struct Steered;
+  Steered steered(rigid::BodyId) const;
+  void require_room(rigid::BodyId, const BodySpec&) const;
 
   Scene scene_;
   CoupledStep coupled_step_;

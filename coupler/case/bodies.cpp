@@ -189,7 +189,9 @@ void read_body_motion(TableReader& table, BodySpec& body, Case& setup) {
       if (table.has(key))
         table.fail(key, "{} is given, and so is the table {}; remove one of them", table.path(key),
                    motion.path());
-    setup.kind_motions[body.kind] = read_motion(motion).motion;
+    const rigid::PrescribedMotion& read = setup.kind_motions[body.kind] = read_motion(motion).motion;
+    if (read.angular_velocity.isZero(0)) motion.idle("axis", "the body turns about no axis; remove it");
+    if (read.frequency == 0) motion.idle("oscillation", "its frequency is 0; give one, or remove it");
   }
   const auto other = std::ranges::find_if(setup.bodies, [&](const BodySpec& b) {
     return b.kind == body.kind && b.motion == rigid::Motion::prescribed;
@@ -254,6 +256,8 @@ void judge_fill(TableReader& table, const FillSpec& fill) {
   if (!random && table.has("diameter"))
     table.fail("diameter", "{} is for bodies at random places, but {} is \"{}\"; remove one of the two",
                table.path("diameter"), table.path("arrangement"), arrangement_names[fill.arrangement]);
+  if (!random && fill.arrangement != Arrangement::layers && fill.aligned && fill.shift == 0)
+    table.idle("seed", "nothing of the fill is random; remove it");
   if (table.has("every")) table.need("box", "where the bodies come in: two corners");
   if (table.has("until") && !table.has("every"))
     table.fail("until", "{} is for a fill that is applied again and again; give {}, or remove the key",
@@ -377,10 +381,7 @@ void read_bodies(TableReader& root, Case& setup) {
 void find_turnover_faults(const Case& setup, Findings& findings) {
   for (std::size_t i = 0; i < setup.outflows.size(); ++i) check_outflow(setup, findings, i);
   check_prescribed(setup, findings);
-  const bool any_free = !setup.fills.empty() || setup.any_given([](const BodySpec& body) {
-    return body.motion == rigid::Motion::free;
-  });
-  if (!setup.outflows.empty() && !any_free)
+  if (!setup.outflows.empty() && !setup.has_free_bodies())
     findings.warning("outflow", "outflow: the case has no free bodies, and no others leave");
   for (std::size_t i = 0; i < setup.fills.size(); ++i) {
     const FillSpec& fill = setup.fills[i];

@@ -242,6 +242,10 @@ struct Case {
     return std::ranges::any_of(bodies, test) ||
            std::ranges::any_of(filed, [&](const FiledBodies& file) { return test(file.alike); });
   }
+  bool has_free_bodies() const {
+    const auto free = [](const BodySpec& body) { return body.motion == rigid::Motion::free; };
+    return !fills.empty() || any_given(free) || std::ranges::any_of(continued, free);
+  }
   bool bodies_come() const {
     return std::ranges::any_of(fills, [](const FillSpec& fill) { return fill.every > 0; });
   }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "coupler/case/case.hpp"
 #include "coupler/case/case_sections.hpp"
@@ -55,6 +56,10 @@ std::string shown_length(const Case& setup, double x) {
   return shown(x * setup.units.cell_size);
 }
 
+void Findings::idle(const std::string& key, std::string_view why) {
+  if (setup.places.count(key)) warning(key, "{} has no effect: {}", key, why);
+}
+
 void Findings::add(Diagnostic::Severity severity, const std::string& key, const std::string& text) {
   list.push_back({severity, setup.place(key), text});
 }
@@ -65,7 +70,7 @@ namespace {
 // another, and one that moves much further, not at all.
 void check_margin(const Case& setup, Findings& findings, const std::string& key, double speed, int shape) {
   const double step = speed / setup.contacts.substeps, limit = MotionLimits(setup).of(shape);
-  if (!setup.fluid && speed > limit)
+  if (!setup.fluid && !(speed <= limit))
     findings.error(key,
                    "{}: the body moves {} cells in a step; beyond {} it may pass through others: raise "
                    "contacts.substeps to {:.0f}{}",
@@ -80,13 +85,9 @@ void check_margin(const Case& setup, Findings& findings, const std::string& key,
 
 void check_speeds(const Case& setup, Findings& findings) {
   for (const Entry& entry : entries_of(setup)) {
-    const double rim = rigid::bounding_radius(setup.shapes[entry.shape]) * entry.angular_velocity.norm();
-    check_margin(setup, findings, entry.key + ".velocity", entry.velocity.norm(), entry.shape);
-    if (!setup.fluid) continue;
-    check_speed(findings, entry.key + ".velocity", entry.velocity.norm());
-    if (rim > 0) check_speed(findings, entry.key + ".angular_velocity", rim);
+    check_velocities(findings, entry.key + ".", entry.shape, entry.velocity, entry.angular_velocity);
     if (const auto found = setup.kind_motions.find(entry.kind);
-        found != setup.kind_motions.end() && entry.motion == rigid::Motion::prescribed)
+        setup.fluid && found != setup.kind_motions.end() && entry.motion == rigid::Motion::prescribed)
       check_speed(findings, entry.key + ".motion",
                   found->second.speed_bound(rigid::bounding_radius(setup.shapes[entry.shape])));
   }
@@ -132,6 +133,7 @@ std::vector<Diagnostic> check_case(const Case& setup) {
   find_driving_faults(setup, findings);
   find_spring_faults(setup, findings);
   find_coarsening_faults(setup, findings);
+  find_idle_keys(setup, findings);
   return std::move(findings.list);
 }
 
@@ -186,6 +188,24 @@ void check_speed(Findings& findings, const std::string& key, double speed) {
   else
     findings.warning(key, "{}; above {} the fluid is noticeably compressible: {}", found, doubtful_velocity,
                      cure);
+}
+
+void check_velocities(Findings& findings, const std::string& entry, int shape, const rigid::Vec3& velocity,
+                      const rigid::Vec3& angular_velocity) {
+  const Case& setup = findings.setup;
+  const double speed = velocity.norm(), turn = angular_velocity.norm();
+  check_margin(setup, findings, entry + "velocity", speed, shape);
+  if (setup.fluid) {
+    check_speed(findings, entry + "velocity", speed);
+    if (turn > 0)
+      check_speed(findings, entry + "angular_velocity", rigid::bounding_radius(setup.shapes[shape]) * turn);
+  } else if (!(turn <= std::numbers::pi)) {
+    findings.error(entry + "angular_velocity",
+                   "{}angular_velocity turns the body by {} degrees in a step; at "
+                   "most 180 are possible: lower it{}",
+                   entry, shown(turn * 180 / std::numbers::pi),
+                   setup.units.si ? ", or " + time_step_cure(setup, std::numbers::pi / turn) : "");
+  }
 }
 
 MotionLimits::MotionLimits(const Case& setup) : least_(without_limit), least_half_width_(without_limit) {

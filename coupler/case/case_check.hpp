@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "coupler/case/case_error.hpp"
@@ -32,6 +33,8 @@ struct Findings {
   void warning(const std::string& key, fmt::format_string<T...> text, T&&... values) {
     add(Diagnostic::Severity::warning, key, fmt::format(text, std::forward<T>(values)...));
   }
+  /// Warns of a key that is there and does nothing; `why` says what switches it off.
+  void idle(const std::string& key, std::string_view why);
   void add(Diagnostic::Severity, const std::string& key, const std::string& text);
 
   const Case& setup;
@@ -56,9 +59,10 @@ bool lies_in_domain(const Case&, const rigid::BoundingBox&, double slack);
 /// "domain.boundary.z[0]", by the number of a side.
 const char* side_key(int side);
 
-/// Returns what is wrong with a body that at its start reaches further than `allowed` (cells) into a curved
-/// wall, "" if it does not; `key` is what to change.
-std::string fault_in_curved_walls(const Case&, const BodySpec&, const std::string& key, double allowed);
+/// Returns what is wrong with a body that after so many steps reaches further than `allowed` (cells) into a
+/// curved wall, "" if it does not; `key` is what to change.
+std::string fault_in_curved_walls(const Case&, const BodySpec&, const std::string& key, double allowed,
+                                  double time = 0);
 
 /// Returns everything that is wrong (errors) or doubtful (warnings) about a case, by topic: domain and
 /// blocks, fluid and boundaries, bodies, fills, run and output. A case with an error must not be started.
@@ -102,6 +106,11 @@ inline constexpr double doubtful_deviation = 0.02;
 /// Reports an error or a warning for a speed (cells a step) that the key gives and that is too high, with a
 /// time step that makes it low enough.
 void check_speed(Findings&, const std::string& key, double speed);
+
+/// Reports what is wrong with the velocities of a body of some shape; `entry`, "bodies[2].", goes before
+/// their keys.
+void check_velocities(Findings&, const std::string& entry, int shape, const rigid::Vec3& velocity,
+                      const rigid::Vec3& angular_velocity);
 
 /// Returns " (0.25 m/s)", or nothing in lattice units.
 std::string in_si(const Case&, double x, Dimension = dimension::velocity);

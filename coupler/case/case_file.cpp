@@ -138,6 +138,7 @@ void read_sections(TableReader reader, Case& setup) {
   read_walls(reader, setup);
   read_shapes(reader, setup);
   read_bodies(reader, setup);
+  look_for_idle_pairs(reader, setup);
   read_springs(reader, setup);
   read_coarsening(reader, setup);
   read_output(reader, setup);

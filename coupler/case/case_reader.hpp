@@ -122,6 +122,10 @@ class TableReader {
     context_->warnings.push_back(
         {Diagnostic::Severity::warning, place(key), fmt::format(text, std::forward<T>(values)...)});
   }
+  /// Warns of a key that is there and does nothing; `why` says what switches it off.
+  void idle(std::string_view key, std::string_view why) {
+    if (has(key)) warn(key, "{} has no effect: {}", path(key), why);
+  }
   /// Requires that exactly one (or, unless required, at most one) of the keys is given; returns the one, or
   /// "".
   std::string one_of(std::initializer_list<const char*> keys, bool required, std::string_view what);

@@ -30,6 +30,8 @@ rigid::OverTime read_over_time(TableReader& parent, const char* key);
 // contacts.cpp
 std::vector<KeySection> contact_sections();
 void read_contacts(TableReader& root, Case&);  // [contacts], [[materials]], [[material_pairs]]
+/// Warns of pairs of materials of which no two things meet; after the bodies and walls.
+void look_for_idle_pairs(TableReader& root, const Case&);
 
 // walls.cpp
 struct ReadMotion {
@@ -149,5 +151,6 @@ void find_body_faults(const Case&, Findings&);        // sizes, backend, room in
 void find_turnover_faults(const Case&, Findings&);    // bodies that come and go
 void find_driving_faults(const Case&, Findings&);     // gravity, body force, and the speeds that come of them
 void find_coarsening_faults(const Case&, Findings&);  // sizes and intervals that coarser cells do not divide
+void find_idle_keys(const Case&, Findings&);          // keys that what another section says switches off
 
 }  // namespace silt::coupler

@@ -107,6 +107,7 @@ void read_material_pairs(TableReader& root, Case& setup) {
     const bool known = index[0] >= 0 && index[1] >= 0;
     rigid::Material& material = known ? setup.pair_materials[index[0] * count + index[1]] : unused;
     read_material(pair, material, setup.contacts);
+    if (material.hamaker == 0) pair.idle("hamaker_gap", "there is no hamaker; give it, or remove the gap");
     if (known) setup.pair_materials[index[1] * count + index[0]] = material;
   }
 }
@@ -145,6 +146,10 @@ void require_resolver(TableReader& table, const ContactSpec& contacts) {
     refuse("impact_sweeps", std::to_string(impact_sweeps), "which has no impact phase", "sffd");
   if (table.has("half_force") && !resolver.has_half_force)
     refuse("half_force", "for the classic resolver", "where all of a force acts before the contacts", "ffd");
+  if (!resolver.sweeps)
+    table.idle("sweeps", fmt::format("contacts.resolver is '{}', which makes none; set contacts.resolver = "
+                                     "\"sffd\", or remove the key",
+                                     contacts.resolver));
 }
 
 constexpr double most_friction = 5;    // of dry matter it is up to about 1
@@ -202,6 +207,11 @@ void check_lubrication(const Case& setup, Findings& findings) {
                    "coupling.lubrication is true, but contacts.resolver is '{}', which knows no lubrication "
                    "films; set contacts.resolver = \"sffd\", or remove the key",
                    setup.contacts.resolver);
+  if (setup.coupling.lubrication && !setup.has_lubrication())
+    findings.idle("coupling.lubrication_min_gap",
+                  fmt::format("contacts.resolver is '{}', which knows no lubrication films; set "
+                              "contacts.resolver = \"sffd\", or remove the key",
+                              setup.contacts.resolver));
   const double gap = setup.coupling.lubrication_min_gap;
   if (gap > usual_margin)
     findings.warning("coupling.lubrication_min_gap",
@@ -235,6 +245,38 @@ void read_contacts(TableReader& root, Case& setup) {
   read_material(table, standard, c);
   read_materials(root, standard, setup);
   if (!table.has("impact_sweeps")) collide_without_loss(setup);
+  if (std::ranges::all_of(setup.pair_materials, [](const rigid::Material& m) { return m.hamaker == 0; }))
+    table.idle("hamaker_gap", "there is no hamaker; give it, or remove the gap");
+}
+
+void look_for_idle_pairs(TableReader& root, const Case& setup) {
+  if (!root.context().errors.empty() || !setup.has_free_bodies()) return;
+  std::vector<std::uint64_t> free(setup.material_names.size()), all = free;
+  const auto add = [&](const BodySpec& body, std::uint64_t count) {
+    all[std::size_t(body.material)] += count;
+    if (body.motion == rigid::Motion::free) free[std::size_t(body.material)] += count;
+  };
+  constexpr std::uint64_t several = 2;  // as many as come, or are there sites for, or another run had
+  setup.for_each_given(add);
+  for (const BodySpec& body : setup.continued) add(body, several);
+  for (const FillSpec& fill : setup.fills) {
+    all[std::size_t(fill.material)] += several;
+    free[std::size_t(fill.material)] += several;
+  }
+  for (const CurvedWall& wall : setup.walls)
+    all[std::size_t(std::visit([](const auto& of_kind) { return of_kind.material; }, wall.surface))] += 1;
+  all[0] += 1;  // the sides of the domain
+  const auto meet = [&](std::size_t a, std::size_t b) { return free[a] > 0 && all[b] > (a == b ? 1u : 0u); };
+  for (TableReader& pair : root.tables("material_pairs")) {
+    const auto names = pair.find("between")->strings().value();
+    const auto index = [&](const std::string& name) {
+      return std::size_t(std::ranges::find(setup.material_names, name) - setup.material_names.begin());
+    };
+    if (const std::size_t a = index(names[0]), b = index(names[1]); !meet(a, b) && !meet(b, a))
+      pair.warn("between",
+                "{} has no effect: no body meets another, or a wall, of these materials; remove it",
+                pair.path());
+  }
 }
 
 void find_contact_faults(const Case& setup, Findings& findings) {

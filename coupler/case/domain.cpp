@@ -131,7 +131,10 @@ void read_side_table(TableReader table, BoundarySpec& side) {
   if (side.has_velocity()) {
     read_keys(table, side, velocity_keys);
     side.over_time = read_over_time(table, "over_time");
+    if (side.velocity.isZero(0)) table.idle("over_time", "the velocity is 0");
   }
+  if (side.kind == BoundaryKind::periodic)
+    table.idle("solid_for_bodies", "a periodic axis has no sides; remove it");
   if (side.kind == BoundaryKind::pressure_outlet) read_keys(table, side, density_keys);
   if (table.has("leaving") && !side.lets_bodies_pass())
     table.fail("leaving",

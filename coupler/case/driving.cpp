@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <tuple>
 
 #include "coupler/case/case_sections.hpp"
 #include "coupler/case/unit_slips.hpp"
@@ -48,6 +49,7 @@ struct Fall {
   std::string entry;  // "bodies[2]", "fill[0]"
   double diameter, density, hindrance;
   double start = 0, height = 0;  // speed at the start; how far it can fall
+  double square = endless;       // of the frequency in which springs let it swing; 0: nothing holds it
 };
 
 /// Returns what it comes to: terminal velocity less what the others take from it, (1 - volume fraction)^2.4
@@ -59,7 +61,25 @@ double speed_of(const Case& setup, const Fall& fall, double gravity) {
   const double gain = std::abs(fall.density - 1) / (fall.density + 0.5) * gravity;
   const double on_the_way = std::sqrt(fall.start * fall.start + 2 * gain * fall.height);
   const double in_time = fall.start + gain * static_cast<double>(setup.steps);
-  return std::min({fall.hindrance * steady, on_the_way, in_time});
+  const double swinging = fall.square > 0 ? fall.start + gain / std::sqrt(fall.square) : endless;
+  return std::min({fall.hindrance * steady, on_the_way, in_time, swinging});
+}
+
+/// Returns the square of the frequency in which springs let a body swing that tie it to what does not move.
+double square_of_swing(const Case& setup, const BodySpec& body) {
+  double square = 0;
+  for (const SpringSpec& spring : setup.springs)
+    for (const auto& [here, there, compliance] : {std::tuple(spring.body, spring.to, spring.compliance[0]),
+                                                  std::tuple(spring.to, spring.body, spring.compliance[1])})
+      if (here > 0 && &setup.bodies[here - 1] == &body &&
+          (there == 0 || setup.bodies[there - 1].motion != rigid::Motion::free))
+        square += spring.stiffness * compliance;
+  return square;
+}
+
+/// Says whether gravity does not move a body: it is not free, or locked along it.
+bool stands(const Case& setup, const BodySpec& body) {
+  return body.motion != rigid::Motion::free || rigid::without_locked(body.locked, setup.gravity).isZero(0);
 }
 
 /// Returns the distance from a place to the first side, along a direction.
@@ -81,17 +101,20 @@ std::vector<Fall> expected_falls(const Case& setup) {
     return (density > 1 ? 1 : -1) * setup.gravity.normalized();
   };
   std::vector<Fall> falls;
-  const auto add = [&](const std::string& entry, int shape, double density, double start, double height) {
+  const auto add = [&](const std::string& entry, int shape, double density, double start, double height,
+                       double square) {
     if (falls.empty() || falls.back().entry != entry)
       falls.push_back({entry, sphere_of_volume(setup.shapes[shape]), density, hindrance});
+    falls.back().square = std::min(falls.back().square, square);
     falls.back().start = std::max(falls.back().start, start);
     falls.back().height = std::max(falls.back().height, height);
   };
   setup.for_each_given([&](const BodySpec& body, std::uint64_t) {
-    if (body.motion != rigid::Motion::free || body.density == 1) return;
+    if (stands(setup, body) || body.density == 1) return;
     const double height =
         body.point > 0 ? endless : way_to_a_side(setup, body.pose.position, down(body.density));
-    add(entry_key(body.entry), body.shape, body.density, body.velocity.norm(), height);
+    add(entry_key(body.entry), body.shape, body.density, body.velocity.norm(), height,
+        square_of_swing(setup, body));
   });
   for (std::size_t i = 0; i < setup.fills.size(); ++i) {
     const FillSpec& fill = setup.fills[i];
@@ -99,7 +122,7 @@ std::vector<Fall> expected_falls(const Case& setup) {
     const Vec3 along = down(fill.density);
     const Vec3 furthest = (along.array() > 0).select(fill.box.lower, fill.box.upper);
     add(fmt::format("fill[{}]", i), fill.shape, fill.density, fill.velocity.norm(),
-        way_to_a_side(setup, furthest, along));
+        way_to_a_side(setup, furthest, along), 0);
   }
   return falls;
 }
@@ -129,9 +152,15 @@ void check_gravity(const Case& setup, Findings& findings) {
     findings.warning(key, "{}", text);
   const bool all_periodic =
       setup.periodic(0) && setup.periodic(1) && setup.periodic(2) && setup.walls.empty();
-  const bool held = setup.any_given([](const BodySpec& b) { return b.motion != rigid::Motion::free; });
+  const bool held =
+      setup.any_given([&](const BodySpec& b) { return stands(setup, b); }) ||
+      std::ranges::any_of(setup.springs, [](const SpringSpec& spring) { return spring.to == 0; });
   const bool balanced = setup.fluid && setup.fluid->has_body_force();
-  if (setup.has_bodies() && gravity > 0 && all_periodic && !held && !balanced)
+  const bool any_weight =
+      !setup.continued.empty() || std::ranges::any_of(entries_of(setup), [&](const Entry& entry) {
+        return !setup.fluid || entry.density != 1;
+      });
+  if (any_weight && gravity > 0 && all_periodic && !held && !balanced)
     findings.warning(key,
                      "gravity acts, but nothing holds the fluid and the bodies: a domain that is periodic "
                      "all round accelerates for ever; fluid.body_force can balance their weight");
@@ -144,7 +173,9 @@ void check_weight(const Case& setup, Findings& findings) {
   if (setup.places.count("gravity.acceleration") || fluid.has_body_force() || fluid.initial.noise > 0 ||
       fastest_given(setup) > 0 || std::ranges::any_of(entries, &Entry::moves) ||
       std::ranges::any_of(setup.boundary, [](const BoundarySpec& side) { return side.density != 1; }) ||
-      std::ranges::any_of(setup.walls, &CurvedWall::moves))
+      std::ranges::any_of(setup.walls, &CurvedWall::moves) || !setup.kind_motions.empty() ||
+      !setup.springs.empty() || setup.start ||
+      std::ranges::any_of(setup.pair_materials, &rigid::Material::pulls))
     return;
   const auto heavy =
       std::ranges::find_if(entries, [](const Entry& entry) { return entry.is_free() && entry.density != 1; });
@@ -188,7 +219,8 @@ void check_fall(const Case& setup, Findings& findings, const Fall& fall) {
 /// The largest velocity of laminar flow under the body force, between walls across it or, where there are
 /// none, at the end; lattice units.
 double laminar_speed(const Case& setup) {
-  const Vec3 force = setup.fluid->body_force_over_time.most() * setup.fluid->body_force;
+  const Vec3 given = setup.fluid->body_force_over_time.most() * setup.fluid->body_force;
+  const Vec3 force = (setup.fluid->superficial_velocity.array() != 0).select(0, given);  // else controlled
   const double nu = setup.fluid->kinematic_viscosity;
   double speed = force.norm() * static_cast<double>(setup.steps);
   for (int d = 0; d < 3; ++d) {
@@ -260,6 +292,10 @@ OverTime read_over_time(TableReader& parent, const char* key) {
   read_keys(table, over_time, over_time_keys);
   over_time.phase *= std::numbers::pi / 180;
   if (over_time.amplitude != 0) table.need("frequency", "oscillations in a unit of time");
+  for (const char* of_oscillation : {"frequency", "phase"})
+    if (over_time.amplitude == 0) table.idle(of_oscillation, "the amplitude is 0; give one, or remove it");
+  if (table.has("frequency") && over_time.frequency == 0 && over_time.phase == 0 && over_time.amplitude != 0)
+    table.idle("amplitude", "the frequency and the phase are 0; give one of them");
   const Node* list = table.find("table");
   if (!list) return over_time;
   const double step = table.context().units.time_step;

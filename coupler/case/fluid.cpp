@@ -170,6 +170,19 @@ void read_viscosity(TableReader& fluid, FluidSpec& spec) {
   }
 }
 
+/// The control of a flow rate takes the body force along its axes.
+void read_body_force_over_time(TableReader& fluid, FluidSpec& spec) {
+  spec.body_force_over_time = read_over_time(fluid, "body_force_over_time");
+  const auto given = spec.body_force.array() != 0, controlled = spec.superficial_velocity.array() != 0;
+  if (!given.any())
+    fluid.idle("body_force_over_time", "there is no body_force that it could change; remove it");
+  else if (!(given && !controlled).any())
+    fluid.idle("body_force_over_time",
+               "superficial_velocity controls the body force along the same axes; remove one of them");
+  if (!spec.has_body_force() && spec.body_force_on_bodies)
+    fluid.idle("body_force_on_bodies", "there is no body force; remove it");
+}
+
 // Limits of the method, in lattice units.
 constexpr double doubtful_relaxation_low = 0.51, doubtful_relaxation_high = 2, high_relaxation = 5;
 constexpr double most_relaxation = 1e4, usual_relaxation = 1;
@@ -311,10 +324,11 @@ void read_fluid(TableReader& root, Case& setup) {
     read_viscosity(fluid, spec);
     read_collision(fluid, spec);
     read_initial(fluid.table("initial"), spec.initial);
-    spec.body_force_over_time = read_over_time(fluid, "body_force_over_time");
+    read_body_force_over_time(fluid, spec);
   }
   read_keys(gravity, setup, gravity_keys);
   setup.gravity_over_time = read_over_time(gravity, "over_time");
+  if (setup.gravity.isZero(0)) gravity.idle("over_time", "the acceleration is 0");
   read_coupling(root, setup);
   if (!setup.fluid) return;
   const bool surfaces = root.has("bodies") || root.has("fill") || root.has("walls");

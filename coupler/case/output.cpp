@@ -93,10 +93,18 @@ void read_field_names(TableReader& fields, const std::vector<std::string>& known
   for (const int i : read_names(fields, "quantities", known, "quantity")) quantities.push_back(Field(i));
 }
 
+/// Of a table that is never written the other keys do nothing.
+void look_for_idle_keys(TableReader& table, const SeriesSpec& series,
+                        std::initializer_list<const char*> others) {
+  if (series.every > 0 || !table.has("every")) return;
+  for (const char* key : others) table.idle(key, table.path("every") + " is 0: it is never written");
+}
+
 void read_fields(TableReader& table, FieldsSpec& fields) {
   if (!table.present()) return;
   read_keys(table, fields, series_keys);
   read_keys(table, fields, field_keys);
+  look_for_idle_keys(table, fields, {"quantities", "precision", "compression", "finest"});
   read_field_names(table, field_names.list(), fields.quantities);
 }
 
@@ -335,6 +343,7 @@ void read_output(TableReader& root, Case& setup) {
   read_keys(checkpoint, output.checkpoint, series_keys);
   read_keys(checkpoint, output, checkpoint_keys);
   read_keys(report, output.report, series_keys);
+  look_for_idle_keys(bodies, output.bodies, {"contacts"});
 }
 
 void find_run_faults(const Case& setup, Findings& findings) {

@@ -28,14 +28,14 @@ bool is_loaded(const Case& setup) {
   return false;
 }
 
+}  // namespace
+
 bool begins_at_rest(const Case& setup) {
   const InitialSpec& initial = setup.fluid->initial;
   const auto is_inlet = [](const BoundarySpec& b) { return b.kind == BoundaryKind::velocity_inlet; };
   return initial.type == InitialFlow::rest && initial.noise == 0 && !setup.start &&
          std::ranges::none_of(setup.boundary, is_inlet);
 }
-
-}  // namespace
 
 std::int64_t quiet_start_steps(const Case& setup) {
   if (!setup.fluid || !setup.fluid->quiet_start || !begins_at_rest(setup) || !is_loaded(setup)) return 0;

@@ -11,4 +11,7 @@ struct Case;
 /// off sound: no weight, spring or body force.
 std::int64_t quiet_start_steps(const Case&);
 
+/// Says whether the fluid, its inlets and what comes from another run begin at rest; with a fluid.
+bool begins_at_rest(const Case&);
+
 }  // namespace silt::coupler

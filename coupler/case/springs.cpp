@@ -78,7 +78,10 @@ void read_ends(TableReader& table, SpringSpec& spring, const BodySpec& body, con
   };
   spring.arm = arm(body, ends[0]);
   spring.to_arm = to ? arm(*to, ends[1]) : ends[1];
-  if (!table.has("length")) spring.length = nearest_image(ends[1] - ends[0], extent).norm();
+  const double length_at_start = nearest_image(ends[1] - ends[0], extent).norm();
+  if (!table.has("length")) spring.length = length_at_start;
+  if (spring.stiffness == 0 && spring.length > 0 && length_at_start > 0)
+    table.idle("length", "without stiffness there is nothing that a length pulls at; remove it");
   spring.compliance[0] = compliance_of(body, spring.arm, setup);
   if (to) spring.compliance[1] = compliance_of(*to, spring.to_arm, setup);
 }
@@ -101,6 +104,9 @@ void read_springs(TableReader& root, Case& setup) {
     spring.body = id_of(body, setup), spring.to = id_of(to, setup);
     if (body == to) table.fail("to", "{} is the body itself; name another one", table.path("to"));
     read_ends(table, spring, *body, to, setup);
+    if (spring.stiffness == 0 && spring.damping == 0)
+      table.warn("stiffness", "{} has no effect: stiffness and damping are 0; give one of them",
+                 table.path());
     setup.springs.push_back(spring);
   }
 }

@@ -186,12 +186,12 @@ void find_wall_faults(const Case& setup, Findings& findings) {
 }
 
 std::string fault_in_curved_walls(const Case& setup, const BodySpec& body, const std::string& key,
-                                  double allowed) {
+                                  double allowed, double time) {
   const rigid::Shape& shape = setup.shapes[body.shape];
   const std::string is = fmt::format("{} is {}", key, shown_point(setup, body.given_position()));
   for (const CurvedWall& wall : setup.walls) {
     if (const MeshWall* mesh = wall.mesh()) {
-      const rigid::Pose pose = mesh->pose(0);
+      const rigid::Pose pose = mesh->pose(time);
       if (!mesh->mesh.surface) continue;
       const bool is_convex = rigid::convex_parts(shape).size() == 1;  // no ring on a post
       if (is_convex && mesh->mesh.contains(pose.to_body(body.pose.position)))

@@ -184,6 +184,12 @@ ReadMotion read_motion(TableReader& table) {
   TableReader oscillation = table.table("oscillation");
   read_keys(oscillation, motion, oscillation_keys);
   motion.phase = motion.phase * std::numbers::pi / 180;
+  if (motion.velocity.isZero(0) && motion.angular_velocity.isZero(0))
+    table.idle("over_time", "velocity and angular_velocity are 0; give one, or remove it");
+  if (oscillation.has("frequency") && motion.frequency == 0 && motion.phase == 0)
+    oscillation.idle("amplitude", "the frequency and the phase are 0; give one of them");
+  if (oscillation.has("amplitude") && motion.amplitude.isZero(0))
+    for (const char* key : {"frequency", "phase"}) oscillation.idle(key, "the amplitude is 0; give one");
   if (turn == "table" && motion.over_time.varies())
     table.fail("over_time", "{} and {} are both given; let the table say all of the motion",
                table.path("over_time"), table.path("table"));

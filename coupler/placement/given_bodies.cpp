@@ -81,12 +81,11 @@ std::string in_the_domain(const Case& setup, const std::string& key, const BodyS
       centred ? "" : "; with origin = \"centre\" the position is that of the centre");
 }
 
-/// Returns what is wrong with the place of a body, "" if nothing: its centre of mass must be in the domain,
-/// and if it moves it must not reach into a wall.
-std::string fault_of_place(const Case& setup, const BodySpec& body) {
+}  // namespace
+
+std::string fault_of_place(const Case& setup, const BodySpec& body, const std::string& key, double time) {
   const Vec3 size = extent_of(setup).size, x = body.given_position();
   const Vec3& centre = body.pose.position;
-  const std::string key = position_text(setup, body);
   for (int d = 0; d < 3; ++d)
     if (!(centre[d] >= 0 && centre[d] <= size[d])) return in_the_domain(setup, key, body);
   if (body.motion == Motion::fixed) return "";
@@ -102,14 +101,16 @@ std::string fault_of_place(const Case& setup, const BodySpec& body) {
         shown_point(setup, x), shown_length(setup, std::max(low, high)), low > high ? "lower" : "upper",
         "xyz"[d], "xyz"[d], shown_length(setup, allowed_low), shown_length(setup, allowed_high));
   }
-  return fault_in_curved_walls(setup, body, key, start_overlap);
+  return fault_in_curved_walls(setup, body, key, start_overlap, time);
 }
+
+namespace {
 
 std::vector<BodyFault> faults_of_places(const Case& setup, const std::vector<GivenBody>& bodies) {
   std::vector<BodyFault> faults;
   for (const GivenBody& body : bodies) {
     if (!body.own || faults.size() >= most_messages) continue;
-    if (std::string text = fault_of_place(setup, body.spec); !text.empty())
+    if (std::string text = fault_of_place(setup, body.spec, position_text(setup, body.spec)); !text.empty())
       faults.push_back({body.id, 0, std::move(text)});
   }
   return faults;

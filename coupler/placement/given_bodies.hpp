@@ -4,6 +4,7 @@
 #include <mpi.h>
 
 #include <span>
+#include <string>
 #include <vector>
 
 #include "coupler/case/case.hpp"
@@ -73,6 +74,11 @@ double mean_width(const Case&, std::span<const GivenBody>);
 std::uint64_t count_given(const Case&);
 /// Returns which entry of [[bodies]] gave one.
 int entry_of(const Case&, rigid::BodyId);
+
+/// Returns what is wrong with the place of a body, "" if nothing: its centre of mass must be in the domain,
+/// and if it moves it must not reach into a wall, where walls are after so many steps. `key` is what to
+/// change.
+std::string fault_of_place(const Case&, const BodySpec&, const std::string& key, double time = 0);
 
 struct BodyFault {
   rigid::BodyId body, other = 0;  // other: 0 if there is none

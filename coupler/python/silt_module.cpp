@@ -17,6 +17,7 @@
 #include "coupler/results/flow_fields.hpp"
 #include "coupler/run/run.hpp"
 #include "coupler/state_hash.hpp"
+#include "cpu/environment.hpp"
 #include "parallel/communicator.hpp"
 
 namespace py = pybind11;
@@ -259,7 +260,8 @@ void bind_changes(py::class_<LiveSimulation>& simulation) {
             const rigid::Vec3 w = vector("angular_velocity", angular_velocity);
             with(live, [&](Simulation& s) { s.set_velocity(id, v, w); });
           },
-          py::arg("id"), py::arg("velocity"), py::arg("angular_velocity") = Three{})
+          py::arg("id"), py::arg("velocity"), py::arg("angular_velocity") = Three{},
+          "Gives body `id` velocities; one that a case may not have is refused.")
       .def(
           "set_pose",
           [](LiveSimulation& live, rigid::BodyId id, const Three& position, const Four& orientation) {
@@ -267,7 +269,8 @@ void bind_changes(py::class_<LiveSimulation>& simulation) {
             with(live, [&](Simulation& s) { s.set_pose(id, pose); });
           },
           py::arg("id"), py::arg("position"), py::arg("orientation") = Four{1, 0, 0, 0},
-          "Moves body `id` to anywhere in the domain, orientation w, x, y, z; its velocity stays.");
+          "Moves body `id` to where it meets neither a wall nor another body and cells are finest, "
+          "orientation\nw, x, y, z; its velocity stays.");
 }
 
 constexpr const char* about_simulation =
@@ -348,6 +351,8 @@ void end_all_by_an_error() {
 }
 
 void join_mpi() {
+  if (const std::string complaint = complaint_of_environment(); !complaint.empty())
+    throw std::invalid_argument(complaint);
   if (start_mpi())
     py::module_::import("atexit").attr("register")(py::cpp_function([] {
       int ended = 0;

@@ -72,6 +72,9 @@ void write_origin_of_start(adapters::CheckpointWriter&, const Case&, std::int64_
 /// std::runtime_error on every rank for a checkpoint that the case cannot begin with.
 SavedState start_from(const adapters::CheckpointReader&, const Case&);
 
+/// Adds warnings of keys of the case that do nothing since the checkpoint says the same.
+void find_idle_keys_at_start(const adapters::CheckpointReader&, const Case&, std::vector<Diagnostic>&);
+
 /// Collective. Makes the simulation that begins, at step 0, with what the checkpoint holds; errors as above.
 std::unique_ptr<Simulation> simulation_from(const adapters::CheckpointReader&, Case, MPI_Comm);
 

@@ -174,6 +174,14 @@ SavedState start_from(const CheckpointReader& reader, const Case& setup) {
   return state;
 }
 
+void find_idle_keys_at_start(const CheckpointReader& reader, const Case& setup,
+                             std::vector<Diagnostic>& warnings) {
+  if (takes_fluid(reader, setup) && setup.places.count("fluid.initial"))
+    warnings.push_back({Diagnostic::Severity::warning, setup.place("fluid.initial"),
+                        "fluid.initial has no effect: initial.from has a fluid, with which the run begins; "
+                        "remove it"});
+}
+
 std::unique_ptr<Simulation> simulation_from(const CheckpointReader& reader, Case setup, MPI_Comm comm) {
   const SavedState state = start_from(reader, setup);
   const Scales scales = scales_of(reader, setup);

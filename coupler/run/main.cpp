@@ -14,6 +14,7 @@
 #include "coupler/case/case_file.hpp"
 #include "coupler/results/build_info.hpp"
 #include "coupler/run/run.hpp"
+#include "cpu/environment.hpp"
 #include "cpu/isa.hpp"
 #include "device/device.hpp"
 #include "parallel/together.hpp"
@@ -76,10 +77,13 @@ Exit keys(const std::string& beginning, bool loud) {
 }
 
 /// Instead of CLI::PositiveNumber, which takes nan and whose complaint names the largest double there is.
+/// Whole numbers become such, however they are written: 1e3.
 const CLI::Validator above_zero(
     [](std::string& text) {
+      constexpr double exact = 0x1p53;
       double x = 0;
       const bool good = CLI::detail::lexical_cast(text, x) && std::isfinite(x) && x > 0;
+      if (good && x <= exact && x == std::trunc(x)) text = fmt::format("{:.0f}", x);
       return good ? "" : fmt::format("{} is not a number above 0", text);
     },
     "");
@@ -108,11 +112,13 @@ void add_run(CLI::App& command, CommandLine& line) {
   command.add_option("--out", line.out, "folder for the results (CASE/out)")->type_name("DIR");
   command.add_option("--device", line.device, "where the fluid's passes run: cpu, gpu, host")
       ->type_name("NAME");
-  command.add_option("--steps", line.steps, "short for --set run.steps=N")->check(above_zero)->type_name("N");
+  command.add_option("--steps", line.steps, "short for --set run.steps=N")
+      ->transform(above_zero)
+      ->type_name("N");
   command
       .add_option("--time-limit", line.run.time_limit,
                   "stop with a checkpoint after so many seconds of wall-clock time")
-      ->check(above_zero)
+      ->transform(above_zero)
       ->type_name("SECONDS");
 }
 
@@ -138,14 +144,6 @@ std::string wrong_subcommand(const CLI::App& app, const std::string& word) {
   for (const CLI::App* command : app.get_subcommands({})) names.push_back(command->get_name());
   if (std::count(names.begin(), names.end(), word) > 0) return "";
   return fmt::format("silt: there is no subcommand '{}'{}\n", word, suggestion(word, names));
-}
-
-/// The complaint about an instruction set that is asked for and that there is not, or "".
-std::string wrong_instruction_set() {
-  const char* const asked = std::getenv("SILT_ISA");
-  if (!asked || !*asked || std::ranges::find(isa_names, asked) != isa_names.end()) return "";
-  return fmt::format("silt: the environment variable SILT_ISA is '{}'; it must be portable, avx2 or avx512\n",
-                     asked);
 }
 
 Exit main_on(MPI_Comm comm, int argc, char** argv) {
@@ -179,7 +177,7 @@ Exit main_on(MPI_Comm comm, int argc, char** argv) {
   resume->add_option("--checkpoint", line.checkpoint, "go on from this one")->type_name("FILE");
   add_case(*checks, line);
   checks->add_option("-n,--ranks", line.run.ranks, "estimate a run on so many ranks (as many as there are)")
-      ->check(above_zero)
+      ->transform(above_zero)
       ->type_name("N");
   infos->add_option("WHAT", line.file, "a case or a folder of results")->required();
   if (const std::string complaint = wrong_subcommand(app, argc > 1 ? argv[1] : ""); !complaint.empty()) {
@@ -192,8 +190,8 @@ Exit main_on(MPI_Comm comm, int argc, char** argv) {
     if (loud) app.exit(error);
     return error.get_exit_code() == 0 ? Exit::done : Exit::bad_case;
   }
-  if (const std::string complaint = wrong_instruction_set(); !complaint.empty()) {
-    if (loud) fmt::print(stderr, "{}", complaint);
+  if (const std::string complaint = complaint_of_environment(); !complaint.empty()) {
+    if (loud) fmt::print(stderr, "silt: {}\n", complaint);
     return Exit::bad_case;
   }
   if (checks->parsed()) return check(line, loud);

@@ -162,6 +162,7 @@ std::vector<rigid::BodyRecord> bodies_of_start(const Case& setup, std::vector<Di
   std::string note;
   const auto reader = checkpoint_of_start(setup, MPI_COMM_SELF, note);
   if (!note.empty()) warnings.push_back({Diagnostic::Severity::warning, setup.place("initial.from"), note});
+  find_idle_keys_at_start(*reader, setup, warnings);
   return start_from(*reader, setup).bodies.records;
 }
 
@@ -220,6 +221,7 @@ PreparedRun prepare_scene(const RunOptions& options, MPI_Comm comm) {
   require_sound_start(*setup, make_domain(*setup, parallel::ranks_of(comm)), comm);
   if (setup->start) {
     const auto reader = checkpoint_of_start(*setup, comm, prepared.earlier_options);
+    find_idle_keys_at_start(*reader, *setup, prepared.warnings);
     prepared.simulation = simulation_from(*reader, std::move(*setup), comm);
   } else {
     prepared.simulation = std::make_unique<Simulation>(std::move(*setup), comm);

@@ -121,6 +121,7 @@ struct ResolverModel {
   bool lubricates, has_impact_phase, has_half_force;
   bool resists_rolling_and_pulls;
   bool makes_energy;  // contacts of several bodies may leave more than there was
+  bool sweeps;        // over the contacts, again and again
   std::unique_ptr<ContactResolver> (*make)(const ResolverSettings&);
 };
 

@@ -62,7 +62,10 @@ class Run:
         """report.json as a dictionary. ValueError: the file is cut off, or none of JSON."""
         path = self.file("report.json", "output.report, and at its end")
         try:
-            return json.loads(path.read_text())
+            report = json.loads(path.read_text())
+            if not isinstance(report, dict):
+                raise ValueError("it is no report of a run")
+            return report
         except ValueError as error:
             raise ValueError(f"{path}: not whole: {error}; let the run write it again (silt resume)") from None
 

@@ -25,6 +25,13 @@ struct Fault {
   std::string told;                                           // part of what is said
 };
 
+/// Gives a body a velocity that a case may not have.
+void shoot(Simulation& s, rigid::BodyId id, const Vec3& velocity) {
+  if (const std::size_t row = s.bodies().row_of(id); row < s.bodies().owned)
+    s.bodies().set_velocity(row, velocity, Vec3::Zero());
+  s.scene().exchange->relocate(s.bodies());
+}
+
 CaseText fluid_of(const std::string& domain, const std::string& lines) {
   CaseText c;
   c.domain = domain;
@@ -80,9 +87,9 @@ std::vector<Fault> faults() {
        {},
        "coupling.time = \"implicit\""},
       {"sphere shot into fluid at rest", ball_in("relaxation_time = 0.55\n", 5, "", implicit),
-       [](Simulation& s) { s.set_velocity(1, Vec3(0.45, 0.2, 0), Vec3::Zero()); }, "the body moves 0."},
+       [](Simulation& s) { shoot(s, 1, Vec3(0.45, 0.2, 0)); }, "the body moves 0."},
       {"sphere faster than its neighbours see", ball_in("relaxation_time = 0.8\n", 5, "", implicit),
-       [](Simulation& s) { s.set_velocity(1, Vec3(2, 0.3, 0), Vec3::Zero()); }, "step 1: body 1 moves 2."},
+       [](Simulation& s) { shoot(s, 1, Vec3(2, 0.3, 0)); }, "step 1: body 1 moves 2."},
       {"sphere that falls in a deep shaft without drag",
        [] {
          CaseText c = ball_in("relaxation_time = 0.8\n", 50, "", "[gravity]\nacceleration = [0, 0, -2e-2]\n");
@@ -204,6 +211,19 @@ TEST(OverlapGuard, IsToldOnEveryRankWithACure) {
   EXPECT_EQ(stop_of(tower(1e3).start(MPI_COMM_WORLD, {"contacts.sweeps=64"}), steps), "");
   EXPECT_EQ(stop_of(tower(1e3).start(MPI_COMM_WORLD, {"contacts.substeps=4"}), steps), "");
   EXPECT_EQ(stop_of(tower(10).start(MPI_COMM_WORLD), steps), "");
+}
+
+/// A ball that is locked along its way goes on into the floor: no sweep is of use.
+TEST(OverlapGuard, ALockedBodyIsToldOfItsLock) {
+  CaseText c;
+  c.domain = domain_of({32, 32, 32}, "\"no-slip\"");
+  c.fluid.clear();
+  c.bodies = body_of("ball", 2, "position = [16, 16, 8]\nvelocity = [0, 0, -0.05]\nlocked = [\"z\"]");
+  const std::string found = stop_of(c.start(MPI_COMM_WORLD), 400);
+  EXPECT_TEXT(found, "body 1 and the side z-low overlap by 4.");
+  EXPECT_TEXT(found, "along a locked axis a body keeps its velocity");
+  EXPECT_FALSE(tests::has_part(found, "contacts.sweeps"));
+  EXPECT_EQ(stop_of(c.start(MPI_COMM_WORLD, {"bodies[0].locked=[\"x\", \"y\"]"}), 400), "");
 }
 
 }  // namespace

@@ -149,7 +149,13 @@ TEST(Regrid, ABodyAtABorderIsNamed) {
   if (tests::rank() != 0) return;
   Simulation s = flying().start(MPI_COMM_SELF);
   s.run(8);
-  s.set_pose(1, {{40, 40, 40}, rigid::Quat::Identity()});
+  const std::uint64_t before = s.hash();
+  const rigid::Pose far{{40, 40, 40}, rigid::Quat::Identity()};
+  EXPECT_TEXT(tests::error_of<std::invalid_argument>([&] { s.set_pose(1, far); }),
+              "position is [40, 40, 40]: there are coarser cells within ");
+  EXPECT_EQ(s.hash(), before);
+  s.bodies().set_pose(s.bodies().row_of(1), far);  // a program that asks nobody
+  s.scene().exchange->relocate(s.bodies());
   const std::string said = tests::error_of<GuardStop>([&] { s.run(9); });
   EXPECT_TEXT(said, "step 16: body 1 ");
   EXPECT_TEXT(said, "raise coarsening.distance (now 7 cells)");

@@ -121,11 +121,58 @@ TEST(CaseCheck, WarnsOfBodiesThatDoNotComeOrGo) {
   EXPECT_TEXT(warnings(c), "the case has no free bodies, and no others leave");
 }
 
+/// A spring from the ball to the lid.
+const std::string spring =
+    "[[springs]]\nbody = \"ball\"\nends = [[16, 16, 16], [16, 16, 32]]\nlength = 8\nstiffness = 10\n";
+
 TEST(CaseCheck, WarnsOfEndlessFall) {
   CaseText c;
   c.domain = "[domain]\nsize = [32, 32, 32]\nboundary = \"periodic\"\n";
   c.rest = "[gravity]\nacceleration = [0, 0, -1e-4]\n";
   EXPECT_TEXT(warnings(c), "gravity acts, but nothing holds");
+  c.bodies += "locked = [\"z\"]\n";
+  EXPECT_EQ(warnings(c), "");  // nothing moves it along z
+  c.bodies.resize(c.bodies.size() - std::string("locked = [\"z\"]\n").size());
+  c.rest += spring;
+  EXPECT_EQ(warnings(c), "");
+}
+
+TEST(CaseCheck, SaysThatAllStaysAtRestOnlyWhereItDoes) {
+  CaseText c;
+  const std::string said = "nothing else moves: all stays at rest";
+  EXPECT_TEXT(warnings(c), said);
+  for (const std::string moves :
+       {gravity, spring, std::string("[contacts]\ncohesion = 1e-3\n"),
+        std::string(
+            "[[walls]]\ntype = \"tube\"\nname = \"drum\"\naxis = \"y\"\nradius = 14\npoint = [16, 16, "
+            "16]\nangular_velocity = 0.001\n")}) {
+    c.rest = moves;
+    EXPECT_FALSE(tests::has_part(warnings(c), said)) << moves;
+  }
+}
+
+TEST(CaseCheck, WhatSpringsOrLocksHoldDoesNotFall) {
+  CaseText c;
+  c.bodies = body_of("ball", 8, "position = [16, 16, 16]");
+  c.rest = "[gravity]\nacceleration = [0, 0, -4e-3]\n";
+  const std::string falls = "bodies[0] comes to ";
+  EXPECT_TEXT(warnings(c), falls);
+  const std::string alone = c.rest, free = c.bodies;
+  c.rest = alone + spring;
+  EXPECT_FALSE(tests::has_part(warnings(c), falls)) << warnings(c);
+  c.rest = alone, c.bodies = free + "locked = [\"z\"]\n";
+  EXPECT_FALSE(tests::has_part(warnings(c), falls));
+  c.bodies = free + "locked = [\"x\"]\n";
+  EXPECT_TEXT(warnings(c), falls);
+}
+
+TEST(CaseCheck, AControlledFlowIsNotWarnedOfItsFirstForce) {
+  CaseText c;
+  c.shapes = c.bodies = "";
+  c.fluid += "body_force = [1e-3, 0, 0]\n";
+  EXPECT_TEXT(warnings(c), "drives laminar flow at up to");
+  c.fluid += "superficial_velocity = [0.01, 0, 0]\n";
+  EXPECT_EQ(warnings(c), "");
 }
 
 TEST(CaseCheck, WarnsOfBodiesFasterThanTheContactMargin) {

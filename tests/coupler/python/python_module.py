@@ -271,6 +271,67 @@ class Module(SiltTest):
         with self.assertRaisesRegex(ValueError, "no .fluid."):
             self.simulation(DRY).field("density")
 
+    def test_changes_that_a_case_may_not_have_are_refused(self):
+        """As a case file is: by the same words, on every rank, before anything is changed."""
+        text = (domain_of([32, 32, 32], '{ x = "periodic", y = "periodic", z = ["no-slip", "no-slip"] }') +
+                shape_of("ball", "sphere", "radius = 3") + body_of("ball", 2, "position = [8, 8, 8]") +
+                body_of("ball", 2, 'motion = "fixed"\nposition = [24, 24, 16]') + "[run]\nsteps = 10\n")
+        fluid = "[fluid]\nrelaxation_time = 0.8\n"
+        places = (([8, 8, 2], r"position is \[8, 8, 2\]: the body reaches 1 into the lower wall of z; its z must be between 3 and 29"),
+                  ([8, 8, 30], "the body reaches 1 into the upper wall of z"),
+                  ([8, 8, -2], r"it must lie in the domain, \[0, 0, 0\] to \[32, 32, 32\]"),
+                  ([33, 8, 8], "it must lie in the domain"),
+                  ([24, 24, 14], r"position is \[24, 24, 14\]: the body overlaps body 2, at \[24, 24, 16\], by at least 4; move it away"))
+        for position, words in places[:-1]:
+            self.assertRegex(self.case_error(text.replace("[8, 8, 8]", str(position))), words)
+        velocities = (([0.4, 0, 0], [0, 0, 0], "velocity is 0.4 cells a step; it must be at most 0.3: lower it to 0.1", True),
+                      ([0, 0, 0], [0, 0.2, 0], "angular_velocity is 0.6 cells a step; it must be at most 0.3", True),
+                      ([5, 0, 0], [0, 0, 0], "velocity: the body moves 5 cells in a step; beyond 3.5", False),
+                      ([0, 0, 0], [0, 0, 4], "angular_velocity turns the body by 229.183 degrees in a step; at most 180 are possible", False))
+        for wet in (True, False):
+            simulation = self.simulation(text + wet * fluid)
+            before = simulation.hash()
+            for position, words in places:
+                with self.assertRaisesRegex(ValueError, words):
+                    simulation.set_pose(1, position)
+            for velocity, turn, words, of_fluid in velocities:
+                if of_fluid == wet:
+                    with self.assertRaisesRegex(ValueError, words):
+                        simulation.set_velocity(1, velocity, turn)
+            for call, words in ((lambda: simulation.add_force(1, [0, 0, 1e30]), "force gives body 1 a velocity of .* cells a step in one step; at most"),
+                                (lambda: simulation.add_force(1, [0, 0, 0.01 * MASS], [0, 1e9, 0]), "torque gives body 1 a velocity of"),
+                                (lambda: simulation.set_velocity(1, [float("inf"), 0, 0]), "velocity is .inf.*finite"),
+                                (lambda: simulation.set_pose(1, [8, 8, float("nan")]), "position is .*nan.*finite"),
+                                (lambda: simulation.set_pose(2, [8, 24, 8]), "body 2 is fixed"),
+                                (lambda: simulation.run(-1), "steps is -1; it must be at least 0")):
+                with self.assertRaisesRegex(ValueError, words):
+                    call()
+            simulation.step()
+            self.assertTrue((simulation.bodies.velocity == 0).all())  # of a force and a torque neither came
+            simulation.set_pose(1, [8, 8, 3])  # on the floor
+            simulation.set_velocity(1, [0.05, 0, 0], [0, 0.01, 0])
+            simulation.run(5)
+            self.assertNotEqual(simulation.hash(), before)
+
+    def case_error(self, text):
+        with self.assertRaises(silt.CaseError) as error:
+            self.simulation(text)
+        return str(error.exception)
+
+    def test_a_place_that_moved_while_it_ran(self):
+        """Bodies count where they are now, and a body that moves as its table says takes no velocity."""
+        text = (domain_of([32, 32, 32]) + shape_of("ball", "sphere", "radius = 3") + body_of("ball", 2, "position = [8, 8, 8]") +
+                body_of("ball", 2, 'name = "piston"\nmotion = { velocity = [0.5, 0, 0] }\nposition = [8, 24, 8]') + "[run]\nsteps = 10\n")
+        simulation = self.simulation(text)
+        with self.assertRaisesRegex(ValueError, r"overlaps body 2, at \[8, 24, 8\], by at least 6"):
+            simulation.set_pose(1, [8, 24, 8])
+        with self.assertRaisesRegex(ValueError, "body 2 moves as the table `motion` of 'piston' says"):
+            simulation.set_velocity(2, [0, 0, 0])
+        simulation.run(20)
+        simulation.set_pose(1, [8, 24, 8])
+        with self.assertRaisesRegex(ValueError, r"overlaps body 2, at \[18, 24, 8\], by at least 5"):
+            simulation.set_pose(1, [17, 24, 8])
+
     def test_a_guard_stops_it(self):
         simulation = self.simulation(UNSTABLE)
         with self.assertRaisesRegex(silt.GuardStop, "step 2.*coupling.time"):
@@ -324,6 +385,36 @@ class Module(SiltTest):
             """, 2)
         self.assertNotEqual(result.returncode, 0)
         self.assertIn("this rank is ill", result.stderr)
+
+    def test_changes_are_refused_on_every_rank(self):
+        program = """
+            import silt
+            simulation = silt.Simulation(".", unset=["domain.blocks"])
+            before = simulation.hash()
+            for call in (lambda: simulation.set_pose(1, [8, 8, 1]), lambda: simulation.set_pose(1, [18, 8, 8]),
+                         lambda: simulation.set_velocity(1, [0.5, 0, 0]), lambda: simulation.add_force(1, [1e9, 0, 0]),
+                         lambda: simulation.add_force(3, [0, 0, 0])):
+                try:
+                    call()
+                except ValueError as error:
+                    print(f"{error}\\n", end="", flush=True)
+            assert simulation.hash() == before
+            simulation.run(3)
+            """
+        alone = self.script(program, 1)
+        self.assertEqual((alone.returncode, alone.stderr), (0, ""))
+        self.assertEqual(len(alone.stdout.splitlines()), 5, alone.stdout)
+        for ranks in (2, 4):
+            result = self.script(program, ranks)
+            self.assertEqual((result.returncode, result.stderr), (0, ""))
+            self.assertEqual(sorted(result.stdout.splitlines()), sorted(ranks * alone.stdout.splitlines()))
+
+    def test_an_instruction_set_that_there_is_not_is_refused(self):
+        for name, asked, known in (("SILT_ISA", "avx3", "portable, avx2 or avx512"), ("SILT_LAST_CACHE", "nearby", "near or far")):
+            done = subprocess.run(["/usr/bin/python3", "-c", "import silt"], capture_output=True, text=True,
+                                  env={**ENVIRONMENT, "PYTHONPATH": str(MODULE), name: asked})
+            self.assertNotEqual(done.returncode, 0)
+            self.assertIn(f"ImportError: the environment variable {name} is '{asked}'; it must be {known}", done.stderr)
 
     def test_errors_of_a_case_come_on_every_rank(self):
         result = self.script("""

@@ -54,6 +54,8 @@ class Program(SiltTest):
         one_more = "fill=[{ shape='ball', density=2, count=1, box=[[4, 5, 5], [10, 11, 11]] }]"  # where one is
         self.assertIn("only 0 bodies fitted", fault("--set", one_more))
         self.assertRegex(self.silt("check", next_case).stdout, "estimate")
+        flow = "fluid.initial={ type='uniform', velocity=[0.01, 0, 0] }"
+        self.assertIn("fluid.initial has no effect: initial.from has a fluid", self.silt("check", next_case, "--set", flow).stdout)
         newest = max(self.out.glob("checkpoint_*.h5"))
         whole = newest.read_bytes()
         newest.write_bytes(whole[:-100])
@@ -168,10 +170,14 @@ class Program(SiltTest):
         for asked in ("avx3", "AVX2"):
             done = subprocess.run([SILT, "check", self.case], capture_output=True, text=True, env={**ENVIRONMENT, "SILT_ISA": asked})
             self.assertEqual((done.returncode, done.stderr), (2, f"silt: the environment variable SILT_ISA is '{asked}'; it must be portable, avx2 or avx512\n"))
+        done = subprocess.run([SILT, "check", self.case], capture_output=True, text=True, env={**ENVIRONMENT, "SILT_LAST_CACHE": "nearby"})
+        self.assertEqual((done.returncode, done.stderr), (2, "silt: the environment variable SILT_LAST_CACHE is 'nearby'; it must be near or far\n"))
 
     def test_a_number_of_steps_with_an_exponent_is_whole(self):
         self.silt("run", self.case, "--set", "run.steps=1e1")
         self.assertEqual(self.report()["steps"], 10)
+        self.silt("run", self.case, "--overwrite", "--steps", "1.2e1")
+        self.assertEqual(self.report()["steps"], 12)
         self.assertIn("run.steps is 12.5; it must be a whole number", self.silt("check", self.case, "--set", "run.steps=1.25e1", code=2).stderr)
 
     def test_results_are_never_overwritten_silently(self):
