@@ -16,7 +16,7 @@ using rigid::Pose;
 using rigid::Quat;
 using rigid::Vec3;
 
-const Vec3 half(20, 12, 8);  // of a block of stone
+const Vec3 half_block(20, 12, 8);  // of a block of stone
 
 /// Momentum, and angular momentum about a point of the axis.
 struct Turnover {
@@ -32,7 +32,7 @@ void add_cells(const Pose& pose, const Vec3& corner, const Vec3& rate, double si
     for (int y = -reach; y < reach; ++y)
       for (int x = -reach; x < reach; ++x) {
         const Vec3 cell = corner + Vec3(x + 0.5, y + 0.5, z + 0.5);
-        if ((pose.to_body(cell).cwiseAbs().array() < half.array()).all())
+        if ((pose.to_body(cell).cwiseAbs().array() < half_block.array()).all())
           to.add(sign * rate.cross(cell), cell);
       }
 }
@@ -45,8 +45,9 @@ struct QuarterTurn {
   QuarterTurn(const Vec3& arm, bool hollow) {
     constexpr int steps = 150, places = 16;
     rigid::MeshWallSpec spec;
-    spec.mesh = {std::make_shared<const rigid::TriangleMesh>(rigid::testing::cuboid_mesh(-half, half)),
-                 hollow};
+    spec.mesh = {
+        std::make_shared<const rigid::TriangleMesh>(rigid::testing::cuboid_mesh(-half_block, half_block)),
+        hollow};
     spec.start.orientation = Quat(Eigen::AngleAxisd(0.5, Vec3::UnitY()));
     spec.arm = arm;
     const Vec3 rate(0, 0, std::numbers::pi / 2 / steps);
@@ -91,7 +92,9 @@ TEST(TurningWalls, CellsOfABlockGainWhatKeepsItsMiddleOnACircle) {
 /// A wall that moves without a turn needs none.
 TEST(TurningWalls, NothingIsSaidOfAWallThatDoesNotTurn) {
   rigid::MeshWallSpec spec;
-  spec.mesh = {std::make_shared<const rigid::TriangleMesh>(rigid::testing::cuboid_mesh(-half, half)), false};
+  spec.mesh = {
+      std::make_shared<const rigid::TriangleMesh>(rigid::testing::cuboid_mesh(-half_block, half_block)),
+      false};
   spec.motion.velocity = {0.1, 0, 0};
   rigid::World world;
   rigid::BodySet bodies;
