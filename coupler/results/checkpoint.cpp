@@ -231,7 +231,7 @@ SavedState read_state(const CheckpointReader& reader, const Case& setup) {
   state.bodies = {std::move(bodies.records), std::move(bodies.impulses)};
   if (!setup.fluid) return state;
   if (!setup.fluid->superficial_velocity.isZero(0)) visit_flow_control(state.flow_control, Read{reader});
-  require_populations(reader, setup);
+  if (const std::string fault = fault_of_populations(reader, setup); !fault.empty()) reader.refuse(fault);
   if (setup.coarsening)
     state.levels = [&reader, coarsest = setup.coarsening->levels](const lbm::CellBox& part) {
       return saved_levels(reader, coarsest, part);

@@ -56,8 +56,9 @@ void write_populations(adapters::CheckpointWriter&, const Case&, const Flow&);
 /// Reads the populations into a flow whose cells are of the levels that the file says (saved_levels).
 void read_populations(const adapters::CheckpointReader&, const Case&, Flow&);
 
-/// Refuses a file that is of another lattice than the case's, or has other levels.
-void require_populations(const adapters::CheckpointReader&, const Case&);
+/// Returns why a file's populations cannot be those of a case (another lattice or precision, other levels);
+/// empty where they can.
+std::string fault_of_populations(const adapters::CheckpointReader&, const Case&);
 
 /// Collective. Returns the levels of the cells in a box of finest ones, whose faces are faces of cells of the
 /// widest level: as boxes that do not overlap. `coarsest`: that of the case.

@@ -225,20 +225,19 @@ void read_populations(const CheckpointReader& reader, const Case& setup, Flow& f
                                         : read_cells<float>(reader, setup, flow);
 }
 
-void require_populations(const CheckpointReader& reader, const Case& setup) {
+std::string fault_of_populations(const CheckpointReader& reader, const Case& setup) {
   const bool has_levels = reader.has_cells("levels");
   if (has_levels != setup.coarsening.has_value())
-    reader.refuse_case(fmt::format("its cells are of {}, and those of the case are not",
-                                   has_levels ? "several levels" : "one level"));
+    return fmt::format("its cells are of {}, and those of the case are not",
+                       has_levels ? "several levels" : "one level");
   const bool fits = has_levels ? reader.lattice("levels") == tiling_of(setup).lattice
                                : reader.lattice("populations") == setup.cells &&
                                      reader.components("populations") == lbm::directions;
-  if (!fits) reader.refuse_case("its populations are of another lattice than the case's");
+  if (!fits) return "its populations are of another lattice than the case's";
   const Storage storage = storage_of(setup);
-  if (!reader.is_stored_as(has_levels ? list_name(0) : "populations", storage))
-    reader.refuse_case(storage == Storage::double_
-                           ? "its fluid is of single precision, that of the case of double"
-                           : "its fluid is of double precision, that of the case of single");
+  if (reader.is_stored_as(has_levels ? list_name(0) : "populations", storage)) return "";
+  return storage == Storage::double_ ? "its fluid is of single precision, that of the case of double"
+                                     : "its fluid is of double precision, that of the case of single";
 }
 
 std::vector<lbm::LevelBox> saved_levels(const CheckpointReader& reader, int coarsest,

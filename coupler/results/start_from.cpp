@@ -167,7 +167,9 @@ SavedState start_from(const CheckpointReader& reader, const Case& setup) {
   if (takes_fluid(reader, setup) && reader.text("start.walls") != walls_after(setup, 0))
     reader.refuse_case(
         "its [[walls]] are not where those of the case begin, and what fluid is there is not known");
-  if (takes_fluid(reader, setup)) require_populations(reader, setup);
+  if (takes_fluid(reader, setup))
+    if (const std::string fault = fault_of_populations(reader, setup); !fault.empty())
+      reader.refuse_case(fault);
   SavedState state = state_from(reader, setup, scales);
   require_room_beside(state.bodies.records, reader.text("start.walls") != walls_after(setup, 0), setup,
                       make_domain(setup, parallel::ranks_of(reader.comm())), reader.comm());

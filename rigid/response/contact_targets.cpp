@@ -19,7 +19,7 @@ Hold hold(const Contact& c, const Turning& turning, bool pressed) {
   if ((pressed || c.lubrication) && c.gap <= hair * arms + turn_of_step * chord)
     return {true, chord, chord + (c.lubrication ? 0 : hair * arms)};
   constexpr double share = 0.5;  // of what turning opens: that to which the start is known
-  const bool touched = c.gap <= no_gap * arms || turning.gap_at_start() <= no_gap * arms + share * chord;
+  const bool touched = c.gap <= no_gap * arms || turning.gap_at_start() <= share * chord;
   return {touched, chord, touched ? chord : 0};
 }
 

@@ -168,8 +168,10 @@ TEST(CaseCheck, WhatSpringsOrLocksHoldDoesNotFall) {
 
 TEST(CaseCheck, AControlledFlowIsNotWarnedOfItsFirstForce) {
   CaseText c;
+  c.domain = domain_of({32, 32, 32}, "{ x = \"periodic\", y = \"periodic\", z = \"no-slip\" }");
   c.shapes = c.bodies = "";
   c.fluid += "body_force = [1e-3, 0, 0]\n";
+  c.run = "[run]\nsteps = 1000\n";
   EXPECT_TEXT(warnings(c), "drives laminar flow at up to");
   c.fluid += "superficial_velocity = [0.01, 0, 0]\n";
   EXPECT_EQ(warnings(c), "");

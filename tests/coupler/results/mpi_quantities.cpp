@@ -336,7 +336,9 @@ TEST(Quantities, OfOtherDefinitionsBeginAnew) {
     const auto warnings = begun_anew(saved.reader(), other);
     const bool warns = computation_of(scene.quantities[i].type).gathers();
     ASSERT_EQ(warnings.size(), warns) << overrides.front();
-    if (warns) EXPECT_NE(warnings[0].text.find("'" + name + "'"), std::string::npos) << warnings[0].text;
+    if (warns) {
+      EXPECT_TEXT(warnings[0].text, "'" + name + "'");
+    }
     ++changed;
   };
   for (std::size_t i = 0; i < scene.quantities.size(); ++i) {

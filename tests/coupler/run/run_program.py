@@ -48,9 +48,9 @@ class Program(SiltTest):
         for key in ("velocity=[0.01,0,0]", "angular_velocity=[0,0,0.01]", "orientation=[0,1,0,0]", "axis=[1,0,0]", "origin='given'"):
             self.assertIn(f"bodies[0].{key.split('=')[0]} has no effect: an entry without position names bodies of initial.from", fault("--set", "bodies[0]." + key))
         beside = "bodies=[{name='ball', shape='ball', density=2}, {name='new', shape='ball', density=2, position=[6.5, 8, 11]}]"
-        self.assertRegex(fault("--set", beside), r"bodies: .*bodies\[1\].position: the body at .* overlaps body 1 \('ball'\) of initial.from, at .* by at least .* at the start; move it away")
-        wall = "walls=[{ type='tube', radius=7, axis='z', point=[18, 8, 0] }]"
-        self.assertRegex(fault("--set", wall), r"initial.from: .*body 1 \('ball'\) of initial.from")
+        self.assertRegex(fault("--set", beside), r"bodies\[1\].position: the body at .* overlaps body 1 \('ball'\) of initial.from, at .* by at least .* at the start; move it away")
+        wall = "walls=[{ type='tube', radius=6, axis='z', point=[14.5, 8, 0] }]"
+        self.assertRegex(fault("--set", wall), r"initial.from.*body 1 \('ball'\) of initial.from")
         one_more = "fill=[{ shape='ball', density=2, count=1, box=[[4, 5, 5], [10, 11, 11]] }]"  # where one is
         self.assertIn("only 0 bodies fitted", fault("--set", one_more))
         self.assertRegex(self.silt("check", next_case).stdout, "estimate")

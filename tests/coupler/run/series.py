@@ -209,7 +209,8 @@ class Series(SiltTest):
             """Returns the mean, the first row after step 25, and the warnings."""
             self.forget(50, 60)
             said = self.silt("resume", self.case, *(word for setting in settings for word in ("--set", setting)))
-            row = silt_results.open(self.case).table("means")[2]
+            means = silt_results.open(self.case).table("means")
+            row = {name: means[name][2] for name in means.names}
             warnings = [line.partition("warning: ")[2] for line in (said.stdout + said.stderr).splitlines() if "warning: " in line]
             return self.report()["quantities"]["load"], row, [w for w in warnings if "checkpoint" in w or " anew " in w]
 
