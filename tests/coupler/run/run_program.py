@@ -50,7 +50,8 @@ class Program(SiltTest):
         beside = "bodies=[{name='ball', shape='ball', density=2}, {name='new', shape='ball', density=2, position=[6.5, 8, 11]}]"
         self.assertRegex(fault("--set", beside), r"bodies\[1\].position: the body at .* overlaps body 1 \('ball'\) of initial.from, at .* by at least .* at the start; move it away")
         wall = "walls=[{ type='tube', radius=6, axis='z', point=[14.5, 8, 0] }]"
-        self.assertRegex(fault("--set", wall), r"initial.from.*body 1 \('ball'\) of initial.from")
+        self.assertIn("its [[walls]] are not where those of the case begin", fault("--set", wall))
+        self.assertRegex(fault("--set", wall, "--unset", "fluid", "--unset", "output.fields"), r"body 1 \('ball'\) of initial.from is .*: the body reaches .* into the wall 'walls\[0\]'")
         one_more = "fill=[{ shape='ball', density=2, count=1, box=[[4, 5, 5], [10, 11, 11]] }]"  # where one is
         self.assertIn("only 0 bodies fitted", fault("--set", one_more))
         self.assertRegex(self.silt("check", next_case).stdout, "estimate")
