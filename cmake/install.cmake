@@ -1,10 +1,10 @@
 # What `cmake --install` puts where: the program, and the library with its headers for find_package(silt).
-# In another project the library is silt::coupler, by find_package or by add_subdirectory alike.
+# In another project the library is silt::simulation, by find_package or by add_subdirectory alike.
 set(CMAKE_SKIP_INSTALL_ALL_DEPENDENCY ON)  # not the tests
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
-set(libraries cpu device parallel lbm rigid collision hdf5 toml qhull mesh coupler)
+set(libraries cpu device parallel lbm rigid collision hdf5 toml qhull mesh coupler simulation)
 foreach(name IN LISTS libraries)
   add_library(silt::${name} ALIAS silt_${name})
   set_target_properties(silt_${name} PROPERTIES EXPORT_NAME ${name})
@@ -15,7 +15,7 @@ foreach(name IN LISTS libraries)
 endforeach()
 target_compile_definitions(silt_parallel INTERFACE OMPI_SKIP_MPICXX)
 install(TARGETS silt RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
-foreach(folder cpu device parallel lbm rigid adapters coupler)
+foreach(folder cpu device parallel lbm rigid adapters coupler silt)
   install(DIRECTORY ${PROJECT_SOURCE_DIR}/${folder} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/silt
           FILES_MATCHING PATTERN "*.hpp")
 endforeach()

@@ -1,7 +1,7 @@
 #pragma once
 // One step of fluid and bodies: Algorithm 2 of Goetz et al., SC10.
 #include "coupler/flow.hpp"
-#include "coupler/run_counters.hpp"
+#include "coupler/stages.hpp"
 #include "rigid/rigid_step.hpp"
 
 namespace silt::coupler {

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <optional>
 
-#include "coupler/case/case.hpp"
 #include "coupler/exchange/parallel_body_exchange.hpp"
 #include "coupler/flow_control.hpp"
 #include "coupler/forces/entrained_fluid.hpp"
@@ -17,9 +16,10 @@
 #include "coupler/mapping/refill.hpp"
 #include "coupler/mapping/side_columns.hpp"
 #include "coupler/regions/level_views.hpp"
-#include "lbm/cut_links.hpp"
-#include "lbm/levels.hpp"
-#include "lbm/pairs_across.hpp"
+#include "coupler/spec/flow_spec.hpp"
+#include "lbm/levels/levels.hpp"
+#include "lbm/walls/cut_links.hpp"
+#include "lbm/walls/pairs_across.hpp"
 #include "parallel/communicator.hpp"
 
 namespace silt::coupler {
@@ -47,30 +47,31 @@ std::vector<lbm::CellBox> boxes(const lbm::Fluid<T>& fluid) {
 template <class T>
 class FlowOf final : public Flow {
  public:
-  FlowOf(const Case& scene, const lbm::Domain& domain, MPI_Comm comm, const ParallelBodyExchange& exchange)
-      : coupling_(scene.coupling),
+  FlowOf(const FlowSpec& spec, const lbm::Domain& domain, MPI_Comm comm, const ParallelBodyExchange& exchange,
+         int substeps)
+      : coupling_(spec.coupling),
         world_(exchange.world()),
-        fluid_(domain, collision_of(*scene.fluid), comm, scene.device),
-        levels_(fluid_, scene.coarsening ? scene.coarsening->levels : 0),
+        fluid_(domain, collision_of(*spec.fluid), comm, spec.device),
+        levels_(fluid_, spec.coarsening ? spec.coarsening->levels : 0),
         map_(fluid_.domain(), world_, boxes(fluid_), lbm::link_reach(coupling_.wall_scheme)),
         fields_(make_fields<T>(fluid_, map_.blocks())),
         account_(*fields_, comm),
         links_(fluid_.blocks().size()),
-        pushes_bodies_(scene.fluid->body_force_on_bodies && scene.fluid->has_body_force()),
-        drive_{scene.fluid->body_force, scene.fluid->body_force_over_time, scene.boundary},
-        forces_(coupling_, exchange, scene.contacts.substeps, scene.fluid->relaxation_time) {
-    if (scene.device != Device::cpu) {  // whose passes do all links at once
+        pushes_bodies_(spec.fluid->body_force_on_bodies && spec.fluid->has_body_force()),
+        drive_{spec.fluid->body_force, spec.fluid->body_force_over_time, spec.boundary},
+        forces_(coupling_, exchange, substeps, spec.fluid->relaxation_time) {
+    if (spec.device != Device::cpu) {  // whose passes do all links at once
       schedule_ = LinkSchedule::sequential;
       for (BlockLinks<T>& block : links_)
-        block.on_device.emplace(scene.device), mapped_on_device_.emplace_back(scene.device);
+        block.on_device.emplace(spec.device), mapped_on_device_.emplace_back(spec.device);
     }
-    if (!scene.fluid->superficial_velocity.isZero(0)) control_.emplace(*scene.fluid, scene.volume(), comm);
+    if (!spec.fluid->superficial_velocity.isZero(0)) control_.emplace(*spec.fluid, spec.volume(), comm);
     for (int level = 1; level < levels_.count(); ++level) {
       coarser_.push_back(std::make_unique<CoarserFields>(levels_.fluid(level), world_));
       account_.add_level(*coarser_.back()->fields);
     }
     if (!lbm::reads_beyond(coupling_.wall_scheme) || world_.shapes.empty()) return;
-    pairs_.emplace(fluid_.domain(), comm, fluid_.blocks(), scene.device);
+    pairs_.emplace(fluid_.domain(), comm, fluid_.blocks(), spec.device);
     for (const BlockMap& map : map_.blocks()) columns_.emplace_back(map.solid);
     for (std::size_t b = 0; b < links_.size(); ++b) links_[b].pairs_across = pairs_->of(int(b));
   }
@@ -361,21 +362,20 @@ lbm::SideCondition side_condition(const BoundarySpec& b) {
 
 }  // namespace
 
-lbm::Domain make_domain(const Case& scene, int ranks) {
+lbm::Domain make_domain(const FlowSpec& spec, int ranks) {
   std::array<lbm::SideCondition, 6> sides;
-  for (int s = 0; s < 6; ++s) sides[s] = side_condition(scene.boundary[s]);
+  for (int s = 0; s < 6; ++s) sides[s] = side_condition(spec.boundary[s]);
   std::optional<Int3> blocks;
-  if (scene.block_cells)
-    blocks = Int3{(*scene.block_cells)[0], (*scene.block_cells)[1], (*scene.block_cells)[2]};
-  if (scene.coarsening) return lbm::Domain(cut_for_levels(scene, ranks), sides, ranks);
-  return lbm::Domain({scene.cells[0], scene.cells[1], scene.cells[2]}, sides, blocks, ranks);
+  if (spec.block_cells) blocks = Int3{(*spec.block_cells)[0], (*spec.block_cells)[1], (*spec.block_cells)[2]};
+  if (spec.coarsening) return lbm::Domain(cut_for_levels(spec, ranks), sides, ranks);
+  return lbm::Domain({spec.cells[0], spec.cells[1], spec.cells[2]}, sides, blocks, ranks);
 }
 
-std::unique_ptr<Flow> make_flow(const Case& scene, const lbm::Domain& domain, MPI_Comm comm,
-                                const ParallelBodyExchange& exchange) {
-  if (scene.fluid->precision == Precision::single_)
-    return std::make_unique<FlowOf<float>>(scene, domain, comm, exchange);
-  return std::make_unique<FlowOf<double>>(scene, domain, comm, exchange);
+std::unique_ptr<Flow> make_flow(const FlowSpec& spec, const lbm::Domain& domain, MPI_Comm comm,
+                                const ParallelBodyExchange& exchange, int substeps) {
+  if (spec.fluid->precision == Precision::single_)
+    return std::make_unique<FlowOf<float>>(spec, domain, comm, exchange, substeps);
+  return std::make_unique<FlowOf<double>>(spec, domain, comm, exchange, substeps);
 }
 
 }  // namespace silt::coupler

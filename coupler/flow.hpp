@@ -8,7 +8,7 @@
 
 #include "coupler/flow_account.hpp"
 #include "coupler/fluid_fields.hpp"
-#include "coupler/run_counters.hpp"
+#include "coupler/stages.hpp"
 #include "rigid/bodies/body_set.hpp"
 
 namespace silt::coupler {
@@ -16,7 +16,7 @@ namespace silt::coupler {
 class FlowControl;
 class ParallelBodyExchange;
 struct BodyChanges;
-struct Case;
+struct FlowSpec;
 
 /// The links of surfaces within a block are applied, and bodies solved for that have no others, while the
 /// dense pass runs, as soon as their cells have collided and are still in a cache, or all after the pass. No
@@ -51,7 +51,7 @@ class Flow {
   /// Gives the fluid the body force and its sides the velocities of the step that follows so many; to be
   /// called before each, once the flow has started. Collective, but waits for nobody.
   virtual void drive(std::int64_t steps_done) = 0;
-  /// Null where the case asks for no superficial velocity.
+  /// Null where no superficial velocity is asked for.
   virtual FlowControl* control() = 0;
 
   // ---- the passes of a step, in this order (Algorithm 2) ----
@@ -88,9 +88,11 @@ class Flow {
   virtual void start(rigid::BodySet&) = 0;
 };
 
-/// Returns the domain a case asks for, cut for a number of ranks. std::invalid_argument if it cannot be.
-lbm::Domain make_domain(const Case&, int ranks);
-/// Needs case.fluid. The exchange tells who owns what (force sums go to owners).
-std::unique_ptr<Flow> make_flow(const Case&, const lbm::Domain&, MPI_Comm, const ParallelBodyExchange&);
+/// Returns the domain cut for a number of ranks. std::invalid_argument if it cannot be.
+lbm::Domain make_domain(const FlowSpec&, int ranks);
+/// Needs a fluid. Bodies take so many sub-steps in a step. The exchange tells who owns what (force sums go to
+/// owners).
+std::unique_ptr<Flow> make_flow(const FlowSpec&, const lbm::Domain&, MPI_Comm, const ParallelBodyExchange&,
+                                int substeps);
 
 }  // namespace silt::coupler

@@ -1,6 +1,6 @@
 #include "coupler/flow_account.hpp"
 
-#include "lbm/cut_links.hpp"
+#include "lbm/walls/cut_links.hpp"
 
 namespace silt::coupler {
 

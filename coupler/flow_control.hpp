@@ -5,8 +5,8 @@
 
 #include <cstdint>
 
-#include "coupler/case/fluid_spec.hpp"
 #include "coupler/flow_totals.hpp"
+#include "coupler/spec/fluid_spec.hpp"
 #include "parallel/sums_under_way.hpp"
 
 namespace silt::coupler {

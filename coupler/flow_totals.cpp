@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "coupler/mapping/solid_map.hpp"
-#include "lbm/cut_links.hpp"
 #include "lbm/fluid.hpp"
+#include "lbm/walls/cut_links.hpp"
 
 namespace silt::coupler {
 

@@ -7,7 +7,7 @@
 #include <limits>
 #include <span>
 
-#include "lbm/moments.hpp"
+#include "lbm/blocks/moments.hpp"
 #include "parallel/collectives.hpp"
 #include "rigid/math/exact_sum.hpp"
 

@@ -6,8 +6,8 @@
 #include <limits>
 #include <tuple>
 
-#include "lbm/cut_links.hpp"
 #include "lbm/fluid.hpp"
+#include "lbm/walls/cut_links.hpp"
 
 namespace silt::coupler {
 

@@ -8,13 +8,13 @@
 
 #include "coupler/flow_totals.hpp"
 #include "coupler/mapping/solid_map.hpp"
-#include "lbm/collision_model.hpp"
-#include "lbm/domain.hpp"
-#include "lbm/moments.hpp"
+#include "lbm/blocks/domain.hpp"
+#include "lbm/blocks/moments.hpp"
+#include "lbm/collision/collision_model.hpp"
 
 namespace silt::coupler {
 
-struct Case;
+struct FlowSpec;
 
 class FluidFields {
  public:
@@ -135,6 +135,6 @@ void for_each_fluid_cell(const FluidFields& fields, Visit&& visit) {
 
 /// Puts the fluid of a level of a case into its initial state, `fluid.initial`; it must be fresh, at rest
 /// (initial_flow.cpp).
-void set_initial_flow(const Case&, FluidFields&);
+void set_initial_flow(const FlowSpec&, FluidFields&);
 
 }  // namespace silt::coupler

@@ -2,9 +2,9 @@
 #include <numbers>
 #include <vector>
 
-#include "coupler/case/case.hpp"
-#include "coupler/case/counter_random.hpp"
 #include "coupler/fluid_fields.hpp"
+#include "coupler/spec/counter_random.hpp"
+#include "coupler/spec/flow_spec.hpp"
 #include "lbm/fluid.hpp"
 #include "rigid/math/elementary.hpp"
 
@@ -27,10 +27,10 @@ struct Local {
 ///   u = A (-cos kx x sin ky y,  kx/ky sin kx x cos ky y),  p = -A^2/4 (cos 2 kx x + (kx/ky)^2 cos 2 ky y).
 struct TaylorGreen {
   double amplitude, kx, ky;
-  explicit TaylorGreen(const Case& scene)
-      : amplitude(scene.fluid->initial.velocity.norm()),
-        kx(2 * pi / scene.cells[0]),
-        ky(2 * pi / scene.cells[1]) {}
+  explicit TaylorGreen(const FlowSpec& spec)
+      : amplitude(spec.fluid->initial.velocity.norm()),
+        kx(2 * pi / spec.cells[0]),
+        ky(2 * pi / spec.cells[1]) {}
 };
 
 Local at(const TaylorGreen& vortex, const rigid::Vec3& x) {
@@ -50,7 +50,7 @@ Local at(const TaylorGreen& vortex, const rigid::Vec3& x) {
 
 struct Uniform {
   rigid::Vec3 velocity;
-  explicit Uniform(const Case& scene) : velocity(scene.fluid->initial.velocity) {}
+  explicit Uniform(const FlowSpec& spec) : velocity(spec.fluid->initial.velocity) {}
 };
 Local at(const Uniform& stream, const rigid::Vec3&) {
   return {0, stream.velocity};
@@ -60,8 +60,8 @@ Local at(const Uniform& stream, const rigid::Vec3&) {
 ///   u = A (sin kx cos ky cos kz, -cos kx sin ky cos kz, 0),  p = A^2/16 (cos 2kx + cos 2ky)(cos 2kz + 2).
 struct TaylorGreen3D {
   double amplitude, k;
-  explicit TaylorGreen3D(const Case& scene)
-      : amplitude(scene.fluid->initial.velocity.norm()), k(2 * pi / scene.cells[0]) {}
+  explicit TaylorGreen3D(const FlowSpec& spec)
+      : amplitude(spec.fluid->initial.velocity.norm()), k(2 * pi / spec.cells[0]) {}
 };
 
 Local at(const TaylorGreen3D& vortex, const rigid::Vec3& x) {
@@ -86,12 +86,12 @@ Local at(const TaylorGreen3D& vortex, const rigid::Vec3& x) {
 ///   u = A tanh(s (1/4 - |y - 1/2|)),  v = A p sin(2 pi (x + 1/4)).
 struct ShearLayer {
   double amplitude, steepness, perturbation, kx, height;
-  explicit ShearLayer(const Case& scene)
-      : amplitude(scene.fluid->initial.velocity.norm()),
-        steepness(scene.fluid->initial.steepness),
-        perturbation(scene.fluid->initial.perturbation),
-        kx(2 * pi / scene.cells[0]),
-        height(scene.cells[1]) {}
+  explicit ShearLayer(const FlowSpec& spec)
+      : amplitude(spec.fluid->initial.velocity.norm()),
+        steepness(spec.fluid->initial.steepness),
+        perturbation(spec.fluid->initial.perturbation),
+        kx(2 * pi / spec.cells[0]),
+        height(spec.cells[1]) {}
 };
 
 Local at(const ShearLayer& layer, const rigid::Vec3& x) {
@@ -110,11 +110,11 @@ Local at(const ShearLayer& layer, const rigid::Vec3& x) {
 struct GaussianVortex {
   rigid::Vec3 stream, centre;
   double swirl, radius;
-  explicit GaussianVortex(const Case& scene)
-      : stream(scene.fluid->initial.velocity),
-        centre(0.5 * scene.cells[0], 0.5 * scene.cells[1], 0),
-        swirl(scene.fluid->initial.swirl),
-        radius(scene.fluid->initial.radius) {}
+  explicit GaussianVortex(const FlowSpec& spec)
+      : stream(spec.fluid->initial.velocity),
+        centre(0.5 * spec.cells[0], 0.5 * spec.cells[1], 0),
+        swirl(spec.fluid->initial.swirl),
+        radius(spec.fluid->initial.radius) {}
 };
 
 Local at(const GaussianVortex& vortex, const rigid::Vec3& point) {
@@ -153,8 +153,8 @@ void change_populations(FluidFields& fields, AtCell&& local, Change&& change) {
 
 /// Equilibrium and its first-order deviation, f1_i = -3 tau w_i (c_i c_i - 1/3) : S.
 template <class Shape>
-void set(const Case& scene, FluidFields& fields) {
-  const Shape shape(scene);
+void set(const FlowSpec& spec, FluidFields& fields) {
+  const Shape shape(spec);
   const double tau = fields.spec().relaxation_time;
   const auto local = [&](lbm::Int3 cell) { return at(shape, fields.centre(cell)); };
   change_populations(fields, local, [&](int i, double, const Local& l) {
@@ -171,11 +171,11 @@ void set(const Case& scene, FluidFields& fields) {
 
 /// Adds a velocity to every cell, a function of its first finest cell: each component uniform between -noise
 /// and noise.
-void add_noise(const Case& scene, FluidFields& fields) {
-  const double noise = scene.fluid->initial.noise;
+void add_noise(const FlowSpec& spec, FluidFields& fields) {
+  const double noise = spec.fluid->initial.noise;
   const auto velocity = [&](lbm::Int3 cell) {
     const auto [x, y, z] = fields.finest(cell);
-    const auto place = (std::uint64_t(z) * scene.cells[1] + y) * scene.cells[0] + x;
+    const auto place = (std::uint64_t(z) * spec.cells[1] + y) * spec.cells[0] + x;
     return rigid::Vec3(noise * (2 * CounterRandom(mixed(place)).point() - rigid::Vec3::Ones()));
   };
   change_populations(fields, velocity, [&](int i, double g, const rigid::Vec3& u) {
@@ -186,12 +186,12 @@ void add_noise(const Case& scene, FluidFields& fields) {
 
 }  // namespace
 
-void set_initial_flow(const Case& scene, FluidFields& fields) {
-  constexpr void (*setters[])(const Case&, FluidFields&) = {
+void set_initial_flow(const FlowSpec& spec, FluidFields& fields) {
+  constexpr void (*setters[])(const FlowSpec&, FluidFields&) = {
       // by InitialFlow; none: at rest
       nullptr, set<Uniform>, set<TaylorGreen>, set<TaylorGreen3D>, set<ShearLayer>, set<GaussianVortex>};
-  if (const auto set_flow = setters[int(scene.fluid->initial.type)]) set_flow(scene, fields);
-  if (scene.fluid->initial.noise > 0) add_noise(scene, fields);
+  if (const auto set_flow = setters[int(spec.fluid->initial.type)]) set_flow(spec, fields);
+  if (spec.fluid->initial.noise > 0) add_noise(spec, fields);
 }
 
 }  // namespace silt::coupler

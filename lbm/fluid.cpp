@@ -3,9 +3,9 @@
 #include <algorithm>
 
 #include "cpu/prefetch.hpp"
-#include "lbm/collision_model.hpp"
-#include "lbm/device_passes.hpp"
-#include "lbm/stream_collide.hpp"
+#include "lbm/collision/collision_model.hpp"
+#include "lbm/collision/stream_collide.hpp"
+#include "lbm/passes/device_passes.hpp"
 #include "parallel/communicator.hpp"
 
 namespace silt::lbm {
@@ -231,9 +231,9 @@ Moments Fluid<T>::moments(int b, Int3 x) const {
 
 template <class T>
 ListedCells<T> Fluid<T>::listed(std::span<const LocalCell> cells) {
-  listed_blocks_.here().resize(blocks_.size()), listed_cells_.here().resize(cells.size());
+  listed_blocks_.host().resize(blocks_.size()), listed_cells_.host().resize(cells.size());
   for (std::size_t b = 0; b < blocks_.size(); ++b) {
-    auto& listed = listed_blocks_.here()[b];
+    auto& listed = listed_blocks_.host()[b];
     listed.data = blocks_[b].data(), listed.excess = blocks_[b].excess();
     listed.stress_share = blocks_[b].stress_share();
     for (int i = 0; i < directions; ++i)
@@ -241,14 +241,14 @@ ListedCells<T> Fluid<T>::listed(std::span<const LocalCell> cells) {
   }
   for (std::size_t k = 0; k < cells.size(); ++k) {
     Block<T>& block = blocks_[cells[k].block];
-    listed_cells_.here()[k] = {block.data() + block.cell(cells[k].cell), cells[k].block};
+    listed_cells_.host()[k] = {block.data() + block.cell(cells[k].cell), cells[k].block};
   }
   return {listed_cells_.send(), std::int64_t(cells.size()), listed_blocks_.send()};
 }
 
 template <class T>
 std::span<const Moments> Fluid<T>::moments(std::span<const LocalCell> cells) {
-  std::pmr::vector<Moments>& found = cell_moments_.here();
+  std::pmr::vector<Moments>& found = cell_moments_.host();
   found.resize(cells.size());
   if (device_ != Device::cpu) {
     passes_on<T>(device_).gather_moments(listed(cells), cell_moments_.make_room(), nullptr);
@@ -263,7 +263,7 @@ std::span<const Moments> Fluid<T>::moments(std::span<const LocalCell> cells) {
 
 template <class T>
 std::span<const double> Fluid<T>::densities(std::span<const LocalCell> cells) {
-  std::pmr::vector<double>& found = cell_densities_.here();
+  std::pmr::vector<double>& found = cell_densities_.host();
   found.resize(cells.size());
   if (device_ != Device::cpu) {
     passes_on<T>(device_).gather_moments(listed(cells), nullptr, cell_densities_.make_room());
@@ -306,7 +306,7 @@ void Fluid<T>::give_masses(std::span<const LocalCell> cells, std::span<const std
   for (const auto& [b, x] : cells)
     blocks_[b].hold_excess({x.y, x.y + 1, x.z, x.z + 1}, T(spec_.bulk_stress_given_up()), device_);
   if (device_ != Device::cpu) {
-    cell_masses_.here().assign(masses.begin(), masses.end());
+    cell_masses_.host().assign(masses.begin(), masses.end());
     passes_on<T>(device_).give_masses(listed(cells), cell_masses_.send());
     return wait(device_);
   }

@@ -8,13 +8,13 @@
 #include <span>
 #include <vector>
 
-#include "lbm/collision_model.hpp"
-#include "lbm/device_passes.hpp"
-#include "lbm/domain.hpp"
-#include "lbm/halo.hpp"
-#include "lbm/moments.hpp"
-#include "lbm/pass_order.hpp"
-#include "lbm/stream_collide.hpp"
+#include "lbm/blocks/domain.hpp"
+#include "lbm/blocks/moments.hpp"
+#include "lbm/blocks/pass_order.hpp"
+#include "lbm/collision/collision_model.hpp"
+#include "lbm/collision/stream_collide.hpp"
+#include "lbm/exchange/halo.hpp"
+#include "lbm/passes/device_passes.hpp"
 
 namespace silt::lbm {
 

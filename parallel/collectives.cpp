@@ -79,19 +79,19 @@ void broadcast(MPI_Comm comm, std::string& text, int from) {
   broadcast(comm, std::span(text.data(), size), from);
 }
 
-std::vector<std::size_t> gather_bytes(MPI_Comm comm, std::span<const std::byte> mine, Told told,
+std::vector<std::size_t> gather_bytes(MPI_Comm comm, std::span<const std::byte> mine, GatherTo to,
                                       std::vector<std::byte>& all) {
-  const bool listens = told == Told::everybody || rank_of(comm) == 0;
+  const bool listens = to == GatherTo::all_ranks || rank_of(comm) == 0;
   const int size = int(mine.size());
   std::vector<int> sizes(listens ? ranks_of(comm) : 0), begins(sizes.size());
   blocking_collective(comm, [&] {
-    told == Told::everybody ? MPI_Allgather(&size, 1, MPI_INT, sizes.data(), 1, MPI_INT, comm)
-                            : MPI_Gather(&size, 1, MPI_INT, sizes.data(), 1, MPI_INT, 0, comm);
+    to == GatherTo::all_ranks ? MPI_Allgather(&size, 1, MPI_INT, sizes.data(), 1, MPI_INT, comm)
+                              : MPI_Gather(&size, 1, MPI_INT, sizes.data(), 1, MPI_INT, 0, comm);
   });
   std::exclusive_scan(sizes.begin(), sizes.end(), begins.begin(), 0);
   all.resize(listens ? begins.back() + sizes.back() : 0);
   blocking_collective(comm, [&] {
-    told == Told::everybody
+    to == GatherTo::all_ranks
         ? MPI_Allgatherv(mine.data(), size, MPI_BYTE, all.data(), sizes.data(), begins.data(), MPI_BYTE, comm)
         : MPI_Gatherv(mine.data(), size, MPI_BYTE, all.data(), sizes.data(), begins.data(), MPI_BYTE, 0,
                       comm);

@@ -110,17 +110,17 @@ void broadcast(MPI_Comm comm, T& value, int from = 0) {
 void broadcast(MPI_Comm, std::string&, int from = 0);
 
 /// The ranks that receive gathered values: all of them, or rank 0 alone.
-enum class Told { everybody, rank_0 };
+enum class GatherTo { all_ranks, root };
 /// Returns where the bytes of each rank begin in `all`, and their end; nothing on a rank that is not told.
-std::vector<std::size_t> gather_bytes(MPI_Comm, std::span<const std::byte> mine, Told,
+std::vector<std::size_t> gather_bytes(MPI_Comm, std::span<const std::byte> mine, GatherTo,
                                       std::vector<std::byte>& all);
 /// Returns the values of all ranks, in the order of ranks; those of rank r begin at (*first)[r].
 template <class T>
 requires std::is_trivially_copyable_v<T> std::vector<T> gathered(MPI_Comm comm, std::span<const T> mine,
-                                                                 Told told,
+                                                                 GatherTo to,
                                                                  std::vector<std::size_t>* first = nullptr) {
   std::vector<std::byte> bytes;
-  std::vector<std::size_t> begins = gather_bytes(comm, std::as_bytes(mine), told, bytes);
+  std::vector<std::size_t> begins = gather_bytes(comm, std::as_bytes(mine), to, bytes);
   for (std::size_t& begin : begins) begin /= sizeof(T);
   std::vector<T> all(bytes.size() / sizeof(T));
   if (!all.empty()) std::memcpy(all.data(), bytes.data(), bytes.size());

@@ -10,7 +10,7 @@ _silt_options() {
 # The keys of a case, as the program that is named or built here lists them.
 _silt_keys() {
   local program=${COMP_WORDS[0]}
-  [ "${program##*/}" = silt ] || program=${program%/*}/../build/release/coupler/silt
+  [ "${program##*/}" = silt ] || program=${program%/*}/../build/release/bin/silt
   "$program" keys 2>/dev/null | cut -d ' ' -f 1 | sort -u
 }
 

@@ -13,7 +13,7 @@ if not shutil.which(COMPILER):
     print(f"there is no {COMPILER}")
     sys.exit(77)
 files = [root / "cpu/isa.cpp", *sorted((root / "rigid/math").glob("*.cpp"))]
-for folder in ("lbm", "rigid", "coupler", "tests"):
+for folder in ("lbm", "rigid", "coupler", "silt", "tests"):
     files += sorted((root / folder).rglob("*_kernel.cpp"))
 
 

@@ -1,8 +1,8 @@
 #!/usr/bin/python3
 """The dependency rule, read from the includes: cpu -> (std); parallel -> (MPI, std); device -> (cpu, std,
 CUDA in its .cu files); lbm -> (cpu, parallel, device, std); rigid -> (cpu, Eigen, std, the counts of
-parallel/traffic.hpp); adapters -> rigid or lbm types, never the coupler; engine headers only inside their
-adapter's folder; a coupler includes factory headers. And no function of the C library whose last bit depends
+parallel/traffic.hpp); adapters -> rigid or lbm types, never the coupler; coupler -> all of these
+but adapters, and nothing of a case; silt, the application -> everything; engine headers only inside their adapter's folder. And no function of the C library whose last bit depends
 on the machine; no message between ranks but by parallel/; and no two types of one name in headers of one
 namespace, which files that see one of them each would take for the same."""
 import pathlib
@@ -11,17 +11,18 @@ import sys
 
 ENGINES = r"(bt[A-Z]|BulletCollision|LinearMath|fcl/|ccd/|hdf5|H5|toml|libqhull|pybind11)"
 FORBIDDEN = {  # folder: pattern of includes it must not have
-    "cpu": rf"(parallel/|lbm/|rigid/|coupler/|adapters/|Eigen|mpi\.h|fmt/|iostream|cstdio|{ENGINES})",
-    "parallel": rf"(cpu/|lbm/|rigid/|coupler/|adapters/|Eigen|fmt/|iostream|cstdio|{ENGINES})",
-    "device": rf"(parallel/|lbm/|rigid/|coupler/|adapters/|Eigen|mpi\.h|fmt/|iostream|cstdio|{ENGINES})",
-    "lbm": rf"(rigid/|coupler/|adapters/|Eigen|fmt/|iostream|cstdio|{ENGINES})",
-    "rigid": rf"(parallel/(?!traffic\.hpp)|lbm/|coupler/|adapters/|mpi\.h|fmt/|iostream|cstdio|{ENGINES})",
-    "adapters": r"coupler/",
-    "coupler": ENGINES,
+    "cpu": rf"(parallel/|lbm/|rigid/|coupler/|silt/|adapters/|Eigen|mpi\.h|fmt/|iostream|cstdio|{ENGINES})",
+    "parallel": rf"(cpu/|lbm/|rigid/|coupler/|silt/|adapters/|Eigen|fmt/|iostream|cstdio|{ENGINES})",
+    "device": rf"(parallel/|lbm/|rigid/|coupler/|silt/|adapters/|Eigen|mpi\.h|fmt/|iostream|cstdio|{ENGINES})",
+    "lbm": rf"(rigid/|coupler/|silt/|adapters/|Eigen|fmt/|iostream|cstdio|{ENGINES})",
+    "rigid": rf"(parallel/(?!traffic\.hpp)|lbm/|coupler/|silt/|adapters/|mpi\.h|fmt/|iostream|cstdio|{ENGINES})",
+    "adapters": r"(coupler|silt)/",
+    "coupler": rf"(silt/|adapters/|{ENGINES})",
+    "silt": ENGINES,
     "tests": r"(bt[A-Z]|BulletCollision|LinearMath|fcl/|ccd/)",
 }
 EXCEPT = {"tests/bench/bullet_world.cpp",  # what Silt is measured against
-          "coupler/python/silt_module.cpp"}
+          "silt/python/silt_module.cpp"}
 
 
 def violations(root):
@@ -38,11 +39,11 @@ def violations(root):
 # These functions of the C library round otherwise on other machines: rigid/math/elementary.hpp has it for all
 # that a state depends on.
 UNEQUAL = r"std::(sin|cos|tan|a?sinh?|a?cosh?|a?tanh?|atan2|exp2?|expm1|log(2|10|1p)?|pow|cbrt|hypot|fma)\("
-ONLY_SAID = {f"coupler/{name}.cpp" for name in ("case/derived_table", "case/driving", "case/case_check", "run/foreseen_pressure")}
+ONLY_SAID = {f"silt/{name}.cpp" for name in ("case/derived_table", "case/driving", "case/case_check", "run/foreseen_pressure")}
 
 
 def calls_of_unequal(root):
-    for folder in ("parallel", "lbm", "rigid", "adapters", "coupler"):
+    for folder in ("parallel", "lbm", "rigid", "adapters", "coupler", "silt"):
         for file in sorted((root / folder).rglob("*.[hc]pp")):
             name = str(file.relative_to(root))
             for number, line in enumerate(file.read_text().splitlines(), 1):
@@ -56,7 +57,7 @@ MESSAGES = r"P?MPI_(I?[bsr]?send|I?m?recv|I?m?probe|Sendrecv|Wait|Test|Start|Bar
 
 
 def messages_elsewhere(root):
-    for folder in ("lbm", "rigid", "adapters", "coupler"):
+    for folder in ("lbm", "rigid", "adapters", "coupler", "silt"):
         for file in sorted((root / folder).rglob("*.[hc]pp")):
             for number, line in enumerate(file.read_text().splitlines(), 1):
                 if call := re.search(MESSAGES, line.split("//")[0], re.IGNORECASE):

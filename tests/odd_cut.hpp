@@ -2,7 +2,7 @@
 // Trees of cuts as no rule would choose them: planes anywhere, parts of any shares.
 #include <random>
 
-#include "lbm/cut_tree.hpp"
+#include "lbm/blocks/cut_tree.hpp"
 
 namespace silt::tests {
 

@@ -10,7 +10,7 @@ import sys
 
 LONGEST_README, LONGEST_CELL, LONGEST_LINE = 100, 200, 120
 root = pathlib.Path(sys.argv[1]).resolve()
-rooms = ("cpu", "device", "parallel", "lbm", "rigid", "adapters", "coupler")
+rooms = ("cpu", "device", "parallel", "lbm", "rigid", "adapters", "coupler", "silt")
 folders = ("docs", *rooms, "cases", "scripts", "tests")
 pages = sorted([*root.glob("*.md"), *(page for folder in folders for page in (root / folder).rglob("*.md"))])
 sources = [source for folder in (*rooms, "tests", "scripts") for name in ("*.?pp", "*.cu", "*.py") for source in (root / folder).rglob(name)]

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "lbm/lattice.hpp"
+#include "lbm/blocks/lattice.hpp"
 
 namespace silt::adapters {
 

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Rebound against the Stokes number: restitution.py PICTURE [SILT]
 
-Runs the balls of scripts/accuracy/wet_rebound.py (seconds each) with the program SILT (build/release/coupler/silt), and draws their
+Runs the balls of scripts/accuracy/wet_rebound.py (seconds each) with the program SILT (build/release/bin/silt), and draws their
 gaps over time, and the wet over the dry coefficient of restitution beside the law through the measurements.
 """
 import pathlib
@@ -45,7 +45,7 @@ def draw_law(axes):
     axes.set_ylim(0, 1.05)
 
 
-def main(picture, silt=ROOT / "build" / "release" / "coupler" / "silt"):
+def main(picture, silt=ROOT / "build" / "release" / "bin" / "silt"):
     import matplotlib
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt

@@ -4,8 +4,8 @@
 #include <bit>
 #include <cmath>
 
-#include "coupler/case/case.hpp"
 #include "coupler/exchange/coupling_state.hpp"
+#include "coupler/spec/flow_spec.hpp"
 #include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {
@@ -13,9 +13,9 @@ namespace silt::coupler {
 using lbm::Int3;
 using rigid::Motion;
 
-WorkCosts::WorkCosts(const Case& setup) {
-  body = 1500 * setup.contacts.substeps;
-  impulse = 1000 * setup.contacts.substeps;
+WorkCosts::WorkCosts(const FlowSpec& setup, int substeps) {
+  body = 1500 * substeps;
+  impulse = 1000 * substeps;
   if (!setup.fluid) return;
   cell = setup.fluid->precision == Precision::single_ ? 10 : 20;  // by the bandwidth it takes
   link = setup.coupling.time == TimeCoupling::explicit_ ? 26 : 30;

@@ -8,13 +8,13 @@
 
 namespace silt::coupler {
 
-struct Case;
+struct FlowSpec;
 
 /// WorkCosts are in tenths of a fluid cell in single precision: whole numbers, so that sums, and the cuts
 /// that follow from them, are the same on every machine. Ratios measured on one core (tests/bench/README.md):
 /// `scripts/bench fluid` and `links` for cells and links, `coupled` for mapping, `bed` and `dry` for bodies.
 struct WorkCosts {
-  explicit WorkCosts(const Case&);
+  WorkCosts(const FlowSpec&, int substeps);
 
   std::int64_t cell = 0;     // 0 without a fluid
   std::int64_t link = 0;     // cut link

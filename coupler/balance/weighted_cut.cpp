@@ -7,7 +7,7 @@
 #include <numeric>
 #include <span>
 
-#include "lbm/equal_cut.hpp"
+#include "lbm/blocks/equal_cut.hpp"
 #include "parallel/collectives.hpp"
 #include "parallel/messages.hpp"
 
@@ -199,7 +199,7 @@ WeightedCut weighted_cut(MPI_Comm comm, Int3 cells, std::int64_t work_of_a_cell,
   const int ranks = parallel::ranks_of(comm);
   std::vector<lbm::Cut> nodes(ranks - 1);
   for (const Bisection::Node& node :
-       parallel::gathered(comm, std::span(&bisection.node(), 1), parallel::Told::everybody))
+       parallel::gathered(comm, std::span(&bisection.node(), 1), parallel::GatherTo::all_ranks))
     if (node.number >= 0) nodes[node.number] = node.cut;
   return with_work(comm, {cells, std::move(nodes)}, bisection.work());
 }

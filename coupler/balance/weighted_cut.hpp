@@ -6,7 +6,7 @@
 #include <mpi.h>
 
 #include "coupler/balance/work_map.hpp"
-#include "lbm/equal_cut.hpp"
+#include "lbm/blocks/equal_cut.hpp"
 
 namespace silt::coupler {
 

@@ -5,7 +5,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "lbm/domain.hpp"
+#include "lbm/blocks/domain.hpp"
 #include "rigid/math/types.hpp"
 
 namespace silt::coupler {

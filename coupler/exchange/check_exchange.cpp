@@ -62,7 +62,7 @@ struct AllIds {
 
   AllIds(MPI_Comm comm, const rigid::BodySet& bodies)
       : ids(parallel::gathered(comm, std::span<const rigid::BodyId>(bodies.id.data(), bodies.owned),
-                               parallel::Told::everybody, &first)) {}
+                               parallel::GatherTo::all_ranks, &first)) {}
   int owner(std::size_t place) const {
     return static_cast<int>(std::upper_bound(first.begin(), first.end(), place) - first.begin()) - 1;
   }

@@ -155,8 +155,8 @@ void ParallelBodyExchange::plan_velocity_messages(const BodySet& bodies, const P
 /// A message is the word, then the rows if any has changed; its length tells. How long it may be both ends
 /// know, so receives are posted before anything is sent.
 void ParallelBodyExchange::share(BodySet&, std::span<double> rows, int width,
-                                 std::span<const rigid::RankCluster::Word> said,
-                                 std::span<rigid::RankCluster::Word> heard, bool changed) {
+                                 std::span<const rigid::EchoReduction::Message> said,
+                                 std::span<rigid::EchoReduction::Message> heard, bool changed) {
   for (VelocityMessages& with : velocity_messages_) {
     with.incoming.resize(said.size_bytes() + with.taken.size() * width * sizeof(double));
     sharing_.receive(with.rank, std::span(with.incoming));

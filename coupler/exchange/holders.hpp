@@ -4,7 +4,7 @@
 // only the blocks that a box meets, in any periodic image, are looked at, however many there are.
 #include <vector>
 
-#include "lbm/domain.hpp"
+#include "lbm/blocks/domain.hpp"
 #include "rigid/bodies/body_set.hpp"
 #include "rigid/bodies/world.hpp"
 #include "rigid/math/types.hpp"

@@ -69,8 +69,8 @@ class ParallelBodyExchange : public rigid::BodyExchange {
   bool owns_contact_at(const rigid::Vec3& x_W) const override;
   void exchange_contacts(rigid::BodySet&, std::vector<rigid::Contact>&) override;
   void share(rigid::BodySet&, std::span<double> rows, int width,
-             std::span<const rigid::RankCluster::Word> said = {},
-             std::span<rigid::RankCluster::Word> heard = {}, bool changed = true) override;
+             std::span<const rigid::EchoReduction::Message> said = {},
+             std::span<rigid::EchoReduction::Message> heard = {}, bool changed = true) override;
 
   MPI_Comm comm() const { return comm_; }
   const rigid::World& world() const { return neighbourhood_.world(); }

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "coupler/exchange/coupling_state.hpp"
-#include "lbm/cut_links.hpp"
+#include "lbm/walls/cut_links.hpp"
 
 namespace silt::coupler {
 

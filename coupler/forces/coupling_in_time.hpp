@@ -6,9 +6,9 @@
 // prescribed bodies do not change.
 #include <Eigen/Core>
 
-#include "coupler/case/fluid_spec.hpp"
 #include "coupler/exchange/coupling_state.hpp"
 #include "coupler/forces/row_sums.hpp"
+#include "coupler/spec/coupling_spec.hpp"
 #include "rigid/bodies/body_set.hpp"
 #include "rigid/bodies/world.hpp"
 

@@ -8,7 +8,7 @@
 #include "coupler/forces/owed_mass.hpp"
 #include "cpu/isa.hpp"
 #include "cpu/prefetch.hpp"
-#include "lbm/cut_links.hpp"
+#include "lbm/walls/cut_links.hpp"
 
 namespace silt::coupler {
 

@@ -5,8 +5,8 @@
 #include <numbers>
 
 #include "coupler/forces/gap_cells.hpp"
-#include "lbm/collision_model.hpp"
-#include "lbm/wall_scheme.hpp"
+#include "lbm/collision/collision_model.hpp"
+#include "lbm/walls/wall_scheme.hpp"
 #include "rigid/math/elementary.hpp"
 
 namespace silt::coupler {

@@ -4,7 +4,8 @@
 // once more on one that approaches a side of the domain, which lies between cells and reflects by itself.
 #include <memory>
 
-#include "coupler/case/fluid_spec.hpp"
+#include "coupler/spec/coupling_spec.hpp"
+#include "coupler/spec/fluid_spec.hpp"
 #include "rigid/bodies/lubrication.hpp"
 
 namespace silt::coupler {

@@ -5,7 +5,7 @@
 // gap that closes or opens. The body gives it back through all its links in the next step.
 #include "coupler/exchange/coupling_state.hpp"
 #include "coupler/forces/row_sums.hpp"
-#include "lbm/domain.hpp"
+#include "lbm/blocks/domain.hpp"
 #include "rigid/bodies/body_set.hpp"
 
 namespace silt::coupler {

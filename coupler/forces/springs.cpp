@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "coupler/exchange/coupling_state.hpp"
+#include "coupler/spec/flow_spec.hpp"
 
 namespace silt::coupler {
 
@@ -41,15 +42,16 @@ Told told_of(const BodySet& bodies, std::size_t row) {
 }
 
 /// Of each body by its id, the first of those that it is tied to over springs and bodies that move.
-std::vector<BodyId> first_of_sets(const Case& setup) {
-  std::vector<BodyId> first(setup.bodies.size() + 1);
+std::vector<BodyId> first_of_sets(std::span<const SpringSpec> springs,
+                                  std::span<const rigid::Motion> motions) {
+  std::vector<BodyId> first(motions.size() + 1);
   std::iota(first.begin(), first.end(), BodyId{0});
   const auto root = [&](BodyId id) {
     while (first[id] != id) id = first[id] = first[first[id]];
     return id;
   };
-  const auto moves = [&](BodyId id) { return id != 0 && setup.bodies[id - 1].motion == rigid::Motion::free; };
-  for (const SpringSpec& spring : setup.springs)
+  const auto moves = [&](BodyId id) { return id != 0 && motions[id - 1] == rigid::Motion::free; };
+  for (const SpringSpec& spring : springs)
     if (moves(spring.body) && moves(spring.to)) {
       const auto [low, high] = std::minmax({root(spring.body), root(spring.to)});
       first[high] = low;
@@ -65,11 +67,13 @@ void sort_once(std::vector<BodyId>& ids) {
 
 }  // namespace
 
-Springs::Springs(const Case& setup, MPI_Comm comm) : extent_(extent_of(setup)), comm_(comm) {
-  const std::vector<BodyId> first = first_of_sets(setup);
+Springs::Springs(std::span<const SpringSpec> springs, std::span<const rigid::Motion> motions,
+                 const rigid::Extent& extent, MPI_Comm comm)
+    : extent_(extent), comm_(comm) {
+  const std::vector<BodyId> first = first_of_sets(springs, motions);
   std::map<BodyId, Set> sets;
-  for (const SpringSpec& spring : setup.springs) {
-    const bool moves = setup.bodies[spring.body - 1].motion == rigid::Motion::free;
+  for (const SpringSpec& spring : springs) {
+    const bool moves = motions[spring.body - 1] == rigid::Motion::free;
     Set& set = sets[first[moves ? spring.body : spring.to]];
     set.springs.push_back(spring);
     set.bodies.push_back(spring.body);

@@ -5,17 +5,20 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
-#include "coupler/case/case.hpp"
 #include "coupler/forces/spring_set.hpp"
+#include "coupler/spec/spring_spec.hpp"
 #include "parallel/sums_under_way.hpp"
+#include "rigid/bodies/body_exchange.hpp"
 
 namespace silt::coupler {
 
 class Springs {
  public:
-  Springs(const Case&, MPI_Comm);
+  /// Motions: of the bodies 1, 2, ...
+  Springs(std::span<const SpringSpec>, std::span<const rigid::Motion>, const rigid::Extent&, MPI_Comm);
 
   /// Begins with bodies that nothing but their springs will change; also one whose velocity has been set.
   void start(rigid::BodySet&);

@@ -7,7 +7,7 @@
 
 #include "coupler/mapping/bit_kernels.hpp"
 #include "coupler/mapping/surface_primitives.hpp"
-#include "lbm/link_places.hpp"
+#include "lbm/walls/link_places.hpp"
 
 #if defined(SILT_ISA_avx512)
 #include <immintrin.h>

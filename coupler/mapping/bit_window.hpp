@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "cpu/prefetch.hpp"
-#include "lbm/block.hpp"
+#include "lbm/blocks/block.hpp"
 
 namespace silt::coupler {
 

@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "cpu/prefetch.hpp"
-#include "lbm/cut_links.hpp"
-#include "lbm/device_links.hpp"
-#include "lbm/domain.hpp"
-#include "lbm/pass_order.hpp"
+#include "lbm/blocks/domain.hpp"
+#include "lbm/blocks/pass_order.hpp"
+#include "lbm/walls/cut_links.hpp"
+#include "lbm/walls/device_links.hpp"
 
 namespace silt::coupler {
 

@@ -10,8 +10,8 @@
 #include "coupler/mapping/crossing_links.hpp"
 #include "coupler/mapping/link_groups.hpp"
 #include "coupler/mapping/measured_surface.hpp"
-#include "lbm/pairs_across.hpp"
-#include "lbm/pass_order.hpp"
+#include "lbm/blocks/pass_order.hpp"
+#include "lbm/walls/pairs_across.hpp"
 #include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {
@@ -81,9 +81,9 @@ class LinkWriter {
     const std::span<const lbm::LinkGroup> groups = surface.links.groups;
     surface.groups_on_device.clear(), surface.groups_on_device.resize(groups.size());
     surface.record_on_device.resize(1);
-    on_device_->tell(groups, surface.groups_on_device.data());
+    on_device_->upload(groups, surface.groups_on_device.data());
     const lbm::DeviceSurface<T> told = lbm::surface_on_device(surface.links, surface.groups_on_device.data());
-    on_device_->tell(std::span(&told, 1), surface.record_on_device.data());
+    on_device_->upload(std::span(&told, 1), surface.record_on_device.data());
   }
 
   void write(const rigid::Shape& shape, const lbm::SurfaceFrame& at) {

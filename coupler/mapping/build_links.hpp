@@ -1,13 +1,13 @@
 #pragma once
 // The cut links of a block, built from its map: for every fluid cell next to a body's cell, the distance of
 // the surface.
-#include "coupler/case/fluid_spec.hpp"
 #include "coupler/mapping/block_links.hpp"
 #include "coupler/mapping/device_mapping.hpp"
 #include "coupler/mapping/mesh_distances.hpp"
 #include "coupler/mapping/solid_map.hpp"
-#include "lbm/cut_links.hpp"
-#include "lbm/pass_order.hpp"
+#include "coupler/spec/coupling_spec.hpp"
+#include "lbm/blocks/pass_order.hpp"
+#include "lbm/walls/cut_links.hpp"
 #include "rigid/bodies/body_set.hpp"
 #include "rigid/bodies/world.hpp"
 

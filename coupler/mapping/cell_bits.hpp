@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "lbm/block.hpp"
+#include "lbm/blocks/block.hpp"
 
 namespace silt::coupler {
 

@@ -8,8 +8,8 @@
 namespace silt::coupler {
 
 /// The mass that cells of this rank get from their neighbours which changed sides, in quanta of
-/// lbm/excess.hpp. They get it after they have collided: before that they would have to give up their excess
-/// first, because the sum of both is rounded otherwise.
+/// lbm/blocks/excess.hpp. They get it after they have collided: before that they would have to give up their
+/// excess first, because the sum of both is rounded otherwise.
 struct PassedMass {
   std::vector<lbm::LocalCell> cells;
   std::vector<std::int64_t> masses;

@@ -11,7 +11,7 @@
 
 #include "coupler/mapping/solid_map.hpp"
 #include "coupler/mapping/surface_primitives.hpp"
-#include "lbm/cut_links.hpp"
+#include "lbm/walls/cut_links.hpp"
 
 namespace silt::coupler {
 

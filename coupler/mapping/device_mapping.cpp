@@ -1,7 +1,7 @@
 #include "coupler/mapping/device_mapping.hpp"
 
 #include "coupler/mapping/solid_map.hpp"
-#include "lbm/device_passes.hpp"
+#include "lbm/passes/device_passes.hpp"
 
 namespace silt::coupler {
 
@@ -10,14 +10,14 @@ template <class T>
 void DeviceMapping<T>::add_words(std::uint64_t* to, const std::uint64_t* now, const std::uint64_t* before,
                                  std::size_t count) {
   for (std::size_t k = 0; k < count; ++k)
-    if (!before || now[k] != before[k]) words_.here().push_back({to + k, now[k]});
+    if (!before || now[k] != before[k]) words_.host().push_back({to + k, now[k]});
 }
 
 template <class T>
 void DeviceMapping<T>::begin(const BlockMap& map, lbm::WallScheme scheme) {
   map_ = &map, scheme_ = scheme;
-  wanted_.clear(), groups_.here().clear(), surfaces_.here().clear(), parts_.here().clear();
-  planes_.here().clear(), words_.here().clear(), runs_.here().clear(), told_.here().clear();
+  wanted_.clear(), groups_.host().clear(), surfaces_.host().clear(), parts_.host().clear();
+  planes_.host().clear(), words_.host().clear(), runs_.host().clear(), told_.host().clear();
   const std::vector<std::uint64_t>& now = map.solid.all();
   const bool is_new = solid_.size() != now.size();
   if (is_new) solid_.resize(now.size());
@@ -27,11 +27,11 @@ void DeviceMapping<T>::begin(const BlockMap& map, lbm::WallScheme scheme) {
 template <class T>
 SurfaceAtTime DeviceMapping<T>::listed(const SurfaceView<T>& surface, const lbm::SurfaceFrame& frame) {
   const SurfaceAtTime at{std::uint32_t(parts_.size()), std::uint32_t(planes_.size()), surface.count, frame};
-  parts_.here().insert(parts_.here().end(), surface.parts, surface.parts + surface.count);
+  parts_.host().insert(parts_.host().end(), surface.parts, surface.parts + surface.count);
   for (const SurfacePart<T>* part = surface.parts; part < surface.parts + surface.count; ++part)
     if (const std::size_t end = at.first_plane + part->first_plane + part->planes; end > planes_.size()) {
       const Plane<T>* const from = surface.planes + (planes_.size() - at.first_plane);
-      planes_.here().insert(planes_.here().end(), from, surface.planes + (end - at.first_plane));
+      planes_.host().insert(planes_.host().end(), from, surface.planes + (end - at.first_plane));
     }
   return at;
 }
@@ -52,11 +52,11 @@ void DeviceMapping<T>::add(SurfaceLinks<T>& surface, const BodyMask& mask, const
     ListedGroup listed{};
     if (!by_cells.empty() && by_cells.front().number == k)
       listed = by_cells.front(), by_cells = by_cells.subspan(1);
-    groups_.here().push_back(
+    groups_.host().push_back(
         {std::uint32_t(surfaces_.size()), g.begin, g.count, g.corner, g.scheme, g.crossing, listed});
   }
   const SurfaceAtTime now = this->listed(view, links.frame);
-  surfaces_.here().push_back({links.fluid, now, now, 0, arm, frame, surface.cells_on_device.data(),
+  surfaces_.host().push_back({links.fluid, now, now, 0, arm, frame, surface.cells_on_device.data(),
                               links.place.data(), links.q.data(), nullptr});
   wanted_.push_back(&surface);
 }
@@ -65,13 +65,13 @@ template <class T>
 void DeviceMapping<T>::add_rates(const SurfaceView<T>& view, const lbm::SurfaceFrame& frame, double steps) {
   lbm::CutLinks<T>& links = wanted_.back()->links;
   links.rate.resize(links.q.size());
-  SurfaceToMap<T>& surface = surfaces_.here().back();
+  SurfaceToMap<T>& surface = surfaces_.host().back();
   surface.last = listed(view, frame), surface.steps = steps, surface.rate = links.rate.data();
 }
 
 template <class T>
 void DeviceMapping<T>::run() {
-  resistance_.here().resize(surfaces_.size());
+  resistance_.host().resize(surfaces_.size());
   const LinksToMap<T> pass{groups_.send(), groups_.size(),      surfaces_.send(), resistance_.clear(),
                            parts_.send(),  planes_.send(),      words_.send(),    words_.size(),
                            runs_.send(),   runs_.size(),        told_.send(),     solid_.data(),
@@ -80,7 +80,7 @@ void DeviceMapping<T>::run() {
   resistance_.fetch();
   lbm::wait(device_);
   for (std::size_t k = 0; k < wanted_.size(); ++k)
-    if (surfaces_.here()[k].arm != 0) wanted_[k]->resistance = resistance_.here()[k];
+    if (surfaces_.host()[k].arm != 0) wanted_[k]->resistance = resistance_.host()[k];
 }
 
 template class DeviceMapping<float>;

@@ -73,7 +73,7 @@ struct ChangedWord {
 };
 
 /// What the processor has listed goes to an array, in words of 32 bits.
-struct ToldRun {
+struct HostCopy {
   std::uint32_t* to;
   std::uint32_t first, count;
 };
@@ -89,7 +89,7 @@ struct LinksToMap {
   const Plane<T>* planes;
   const ChangedWord* words;
   std::size_t word_count;
-  const ToldRun* runs;
+  const HostCopy* runs;
   std::size_t run_count;
   const std::uint32_t* told;
   const std::uint64_t* solid;  // CellBits of the block
@@ -114,12 +114,12 @@ class DeviceMapping {
            const SurfaceView<T>&, T arm);
   /// These values go to an array in memory_of the device.
   template <class Value>
-  void tell(std::span<const Value> values, Value* to) {
+  void upload(std::span<const Value> values, Value* to) {
     static_assert(sizeof(Value) % sizeof(std::uint32_t) == 0);
     const auto* const words = reinterpret_cast<const std::uint32_t*>(values.data());
     const std::size_t count = values.size_bytes() / sizeof *words;
-    std::pmr::vector<std::uint32_t>& all = told_.here();
-    runs_.here().push_back(
+    std::pmr::vector<std::uint32_t>& all = told_.host();
+    runs_.host().push_back(
         {reinterpret_cast<std::uint32_t*>(to), std::uint32_t(all.size()), std::uint32_t(count)});
     all.insert(all.end(), words, words + count);
   }
@@ -143,7 +143,7 @@ class DeviceMapping {
   Mirror<SurfacePart<T>> parts_{device_};
   Mirror<Plane<T>> planes_{device_};
   Mirror<ChangedWord> words_{device_};
-  Mirror<ToldRun> runs_{device_};
+  Mirror<HostCopy> runs_{device_};
   Mirror<std::uint32_t> told_{device_};
 };
 

@@ -8,7 +8,7 @@
 #include "coupler/mapping/refill_cell.hpp"
 #include "coupler/mapping/surface_distance.hpp"
 #include "device/for_each.hpp"
-#include "lbm/link_resistance.hpp"
+#include "lbm/walls/link_resistance.hpp"
 
 namespace silt::coupler::SILT_ISA {
 
@@ -21,7 +21,7 @@ template <class T>
 struct CopyTold {
   LinksToMap<T> all;
   SILT_DEVICE void operator()(std::int64_t k, const Team& member) const {
-    const ToldRun& run = all.runs[k];
+    const HostCopy& run = all.runs[k];
     for (std::uint32_t n = std::uint32_t(member.lane); n < run.count; n += std::uint32_t(member.size))
       memcpy(run.to + n, all.told + run.first + n, sizeof *run.to);  // which is of any type
   }

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "coupler/mapping/device_mapping.hpp"
-#include "lbm/cut_links.hpp"
+#include "lbm/walls/cut_links.hpp"
 
 namespace silt::coupler {
 
@@ -96,7 +96,7 @@ class LinkGroups {
   void end_for_device(std::span<const ListedGroup> by_cells, DeviceMapping<T>& device) {
     const auto room = [](auto& values, std::size_t count) { values.clear(), values.resize(count); };
     const auto tell = [&](const lbm::LinkGroup& g, const auto& from, auto& to) {
-      device.tell(std::span(from.data() + g.begin, g.count), to.data() + g.begin);
+      device.upload(std::span(from.data() + g.begin, g.count), to.data() + g.begin);
     };
     room(links_->place, used_), room(links_->q, used_), room(links_->across, across_.size());
     room(links_->opposite_q, gaps_), room(links_->opposite_u, gaps_);
@@ -108,7 +108,7 @@ class LinkGroups {
         tell(g, place_, links_->place);
       if (g.crossing) tell(g, q_, links_->q);
     }
-    if (!across_.empty()) device.tell(std::span<const std::uint32_t>(across_), links_->across.data());
+    if (!across_.empty()) device.upload(std::span<const std::uint32_t>(across_), links_->across.data());
   }
   /// Returns the places of the links that are told of the opposite wall, group by group.
   std::vector<std::uint32_t> gap_places() const {

@@ -26,7 +26,7 @@ CellBits wall_bits(const lbm::Domain& domain, const lbm::CellBox& box) {
 }
 
 /// Returns whether the fluid still sees the body as when the mask was made.
-bool is_as_mapped(const rigid::BodySet& bodies, std::size_t row, const BodyMask& mask) {
+bool unchanged_since_mapping(const rigid::BodySet& bodies, std::size_t row, const BodyMask& mask) {
   const MappedMotion now = mapped_motion(bodies, row);
   return now.pose == mask.pose && now.first == mask.mapped;
 }
@@ -182,7 +182,7 @@ bool MapBodies::nothing_changed(const BlockMap& block, const rigid::BodySet& bod
   for (std::size_t k = 0; k < found_.size(); ++k) {
     const BodyMask& mask = block.masks[k];
     if (found_[k].id != mask.id || !(found_[k].shift == mask.shift) ||
-        !is_as_mapped(bodies, found_[k].row, mask))
+        !unchanged_since_mapping(bodies, found_[k].row, mask))
       return false;
   }
   return true;
@@ -214,7 +214,7 @@ void MapBodies::map_block(BlockMap& block, const rigid::BodySet& bodies) {
       ++match;
     const bool known = match != block.masks_before.end() && match->id == mask.id;
     mask.before = known ? int(match - block.masks_before.begin()) : -1;
-    mask.kept = known && is_as_mapped(bodies, image.row, *match);
+    mask.kept = known && unchanged_since_mapping(bodies, image.row, *match);
     if (mask.kept) {
       mask.inside.swap(match->inside);
     } else {

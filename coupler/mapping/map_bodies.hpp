@@ -7,7 +7,7 @@
 #include "coupler/mapping/placed_mesh.hpp"
 #include "coupler/mapping/solid_map.hpp"
 #include "coupler/mapping/surface_parts.hpp"
-#include "lbm/domain.hpp"
+#include "lbm/blocks/domain.hpp"
 #include "rigid/bodies/body_set.hpp"
 #include "rigid/bodies/world.hpp"
 

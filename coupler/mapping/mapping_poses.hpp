@@ -4,7 +4,7 @@
 // mapping"). Bodies are mapped in common steps, every 1, 3, 9, ... of them.
 #include <cstdint>
 
-#include "coupler/case/fluid_spec.hpp"
+#include "coupler/spec/coupling_spec.hpp"
 #include "rigid/bodies/body_set.hpp"
 #include "rigid/bodies/walls.hpp"
 #include "rigid/bodies/world.hpp"

@@ -4,7 +4,7 @@
 #include <bit>
 
 #include "coupler/mapping/bit_kernels.hpp"
-#include "lbm/cut_links.hpp"
+#include "lbm/walls/cut_links.hpp"
 
 namespace silt::coupler {
 

@@ -5,7 +5,7 @@
 #include <type_traits>
 
 #include "coupler/mapping/mesh_slices.hpp"
-#include "lbm/cut_links.hpp"
+#include "lbm/walls/cut_links.hpp"
 
 namespace silt::coupler::SILT_ISA {
 

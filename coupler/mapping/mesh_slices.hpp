@@ -11,7 +11,7 @@
 
 #include "coupler/mapping/mesh_kernels.hpp"
 #include "cpu/lanes.hpp"
-#include "lbm/lattice.hpp"
+#include "lbm/blocks/lattice.hpp"
 
 namespace silt::coupler::SILT_ISA {
 

@@ -75,7 +75,7 @@ void list_uncovered(lbm::Fluid<T>& fluid, const std::vector<BlockMap>& maps, con
   const std::vector<lbm::Moments> remote = remote_moments(fluid, maps, changed);
   const lbm::Domain& domain = fluid.domain();
   const int rank = parallel::rank_of(fluid.comm());
-  all.cells.here().clear(), all.told.here().clear();
+  all.cells.host().clear(), all.told.host().clear();
   std::vector<std::uint8_t> is_remote;  // of those elsewhere
   std::vector<lbm::LocalCell> local;    // the others
   for (const CoveredCell& u : changed.uncovered) {
@@ -94,11 +94,11 @@ void list_uncovered(lbm::Fluid<T>& fluid, const std::vector<BlockMap>& maps, con
       is_remote.push_back(block < 0);
       if (block >= 0) local.push_back({block, g - there.box.lower});
     }
-    all.cells.here().push_back(cell);
+    all.cells.host().push_back(cell);
   }
   auto next_remote = remote.begin();
   auto next_local = fluid.moments(local).begin();
-  for (const bool away : is_remote) all.told.here().push_back(away ? *next_remote++ : *next_local++);
+  for (const bool away : is_remote) all.told.host().push_back(away ? *next_remote++ : *next_local++);
 }
 
 }  // namespace
@@ -153,7 +153,7 @@ void refill(lbm::Fluid<T>& fluid, const std::vector<BlockMap>& maps, const Chang
       if (row >= set->size()) continue;
       const Int3 cell = maps[u.block].box.lower + u.cell;
       const rigid::Vec3 v = set->velocity_at(row, nearest_arm(domain, set->position[row], cell));
-      for (int d = 0; d < 3; ++d) uncovered.cells.here()[n].momentum[d] = v[d] - 0.5 * force[d];
+      for (int d = 0; d < 3; ++d) uncovered.cells.host()[n].momentum[d] = v[d] - 0.5 * force[d];
     }
   }
   const RefillCells<T> pass{fluid.listed(places(cells.uncovered)), uncovered.cells.send(),

@@ -8,9 +8,9 @@
 // included.
 #include <mpi.h>
 
-#include "coupler/case/fluid_spec.hpp"
 #include "coupler/mapping/refill_cell.hpp"
 #include "coupler/mapping/solid_map.hpp"
+#include "coupler/spec/coupling_spec.hpp"
 #include "lbm/fluid.hpp"
 #include "rigid/bodies/body_set.hpp"
 

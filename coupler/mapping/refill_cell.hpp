@@ -6,8 +6,8 @@
 #include <span>
 
 #include "cpu/prefetch.hpp"
-#include "lbm/device_passes.hpp"
-#include "lbm/moments.hpp"
+#include "lbm/blocks/moments.hpp"
+#include "lbm/passes/device_passes.hpp"
 
 namespace silt::coupler {
 

@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "coupler/mapping/solid_map.hpp"
-#include "lbm/domain.hpp"
-#include "lbm/slot_exchange.hpp"
+#include "lbm/blocks/domain.hpp"
+#include "lbm/exchange/slot_exchange.hpp"
 
 namespace silt::coupler {
 

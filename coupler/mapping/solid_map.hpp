@@ -9,8 +9,8 @@
 #include "coupler/mapping/bit_window.hpp"
 #include "coupler/mapping/cell_bits.hpp"
 #include "cpu/prefetch.hpp"
-#include "lbm/block.hpp"
-#include "lbm/moments.hpp"
+#include "lbm/blocks/block.hpp"
+#include "lbm/blocks/moments.hpp"
 #include "rigid/math/types.hpp"
 
 namespace silt::coupler {

@@ -2,7 +2,7 @@
 // The distance along links, in units of a link, to the first part of a surface that they enter: for a vector
 // of links at a time, or for one (SILT_SCALAR).
 #include "coupler/mapping/edge_lip.hpp"
-#include "lbm/link_places.hpp"
+#include "lbm/walls/link_places.hpp"
 
 namespace silt::coupler::SILT_ISA {
 

@@ -10,7 +10,7 @@
 
 #include "cpu/device_code.hpp"
 #include "cpu/isa.hpp"
-#include "lbm/cut_links.hpp"
+#include "lbm/walls/cut_links.hpp"
 #ifdef SILT_ISA
 #include "cpu/lanes.hpp"
 #endif

@@ -43,14 +43,17 @@ double distance_to(const rigid::Shape& surface, const Vec3& x_B) {
 
 }  // namespace
 
-FineBoxes::FineBoxes(const Case& setup)
-    : setup_(setup), spec_(*setup.coarsening), cells_{setup.cells[0], setup.cells[1], setup.cells[2]} {
+FineBoxes::FineBoxes(const FlowSpec& flow, std::vector<rigid::BoundingBox> entrances)
+    : flow_(flow),
+      spec_(*flow.coarsening),
+      entrances_(std::move(entrances)),
+      cells_{flow.cells[0], flow.cells[1], flow.cells[2]} {
   while (2 * wall_tile_ <= spec_.distance) wall_tile_ *= 2;
 }
 
 int FineBoxes::plane_below(int axis, int x, int spacing) const {
   const int n = cells_[axis];
-  if (!setup_.periodic(axis) && (x <= 0 || x >= n)) return std::clamp(x, 0, n);
+  if (!flow_.periodic(axis) && (x <= 0 || x >= n)) return std::clamp(x, 0, n);
   const int period = floor_div(x, n) * n, within = x - period;
   const int plane = within / spacing * spacing;
   return period + (plane > 0 && plane + spacing > n ? plane - spacing : plane);
@@ -59,7 +62,7 @@ int FineBoxes::plane_below(int axis, int x, int spacing) const {
 int FineBoxes::plane_above(int axis, int x, int spacing) const {
   const int below = plane_below(axis, x, spacing), n = cells_[axis];
   if (below >= x) return below;
-  const int end = setup_.periodic(axis) ? (floor_div(x, n) + 1) * n : n;
+  const int end = flow_.periodic(axis) ? (floor_div(x, n) + 1) * n : n;
   return below + 2 * spacing > end ? end : below + spacing;
 }
 
@@ -109,12 +112,11 @@ void FineBoxes::add(CellBox box, int level, std::vector<LevelBox>& boxes) const 
 
 void FineBoxes::add_named(std::vector<LevelBox>& boxes) const {
   for (int side = 0; side < 6; ++side) {
-    rigid::BoundingBox face = box_of(setup_);
+    rigid::BoundingBox face = box_of(flow_);
     (side % 2 ? face.lower : face.upper)[side / 2] = side % 2 ? cells_[side / 2] : 0;
     if (spec_.fine_sides[side]) add(around(face), 0, boxes);
   }
-  for (const FillSpec& fill : setup_.fills)
-    if (fill.every > 0) add(around(fill.box), 0, boxes);
+  for (const rigid::BoundingBox& box : entrances_) add(around(box), 0, boxes);
   for (const auto& [box, level] : spec_.fine)
     add(rounded(floor_of(box.lower), ceil_of(box.upper), tile(level)), level, boxes);
 }
@@ -124,7 +126,7 @@ bool FineBoxes::is_near(const CellBox& box, const CellBox& part) const {
     const int n = cells_[d];
     // how far the box begins above the lower end of all that is near
     const int from = part.lower[d] - reach(), length = part.size[d] + 2 * reach(), gap = box.lower[d] - from;
-    const bool meet = setup_.periodic(d) ? [&] {
+    const bool meet = flow_.periodic(d) ? [&] {
       const int image = gap - floor_div(gap, n) * n;
       return image < length || image + box.size[d] > n;
     }() : gap < length && gap + box.size[d] > 0;
@@ -161,7 +163,7 @@ void FineBoxes::add_wall(const rigid::Shape& shape, const rigid::Pose& pose, con
                          std::vector<LevelBox>& boxes) const {
   const auto* mesh = std::get_if<rigid::Mesh>(&shape);
   const rigid::BoundingBox extent =
-      mesh ? rigid::Mesh{mesh->surface, false}.bounding_box(pose) : box_of(setup_);
+      mesh ? rigid::Mesh{mesh->surface, false}.bounding_box(pose) : box_of(flow_);
   const Vec3 distance = Vec3::Constant(mesh ? spec_.distance : 0);
   const CellBox tiles =
       rounded(floor_of(extent.lower - distance), ceil_of(extent.upper + distance), wall_tile_);

@@ -1,14 +1,14 @@
 #pragma once
 // The regions in which cells have to be fine, as boxes of cells by level: around bodies and curved walls, at
-// sides and in boxes that a case names. What they say of a cell depends on the case and on poses alone.
+// sides and in given boxes. What they say of a cell depends on these and on poses alone.
 //
 // Faces of boxes of level l lie on planes 4 2^l finest cells apart, two cells of the next level; where the
 // last two of an axis are nearer they are one. Each box is within one of the next level, four of its cells
 // away or more, so that neighbours differ by a level at most. All unions: boxes may be cut and overlap.
 #include <vector>
 
-#include "coupler/case/case.hpp"
-#include "lbm/level_cut.hpp"
+#include "coupler/spec/flow_spec.hpp"
+#include "lbm/levels/level_cut.hpp"
 #include "rigid/bodies/body_set.hpp"
 #include "rigid/bodies/world.hpp"
 
@@ -16,8 +16,8 @@ namespace silt::coupler {
 
 class FineBoxes {
  public:
-  /// Keeps a reference to the case, which has [coarsening].
-  explicit FineBoxes(const Case&);
+  /// Keeps a reference to the spec, which has coarsening. Bodies may come in at any time in the entrances.
+  FineBoxes(const FlowSpec&, std::vector<rigid::BoundingBox> entrances);
 
   /// Finest cells between the planes on which faces of a level lie.
   static int tile(int level) { return 4 << level; }
@@ -31,7 +31,7 @@ class FineBoxes {
 
   /// Appends a box of cells and those of the next levels around it, as they lie in the domain.
   void add(lbm::CellBox, int level, std::vector<lbm::LevelBox>&) const;
-  /// Appends what the case names.
+  /// Appends the fine sides, the entrances and the given boxes.
   void add_named(std::vector<lbm::LevelBox>&) const;
   /// Appends what a curved wall at its pose asks for in a part of the domain.
   void add_wall(const rigid::Shape&, const rigid::Pose&, const lbm::CellBox& part,
@@ -44,8 +44,9 @@ class FineBoxes {
   bool is_fine(const lbm::CellBox& tiles, const rigid::Shape&, const rigid::Pose&, const lbm::CellBox& part,
                std::vector<lbm::LevelBox>&) const;
 
-  const Case& setup_;
+  const FlowSpec& flow_;
   const CoarseningSpec& spec_;
+  std::vector<rigid::BoundingBox> entrances_;
   lbm::Int3 cells_;
   int wall_tile_ = tile(0);
 };

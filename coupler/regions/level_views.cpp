@@ -7,7 +7,7 @@
 
 #include "coupler/exchange/coupling_state.hpp"
 #include "coupler/exchange/holders.hpp"
-#include "lbm/equal_cut.hpp"
+#include "lbm/blocks/equal_cut.hpp"
 #include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {
@@ -25,10 +25,10 @@ rigid::BoundingBox bounds(const CellBox& box) {
 }
 
 /// The domain of one leaf a rank; only what is periodic counts.
-lbm::Domain domain_of(const Case& setup, const CutTree& parts) {
+lbm::Domain domain_of(const FlowSpec& flow, const CutTree& parts) {
   std::array<lbm::SideCondition, 6> sides;
   for (int side = 0; side < 6; ++side)
-    sides[side].kind = setup.periodic(side / 2) ? lbm::SideKind::periodic : lbm::SideKind::bounce;
+    sides[side].kind = flow.periodic(side / 2) ? lbm::SideKind::periodic : lbm::SideKind::bounce;
   return {parts, sides, parts.leaves()};
 }
 
@@ -49,45 +49,50 @@ double largest_radius(const rigid::World& world) {
 
 }  // namespace
 
-int coarsest_tile(const Case& setup) {
-  return FineBoxes::tile(setup.coarsening->levels - 1);
+int coarsest_tile(const FlowSpec& flow) {
+  return FineBoxes::tile(flow.coarsening->levels - 1);
 }
 
-Int3 tiles_of(const Case& setup) {
+Int3 tiles_of(const FlowSpec& flow) {
   Int3 tiles;
-  for (int d = 0; d < 3; ++d) tiles[d] = std::max(1, setup.cells[d] / coarsest_tile(setup));
+  for (int d = 0; d < 3; ++d) tiles[d] = std::max(1, flow.cells[d] / coarsest_tile(flow));
   return tiles;
 }
 
-CutTree of_cells(const CutTree& of_tiles, const Case& setup) {
+CutTree of_cells(const CutTree& of_tiles, const FlowSpec& flow) {
   std::vector<lbm::Cut> nodes(of_tiles.nodes().begin(), of_tiles.nodes().end());
-  for (lbm::Cut& cut : nodes) cut.position *= coarsest_tile(setup);
-  return {{setup.cells[0], setup.cells[1], setup.cells[2]}, std::move(nodes)};
+  for (lbm::Cut& cut : nodes) cut.position *= coarsest_tile(flow);
+  return {{flow.cells[0], flow.cells[1], flow.cells[2]}, std::move(nodes)};
 }
 
-CutTree of_tiles(const CutTree& of_cells, const Case& setup) {
+CutTree of_tiles(const CutTree& of_cells, const FlowSpec& flow) {
   std::vector<lbm::Cut> nodes(of_cells.nodes().begin(), of_cells.nodes().end());
-  for (lbm::Cut& cut : nodes) cut.position /= coarsest_tile(setup);
-  return {tiles_of(setup), std::move(nodes)};
+  for (lbm::Cut& cut : nodes) cut.position /= coarsest_tile(flow);
+  return {tiles_of(flow), std::move(nodes)};
 }
 
-CutTree cut_for_levels(const Case& setup, int ranks) {
+CutTree cut_for_levels(const FlowSpec& flow, int ranks) {
   try {
-    return of_cells(lbm::equal_cut(tiles_of(setup), ranks), setup);
+    return of_cells(lbm::equal_cut(tiles_of(flow), ranks), flow);
   } catch (const std::invalid_argument&) {
     throw std::invalid_argument(
         fmt::format("the domain of {} x {} x {} cells cannot be cut into {} parts of at least {} cells an "
                     "edge, four of the coarsest; use fewer ranks, or fewer coarsening.levels",
-                    setup.cells[0], setup.cells[1], setup.cells[2], ranks, 2 * coarsest_tile(setup)));
+                    flow.cells[0], flow.cells[1], flow.cells[2], ranks, 2 * coarsest_tile(flow)));
   }
 }
 
-LevelViews::LevelViews(const Case& setup, CutTree parts, const rigid::World& world, MPI_Comm comm)
-    : setup_(setup), fine_(setup), world_(world), parts_(std::move(parts)), messages_(comm) {
+LevelViews::LevelViews(const FlowSpec& flow, std::vector<rigid::BoundingBox> entrances, CutTree parts,
+                       const rigid::World& world, MPI_Comm comm)
+    : flow_(flow),
+      fine_(flow, std::move(entrances)),
+      world_(world),
+      parts_(std::move(parts)),
+      messages_(comm) {
   rank_ = parallel::rank_of(comm);
   part_ = parts_.leaf(rank_).box;
-  const lbm::Domain domain = domain_of(setup, parts_);
-  beside_ = ranks_within(2 * coarsest_tile(setup), domain, part_, rank_);
+  const lbm::Domain domain = domain_of(flow, parts_);
+  beside_ = ranks_within(2 * coarsest_tile(flow), domain, part_, rank_);
   in_reach_ = ranks_within(int(std::ceil(largest_radius(world))) + fine_.reach(), domain, part_, rank_);
   for (const int rank : in_reach_) parts_in_reach_.push_back(parts_.leaf(rank).box);
 }
@@ -109,7 +114,8 @@ std::vector<lbm::LevelBox> LevelViews::boxes_here(const rigid::BodySet& bodies) 
   for (std::size_t row = 0; row < bodies.owned; ++row) {
     const rigid::Pose pose = bodies.pose(row), mapped = mapping_pose(bodies, row);
     add(row, pose);
-    if ((mapped.position - pose.position).norm() > least_margin(setup_)) add(row, mapped);  // it was moved
+    if ((mapped.position - pose.position).norm() > least_margin(flow_.coupling))
+      add(row, mapped);  // it was moved
   }
   messages_.with_partners(in_reach_);
   messages_.for_received<CellBox>([&](const CellBox& box, int) { fine_.add(box, 0, boxes); });
@@ -128,7 +134,7 @@ LevelCut LevelViews::told_by(const parallel::Bytes& bytes) const {
 
 CutTree LevelViews::view(std::span<const lbm::LevelBox> boxes) {
   std::map<int, LevelCut> cuts;
-  const LevelCut& mine = cuts[rank_] = level_cut(part_, boxes, setup_.coarsening->levels);
+  const LevelCut& mine = cuts[rank_] = level_cut(part_, boxes, flow_.coarsening->levels);
   for (const int rank : beside_) {
     parallel::Bytes& to = messages_.to(rank);
     parallel::put(to, std::int32_t(mine.levels.size()));

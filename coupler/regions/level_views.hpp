@@ -10,19 +10,21 @@ namespace silt::coupler {
 
 /// Returns a tree of one leaf a rank whose planes lie where faces of the coarsest border may.
 /// std::invalid_argument if there are too many ranks.
-lbm::CutTree cut_for_levels(const Case&, int ranks);
+lbm::CutTree cut_for_levels(const FlowSpec&, int ranks);
 /// The cells of the domain, of which the ranks' parts are whole tiles: so many finest cells an edge, two of
 /// the coarsest. Of an axis with half a tile over the last one is longer.
-int coarsest_tile(const Case&);
-lbm::Int3 tiles_of(const Case&);
+int coarsest_tile(const FlowSpec&);
+lbm::Int3 tiles_of(const FlowSpec&);
 /// Returns a tree of that box of tiles as one of cells, and the other way.
-lbm::CutTree of_cells(const lbm::CutTree& of_tiles, const Case&);
-lbm::CutTree of_tiles(const lbm::CutTree& of_cells, const Case&);
+lbm::CutTree of_cells(const lbm::CutTree& of_tiles, const FlowSpec&);
+lbm::CutTree of_tiles(const lbm::CutTree& of_cells, const FlowSpec&);
 
 class LevelViews {
  public:
-  /// Collective. Parts: as cut_for_levels. Keeps references to the case and the world.
-  LevelViews(const Case&, lbm::CutTree parts, const rigid::World&, MPI_Comm);
+  /// Collective. Parts: as cut_for_levels. Keeps references to the spec and the world. Entrances: as of
+  /// FineBoxes.
+  LevelViews(const FlowSpec&, std::vector<rigid::BoundingBox> entrances, lbm::CutTree parts,
+             const rigid::World&, MPI_Comm);
 
   /// Collective: the view that follows from bodies and walls. Leaves of a part not beside this rank's are
   /// far.
@@ -37,7 +39,7 @@ class LevelViews {
   std::vector<lbm::LevelBox> boxes_here(const rigid::BodySet&);
   lbm::LevelCut told_by(const parallel::Bytes&) const;
 
-  const Case& setup_;
+  const FlowSpec& flow_;
   FineBoxes fine_;
   const rigid::World& world_;
   lbm::CutTree parts_;

@@ -9,56 +9,9 @@
 
 #include "rigid/bodies/body_set.hpp"
 #include "rigid/bodies/contact.hpp"
+#include "rigid/bodies/echo_reduction.hpp"
 
 namespace silt::rigid {
-
-/// The ranks that contacts connect, directly or over others, agree on something without a message to or from
-/// anybody else. Words go between ranks with a common contact, in rounds that all of the cluster take part
-/// in. All have heard the word of one rank after as many rounds as the cluster is across; the first rounds
-/// find that number with the same messages.
-///
-/// The rank of the lowest number in the cluster leads it. Every rank takes the lowest number it has heard of
-/// for its leader and the rank that said it first for its parent. A rank whose partners all have its leader,
-/// and all of whose children are whole, is whole: the part of the tree that hangs on it is complete. A leader
-/// that is not the lowest never becomes whole, since next to some rank on its tree there is one that never
-/// followed it (E. Chang, "Echo algorithms: depth parallel operations on general graphs", IEEE Trans. Softw.
-/// Eng. SE-8 (1982) 391; with extinction of waves). The leader that is whole knows the depth of its tree and
-/// the number of ranks: the cluster is at most twice the depth across, and less than the number. It tells all
-/// of them this, and from which round on all know.
-class RankCluster {
- public:
-  /// A rank tells its partners this in a round.
-  struct Word {
-    int value;  // of what is to be agreed on
-    int leader, distance, parent;
-    int depth, ranks;        // of the part of the tree from here on; depth -1: not whole yet
-    int across, known_from;  // what the leader found; 0: nothing yet
-  };
-
-  /// Begins with the ranks that own a partner of a body owned here. `all` is the number of ranks there are.
-  void begin(int rank, std::vector<int> partners, int all);
-  const std::vector<int>& partners() const { return partners_; }
-  bool is_alone() const { return partners_.empty(); }
-
-  Word say(int value) const;
-  /// Ends a round with what the partners said, in their order. Returns the least of their values and this
-  /// rank's.
-  int hear(int value, std::span<const Word> words);
-  /// Says whether the words of `rounds` rounds ago have come to all ranks of the cluster, and all of them
-  /// know that. All ranks get one answer in a round; it is true for 0 rounds on a rank alone.
-  bool all_have_heard(int rounds) const;
-
- private:
-  void follow(std::span<const Word> words);
-  void look_at_children(std::span<const Word> words);
-
-  int rank_ = 0, all_ = 1;
-  std::vector<int> partners_;
-  int round_ = 0;
-  int leader_ = 0, distance_ = 0, parent_ = 0;
-  int depth_ = -1, ranks_ = 1;
-  int across_ = 0, known_from_ = 0;
-};
 
 /// The box the bodies live in: [0, size), periodic or walled, an axis at a time.
 struct Extent {
@@ -91,19 +44,19 @@ class BodyExchange {
   /// gets theirs, in the order of cluster().partners(). Not `changed`: no row owned here has changed since
   /// the last share, and only the word goes.
   virtual void share(BodySet&, std::span<double> /*rows x width*/, int /*width*/,
-                     std::span<const RankCluster::Word> /*said*/ = {},
-                     std::span<RankCluster::Word> /*heard*/ = {}, bool /*changed*/ = true) {}
+                     std::span<const EchoReduction::Message> /*said*/ = {},
+                     std::span<EchoReduction::Message> /*heard*/ = {}, bool /*changed*/ = true) {}
   /// A share that is a round of the cluster. Returns the least of `value` here and on the partners.
   int share_in_round(BodySet&, std::span<double> rows, int width, int value, bool changed);
   /// The ranks that contacts connect this one with, as of the last exchange_contacts.
-  const RankCluster& cluster() const { return cluster_; }
+  const EchoReduction& cluster() const { return cluster_; }
 
  protected:
   Extent extent_;
-  RankCluster cluster_;
+  EchoReduction cluster_;
 
  private:
-  std::vector<RankCluster::Word> heard_;  // scratch
+  std::vector<EchoReduction::Message> heard_;  // scratch
 };
 
 /// Sweeps over contacts end by a common rest (method-bodies.md, The end of the sweeps). Each rank counts the
@@ -122,7 +75,7 @@ class CommonRest {
   /// sweep on all ranks that contacts connect, once none of them has.
   bool reached(bool moving) {
     quiet_ = moving ? 0 : quiet_ + 1;
-    return quiet_ > 0 && exchange_.cluster().all_have_heard(quiet_ - 1);
+    return quiet_ > 0 && exchange_.cluster().is_complete(quiet_ - 1);
   }
   /// Shares the bodies' rows, if any of them may have changed since the last time, and what is known of rest.
   void share(BodySet& bodies, std::span<double> rows, int width) {
@@ -137,7 +90,7 @@ class CommonRest {
 /// Says whether something is so on this rank or on any that contacts connect it with.
 inline bool on_any(BodySet& bodies, BodyExchange& exchange, bool here) {
   int nowhere = !here;
-  for (int rounds = 0; !exchange.cluster().all_have_heard(rounds); ++rounds)
+  for (int rounds = 0; !exchange.cluster().is_complete(rounds); ++rounds)
     nowhere = exchange.share_in_round(bodies, {}, 0, nowhere, false);
   return nowhere == 0;
 }

@@ -9,7 +9,7 @@ struct Polyhedron {
   static constexpr std::string_view name = "polyhedron";
   std::shared_ptr<const PolyhedronMesh> mesh;
   bool operator==(const Polyhedron&) const = default;
-  static constexpr std::tuple<> fields{};  // its corners or a file: coupler/case/shapes.cpp
+  static constexpr std::tuple<> fields{};  // its corners or a file: silt/case/shapes.cpp
 
   bool contains(const Vec3& x) const;
   double signed_distance(const Vec3& x) const { return rigid::signed_distance(*mesh, x); }

@@ -188,7 +188,7 @@ inline Mat3 across(const Vec3& n) {
 /// - mass_properties();
 /// - least_width(): between two parallel planes that touch it, the least, or a length near it;
 /// - add_inner_balls(balls): balls and points inside it that together stand for it
-/// (coupler/placement/obstacles.hpp).
+/// (silt/placement/obstacles.hpp).
 template <class S>
 concept ConvexSolid = requires(const S& s, const Vec3& x, const Pose& pose, std::vector<InnerBall>& balls) {
   requires std::equality_comparable<S>;

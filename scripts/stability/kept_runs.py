@@ -27,7 +27,7 @@ class KeptRuns:
     """judge(report, folder of results, point) gives the verdict of a run that ended by itself; one that a guard ended is "stopped"."""
 
     def __init__(self, options, judge):
-        self.silt = options.silt.resolve() if options.silt else ROOT / "build/release/coupler/silt"
+        self.silt = options.silt.resolve() if options.silt else ROOT / "build/release/bin/silt"
         if not options.silt:
             subprocess.run([ROOT / "scripts/build", "release", "silt"], check=True)
         options.out.mkdir(parents=True, exist_ok=True)

@@ -6,7 +6,7 @@
 #include <memory>
 #include <string>
 
-#include "coupler/simulation.hpp"
+#include "silt/simulation.hpp"
 #include "tests/bench/bound.hpp"
 #include "tests/bench/main.hpp"
 #include "tests/coupler/case/case_text.hpp"
@@ -21,7 +21,7 @@ struct Bed {
   std::string key;
   int spheres;
   bool single;
-  std::unique_ptr<coupler::Simulation> simulation;
+  std::unique_ptr<Simulation> simulation;
   Spread mlups;
   double solid = 0;
 };
@@ -34,17 +34,17 @@ Bed make_bed(int spheres, bool single) {
   Bed bed{std::to_string(spheres) + (single ? ".single" : ".double"), spheres, single, nullptr, {}};
   using namespace coupler::testing;
   const std::string text = file_text(SILT_SOURCE_DIR "/cases/fluidised-bed/case.toml");
-  bed.simulation.reset(new coupler::Simulation(simulation_of(text, MPI_COMM_SELF, changes)));
+  bed.simulation.reset(new Simulation(simulation_of(text, MPI_COMM_SELF, changes)));
   return bed;
 }
 
-double cells_of(const coupler::Simulation& simulation) {
+double cells_of(const Simulation& simulation) {
   const lbm::Int3 n = simulation.scene().domain.cells();
   return double(n.x) * n.y * n.z;
 }
 
 void sample(Bed& bed) {
-  coupler::Simulation& s = *bed.simulation;
+  Simulation& s = *bed.simulation;
   bed.mlups.add(window * cells_of(s) * 1e-6 / seconds([&] {
                   for (int t = 0; t < window; ++t) s.step();
                 }));
@@ -73,7 +73,7 @@ void run(const Options& o) {
   std::vector<coupler::StageSeconds> before;
   for (Bed& bed : beds) {
     for (int t = 0; t < warm_up; ++t) bed.simulation->step();
-    bed.solid = 1 - double(bed.simulation->look_at_flow().fluid_cells) / cells_of(*bed.simulation);
+    bed.solid = 1 - double(bed.simulation->checked_totals().fluid_cells) / cells_of(*bed.simulation);
     before.push_back(bed.simulation->stage_seconds());
   }
   const auto cells = std::ptrdiff_t(cells_of(*beds[0].simulation));

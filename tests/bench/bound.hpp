@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <array>
 
-#include "lbm/large_memory.hpp"
+#include "lbm/blocks/large_memory.hpp"
 #include "rigid/shapes/shape.hpp"
 #include "tests/bench/fluid_kernels.hpp"
 #include "tests/bench/spread.hpp"

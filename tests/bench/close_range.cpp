@@ -19,9 +19,9 @@
 #include <fmt/format.h>
 
 #include "coupler/forces/gap_cells.hpp"
-#include "coupler/run/run.hpp"
-#include "coupler/simulation.hpp"
 #include "rigid/math/types.hpp"
+#include "silt/run/run.hpp"
+#include "silt/simulation.hpp"
 #include "tests/coupler/case/case_text.hpp"
 #include "tests/coupler/forces/approach_series.hpp"
 
@@ -58,7 +58,7 @@ struct Resistance {
   double force = 0, torque = 0;
 };
 Resistance measure(const std::string& text, double radius, const Vec3& n, const Vec3& m, int spheres) {
-  coupler::Simulation simulation = coupler::testing::simulation_of(text, MPI_COMM_WORLD);
+  Simulation simulation = coupler::testing::simulation_of(text, MPI_COMM_WORLD);
   const double scale = std::numbers::pi * viscosity * radius * speed;
   Resistance r;
   double last = 0;
@@ -146,14 +146,15 @@ std::string bodies(const std::string& kind, const Approach& s, double radius, in
 /// Returns the sphere's force and torque by theory.
 Resistance exact(const std::string& kind, double gap, double radius) {
   if (kind == "pair") return {silt::testing::approach_of_two(1 + 0.5 * gap / radius), 0};
-  if (kind == "slide") return {silt::testing::slide_force(gap / radius), silt::testing::slide_torque(gap / radius)};
+  if (kind == "slide")
+    return {silt::testing::slide_force(gap / radius), silt::testing::slide_torque(gap / radius)};
   return {silt::testing::approach_to_wall(1 + gap / radius), 0};
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  silt::coupler::start_mpi(&argc, &argv);
+  silt::start_mpi(&argc, &argv);
   if (argc != 5 && argc != 6)
     return std::fputs(
                "usage: bench_close_range wall|plate|pair|slide SCHEME DIAMETER BOX [RELAXATION_TIME] "

@@ -12,7 +12,7 @@
 
 #include "cpu/isa.hpp"
 #include "device/device.hpp"
-#include "lbm/slot_exchange.hpp"
+#include "lbm/exchange/slot_exchange.hpp"
 #include "tests/bench/figures.hpp"
 #include "tests/bench/moving_layers.hpp"
 #include "tests/bench/periodic_box.hpp"
@@ -105,7 +105,7 @@ std::vector<std::int64_t> totals(Device device) {
 /// The state of a case after some steps of layers in motion: links are mapped, and cells refilled.
 template <class T>
 std::vector<std::uint64_t> state_of(Device device, const Layers& layers) {
-  coupler::Simulation simulation =
+  Simulation simulation =
       coupler::testing::simulation_of(layers.text(), MPI_COMM_SELF,
                                       {"run.device=" + std::string(device_names[int(device)]),
                                        std::string("fluid.precision=") + precision_of<T>});

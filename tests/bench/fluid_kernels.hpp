@@ -4,7 +4,7 @@
 #include <cstddef>
 
 #include "cpu/isa.hpp"
-#include "lbm/lattice.hpp"
+#include "lbm/blocks/lattice.hpp"
 
 namespace silt::bench {
 

@@ -7,10 +7,10 @@
 #include <random>
 #include <string>
 
-#include "coupler/simulation.hpp"
 #include "lbm/fluid.hpp"
 #include "rigid/collision/collision_backend.hpp"
 #include "rigid/shapes/shape.hpp"
+#include "silt/simulation.hpp"
 #include "tests/bench/figures.hpp"
 #include "tests/bench/instruction_count.hpp"
 #include "tests/bench/layers.hpp"
@@ -31,14 +31,14 @@ void count_kernel(const std::string& name, const std::array<double, 3>& force) {
   count_piece(name, [&] { step(fluid, kernel_steps); });
 }
 
-void count_step(const std::string& name, coupler::Simulation& s) {
+void count_step(const std::string& name, Simulation& s) {
   for (int t = 0; t < 2 * steps; ++t) s.step();
   count_piece(name, [&] {
     for (int t = 0; t < steps; ++t) s.step();
   });
 }
 
-coupler::Simulation scene(const std::string& scheme, const std::string& time) {
+Simulation scene(const std::string& scheme, const std::string& time) {
   return coupler::testing::simulation_of(Layers{.scheme = scheme, .time = time}.text());
 }
 
@@ -93,7 +93,7 @@ void pieces() {
   count_kernel<float>("cell.single.force", {1e-6, 0, 0});
   count_kernel<double>("cell.double", {});
   for (const auto& [scheme, time] : couplings) {
-    coupler::Simulation s = scene(scheme, time);
+    Simulation s = scene(scheme, time);
     count_step(std::string("step.") + scheme + "." + time, s);
   }
 }
@@ -111,7 +111,7 @@ void run(const Options& o) {
     add(name, counts.at(name) / (kernel_steps * cells));
   add("pair.cylinders", counts.at("pairs.cylinders") / near_pairs);
   for (const auto& [scheme, time] : couplings) {
-    coupler::Simulation s = scene(scheme, time);
+    Simulation s = scene(scheme, time);
     const std::string key = std::string(scheme) + "." + time;
     const double fluid = counts.at("cell.single.force") / kernel_steps;
     add("link." + key, (counts.at("step." + key) / steps - fluid) / double(s.links()));

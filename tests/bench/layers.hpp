@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "lbm/lattice.hpp"
+#include "lbm/blocks/lattice.hpp"
 
 namespace silt::bench {
 

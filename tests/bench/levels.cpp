@@ -9,7 +9,7 @@
 #include <cstdio>
 #include <string>
 
-#include "lbm/levels.hpp"
+#include "lbm/levels/levels.hpp"
 #include "tests/bench/main.hpp"
 #include "tests/bench/periodic_box.hpp"
 #include "tests/bench/spread.hpp"

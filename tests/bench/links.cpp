@@ -15,9 +15,9 @@
 #include "coupler/mapping/block_links.hpp"
 #include "coupler/mapping/build_links.hpp"
 #include "coupler/mapping/map_bodies.hpp"
-#include "coupler/simulation.hpp"
 #include "lbm/fluid.hpp"
-#include "lbm/pairs_across.hpp"
+#include "lbm/walls/pairs_across.hpp"
+#include "silt/simulation.hpp"
 #include "tests/bench/layers.hpp"
 #include "tests/bench/main.hpp"
 #include "tests/bench/spread.hpp"
@@ -113,7 +113,7 @@ class Links {
     }
   }
 
-  coupler::Simulation scene_;
+  Simulation scene_;
   lbm::Fluid<float> fluid_;
   lbm::PairsAcross<float> pairs_{fluid_.domain(), MPI_COMM_SELF, fluid_.blocks()};
   coupler::BlockLinks<float> links_;

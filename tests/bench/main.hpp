@@ -5,8 +5,8 @@
 #include <cstdio>
 #include <exception>
 
-#include "coupler/run/run.hpp"
 #include "cpu/isa.hpp"
+#include "silt/run/run.hpp"
 #include "tests/bench/figures.hpp"
 
 namespace silt::bench {
@@ -15,7 +15,7 @@ namespace silt::bench {
 /// come. What it throws is said, and the exit code is then 2 (on several ranks for all of them).
 template <class Run>
 int main_of(int argc, char** argv, Run&& run) {
-  coupler::start_mpi(&argc, &argv);
+  start_mpi(&argc, &argv);
   setvbuf(stdout, nullptr, _IOLBF, 0);
   flush_denormals_to_zero();
   try {

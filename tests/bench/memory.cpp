@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <string>
 
-#include "coupler/simulation.hpp"
+#include "silt/simulation.hpp"
 #include "tests/bench/figures.hpp"
 #include "tests/bench/layers.hpp"
 #include "tests/bench/main.hpp"
@@ -31,7 +31,7 @@ void run(const Options& o) {
   const Layers layers{.edge = n};
   const auto [nx, ny, nz] = layers.cells();
   const double cells = double(nx) * ny * nz, before = resident("VmRSS:");
-  coupler::Simulation s = coupler::testing::simulation_of(layers.text());
+  Simulation s = coupler::testing::simulation_of(layers.text());
   for (int t = 0; t < 10; ++t) s.step();
   const double bytes = (resident("VmRSS:") - before) / cells, peak = (resident("VmHWM:") - before) / cells;
   const double populations = double(s.scene().flow->fields().bytes()) / cells;

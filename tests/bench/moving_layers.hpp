@@ -3,7 +3,7 @@
 #include <array>
 #include <vector>
 
-#include "coupler/simulation.hpp"
+#include "silt/simulation.hpp"
 #include "tests/bench/layers.hpp"
 #include "tests/bench/spread.hpp"
 #include "tests/coupler/case/case_text.hpp"
@@ -33,9 +33,9 @@ class MovingLayers {
     whole_.add(all);
   }
   const Layers& layers() const { return layers_; }
-  coupler::Simulation& simulation() { return simulation_; }
+  Simulation& simulation() { return simulation_; }
   double links() const { return double(simulation_.links()); }
-  double fluid_cells() { return double(simulation_.look_at_flow().fluid_cells); }
+  double fluid_cells() { return double(simulation_.checked_totals().fluid_cells); }
   const Spread& whole() const { return whole_; }
   double seconds_of(coupler::Stage stage) const { return stages_[int(stage)].middle(); }
 
@@ -49,7 +49,7 @@ class MovingLayers {
     simulation_.step();
   }
   Layers layers_;
-  coupler::Simulation simulation_;
+  Simulation simulation_;
   Spread whole_;
   std::array<Spread, std::size_t(coupler::Stage::count)> stages_;
 };

@@ -14,8 +14,8 @@
 #include <string>
 #include <thread>
 
-#include "coupler/case/case.hpp"
-#include "lbm/cut_links.hpp"
+#include "lbm/walls/cut_links.hpp"
+#include "silt/case/case.hpp"
 #include "tests/bench/bound.hpp"
 #include "tests/bench/layers.hpp"
 #include "tests/bench/main.hpp"
@@ -95,13 +95,13 @@ class Side {
     set_going();
     simulation_.step();
   }
-  coupler::Simulation& simulation() { return simulation_; }
+  Simulation& simulation() { return simulation_; }
   const Spread& whole() const { return whole_; }
   const std::array<double, std::size_t(Stage::count)>& stages() const { return stages_; }
 
  private:
   MPI_Comm comm_;
-  coupler::Simulation simulation_;
+  Simulation simulation_;
   Spread whole_;
   std::array<double, std::size_t(Stage::count)> stages_{};
 };
@@ -113,8 +113,8 @@ struct Expected {
   double forces = 0, bodies = 0;  // messages
 };
 
-Expected expected_of(const coupler::Simulation& simulation) {
-  const coupler::Scene& scene = simulation.scene();
+Expected expected_of(const Simulation& simulation) {
+  const Scene& scene = simulation.scene();
   constexpr int number = sizeof(float);
   Expected e;
   e.fluid = halo_sent(scene.domain, scene.rank, number);

@@ -8,20 +8,20 @@
 #include <memory>
 
 #include "adapters/automatic/collision_factory.hpp"
-#include "coupler/guard.hpp"
 #include "coupler/mapping/body_changes.hpp"
-#include "coupler/run/run.hpp"
-#include "coupler/simulation.hpp"
 #include "lbm/fluid.hpp"
 #include "rigid/collision/detect_contacts.hpp"
 #include "rigid/rigid_step.hpp"
+#include "silt/guard.hpp"
+#include "silt/run/run.hpp"
+#include "silt/simulation.hpp"
 #include "tests/bench/periodic_box.hpp"
 #include "tests/coupler/case/case_text.hpp"
 
 namespace silt::bench {
 namespace {
 
-using coupler::Simulation;
+using Simulation;
 
 struct SceneText {
   std::string domain = "size = [48, 48, 48]\nboundary = \"periodic\"";
@@ -67,9 +67,9 @@ struct Passes {
     faults.see_overlaps(scene.setup, scene.bodies, scene.rigid_step->contacts(), 1);
   }
   Simulation simulation;
-  coupler::Scene& scene = simulation.scene();
+  Scene& scene = simulation.scene();
   coupler::StepClock clock;
-  coupler::FaultWatch faults{scene.setup};
+  FaultWatch faults{scene.setup};
   const coupler::BodyChanges no_changes;
 };
 
@@ -170,7 +170,7 @@ std::function<void()> free_motion(const SceneText& text, Forces&& act) {
   auto passes = std::make_shared<Passes>(text);
   auto detect = std::make_shared<rigid::DetectContacts>();
   return [passes, detect, act] {
-    coupler::Scene& s = passes->scene;
+    Scene& s = passes->scene;
     std::vector<rigid::Contact> none;
     rigid::drift(s.bodies, s.bodies.owned + s.bodies.copies, 0.5);
     s.exchange->wrap_positions(s.bodies);
@@ -185,7 +185,7 @@ std::function<void()> free_motion(const SceneText& text, Forces&& act) {
 Row no_contacts() {
   const SceneText text = scattered("[0, 0, -1e-6]");
   return row("contacts", "contacts: free motion and the search for pairs", text,
-             free_motion(text, [](coupler::Scene& s) {
+             free_motion(text, [](Scene& s) {
                for (std::size_t row = 0; row < s.bodies.owned; ++row)
                  s.bodies.velocity[row] += s.bodies.weight_in_fluid[row] * s.world.gravity;
              }));
@@ -194,7 +194,7 @@ Row no_contacts() {
 Row no_force() {
   const SceneText text = scattered("[0, 0, 0]");
   return row("external_force", "forces and contacts: motion and the search for pairs", text,
-             free_motion(text, [](const coupler::Scene&) {}));
+             free_motion(text, [](const Scene&) {}));
 }
 
 Row no_other_shapes() {
@@ -265,12 +265,12 @@ Row no_outputs() {
   const auto whole_program = [text](int steps) {
     const fs::path folder = fs::temp_directory_path() / ("silt-skip-" + std::to_string(getpid()));
     fs::create_directories(folder);
-    coupler::RunOptions options;
+    RunOptions options;
     options.directory = folder;
     std::ofstream(folder / "case.toml") << text_of(text, many * steps);
-    const coupler::Exit exit = coupler::run_case(options, MPI_COMM_SELF);
+    const Exit exit = run_case(options, MPI_COMM_SELF);
     fs::remove_all(folder);
-    if (exit != coupler::Exit::done) throw std::runtime_error("the run without outputs did not end well");
+    if (exit != Exit::done) throw std::runtime_error("the run without outputs did not end well");
   };
   return {"outputs", "outputs: steps without the program around them", whole_program, repeated([steps_alone] {
             for (int k = 0; k < many; ++k) steps_alone->step();

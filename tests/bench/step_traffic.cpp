@@ -4,11 +4,11 @@
 #include <array>
 #include <map>
 
-#include "coupler/case/case.hpp"
 #include "coupler/exchange/coupling_state.hpp"
 #include "coupler/mapping/mapping_poses.hpp"
 #include "rigid/rigid_step.hpp"
 #include "rigid/shapes/shape.hpp"
+#include "silt/case/case.hpp"
 
 namespace silt::bench {
 
@@ -63,8 +63,8 @@ void for_cells_at_faces(const CellBox& box, Visit&& visit) {
 }
 
 /// The cells with their centres inside the spheres that a rank knows, where the next step maps them.
-std::set<std::array<int, 3>> cells_in_spheres(const coupler::Simulation& simulation) {
-  const coupler::Scene& scene = simulation.scene();
+std::set<std::array<int, 3>> cells_in_spheres(const Simulation& simulation) {
+  const Scene& scene = simulation.scene();
   const rigid::World& world = scene.exchange->world();
   rigid::BodySet bodies = simulation.bodies();
   coupler::renew_mapping_poses(bodies, world, scene.setup.coupling, simulation.steps_done());
@@ -98,8 +98,8 @@ Sent halo_sent(const lbm::Domain& domain, int rank, int number) {
   return sent;
 }
 
-Sent pairs_sent(const coupler::Simulation& simulation, int number) {
-  const coupler::Scene& scene = simulation.scene();
+Sent pairs_sent(const Simulation& simulation, int number) {
+  const Scene& scene = simulation.scene();
   const lbm::Domain& domain = scene.domain;
   const std::set<std::array<int, 3>> solid = cells_in_spheres(simulation);
   const auto is_solid = [&](Int3 x) {
@@ -127,7 +127,7 @@ int ranks_within(const lbm::Domain& domain, int rank, double reach) {
   return others;
 }
 
-std::set<int> copied_from(const coupler::Simulation& simulation) {
+std::set<int> copied_from(const Simulation& simulation) {
   const rigid::BodySet& bodies = simulation.bodies();
   std::set<int> ranks;
   for (std::size_t row = bodies.owned; row < bodies.owned + bodies.copies; ++row)
@@ -135,7 +135,7 @@ std::set<int> copied_from(const coupler::Simulation& simulation) {
   return ranks;
 }
 
-std::set<int> copied_to(const coupler::Simulation& simulation, double ahead) {
+std::set<int> copied_to(const Simulation& simulation, double ahead) {
   rigid::BodySet then = simulation.bodies();
   rigid::drift(then, then.owned, ahead);
   const coupler::ParallelBodyExchange& exchange = *simulation.scene().exchange;

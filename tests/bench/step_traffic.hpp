@@ -3,8 +3,8 @@
 // asking what sends it.
 #include <set>
 
-#include "coupler/simulation.hpp"
-#include "lbm/domain.hpp"
+#include "lbm/blocks/domain.hpp"
+#include "silt/simulation.hpp"
 
 namespace silt::bench {
 
@@ -21,13 +21,13 @@ struct Sent {
 Sent halo_sent(const lbm::Domain&, int rank, int number);
 /// Two populations for each cut link from a cell of another rank whose cell behind is here
 /// (pairs_across.hpp), in the next step. Of spheres.
-Sent pairs_sent(const coupler::Simulation&, int number);
+Sent pairs_sent(const Simulation&, int number);
 /// Counts the other ranks that have a cell less than `reach` away from the rank's box.
 int ranks_within(const lbm::Domain&, int rank, double reach);
 /// The other ranks that own a body of which there is a copy here.
-std::set<int> copied_from(const coupler::Simulation&);
+std::set<int> copied_from(const Simulation&);
 /// The other ranks that have to get a copy of a body owned here, `ahead` steps from now at present
 /// velocities.
-std::set<int> copied_to(const coupler::Simulation&, double ahead);
+std::set<int> copied_to(const Simulation&, double ahead);
 
 }  // namespace silt::bench

@@ -13,8 +13,8 @@
 #include <map>
 #include <sstream>
 
-#include "coupler/run/run.hpp"
-#include "coupler/simulation.hpp"
+#include "silt/run/run.hpp"
+#include "silt/simulation.hpp"
 #include "tests/coupler/case/case_text.hpp"
 
 using namespace silt;
@@ -111,8 +111,8 @@ std::string list(const Vec3& x) {
   return text;
 }
 
-coupler::Simulation scene(const Array& a, const Options& o, const Vec3& offset, const Vec3& force,
-                          const Vec3& fluid, const Vec3& body) {
+Simulation scene(const Array& a, const Options& o, const Vec3& offset, const Vec3& force, const Vec3& fluid,
+                 const Vec3& body) {
   const std::string l = std::to_string(a.period);
   char diameter[40];
   snprintf(diameter, sizeof diameter, "%.12g", a.diameter);
@@ -134,7 +134,7 @@ coupler::Simulation scene(const Array& a, const Options& o, const Vec3& offset, 
 }
 
 /// Returns the force on all spheres.
-Vec3 force_on(coupler::Simulation& s) {
+Vec3 force_on(Simulation& s) {
   Vec3 sum = Vec3::Zero();
   for (const auto& load : s.last_loads()) sum += load.force;
   return sum;
@@ -144,8 +144,8 @@ struct Flow {
   Vec3 force, velocity;  // on the spheres without the mean pressure's; superficial, of the fluid past it
   double fluid_cells;
 };
-Flow look(coupler::Simulation& s, const Array& a, const Vec3& g, const Vec3& body) {
-  const auto t = s.look_at_flow();
+Flow look(Simulation& s, const Array& a, const Vec3& g, const Vec3& body) {
+  const auto t = s.checked_totals();
   const Vec3 j(t.momentum[0], t.momentum[1], t.momentum[2]);
   const Vec3 fluid = j + 0.5 * g * double(t.fluid_cells);
   return {force_on(s), (fluid + a.solid() * body) / a.volume() - body, double(t.fluid_cells)};
@@ -159,7 +159,7 @@ struct Still {
 Still still_error(const Array& a, const Options& o, const Vec3& offset) {
   const double nu = (o.tau - 0.5) / 3, u = 0.012 * nu, g = a.force(u, nu);  // Reynolds number 0.012 D
   const Vec3 force(g, 0, 0), fluid(u / (1 - a.phi), 0, 0);
-  coupler::Simulation s = scene(a, o, offset, force, fluid, Vec3::Zero());
+  Simulation s = scene(a, o, offset, force, fluid, Vec3::Zero());
   const int chunk = std::max(100, int(0.1 * a.period * a.period / nu / 6));
   double last = 0;
   for (int n = 0; n < 100; ++n) {
@@ -187,7 +187,7 @@ Moving moving_error(const Array& a, const Options& o, const Vec3& offset) {
   const Vec3 direction = Vec3(1, 0.853, 0.641).normalized(), relative = o.speed * direction;
   const Vec3 frame = o.boost * Vec3(0.7, 0.513, -0.497).normalized(), body = frame - relative;
   const Vec3 force = a.force(o.speed, nu) * direction, fluid = frame + relative * (a.phi / (1 - a.phi));
-  coupler::Simulation s = scene(a, o, offset, force, fluid, body);
+  Simulation s = scene(a, o, offset, force, fluid, body);
   const int settle = int(0.25 * a.period * a.period / nu), measured = std::max(settle, int(4 / o.speed));
   for (int t = 0; t < settle; ++t) s.step();
   double drag = 0, square = 0, velocity = 0;
@@ -240,7 +240,7 @@ void report(const Array& a, const Options& o) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  silt::coupler::start_mpi(&argc, &argv);
+  silt::start_mpi(&argc, &argv);
   const Options o = options_of(argc, argv);
   for (const double d : o.diameters)
     for (const double phi : o.phi) report(Array(o.lattice, phi, d), o);

@@ -3,8 +3,8 @@
 // rounding is none) and bytes, counted by hand in lbm/*_kernel.cpp, each expression once. The coefficients of
 // a wall scheme are counted by running them (Counted). Bytes are those that the pass must read and write even
 // if all else stays in cache: the least, not what the machine moves.
-#include "lbm/lattice.hpp"
-#include "lbm/wall_formula.hpp"
+#include "lbm/blocks/lattice.hpp"
+#include "lbm/walls/wall_formula.hpp"
 
 namespace silt::bench {
 

@@ -4,12 +4,12 @@
 #include <memory>
 #include <vector>
 
-#include "coupler/case/case.hpp"
 #include "coupler/flow.hpp"
 #include "coupler/mapping/solid_map.hpp"
-#include "coupler/simulation.hpp"
 #include "lbm/fluid.hpp"
 #include "parallel/collectives.hpp"
+#include "silt/case/case.hpp"
+#include "silt/simulation.hpp"
 #include "tests/coupler/case/case_text.hpp"
 #include "tests/coupler/single_cells.hpp"
 

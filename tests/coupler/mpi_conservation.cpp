@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "coupler/exchange/coupling_state.hpp"
-#include "coupler/simulation.hpp"
+#include "silt/simulation.hpp"
 #include "tests/coupler/coupled_scenes.hpp"
 #include "tests/world.hpp"
 
@@ -84,10 +84,10 @@ double mass_owed_by_bodies(Simulation& s) {
 /// could have, as a share.
 double lost_mass(const CaseText& scene, const std::string& precision, int steps) {
   Simulation s = scene.start(MPI_COMM_WORLD, {"fluid.precision=" + precision});
-  const FlowTotals before = s.look_at_flow();
+  const FlowTotals before = s.checked_totals();
   s.run(steps);
   EXPECT_GT(tests::sum_over_ranks(double(s.counters().uncovered)), 100);
-  const FlowTotals now = s.look_at_flow();
+  const FlowTotals now = s.checked_totals();
   EXPECT_GT(now.max_density - now.min_density, 1e-4) << "a fluid that nobody presses loses nothing";
   const double taken = double(s.mass_taken()) * lbm::mass_quantum;
   const double owed = tests::sum_over_ranks(mass_owed_by_bodies(s));

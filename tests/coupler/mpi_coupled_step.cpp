@@ -5,13 +5,13 @@
 #include <bit>
 #include <cmath>
 
-#include "coupler/case/case_check.hpp"
 #include "coupler/exchange/coupling_state.hpp"
-#include "coupler/guard.hpp"
-#include "coupler/simulation.hpp"
 #include "coupler/state_hash.hpp"
-#include "lbm/wall_scheme.hpp"
+#include "lbm/walls/wall_scheme.hpp"
 #include "rigid/shapes/shape.hpp"
+#include "silt/case/case_check.hpp"
+#include "silt/guard.hpp"
+#include "silt/simulation.hpp"
 #include "tests/coupler/coupled_scenes.hpp"
 #include "tests/coupler/single_cells.hpp"
 #include "tests/errors.hpp"
@@ -68,7 +68,7 @@ TEST(CoupledStep, AForceOutOfRangeStopsEveryRankOneStepLater) {
     Simulation s = crowd().start(MPI_COMM_WORLD);
     if (tests::rank() == tests::ranks() - 1) overfill(s.scene().flow->fields());
     EXPECT_EQ(tests::error_of<GuardStop>([&] { s.step(); }), "");
-    const std::string text = tests::error_of<GuardStop>([&] { look ? (void)s.look_at_flow() : s.step(); });
+    const std::string text = tests::error_of<GuardStop>([&] { look ? (void)s.checked_totals() : s.step(); });
     EXPECT_TEXT(text, "step 1: a force is out of range (the force on body ");
     EXPECT_EQ(tests::alone([&] { return std::hash<std::string>()(text); }), std::hash<std::string>()(text));
   }

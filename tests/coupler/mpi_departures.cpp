@@ -1,15 +1,15 @@
 // No body lives on outside the domain: it is taken out, counted and logged, or the run stops; the same on any
 // number of ranks.
-#include "coupler/body_turnover.hpp"
+#include "silt/body_turnover.hpp"
 
 #include <gtest/gtest.h>
 
 #include <bit>
 #include <numeric>
 
-#include "coupler/case/case.hpp"
-#include "coupler/guard.hpp"
-#include "coupler/simulation.hpp"
+#include "silt/case/case.hpp"
+#include "silt/guard.hpp"
+#include "silt/simulation.hpp"
 #include "tests/coupler/case/case_text.hpp"
 #include "tests/errors.hpp"
 #include "tests/world.hpp"

@@ -8,11 +8,11 @@
 #include <complex>
 #include <numbers>
 
-#include "coupler/case/case.hpp"
 #include "coupler/flow_control.hpp"
-#include "coupler/results/quantities.hpp"
-#include "coupler/simulation.hpp"
 #include "rigid/bodies/prescribed_motion.hpp"
+#include "silt/case/case.hpp"
+#include "silt/results/quantities.hpp"
+#include "silt/simulation.hpp"
 #include "tests/coupler/case/case_text.hpp"
 #include "tests/coupler/coupled_scenes.hpp"
 #include "tests/coupler/same_bits.hpp"
@@ -73,7 +73,7 @@ TEST(InitialFlow, NoiseIsBoundedAndTheSameOnAnyRanks) {
   const CaseText c = flow_of({32, 32, 32}, "type = \"rest\", noise = 0.01");
   const Overrides odd_blocks{"domain.blocks=[8, 16, 8]"};
   Simulation simulation = c.start(MPI_COMM_WORLD, odd_blocks);
-  const FlowTotals start = simulation.look_at_flow();
+  const FlowTotals start = simulation.checked_totals();
   EXPECT_LE(start.max_speed, std::sqrt(3.) * noise * (1 + 1e-12));
   EXPECT_GT(start.max_speed, 1.6 * noise) << "32768 points of a cube come near its corners";
   const std::uint64_t everywhere = simulation.hash();

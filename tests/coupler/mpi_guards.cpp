@@ -6,8 +6,8 @@
 #include <functional>
 
 #include "coupler/flow.hpp"
-#include "coupler/guard.hpp"
-#include "coupler/simulation.hpp"
+#include "silt/guard.hpp"
+#include "silt/simulation.hpp"
 #include "tests/coupler/case/case_text.hpp"
 #include "tests/coupler/gas.hpp"
 #include "tests/errors.hpp"

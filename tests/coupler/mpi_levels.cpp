@@ -5,11 +5,11 @@
 
 #include <cmath>
 
-#include "coupler/case/fluid_spec.hpp"
-#include "coupler/guard.hpp"
-#include "coupler/results/velocity_gradient.hpp"
-#include "coupler/simulation.hpp"
+#include "coupler/spec/flow_spec.hpp"
 #include "coupler/state_hash.hpp"
+#include "silt/guard.hpp"
+#include "silt/results/velocity_gradient.hpp"
+#include "silt/simulation.hpp"
 #include "tests/coupler/case/case_text.hpp"
 #include "tests/coupler/levelled_flow.hpp"
 #include "tests/errors.hpp"
@@ -50,7 +50,7 @@ TEST(Levels, ACellAtFaultIsNamedInFinestCells) {
   const FlowTotals totals = flow.totals();
   EXPECT_EQ(totals.fastest_cell, (lbm::Int3{10, 12, 6}));
   EXPECT_EQ(totals.thinnest_cell, (lbm::Int3{4, 8, 4}));
-  EXPECT_TEXT(tests::error_of<CommonGuardStop>([&] { s.look_at_flow(); }),
+  EXPECT_TEXT(tests::error_of<CommonGuardStop>([&] { s.checked_totals(); }),
               "the fluid at cell [10, 12, 6], moves 0.5");
 }
 

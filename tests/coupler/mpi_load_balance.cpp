@@ -1,13 +1,13 @@
 // Moving to another cut changes no bit, and what is predicted is what there is.
-#include "coupler/load_balance.hpp"
+#include "silt/load_balance.hpp"
 
 #include <gtest/gtest.h>
 
 #include "coupler/balance/body_work.hpp"
-#include "coupler/case/case.hpp"
 #include "coupler/regions/level_views.hpp"
-#include "coupler/simulation.hpp"
-#include "lbm/equal_cut.hpp"
+#include "lbm/blocks/equal_cut.hpp"
+#include "silt/case/case.hpp"
+#include "silt/simulation.hpp"
 #include "tests/coupler/coupled_scenes.hpp"
 #include "tests/odd_cut.hpp"
 #include "tests/world.hpp"
@@ -160,7 +160,8 @@ TEST(LoadBalance, EvenScenesKeepTheEqualCut) {
 
 /// Costs by which work counts one thing.
 WorkCosts only(std::int64_t WorkCosts::*part) {
-  WorkCosts costs(bottom().read());
+  const Case setup = bottom().read();
+  WorkCosts costs(setup, setup.contacts.substeps);
   costs.cell = costs.link = costs.mapping = costs.body = costs.impulse = 0;
   costs.*part = 1;
   return costs;

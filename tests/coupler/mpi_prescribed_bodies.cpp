@@ -6,8 +6,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "coupler/case/case.hpp"
-#include "coupler/results/quantities.hpp"
+#include "silt/case/case.hpp"
+#include "silt/results/quantities.hpp"
 #include "tests/coupler/coupled_scenes.hpp"
 #include "tests/coupler/same_bits.hpp"
 #include "tests/world.hpp"

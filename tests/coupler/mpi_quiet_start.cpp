@@ -7,10 +7,10 @@
 #include <cmath>
 #include <numbers>
 
-#include "coupler/case/case.hpp"
-#include "coupler/case/quiet_start_steps.hpp"
-#include "coupler/simulation.hpp"
 #include "coupler/state_hash.hpp"
+#include "silt/case/case.hpp"
+#include "silt/case/quiet_start_steps.hpp"
+#include "silt/simulation.hpp"
 #include "tests/coupler/case/case_text.hpp"
 #include "tests/coupler/coupled_scenes.hpp"
 #include "tests/coupler/same_bits.hpp"
@@ -78,7 +78,7 @@ void expect_still(const std::string& coarsening) {
       -force * height * std::numbers::sqrt3 / 4;  // the speed that a loud start would give
   for (int k = 0; k < 5; ++k) {
     s.run(16);
-    EXPECT_LT(s.look_at_flow().max_speed, 0.05 * of_sound);
+    EXPECT_LT(s.checked_totals().max_speed, 0.05 * of_sound);
   }
 }
 
@@ -102,7 +102,7 @@ TEST(QuietStart, NoSoundIsSetOff) {
     s.step();
     const double of_bodies =
         sum_of_bodies(s, [&](std::size_t row) { return displaced * s.bodies().velocity[row].z(); });
-    loudest = std::max(loudest, std::abs(s.look_at_flow().momentum[2] + of_bodies));
+    loudest = std::max(loudest, std::abs(s.checked_totals().momentum[2] + of_bodies));
   }
   EXPECT_LT(loudest, 0.25 * of_sound);
 }
@@ -112,7 +112,7 @@ TEST(QuietStart, BodiesThatRestStayAtRest) {
   CaseText c = falling(2);
   c.bodies = body_of("ball", 2, "position = [16, 16, 4]") + body_of("ball", 2, "position = [16, 16, 12]");
   Quiet s(c);
-  const FlowTotals totals = s.look_at_flow();
+  const FlowTotals totals = s.checked_totals();
   const double of_weight = 3 * gravity * 8;  // density, if pressure carried a ball on its cross-section
   EXPECT_LT(totals.max_density - 1, 0.01 * of_weight);
   s.run(50);
@@ -125,11 +125,11 @@ TEST(QuietStart, ChangesTheFluidsPressureAlone) {
   c.bodies += body_of("sphere", 2, "position = [4, 5, 14]\nvelocity = [0.01, 0, 0.02]");
   Simulation s = c.start(MPI_COMM_WORLD, Quiet::quietly());
   const auto bodies = [&] { return state_hash(MPI_COMM_WORLD, nullptr, s.bodies()); };
-  const std::uint64_t before = bodies(), cells = s.look_at_flow().fluid_cells;
+  const std::uint64_t before = bodies(), cells = s.checked_totals().fluid_cells;
   s.start_quietly();
   EXPECT_EQ(bodies(), before);
   EXPECT_EQ(s.steps_done(), 0);
-  const FlowTotals totals = s.look_at_flow();
+  const FlowTotals totals = s.checked_totals();
   EXPECT_EQ(totals.fluid_cells, cells);
   EXPECT_LT(std::abs(totals.momentum[2]), 1e-6);
   EXPECT_GT(totals.max_density - totals.min_density, 1e-3);

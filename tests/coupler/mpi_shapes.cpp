@@ -7,8 +7,8 @@
 #include <numbers>
 #include <string>
 
-#include "coupler/simulation.hpp"
-#include "lbm/wall_scheme.hpp"
+#include "lbm/walls/wall_scheme.hpp"
+#include "silt/simulation.hpp"
 #include "tests/coupler/case/case_text.hpp"
 #include "tests/coupler/case/mesh_case.hpp"
 #include "tests/coupler/same_bits.hpp"

@@ -9,9 +9,9 @@
 #include <random>
 
 #include "coupler/flow.hpp"
-#include "coupler/results/quantities.hpp"
-#include "coupler/simulation.hpp"
 #include "parallel/collectives.hpp"
+#include "silt/results/quantities.hpp"
+#include "silt/simulation.hpp"
 #include "tests/coupler/case/mesh_case.hpp"
 #include "tests/coupler/case/pipe_case.hpp"
 #include "tests/coupler/same_bits.hpp"
@@ -275,7 +275,7 @@ Told stream_past_gear(const rigid::Vec3& off, const std::string& point) {
   const Case scene = read_with(text, {{"gear.ply", ply_of(mesh)}}, {"domain.blocks=[16, 16, 16]"});
   Simulation simulation(scene, MPI_COMM_WORLD);
   const auto values = values_of(simulation);
-  const FlowTotals totals = simulation.look_at_flow();
+  const FlowTotals totals = simulation.checked_totals();
   return {values[0], values[1], values[2], totals.fluid_cells, rigid::Vec3(totals.momentum.data())};
 }
 

@@ -3,11 +3,11 @@
 #include <concepts>
 #include <memory>
 
-#include "coupler/case/case.hpp"
-#include "coupler/results/build_info.hpp"
-#include "coupler/results/checkpoint.hpp"
-#include "coupler/results/quantities.hpp"
-#include "coupler/simulation.hpp"
+#include "silt/case/case.hpp"
+#include "silt/results/build_info.hpp"
+#include "silt/results/checkpoint.hpp"
+#include "silt/results/quantities.hpp"
+#include "silt/simulation.hpp"
 #include "tests/adapters/hdf5/scratch.hpp"
 #include "tests/coupler/case/case_text.hpp"
 #include "tests/world.hpp"

@@ -1,6 +1,6 @@
 #pragma once
 // Which part of a scene is solid.
-#include "coupler/simulation.hpp"
+#include "silt/simulation.hpp"
 #include "tests/coupler/single_cells.hpp"
 #include "tests/world.hpp"
 

@@ -5,9 +5,9 @@
 
 #include <algorithm>
 
-#include "coupler/case/case.hpp"
-#include "coupler/guard.hpp"
-#include "coupler/simulation.hpp"
+#include "silt/case/case.hpp"
+#include "silt/guard.hpp"
+#include "silt/simulation.hpp"
 #include "tests/coupler/case/case_text.hpp"
 #include "tests/coupler/gas.hpp"
 #include "tests/errors.hpp"

@@ -9,9 +9,9 @@
 #include "coupler/flow_totals.hpp"
 #include "coupler/fluid_fields.hpp"
 #include "coupler/mapping/solid_map.hpp"
-#include "coupler/simulation.hpp"
-#include "lbm/cut_links.hpp"
 #include "lbm/fluid.hpp"
+#include "lbm/walls/cut_links.hpp"
+#include "silt/simulation.hpp"
 #include "tests/coupler/case/case_text.hpp"
 
 namespace silt::coupler {

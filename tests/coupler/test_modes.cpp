@@ -6,8 +6,8 @@
 #include <cmath>
 #include <utility>
 
-#include "coupler/simulation.hpp"
-#include "lbm/wall_scheme.hpp"
+#include "lbm/walls/wall_scheme.hpp"
+#include "silt/simulation.hpp"
 #include "tests/coupler/case/case_text.hpp"
 #include "tests/coupler/stirred_fluid.hpp"
 
@@ -229,7 +229,7 @@ TEST(WallModes, FluidInSingleCellGapsComesToRest) {
       Simulation s = c.start(MPI_COMM_SELF);
       stir(s.scene().flow->fields(), 0.02);
       s.run(20000);
-      EXPECT_LT(s.look_at_flow().max_speed, 1e-6) << "gap " << gap << ", tau " << tau;
+      EXPECT_LT(s.checked_totals().max_speed, 1e-6) << "gap " << gap << ", tau " << tau;
     }
 }
 
@@ -245,7 +245,7 @@ double resistance(const char* scheme, double tau) {
   c.bodies = body_of("ball", 1, "motion = \"fixed\"\nposition = [4.13, 4.31, 3.87]");
   Simulation s = c.start(MPI_COMM_SELF, {std::string("coupling.wall_scheme=") + scheme});
   s.run(int(400 / nu));
-  const FlowTotals t = s.look_at_flow();
+  const FlowTotals t = s.checked_totals();
   return 1 / (t.momentum[0] / (1e-6 * nu) + 0.5 * double(t.fluid_cells)) / nu;
 }
 

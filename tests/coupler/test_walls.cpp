@@ -8,12 +8,12 @@
 #include <cmath>
 #include <numbers>
 
-#include "coupler/case/case.hpp"
-#include "coupler/case/case_check.hpp"
-#include "coupler/case/quantity_spec.hpp"
-#include "coupler/simulation.hpp"
-#include "lbm/cut_links.hpp"
-#include "lbm/wall_scheme.hpp"
+#include "lbm/walls/cut_links.hpp"
+#include "lbm/walls/wall_scheme.hpp"
+#include "silt/case/case.hpp"
+#include "silt/case/case_check.hpp"
+#include "silt/case/quantity_spec.hpp"
+#include "silt/simulation.hpp"
 #include "tests/coupler/case/mesh_case.hpp"
 #include "tests/coupler/case/pipe_case.hpp"
 #include "tests/coupler/coupled_scenes.hpp"
@@ -36,7 +36,7 @@ double drag_coefficient(const std::string& position, double tau = 1, int steps =
   s.run(steps);
   double force = 0;
   for (const auto& load : s.last_loads()) force += load.force[0];
-  const FlowTotals t = s.look_at_flow();
+  const FlowTotals t = s.checked_totals();
   const double a = array_diameter / 2, g = array_force, viscosity = (tau - 0.5) / 3;
   const double u = (t.momentum[0] + 0.5 * g * double(t.fluid_cells)) / std::pow(array_edge, 3);
   return (force + g * 4 * M_PI / 3 * a * a * a) / (6 * M_PI * viscosity * a * u);
@@ -105,7 +105,7 @@ TEST(CoupledStep, FluidBetweenBodiesAtRestComesToRest) {
        {"cli", "parabolic"}) {  // plain bounce-back lets shut-in cells swing for ever
     Simulation s = heap().start(MPI_COMM_SELF, {"coupling.wall_scheme=" + name});
     while (s.steps_done() < 2000) s.step();
-    const double speed = s.look_at_flow().max_speed;
+    const double speed = s.checked_totals().max_speed;
     double body = 0;
     for (std::size_t row = 0; row < s.bodies().owned; ++row)
       body = std::max(body, s.bodies().velocity[row].norm() + 4 * s.bodies().angular_velocity[row].norm());
@@ -188,7 +188,7 @@ TEST(Tube, PoiseuilleIsOfSecondOrder) {
     simulation.run(long_enough(radius));
     errors.push_back(error_of(simulation));
     // what drives the fluid ends up on the wall
-    const FlowTotals totals = simulation.look_at_flow();
+    const FlowTotals totals = simulation.checked_totals();
     EXPECT_NEAR(load_of_fluid(simulation).force[0], force * double(totals.fluid_cells),
                 1e-5 * force * double(totals.fluid_cells));
     EXPECT_NEAR(totals.mass_deviation, 0, 1e-8 * double(totals.fluid_cells));
@@ -231,7 +231,7 @@ TEST(Tube, TorqueIsTheGainOfAngularMomentum) {
 
 /// F / (6 pi mu a U) of the array.
 double coefficient(Simulation& s, double wall_force) {
-  const FlowTotals t = s.look_at_flow();
+  const FlowTotals t = s.checked_totals();
   const double a = array_diameter / 2, viscosity = (1 - 0.5) / 3;
   const double u = (t.momentum[0] + 0.5 * array_force * double(t.fluid_cells)) / std::pow(array_edge, 3);
   return (wall_force + array_force * 4 * M_PI / 3 * a * a * a) / (6 * M_PI * viscosity * a * u);

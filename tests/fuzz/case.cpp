@@ -1,9 +1,9 @@
 // The reader of cases, and what judges them: anything but CaseError is a fault.
 #include <cstdint>
 
-#include "coupler/case/case.hpp"
-#include "coupler/case/case_check.hpp"
-#include "coupler/case/case_file.hpp"
+#include "silt/case/case.hpp"
+#include "silt/case/case_check.hpp"
+#include "silt/case/case_file.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
   using namespace silt::coupler;

@@ -8,9 +8,9 @@
 #include <stdexcept>
 
 #include "adapters/hdf5/checkpoint_file.hpp"
-#include "coupler/case/case.hpp"
-#include "coupler/case/case_file.hpp"
-#include "coupler/results/checkpoint.hpp"
+#include "silt/case/case.hpp"
+#include "silt/case/case_file.hpp"
+#include "silt/results/checkpoint.hpp"
 
 namespace {
 
@@ -25,11 +25,11 @@ void attempt(Read&& read) {
 void resume_from(const std::filesystem::path& path) {
   using namespace silt;
   const adapters::CheckpointReader reader(MPI_COMM_SELF, path);
-  const coupler::CaseOrigin origin = coupler::read_origin(reader);
-  coupler::CaseSource source{"seeds/case.toml", origin.text, {}};
-  const coupler::Case scene = coupler::read_case(source);
-  coupler::read_state(reader, scene);
-  coupler::read_history(reader, scene);
+  const CaseOrigin origin = read_origin(reader);
+  CaseSource source{"seeds/case.toml", origin.text, {}};
+  const Case scene = read_case(source);
+  read_state(reader, scene);
+  read_history(reader, scene);
 }
 
 }  // namespace

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "lbm/cut_links.hpp"
+#include "lbm/walls/cut_links.hpp"
 #include "tests/lbm/levelled_cut.hpp"
 #include "tests/lbm/walled_box.hpp"
 

@@ -6,12 +6,12 @@
 #include <set>
 #include <vector>
 
-#include "lbm/block.hpp"
-#include "lbm/cut_tree.hpp"
-#include "lbm/domain.hpp"
-#include "lbm/equal_cut.hpp"
-#include "lbm/pairs_across.hpp"
-#include "lbm/pass_order.hpp"
+#include "lbm/blocks/block.hpp"
+#include "lbm/blocks/cut_tree.hpp"
+#include "lbm/blocks/domain.hpp"
+#include "lbm/blocks/equal_cut.hpp"
+#include "lbm/blocks/pass_order.hpp"
+#include "lbm/walls/pairs_across.hpp"
 #include "tests/odd_cut.hpp"
 
 namespace silt::lbm {

@@ -5,7 +5,7 @@
 #include <numbers>
 #include <random>
 
-#include "lbm/level_cut.hpp"
+#include "lbm/levels/level_cut.hpp"
 #include "tests/lbm/levelled_cut.hpp"
 #include "tests/lbm/levelled_flow.hpp"
 

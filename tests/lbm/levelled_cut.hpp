@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "lbm/cut_tree.hpp"
+#include "lbm/blocks/cut_tree.hpp"
 
 namespace silt::lbm::testing {
 

@@ -6,7 +6,7 @@
 #include <bit>
 #include <cstdint>
 
-#include "lbm/levels.hpp"
+#include "lbm/levels/levels.hpp"
 #include "parallel/communicator.hpp"
 
 namespace silt::lbm::testing {

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <vector>
 
-#include "lbm/cut_links.hpp"
+#include "lbm/walls/cut_links.hpp"
 
 namespace silt::lbm {
 namespace {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <functional>
 
-#include "lbm/equal_cut.hpp"
+#include "lbm/blocks/equal_cut.hpp"
 #include "lbm/fluid.hpp"
 #include "tests/lbm/sides.hpp"
 #include "tests/odd_cut.hpp"

@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "lbm/equal_cut.hpp"
+#include "lbm/blocks/equal_cut.hpp"
+#include "lbm/exchange/slot_exchange.hpp"
 #include "lbm/fluid.hpp"
-#include "lbm/pairs_across.hpp"
-#include "lbm/slot_exchange.hpp"
+#include "lbm/walls/pairs_across.hpp"
 #include "tests/lbm/sides.hpp"
 #include "tests/odd_cut.hpp"
 #include "tests/world.hpp"

@@ -9,10 +9,10 @@
 #include <random>
 #include <tuple>
 
-#include "lbm/collision_model.hpp"
+#include "lbm/blocks/moments.hpp"
+#include "lbm/collision/collision_model.hpp"
+#include "lbm/collision/stream_collide.hpp"
 #include "lbm/fluid.hpp"
-#include "lbm/moments.hpp"
-#include "lbm/stream_collide.hpp"
 
 namespace silt::lbm {
 namespace {

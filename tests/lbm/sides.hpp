@@ -1,6 +1,6 @@
 #pragma once
 // The sides of a domain that tests use most.
-#include "lbm/domain.hpp"
+#include "lbm/blocks/domain.hpp"
 
 namespace silt::lbm::testing {
 

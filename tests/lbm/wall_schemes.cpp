@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "lbm/cut_links.hpp"
 #include "lbm/fluid.hpp"
-#include "lbm/pairs_across.hpp"
+#include "lbm/walls/cut_links.hpp"
+#include "lbm/walls/pairs_across.hpp"
 
 namespace silt::lbm {
 namespace {

@@ -5,8 +5,8 @@
 #include <functional>
 #include <vector>
 
-#include "lbm/cut_links.hpp"
-#include "lbm/pairs_across.hpp"
+#include "lbm/walls/cut_links.hpp"
+#include "lbm/walls/pairs_across.hpp"
 #include "tests/lbm/levelled_flow.hpp"
 
 namespace silt::lbm {

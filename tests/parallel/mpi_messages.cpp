@@ -117,13 +117,13 @@ TEST(Collectives, WhatOneHasAllHear) {
 TEST(Collectives, GatheredValuesLieInTheOrderOfRanks) {
   const std::vector<int> mine(std::size_t(rank() % 3), rank());
   std::vector<std::size_t> first;
-  const auto all = gathered(MPI_COMM_WORLD, std::span(mine), Told::everybody, &first);
+  const auto all = gathered(MPI_COMM_WORLD, std::span(mine), GatherTo::all_ranks, &first);
   ASSERT_EQ(first.size(), std::size_t(ranks() + 1));
   for (int r = 0; r < ranks(); ++r) {
     ASSERT_EQ(first[r + 1] - first[r], std::size_t(r % 3));
     for (std::size_t k = first[r]; k < first[r + 1]; ++k) EXPECT_EQ(all[k], r);
   }
-  const auto told = gathered(MPI_COMM_WORLD, std::span(mine), Told::rank_0);
+  const auto told = gathered(MPI_COMM_WORLD, std::span(mine), GatherTo::root);
   EXPECT_EQ(told, rank() == 0 ? all : std::vector<int>());
 }
 

@@ -17,7 +17,7 @@ namespace silt::rigid::testing {
 
 /// A parcel is what one rank tells another in a share.
 struct Parcel {
-  std::vector<RankCluster::Word> said;
+  std::vector<EchoReduction::Message> said;
   std::map<BodyId, std::vector<double>> rows;
 };
 
@@ -108,8 +108,9 @@ class ThreadedExchange : public BodyExchange {
   }
 
   /// Only the ranks that own a partner of a body owned here are waited for.
-  void share(BodySet& bodies, std::span<double> array, int width, std::span<const RankCluster::Word> said,
-             std::span<RankCluster::Word> heard, bool changed) override {
+  void share(BodySet& bodies, std::span<double> array, int width,
+             std::span<const EchoReduction::Message> said, std::span<EchoReduction::Message> heard,
+             bool changed) override {
     Parcel mine{{said.begin(), said.end()}, {}};
     for (std::size_t row = 0; changed && row < bodies.owned; ++row)
       mine.rows[bodies.id[row]] = {array.begin() + row * width, array.begin() + (row + 1) * width};

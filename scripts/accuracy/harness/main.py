@@ -130,7 +130,7 @@ class Session:
 
 def built_silt():
     subprocess.run([ROOT / "scripts" / "build", "release", "silt"], check=True)
-    return ROOT / "build" / "release" / "coupler" / "silt"
+    return ROOT / "build" / "release" / "bin" / "silt"
 
 
 def load_modules(arguments, parser):

@@ -5,7 +5,7 @@
 #include <random>
 
 #include "coupler/balance/weighted_cut.hpp"
-#include "lbm/equal_cut.hpp"
+#include "lbm/blocks/equal_cut.hpp"
 #include "tests/world.hpp"
 
 namespace silt::coupler {

@@ -3,8 +3,8 @@
 
 #include "coupler/balance/body_work.hpp"
 #include "coupler/balance/work_map.hpp"
-#include "coupler/case/case.hpp"
-#include "lbm/equal_cut.hpp"
+#include "lbm/blocks/equal_cut.hpp"
+#include "silt/case/case.hpp"
 #include "tests/coupler/case/case_text.hpp"
 
 namespace silt::coupler {
@@ -80,7 +80,7 @@ std::int64_t work_of(const std::vector<Body>& all) {
   }
   bodies.reindex();
   WorkMap work(lbm::Domain(lbm::equal_cut({16, 16, 16}, 1), {}, 1));
-  WorkCosts costs(testing::CaseText{}.read());
+  WorkCosts costs(testing::CaseText{}.read(), 1);
   costs.body = 150, costs.impulse = 100;
   add_bodies(bodies, costs, work);
   std::int64_t sum = 0;

@@ -2,13 +2,13 @@
 
 #include <fmt/format.h>
 
-#include "coupler/case/case_check.hpp"
-#include "coupler/case/case_file.hpp"
 #include "coupler/flow.hpp"
-#include "coupler/placement/given_bodies.hpp"
-#include "coupler/placement/place_bodies.hpp"
-#include "coupler/results/quantities.hpp"
-#include "coupler/simulation.hpp"
+#include "silt/case/case_check.hpp"
+#include "silt/case/case_file.hpp"
+#include "silt/placement/given_bodies.hpp"
+#include "silt/placement/place_bodies.hpp"
+#include "silt/results/quantities.hpp"
+#include "silt/simulation.hpp"
 
 namespace silt::coupler::testing {
 

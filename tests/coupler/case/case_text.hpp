@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "coupler/case/case_error.hpp"
+#include "silt/case/case_error.hpp"
 #include "tests/errors.hpp"
 
 namespace silt::coupler {

@@ -1,13 +1,13 @@
 // CSV files as other programs write them: what they say is read, or refused by a message that names what is
 // unusual in them. Nothing vanishes.
-#include "coupler/case/csv_reader.hpp"
+#include "silt/case/csv_reader.hpp"
 
 #include <gtest/gtest.h>
 
 #include <array>
 #include <sstream>
 
-#include "coupler/case/case_sections.hpp"
+#include "silt/case/case_sections.hpp"
 #include "tests/errors.hpp"
 
 namespace silt::coupler::testing {

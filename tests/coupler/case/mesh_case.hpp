@@ -2,8 +2,8 @@
 // Cases with walls of triangles whose files are in memory.
 #include <map>
 
-#include "coupler/case/case_file.hpp"
-#include "coupler/simulation.hpp"
+#include "silt/case/case_file.hpp"
+#include "silt/simulation.hpp"
 #include "tests/coupler/case/case_text.hpp"
 #include "tests/rigid/shapes/meshes.hpp"
 

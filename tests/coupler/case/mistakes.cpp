@@ -6,8 +6,8 @@
 #include <regex>
 #include <sstream>
 
-#include "coupler/case/case_error.hpp"
-#include "coupler/case/case_file.hpp"
+#include "silt/case/case_error.hpp"
+#include "silt/case/case_file.hpp"
 #include "tests/coupler/case/case_text.hpp"
 
 namespace silt::coupler::testing {

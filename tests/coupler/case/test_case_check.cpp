@@ -6,10 +6,10 @@
 #include <numbers>
 #include <random>
 
-#include "coupler/case/case.hpp"
-#include "coupler/case/case_check.hpp"
-#include "coupler/placement/obstacles.hpp"
 #include "rigid/math/types.hpp"
+#include "silt/case/case.hpp"
+#include "silt/case/case_check.hpp"
+#include "silt/placement/obstacles.hpp"
 #include "tests/coupler/case/case_text.hpp"
 #include "tests/rigid/shapes/solids.hpp"
 

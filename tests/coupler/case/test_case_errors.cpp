@@ -7,9 +7,9 @@
 #include <sstream>
 
 #include "adapters/automatic/collision_factory.hpp"
-#include "coupler/case/case_check.hpp"
-#include "coupler/case/case_file.hpp"
-#include "coupler/case/quantity_spec.hpp"
+#include "silt/case/case_check.hpp"
+#include "silt/case/case_file.hpp"
+#include "silt/case/quantity_spec.hpp"
 #include "tests/coupler/case/case_text.hpp"
 #include "tests/errors.hpp"
 

@@ -1,9 +1,9 @@
 // Reading: what stands in a case file arrives in the Case, in lattice units.
 #include <gtest/gtest.h>
 
-#include "coupler/case/case_check.hpp"
-#include "coupler/case/case_file.hpp"
 #include "rigid/shapes/shape.hpp"
+#include "silt/case/case_check.hpp"
+#include "silt/case/case_file.hpp"
 #include "tests/coupler/case/case_text.hpp"
 #include "tests/errors.hpp"
 

@@ -8,8 +8,8 @@
 #include <set>
 #include <sstream>
 
-#include "coupler/case/case_file.hpp"
-#include "coupler/case/quantity_spec.hpp"
+#include "silt/case/case_file.hpp"
+#include "silt/case/quantity_spec.hpp"
 #include "tests/coupler/case/case_text.hpp"
 #include "tests/errors.hpp"
 

@@ -9,9 +9,9 @@
 #include <map>
 #include <set>
 
-#include "coupler/case/case_file.hpp"
-#include "coupler/guard.hpp"
-#include "coupler/simulation.hpp"
+#include "silt/case/case_file.hpp"
+#include "silt/guard.hpp"
+#include "silt/simulation.hpp"
 #include "tests/coupler/case/key_scenes.hpp"
 
 namespace silt::coupler::testing {

@@ -12,7 +12,7 @@
 #include "coupler/exchange/coupling_state.hpp"
 #include "coupler/exchange/parallel_body_exchange.hpp"
 #include "coupler/state_hash.hpp"
-#include "lbm/equal_cut.hpp"
+#include "lbm/blocks/equal_cut.hpp"
 #include "parallel/collectives.hpp"
 #include "rigid/bodies/walls.hpp"
 #include "rigid/rigid_step.hpp"

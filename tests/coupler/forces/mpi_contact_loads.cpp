@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 #include <mpi.h>
 
-#include "coupler/case/case.hpp"
-#include "coupler/simulation.hpp"
+#include "silt/case/case.hpp"
+#include "silt/simulation.hpp"
 #include "tests/coupler/case/case_text.hpp"
 #include "tests/world.hpp"
 

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "coupler/simulation.hpp"
+#include "silt/simulation.hpp"
 #include "tests/coupler/case/case_text.hpp"
 #include "tests/world.hpp"
 

@@ -7,8 +7,8 @@
 #include <numbers>
 #include <random>
 
-#include "coupler/case/case.hpp"
-#include "coupler/results/quantities.hpp"
+#include "silt/case/case.hpp"
+#include "silt/results/quantities.hpp"
 #include "tests/coupler/case/case_text.hpp"
 #include "tests/coupler/same_bits.hpp"
 #include "tests/world.hpp"

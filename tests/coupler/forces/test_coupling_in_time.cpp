@@ -5,7 +5,7 @@
 #include <random>
 
 #include "coupler/forces/coupling_in_time.hpp"
-#include "coupler/simulation.hpp"
+#include "silt/simulation.hpp"
 #include "tests/coupler/case/case_text.hpp"
 
 namespace silt::coupler::testing {

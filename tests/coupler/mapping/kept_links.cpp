@@ -14,7 +14,7 @@
 #include "coupler/mapping/map_bodies.hpp"
 #include "coupler/mapping/refill.hpp"
 #include "coupler/mapping/side_columns.hpp"
-#include "coupler/simulation.hpp"
+#include "silt/simulation.hpp"
 #include "tests/coupler/coupled_scenes.hpp"
 #include "tests/shape_rows.hpp"
 

@@ -11,10 +11,10 @@
 #include "coupler/exchange/coupling_state.hpp"
 #include "coupler/mapping/build_links.hpp"
 #include "coupler/mapping/map_bodies.hpp"
-#include "coupler/simulation.hpp"
-#include "lbm/pairs_across.hpp"
-#include "lbm/pass_order.hpp"
+#include "lbm/blocks/pass_order.hpp"
+#include "lbm/walls/pairs_across.hpp"
 #include "rigid/shapes/shape.hpp"
+#include "silt/simulation.hpp"
 #include "tests/coupler/mapping/edges_by_definition.hpp"
 
 namespace silt::coupler::testing {

@@ -7,7 +7,7 @@
 #include "coupler/exchange/coupling_state.hpp"
 #include "coupler/mapping/build_links.hpp"
 #include "coupler/mapping/map_bodies.hpp"
-#include "lbm/pass_order.hpp"
+#include "lbm/blocks/pass_order.hpp"
 #include "rigid/bodies/walls.hpp"
 #include "rigid/shapes/shape.hpp"
 #include "tests/rigid/shapes/meshes.hpp"

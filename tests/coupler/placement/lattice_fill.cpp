@@ -6,8 +6,8 @@
 #include <random>
 #include <set>
 
-#include "coupler/case/case.hpp"
-#include "coupler/placement/neighbour_grid.hpp"
+#include "silt/case/case.hpp"
+#include "silt/placement/neighbour_grid.hpp"
 #include "tests/coupler/placement/placed.hpp"
 #include "tests/errors.hpp"
 

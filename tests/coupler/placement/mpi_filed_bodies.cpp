@@ -1,6 +1,6 @@
 // Bodies whose positions stand in files: as if the case listed them, on any ranks; what is wrong with a file
 // every rank says alike, with the point.
-#include "coupler/placement/given_bodies.hpp"
+#include "silt/placement/given_bodies.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,9 +9,9 @@
 #include <cstdio>
 
 #include "adapters/hdf5/body_series.hpp"
-#include "coupler/case/case_file.hpp"
-#include "coupler/case/counter_random.hpp"
+#include "coupler/spec/counter_random.hpp"
 #include "parallel/collectives.hpp"
+#include "silt/case/case_file.hpp"
 #include "tests/adapters/hdf5/scratch.hpp"
 #include "tests/coupler/placement/placed.hpp"
 #include "tests/world.hpp"
@@ -166,7 +166,7 @@ TEST(FiledBodies, SlicesAreTheWholeFile) {
     write(scratch / "a.csv", text);
     const PositionFile file = position_file("a.csv");
     const auto all = read_slice(scratch.path(), file, 0, 1);
-    EXPECT_EQ(all.size(), look_through(scratch.path(), file).points);
+    EXPECT_EQ(all.size(), scan(scratch.path(), file).points);
     for (int parts = 2; parts < 40; ++parts) {
       std::vector<double> joined;
       std::uint64_t lines_read = 0;

@@ -7,11 +7,11 @@
 #include <random>
 #include <set>
 
-#include "coupler/case/counter_random.hpp"
-#include "coupler/placement/given_bodies.hpp"
-#include "coupler/placement/one_fill.hpp"
+#include "coupler/spec/counter_random.hpp"
 #include "parallel/collectives.hpp"
 #include "rigid/shapes/shape.hpp"
+#include "silt/placement/given_bodies.hpp"
+#include "silt/placement/one_fill.hpp"
 #include "tests/coupler/placement/placed.hpp"
 #include "tests/errors.hpp"
 #include "tests/world.hpp"

@@ -2,9 +2,9 @@
 // Scenes with fills, and the bodies that come of a case.
 #include <vector>
 
-#include "coupler/case/case.hpp"
 #include "coupler/flow.hpp"
-#include "coupler/placement/place_bodies.hpp"
+#include "silt/case/case.hpp"
+#include "silt/placement/place_bodies.hpp"
 #include "tests/coupler/case/case_text.hpp"
 
 namespace silt::coupler::testing {

@@ -6,12 +6,12 @@
 #include <numbers>
 #include <random>
 
-#include "coupler/case/case.hpp"
-#include "coupler/case/case_check.hpp"
-#include "coupler/case/fill_room.hpp"
-#include "coupler/placement/obstacles.hpp"
 #include "rigid/collision/hollow_contacts.hpp"
 #include "rigid/shapes/shape.hpp"
+#include "silt/case/case.hpp"
+#include "silt/case/case_check.hpp"
+#include "silt/case/fill_room.hpp"
+#include "silt/placement/obstacles.hpp"
 #include "tests/coupler/case/case_text.hpp"
 #include "tests/coupler/placement/placed.hpp"
 

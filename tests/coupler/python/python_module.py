@@ -444,7 +444,7 @@ class Module(SiltTest):
         self.assertEqual((result.returncode, result.stdout, result.stderr), (0, 2 * ended, ""))
 
     def test_parameters_of_its_mpi_are_not_left_to_others(self):
-        """The settings of coupler/run/start_mpi.cpp for a process alone are for this one; a program that a
+        """The settings of silt/run/start_mpi.cpp for a process alone are for this one; a program that a
         script starts beside it runs."""
         result = self.script(f"""
             import subprocess, silt
@@ -461,7 +461,7 @@ class Module(SiltTest):
 
     def test_the_program_of_its_page(self):
         """A sphere that its weight in the fluid is taken from stays where it is: let go, it falls 0.37 mm."""
-        page = (ROOT / "coupler/python/README.md").read_text()
+        page = (ROOT / "silt/python/README.md").read_text()
         program = textwrap.dedent(re.search(r"\n\n((?:    .*\n|\n)+)", page)[1])
         with contextlib.redirect_stdout(io.StringIO()) as said, contextlib.chdir(ROOT):
             exec(program, {})  # noqa: S102

@@ -1,11 +1,11 @@
 #pragma once
 // Bodies and walls of a case with [coarsening], as a rank that has all of them or its own holds them.
-#include "coupler/case/case.hpp"
-#include "coupler/case/case_file.hpp"
 #include "coupler/exchange/coupling_state.hpp"
 #include "coupler/regions/level_views.hpp"
 #include "rigid/bodies/walls.hpp"
 #include "rigid/shapes/shape.hpp"
+#include "silt/case/case.hpp"
+#include "silt/case/case_file.hpp"
 #include "tests/coupler/case/case_text.hpp"
 
 namespace silt::coupler::testing {
@@ -48,7 +48,9 @@ struct LevelScene {
     return held;
   }
   /// The levels of all cells, as one rank alone finds them.
-  lbm::CutTree levels() const { return LevelViews(setup, parts(1), world, MPI_COMM_SELF).view(bodies); }
+  lbm::CutTree levels() const {
+    return LevelViews(setup, entrances_of(setup), parts(1), world, MPI_COMM_SELF).view(bodies);
+  }
 };
 
 inline int level_at(const lbm::CutTree& view, lbm::Int3 cell) {

@@ -31,7 +31,7 @@ bool touch(const lbm::CellBox& a, const lbm::CellBox& b, const Case& setup) {
 /// Expects what a rank sees of a scene whose domain has these parts.
 void expect_levels(const LevelScene& scene, const lbm::CutTree& parts) {
   const lbm::CutTree whole = scene.levels();
-  coupler::LevelViews views(scene.setup, parts, scene.world, MPI_COMM_WORLD);
+  coupler::LevelViews views(scene.setup, entrances_of(scene.setup), parts, scene.world, MPI_COMM_WORLD);
   const lbm::CutTree view = views.view(scene.held_by(rank(), parts));
   const lbm::CellBox mine = parts.leaf(rank()).box;
   for (int k = 0; k < view.leaves(); ++k) {
@@ -61,7 +61,8 @@ TEST_P(LevelViews, BothEndsAgree) {
   const LevelScene scene(many_bodies(GetParam(), "\"periodic\""));
   const lbm::CutTree parts = scene.parts(ranks());
   const lbm::CutTree view =
-      coupler::LevelViews(scene.setup, parts, scene.world, MPI_COMM_WORLD).view(scene.held_by(rank(), parts));
+      coupler::LevelViews(scene.setup, entrances_of(scene.setup), parts, scene.world, MPI_COMM_WORLD)
+          .view(scene.held_by(rank(), parts));
   struct Told {
     lbm::LeafKind kind;
     lbm::CellBox box;
@@ -73,7 +74,7 @@ TEST_P(LevelViews, BothEndsAgree) {
     if (leaf.kind.rank == rank()) mine.push_back(leaf);
   }
   const std::vector<Told> all =
-      parallel::gathered(MPI_COMM_WORLD, std::span<const Told>(mine), parallel::Told::everybody);
+      parallel::gathered(MPI_COMM_WORLD, std::span<const Told>(mine), parallel::GatherTo::all_ranks);
   for (const Told& leaf : known)
     EXPECT_EQ(1, std::count_if(all.begin(), all.end(), [&](const Told& t) {
                 return t.kind == leaf.kind && t.box.lower == leaf.box.lower && t.box.size == leaf.box.size;

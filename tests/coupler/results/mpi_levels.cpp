@@ -2,10 +2,10 @@
 #include <gtest/gtest.h>
 #include <mpi.h>
 
-#include "coupler/results/checkpoint.hpp"
-#include "coupler/results/flow_fields.hpp"
-#include "coupler/results/lattice_of_levels.hpp"
-#include "coupler/results/quantity_computation.hpp"
+#include "silt/results/checkpoint.hpp"
+#include "silt/results/flow_fields.hpp"
+#include "silt/results/lattice_of_levels.hpp"
+#include "silt/results/quantity_computation.hpp"
 #include "tests/adapters/hdf5/scratch.hpp"
 #include "tests/coupler/levelled_flow.hpp"
 #include "tests/world.hpp"

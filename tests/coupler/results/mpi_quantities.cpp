@@ -7,10 +7,10 @@
 #include <cmath>
 #include <numbers>
 
-#include "coupler/case/case.hpp"
-#include "coupler/case/quantity_spec.hpp"
-#include "coupler/results/definitions.hpp"
 #include "parallel/traffic.hpp"
+#include "silt/case/case.hpp"
+#include "silt/case/quantity_spec.hpp"
+#include "silt/results/definitions.hpp"
 #include "tests/coupler/case/case_text.hpp"
 #include "tests/coupler/same_bits.hpp"
 #include "tests/world.hpp"

@@ -6,10 +6,10 @@
 #include <cmath>
 #include <fstream>
 
-#include "coupler/case/case_file.hpp"
-#include "coupler/results/build_info.hpp"
-#include "coupler/results/checkpoint.hpp"
 #include "rigid/shapes/shape.hpp"
+#include "silt/case/case_file.hpp"
+#include "silt/results/build_info.hpp"
+#include "silt/results/checkpoint.hpp"
 #include "tests/adapters/hdf5/scratch.hpp"
 #include "tests/coupler/case/case_text.hpp"
 #include "tests/coupler/coupled_scenes.hpp"

@@ -1,5 +1,5 @@
 // When something counts as steady: against series whose end is known.
-#include "coupler/results/steady_watch.hpp"
+#include "silt/results/steady_watch.hpp"
 
 #include <gtest/gtest.h>
 

@@ -6,10 +6,10 @@
 #include <map>
 #include <numbers>
 
-#include "coupler/case/case.hpp"
-#include "coupler/results/body_output.hpp"
-#include "coupler/results/tessellation.hpp"
-#include "coupler/simulation.hpp"
+#include "silt/case/case.hpp"
+#include "silt/results/body_output.hpp"
+#include "silt/results/tessellation.hpp"
+#include "silt/simulation.hpp"
 #include "tests/coupler/case/case_text.hpp"
 #include "tests/rigid/shapes/solids.hpp"
 

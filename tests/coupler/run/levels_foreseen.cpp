@@ -1,11 +1,11 @@
 // The estimate of a run whose cells are of several levels.
 #include <gtest/gtest.h>
 
-#include "coupler/case/case.hpp"
-#include "coupler/case/case_check.hpp"
-#include "coupler/case/case_file.hpp"
 #include "coupler/flow.hpp"
-#include "coupler/run/run_estimate.hpp"
+#include "silt/case/case.hpp"
+#include "silt/case/case_check.hpp"
+#include "silt/case/case_file.hpp"
+#include "silt/run/run_estimate.hpp"
 #include "tests/coupler/case/case_text.hpp"
 #include "tests/errors.hpp"
 

@@ -7,10 +7,10 @@
 #include <csignal>
 #include <thread>
 
-#include "coupler/case/case.hpp"
-#include "coupler/guard.hpp"
-#include "coupler/results/report.hpp"
-#include "coupler/run/stop_request.hpp"
+#include "silt/case/case.hpp"
+#include "silt/guard.hpp"
+#include "silt/results/report.hpp"
+#include "silt/run/stop_request.hpp"
 #include "tests/coupler/case/case_text.hpp"
 #include "tests/coupler/same_bits.hpp"
 #include "tests/errors.hpp"

@@ -348,7 +348,7 @@ class Launcher(unittest.TestCase):
             (self.root / folder).mkdir(parents=True)
         shutil.copy(SCRIPTS / "run", self.root / "scripts/run")
         self.program("scripts/build", "exit 0")
-        (self.root / "build/release/coupler/silt").symlink_to(SILT)
+        (self.root / "build/release/bin/silt").symlink_to(SILT)
         (self.root / "cases/two-balls/case.toml").write_text(CASE)
 
     def tearDown(self):
@@ -372,16 +372,16 @@ class Launcher(unittest.TestCase):
             self.assertTrue((self.root / "elsewhere/out/report.json").exists(), case)
 
     def test_says_why_it_builds(self):
-        for room in ("coupler/python", "lbm"):
+        for room in ("silt/python", "lbm"):
             (self.root / room).mkdir(parents=True)
-        self.program("build/release/coupler/silt", "exit 0")
+        self.program("build/release/bin/silt", "exit 0")
         said = []
-        for source in ("coupler/python/module.cpp", "lbm/README.md", "lbm/cell.hpp"):
+        for source in ("silt/python/module.cpp", "lbm/README.md", "lbm/cell.hpp"):
             (self.root / source).touch()
             said.append(self.launch("two-balls").stderr)
         self.assertEqual(said[:2], ["", ""])
         self.assertIn("lbm/cell.hpp is newer than what is built", said[2])
-        self.assertEqual(self.launch("two-balls", "--silt", "../build/release/coupler/silt").stderr, "")
+        self.assertEqual(self.launch("two-balls", "--silt", "../build/release/bin/silt").stderr, "")
 
     def test_says_which_cases_there_are(self):
         errors = self.launch("two-bals", code=2).stderr
@@ -409,7 +409,7 @@ class Launcher(unittest.TestCase):
         last = max((self.root / "elsewhere/out").glob("checkpoint_*.h5"))
         command = f"{self.root}/scripts/run two-balls -n 2 --out out --resume"
         self.assertIn(f"go on from out/{last.name} with: {command}\n", errors)
-        self.program("build/release/coupler/silt", "kill -9 $$")
+        self.program("build/release/bin/silt", "kill -9 $$")
         errors = self.launch("two-balls", "--out", "out", code=137).stderr
         self.assertIn("killed (SIGKILL)", errors)
         self.assertIn(f"go on from out/{last.name}", errors)

@@ -30,9 +30,9 @@ class Tutorial(unittest.TestCase):
         self.folder = pathlib.Path(scratch.name)
         (self.folder / "scripts").symlink_to(ROOT / "scripts")
         (self.folder / "build/release/coupler").mkdir(parents=True)
-        (self.folder / "build/release/coupler/silt").symlink_to(SILT)
+        (self.folder / "build/release/bin/silt").symlink_to(SILT)
         if MODULE:
-            (self.folder / "build/release/coupler/python").symlink_to(MODULE)
+            (self.folder / "build/release/python").symlink_to(MODULE)
 
     def shell(self, text):
         words = f" --silt {SILT} --no-pictures" if re.match("scripts/(run|sweep) ", text) else ""

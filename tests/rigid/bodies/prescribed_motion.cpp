@@ -167,7 +167,7 @@ std::vector<int> distances(const Graph& g, int from) {
 /// takes what was said for known to all, it is, and everyone in its cluster says so in the same round.
 void expect_agreement(const Graph& g) {
   const int ranks = int(g.size());
-  std::vector<RankCluster> clusters(ranks);
+  std::vector<EchoReduction> clusters(ranks);
   std::vector<std::vector<int>> distance;
   for (int r = 0; r < ranks; ++r) {
     clusters[r].begin(r, {g[r].begin(), g[r].end()}, ranks);
@@ -181,21 +181,21 @@ void expect_agreement(const Graph& g) {
   std::vector<int> known(ranks, -1);  // in which round a word of the first round was known to all
   for (int round = 0; round <= 2 * ranks; ++round) {
     for (int r = 0; r < ranks; ++r) {
-      if (known[r] < 0 && clusters[r].all_have_heard(round)) known[r] = round;
+      if (known[r] < 0 && clusters[r].is_complete(round)) known[r] = round;
       for (int s = 0; s < ranks; ++s) {
         if (distance[r][s] < 0) continue;
         for (int ago = 0; ago < ranks; ++ago)
-          ASSERT_EQ(clusters[r].all_have_heard(ago), clusters[s].all_have_heard(ago))
+          ASSERT_EQ(clusters[r].is_complete(ago), clusters[s].is_complete(ago))
               << "ranks " << r << " and " << s << ", round " << round << ", " << ago << " ago";
       }
     }
-    std::vector<RankCluster::Word> words;
-    for (int r = 0; r < ranks; ++r) words.push_back(clusters[r].say(r));
+    std::vector<EchoReduction::Message> words;
+    for (int r = 0; r < ranks; ++r) words.push_back(clusters[r].message(r));
     for (int r = 0; r < ranks; ++r) {
-      std::vector<RankCluster::Word> heard;
+      std::vector<EchoReduction::Message> heard;
       int least = r;
       for (const int s : g[r]) heard.push_back(words[s]), least = std::min(least, s);
-      EXPECT_EQ(clusters[r].hear(r, heard), least);
+      EXPECT_EQ(clusters[r].receive(r, heard), least);
     }
   }
   for (int r = 0; r < ranks; ++r) {
@@ -204,13 +204,13 @@ void expect_agreement(const Graph& g) {
     EXPECT_LE(known[r], std::min(3 * depth + 2, ranks - 1));
     const int across = known[r] < ranks - 1 ? 2 * depth : ranks - 1;
     if (depth > 0) {
-      EXPECT_TRUE(clusters[r].all_have_heard(across));
+      EXPECT_TRUE(clusters[r].is_complete(across));
     }
-    EXPECT_FALSE(farthest(r) > 0 && clusters[r].all_have_heard(farthest(r) - 1));
+    EXPECT_FALSE(farthest(r) > 0 && clusters[r].is_complete(farthest(r) - 1));
   }
 }
 
-TEST(RankCluster, AgreesOnAnyGraph) {
+TEST(EchoReduction, AgreesOnAnyGraph) {
   for (const int ranks : {1, 2, 3, 8, 27}) {
     expect_agreement(chain(ranks));
     expect_agreement(complete(ranks));
@@ -225,23 +225,23 @@ TEST(RankCluster, AgreesOnAnyGraph) {
 
 /// 64 ranks, each with its neighbours: a word reaches all in 9 rounds, where only the number of ranks would
 /// ask for 63.
-TEST(RankCluster, NeedsRoundsForHowFarAcrossItIsNotForHowManyItHas) {
+TEST(EchoReduction, NeedsRoundsForHowFarAcrossItIsNotForHowManyItHas) {
   const Graph g = cube(4);
-  std::vector<RankCluster> clusters(64);
+  std::vector<EchoReduction> clusters(64);
   for (int r = 0; r < 64; ++r) clusters[r].begin(r, {g[r].begin(), g[r].end()}, 64);
   int rounds = 0;
-  for (; !clusters[63].all_have_heard(rounds); ++rounds) {
-    std::vector<RankCluster::Word> words;
-    for (int r = 0; r < 64; ++r) words.push_back(clusters[r].say(0));
+  for (; !clusters[63].is_complete(rounds); ++rounds) {
+    std::vector<EchoReduction::Message> words;
+    for (int r = 0; r < 64; ++r) words.push_back(clusters[r].message(0));
     for (int r = 0; r < 64; ++r) {
-      std::vector<RankCluster::Word> heard;
+      std::vector<EchoReduction::Message> heard;
       for (const int s : g[r]) heard.push_back(words[s]);
-      clusters[r].hear(0, heard);
+      clusters[r].receive(0, heard);
     }
   }
   EXPECT_LE(rounds, 3 * 9 + 2);
-  EXPECT_TRUE(clusters[0].all_have_heard(2 * 9));
-  EXPECT_FALSE(clusters[0].all_have_heard(8));
+  EXPECT_TRUE(clusters[0].is_complete(2 * 9));
+  EXPECT_FALSE(clusters[0].is_complete(8));
 }
 
 }  // namespace

@@ -1,0 +1,31 @@
+#include "coupler/spec/flow_spec.hpp"
+
+#include <cmath>
+
+namespace silt::coupler {
+
+rigid::Extent extent_of(const FlowSpec& spec) {
+  rigid::Extent extent;
+  for (int d = 0; d < 3; ++d) {
+    extent.size[d] = spec.cells[d];
+    extent.periodic[d] = spec.periodic(d);
+  }
+  return extent;
+}
+
+rigid::BoundingBox box_of(const FlowSpec& spec) {
+  return {rigid::Vec3::Zero(), extent_of(spec).size};
+}
+
+rigid::Vec3 nearest_image(rigid::Vec3 d, const rigid::Extent& extent) {
+  for (int axis = 0; axis < 3; ++axis)
+    if (extent.periodic[axis]) d[axis] -= extent.size[axis] * std::round(d[axis] / extent.size[axis]);
+  return d;
+}
+
+int least_margin(const CouplingSpec& coupling) {
+  constexpr int mapped_ahead = 1, filled = 2;
+  return lbm::link_reach(coupling.wall_scheme) + mapped_ahead + filled;
+}
+
+}  // namespace silt::coupler

@@ -1,0 +1,40 @@
+#pragma once
+// The parameters of a flow with bodies in it: its domain, the fluid and the coupling, in lattice units (cell
+// = step = reference density = 1).
+#include <array>
+#include <optional>
+
+#include "coupler/spec/coarsening_spec.hpp"
+#include "coupler/spec/coupling_spec.hpp"
+#include "coupler/spec/fluid_spec.hpp"
+#include "coupler/spec/sides.hpp"
+#include "device/device.hpp"
+#include "rigid/bodies/body_exchange.hpp"
+
+namespace silt::coupler {
+
+struct FlowSpec {
+  std::array<int, 3> cells{};
+  std::array<BoundarySpec, 6> boundary;           // by Side
+  std::optional<std::array<int, 3>> block_cells;  // none: "auto"
+  std::optional<FluidSpec> fluid;                 // none: bodies alone
+  std::optional<CoarseningSpec> coarsening;       // none: every cell is finest
+  CouplingSpec coupling;
+  Device device = Device::cpu;
+
+  bool periodic(int axis) const { return boundary[2 * axis].kind == BoundaryKind::periodic; }
+  double volume() const { return 1. * cells[0] * cells[1] * cells[2]; }  // in cells
+};
+
+/// Returns the domain as bodies see it.
+rigid::Extent extent_of(const FlowSpec&);
+rigid::BoundingBox box_of(const FlowSpec&);
+
+/// Returns the shortest of the displacements between a point and the periodic images of another.
+rigid::Vec3 nearest_image(rigid::Vec3 displacement, const rigid::Extent&);
+
+/// Returns how many finest cells there must be, in every step, between a surface and the nearest coarser
+/// cell: what links read beyond it, up to where it is mapped ahead, and the two cells that a border fills.
+int least_margin(const CouplingSpec&);
+
+}  // namespace silt::coupler

@@ -1,0 +1,26 @@
+#pragma once
+#include <array>
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace silt::coupler {
+
+/// The names of an enum's values, stated once: the case reader, its messages, the derived table and the
+/// report all read the same table.
+template <class Enum, std::size_t count>
+struct NameTable {
+  std::array<std::string_view, count> names;  // in the order of the enumerators
+
+  constexpr std::string_view operator[](Enum value) const { return names[static_cast<std::size_t>(value)]; }
+  std::vector<std::string> list() const { return {names.begin(), names.end()}; }
+};
+
+/// Makes a table: names_of<Refill>("equilibrium", "grad").
+template <class Enum, class... Names>
+constexpr NameTable<Enum, sizeof...(Names)> names_of(Names... names) {
+  return {{names...}};
+}
+
+}  // namespace silt::coupler

@@ -1,0 +1,180 @@
+#pragma once
+// The populations of one block of cells and its ghost layer: 19 arrays of deviations, x running fastest,
+// streamed in place (method.md, equations 1 and 8).
+//
+// A slot (x, i) is element i of cell x. Between two steps every population is arriving somewhere; where it is
+// stored depends on the parity of the steps done so far:
+//
+//     parity    population i arriving at x      population i leaving x (= arriving at x + c_i)
+//     settled   slot (x, i)                     slot (x + c_i, i)
+//     crossed   slot (x - c_i, opposite i)      slot (x, opposite i)
+//
+// `arriving` and `leaving` are the only places that know this; everything outside the kernel uses them.
+#include <algorithm>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "device/device.hpp"
+#include "lbm/blocks/excess.hpp"
+#include "lbm/blocks/large_memory.hpp"
+#include "lbm/blocks/lattice.hpp"
+
+namespace silt::lbm {
+
+enum class Parity : std::uint8_t { settled = 0, crossed = 1 };
+inline Parity flipped(Parity p) {
+  return p == Parity::settled ? Parity::crossed : Parity::settled;
+}
+
+/// Calls visit(g, j) for every ghost slot of a block: g local to the block, g - c_j inside it.
+template <class Visit>
+void for_ghost_slots(Int3 size, Visit&& visit) {
+  for (int j = 1; j < directions; ++j) {
+    Int3 lo = c[j], hi = size + c[j];
+    for (int z = lo.z; z < hi.z; ++z)
+      for (int y = lo.y; y < hi.y; ++y) {
+        const bool outside = y < 0 || z < 0 || y >= size.y || z >= size.z;
+        if (outside)
+          for (int x = lo.x; x < hi.x; ++x) visit(Int3{x, y, z}, j);
+        else if (c[j].x)
+          visit(Int3{c[j].x > 0 ? size.x : -1, y, z}, j);
+      }
+  }
+}
+
+/// Rows [y0, y1) of the planes [z0, z1) of a block.
+struct RowRange {
+  int y0, y1, z0, z1;
+};
+
+/// A population that leaves a row at its end goes to the row's other end, or back from a wall, whose motion
+/// adds something. Slots are relative to the row's first cell.
+template <class T>
+struct RowEnd {
+  std::ptrdiff_t from, to;
+  bool wall;
+  T addend;
+};
+
+template <class T>
+class Block {
+ public:
+  /// A row is one cell longer than the block, a plane one row: no direction crosses out on both sides, so the
+  /// ghost after a row is also the one before the next. On the processor rows are not padded: a gap in a row
+  /// costs the bandwidth of the cache lines it breaks, and more. On a graphics processor, whose threads read
+  /// 32 elements together, rows begin at multiples of so many.
+  explicit Block(const CellBox& box, Device device = Device::cpu) : box_(box) {
+    constexpr int line = 64 / sizeof(T), page = 4096 / sizeof(T), together = 32;  // elements
+    row_ = box.size.x + 1;
+    if (device != Device::cpu) row_ = (row_ + together - 1) / together * together;
+    plane_ = row_ * (box.size.y + 1);
+    if (plane_ % page == 0) plane_ += 5 * line;  // planes must not share cache sets
+    direction_ = plane_ * (box.size.z + 1) + line;
+    constexpr int skew = 27 * line;  // spreads 19 directions evenly over a page
+    direction_ += (skew - direction_ % page + page) % page;
+    if (device != Device::cpu) direction_ = (direction_ + together - 1) / together * together;
+    if (device == Device::gpu)
+      memory_ = std::static_pointer_cast<T[]>(zeroed_on_gpu(bytes()));
+    else
+      memory_ = zeroed<T>(std::size_t(direction_) * directions);
+    first_ = memory_.get();
+  }
+  /// The block of a part of another one's box, in that one's array: the slot of a ghost cell is then that of
+  /// the cell which the array has there.
+  Block(const Block& whole, const CellBox& box)
+      : box_(box),
+        row_(whole.row_),
+        plane_(whole.plane_),
+        direction_(whole.direction_),
+        memory_(whole.memory_),
+        first_(whole.first_ + cell(box.lower - whole.box_.lower)) {}
+  Block(Block&&) = default;
+  Block& operator=(Block&&) = default;
+
+  const CellBox& box() const { return box_; }
+  Int3 size() const { return box_.size; }
+  bool shares_array(const Block& other) const { return memory_ == other.memory_; }
+  /// Of the populations.
+  std::size_t bytes() const { return std::size_t(direction_) * directions * sizeof(T); }
+
+  /// The element offset of a cell (ghosts: -1 and size) within a direction, and of a step along c_i.
+  std::ptrdiff_t cell(int x, int y, int z) const { return x + row_ * y + plane_ * z; }
+  std::ptrdiff_t cell(Int3 x) const { return cell(x.x, x.y, x.z); }
+  /// The cell (no ghost) at an offset.
+  Int3 cell_at(std::ptrdiff_t offset) const {
+    return {int(offset % plane_ % row_), int(offset % plane_ / row_), int(offset / plane_)};
+  }
+  std::ptrdiff_t step(int i) const { return cell(c[i]); }
+  std::ptrdiff_t row_stride() const { return row_; }
+  std::ptrdiff_t plane_stride() const { return plane_; }
+
+  /// Slot (cell 0, i): add a cell's offset. Valid for every cell of the block and every ghost cell that
+  /// something crosses into along i; no other ghost cell has a slot. A direction's array begins with the
+  /// first.
+  std::ptrdiff_t slot(int i) const {
+    return direction_ * i - cell(std::min(c[i].x, 0), std::min(c[i].y, 0), std::min(c[i].z, 0));
+  }
+  /// The middle of the slots, from which offsets fit 32 bits.
+  std::ptrdiff_t middle() const { return slot(directions / 2); }
+  std::ptrdiff_t arriving(int i, Parity p) const {
+    return p == Parity::settled ? slot(i) : slot(opposite(i)) - step(i);
+  }
+  std::ptrdiff_t leaving(int i, Parity p) const {
+    return p == Parity::settled ? slot(i) + step(i) : slot(opposite(i));
+  }
+  /// The excess of cells, by their offsets: null until it is held.
+  ExcessQuanta<T>* excess() { return excess_.get(); }
+  const ExcessQuanta<T>* excess() const { return excess_.get(); }
+  /// So many have a place there: all of the block.
+  std::size_t excess_cells() const {
+    return std::size_t(cell(box_.size.x, box_.size.y - 1, box_.size.z - 1));
+  }
+  /// Returns whether cells of a row may have an excess.
+  bool has_excess(int y, int z) const { return excess_ && excess_rows_[y + box_.size.y * z]; }
+  /// In which they give up their bulk stress with it.
+  T stress_share() const { return stress_share_; }
+  /// Cells with links are all in rows [y0, y1) of planes [z0, z1), and in those of other such calls.
+  void hold_excess(const RowRange& rows, T stress_share, Device device = Device::cpu) {
+    stress_share_ = stress_share;
+    if (!excess_) {
+      const std::size_t cells = excess_cells();
+      if (device == Device::gpu)
+        excess_ = std::static_pointer_cast<ExcessQuanta<T>[]>(zeroed_on_gpu(cells * sizeof(ExcessQuanta<T>)));
+      else
+        excess_ = zeroed<ExcessQuanta<T>>(cells);
+      excess_rows_.assign(std::size_t(box_.size.y) * box_.size.z, 0);
+    }
+    for (int z = std::max(rows.z0, 0); z < std::min(rows.z1, box_.size.z); ++z)
+      for (int y = std::max(rows.y0, 0); y < std::min(rows.y1, box_.size.y); ++y)
+        excess_rows_[y + box_.size.y * z] |= has_links;
+  }
+  /// No cell has links any more. What they have left is there until the next pass, and may be until the next
+  /// call of this.
+  void hold_no_more_excess() {
+    for (std::uint8_t& row : excess_rows_) row = row & has_links ? had_links : 0;
+  }
+  T* data() { return first_; }
+  const T* data() const { return first_; }
+
+  /// The dense pass moves these by itself at the ends of each row, while they are in cache: the part of the
+  /// ghost layer (halo.hpp) that a row exchanges with itself or a wall, by the parity the pass begins with.
+  const std::vector<RowEnd<T>>& row_ends(Parity p) const { return row_ends_[int(p)]; }
+  void add_row_end(Parity p, const RowEnd<T>& end) { row_ends_[int(p)].push_back(end); }
+  void clear_row_ends() {
+    for (auto& ends : row_ends_) ends.clear();
+  }
+
+ private:
+  CellBox box_;
+  std::ptrdiff_t row_, plane_, direction_;
+  std::shared_ptr<T[]> memory_;
+  T* first_;  // slot (cell 0, 0)
+  std::shared_ptr<ExcessQuanta<T>[]> excess_;
+  T stress_share_ = 0;
+  static constexpr std::uint8_t has_links = 1, had_links = 2;
+  std::vector<std::uint8_t> excess_rows_;  // y fastest: what of these holds for cells of the row
+  std::vector<RowEnd<T>> row_ends_[2];
+};
+
+}  // namespace silt::lbm

@@ -1,0 +1,125 @@
+#pragma once
+// The totals of cells (CellTotals), in vectors of cells; in plain numbers for builds for a device.
+#include <bit>
+#include <limits>
+
+#if !defined(SILT_SCALAR)
+#include "cpu/prefetch.hpp"
+#endif
+#include "lbm/blocks/fixed_sum.hpp"
+#include "lbm/blocks/moments.hpp"
+
+namespace silt::lbm::SILT_ISA {
+
+/// Totals of which each of n lanes has its own: a cell's in its own precision, their sums in quanta.
+template <class T, int n>
+class LaneTotals {
+ public:
+  /// Adds the cells from k on; the first `seen` of them have been added before, and add nothing.
+  template <bool some_seen>
+  [[gnu::always_inline]] SILT_DEVICE void add(const T* const (&g)[directions], std::ptrdiff_t k,
+                                              const T (&half_force)[3], int seen = 0) {
+    V deviation = load<V>(g[0] + k), momentum[3]{};
+#if !defined(SILT_SCALAR)
+    constexpr int prefetch_bytes = 256;
+#pragma GCC unroll 19
+    for (int i = 0; i < directions; ++i) prefetch_to_read(g[i] + k + prefetch_bytes / sizeof(T));
+#endif
+    for_directions<1>([&](auto i) __attribute__((always_inline)) {
+      if constexpr (i() % 2 == 1) {  // opposite ones follow each other
+        const V along = load<V>(g[i()] + k), against = load<V>(g[i() + 1] + k), difference = along - against;
+        deviation += along + against;
+        constexpr Int3 v = c[i()];
+        const auto push = [&](V & sum, int towards) __attribute__((always_inline)) {
+          if (towards) sum = towards > 0 ? sum + difference : sum - difference;
+        };
+        push(momentum[0], v.x), push(momentum[1], v.y), push(momentum[2], v.z);
+      }
+    });
+    V square{};
+    for (int d = 0; d < 3; ++d) square += (momentum[d] + half_force[d]) * (momentum[d] + half_force[d]);
+    numbers_ += square + deviation;
+    square_ = square > square_ ? square : square_;
+    most_ = deviation > most_ ? deviation : most_;
+    least_ = deviation < least_ ? deviation : least_;
+    if constexpr (some_seen) {
+      V share;
+      for (int lane = 0; lane < n; ++lane) share[lane] = lane >= seen;
+      deviation *= share, square *= share;
+      for (int d = 0; d < 3; ++d) momentum[d] *= share;
+    }
+    mass_.add(deviation), mass_square_.add(deviation * deviation);
+    for (int d = 0; d < 3; ++d) momentum_[d].add(momentum[d]);
+#pragma GCC unroll 2
+    for (int part = 0; part < parts; ++part) {
+      constexpr double large = 0x1.8p52 * CellTotals::energy_quantum;  // a sum with it is in whole quanta
+      const W energy = 0.5 * wide(square, part);
+      energy_.add(energy);
+      energy_rest_.add(energy - ((energy + large) - large));
+    }
+  }
+
+  /// Adds the totals to t; `cells` counts those that were seen before, too.
+  SILT_DEVICE void give(std::ptrdiff_t cells, CellTotals& t) const {
+    const std::uint64_t terms = std::uint64_t(cells);
+    t.mass += mass_.total(terms), t.mass_square += mass_square_.total(terms);
+    for (int d = 0; d < 3; ++d) t.momentum[d] += momentum_[d].total(terms);
+    t.energy += energy_.total(terms);
+    t.energy_rest += energy_rest_.total(terms);
+    double numbers = 0;
+    for (int lane = 0; lane < n; ++lane) {
+      const double square = lane_of(square_, lane), most = lane_of(most_, lane),
+                   least = lane_of(least_, lane);
+      numbers += lane_of(numbers_, lane);
+      t.speed_squared = square > t.speed_squared ? square : t.speed_squared;
+      t.most_deviation = most > t.most_deviation ? most : t.most_deviation;
+      t.least_deviation = least < t.least_deviation ? least : t.least_deviation;
+    }
+    constexpr double fast = CellTotals::no_flow_is_so_fast, dense = CellTotals::no_fluid_is_so_dense;
+    t.sound &= numbers - numbers == 0 && t.speed_squared < fast * fast && t.most_deviation < dense &&
+               t.least_deviation > -dense;
+  }
+
+ private:
+  static constexpr int parts = n > 1 ? int(sizeof(double) / sizeof(T)) : 1;  // that fill a vector of doubles
+  using V = typename VectorOf<T, n>::type;
+  using W = typename VectorOf<double, n / parts>::type;
+
+  [[gnu::always_inline]] SILT_DEVICE static W wide(const V& v, [[maybe_unused]] int part) {
+#if defined(SILT_SCALAR)
+    return v;
+#else
+#if defined(SILT_ISA_avx512)  // the compiler converts halves of a vector and joins them
+    if constexpr (parts == 2) {
+      struct Halves {
+        __m256 half[2];
+      };
+      return std::bit_cast<W>(_mm512_cvtps_pd(std::bit_cast<Halves>(v).half[part]));
+    }
+#endif
+    struct Parts {
+      typename VectorOf<T, n / parts>::type part[parts];
+    };
+    return __builtin_convertvector(std::bit_cast<Parts>(v).part[part], W);
+#endif
+  }
+  template <class Lanes>
+  [[gnu::always_inline]] SILT_DEVICE static auto lane_of(const Lanes& v, [[maybe_unused]] int lane) {
+#if defined(SILT_SCALAR)
+    return v;
+#else
+    return v[lane];
+#endif
+  }
+
+  FixedSum<T, mass_quantum, n> mass_;
+  FixedSum<T, CellTotals::square_quantum, n> mass_square_;
+  FixedSum<T, CellTotals::momentum_quantum, n> momentum_[3];
+  FixedSum<double, CellTotals::energy_quantum, n / parts> energy_;
+  FixedSum<double, CellTotals::energy_rest_quantum, n / parts> energy_rest_;
+  V numbers_{};  // numbers if all are
+  V square_ = V{} - 1, most_ = V{} + std::numeric_limits<T>::lowest(),
+    least_ = V{} + std::numeric_limits<T>::max();
+};
+
+}  // namespace silt::lbm::SILT_ISA

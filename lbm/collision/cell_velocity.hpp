@@ -1,0 +1,24 @@
+#pragma once
+// The velocity of a vector of cells that is about to collide. For *_kernel.cpp files only (SILT_ISA).
+#include "cpu/device_code.hpp"
+#include "lbm/blocks/lattice.hpp"
+#include "lbm/collision/collision_model.hpp"
+
+namespace silt::lbm::SILT_ISA {
+
+/// Sets the velocity from the differences along and against each pair's first direction, and half the force.
+template <bool source, class V, class T>
+[[gnu::always_inline]] SILT_DEVICE inline void set_velocity(const V (&difference)[pairs],
+                                                            const CollisionRates<T>& r, V& ux, V& uy, V& uz) {
+  const V* const d = difference;
+  ux = d[0] + ((d[3] + d[4]) + (d[5] + d[6]));
+  uy = d[1] + ((d[3] - d[4]) + (d[7] + d[8]));
+  uz = d[2] + ((d[5] - d[6]) + (d[7] - d[8]));
+  if constexpr (source) {
+    ux += r.half_force[0];
+    uy += r.half_force[1];
+    uz += r.half_force[2];
+  }
+}
+
+}  // namespace silt::lbm::SILT_ISA

@@ -1,0 +1,109 @@
+#pragma once
+// A collision of cells in place, for all builds: a vector of cells at a time, or one (SILT_SCALAR).
+//
+// The populations of a pair i, opposite i that arrive at a cell lie in two slots A and B; what leaves along i
+// goes to B and what leaves against it to A. The parity decides nothing but A and B, so one pass serves the
+// even and the odd step.
+#include <type_traits>
+
+#include "cpu/lanes.hpp"
+#if !defined(SILT_SCALAR)
+#include "cpu/prefetch.hpp"
+#endif
+#include "lbm/blocks/block.hpp"
+#include "lbm/blocks/excess.hpp"
+#include "lbm/collision/recursive_regularised_kernel.hpp"
+#include "lbm/collision/two_relaxation_times_kernel.hpp"
+
+namespace silt::lbm::SILT_ISA {
+
+template <class T>
+struct Slots {  // A and B of each pair, and the resting populations; a cell is Block::cell elements further
+  T* a[pairs];
+  T* b[pairs];
+  T* rest;
+  Slots(Block<T>& block, Parity parity) : rest(block.data() + block.slot(0)) {
+    for (int k = 0; k < pairs; ++k) {
+      a[k] = block.data() + block.arriving(2 * k + 1, parity);
+      b[k] = block.data() + block.arriving(2 * k + 2, parity);
+    }
+  }
+  SILT_DEVICE T* arriving(int i) const { return i == 0 ? rest : i % 2 ? a[i / 2] : b[i / 2 - 1]; }
+};
+
+struct AllLanes {
+  template <class V>
+  SILT_DEVICE const V& operator()(const V& inner, const V&) const {
+    return inner;
+  }
+};
+
+/// Fetches ahead of use: the hardware's own streams are too few for nineteen arrays.
+struct Prefetch {
+#if defined(SILT_SCALAR)
+  template <class T>
+  SILT_DEVICE void operator()(const T*) const {}
+#else
+  static constexpr int bytes = 512;  // best of 256 to 1536 for large blocks, 640 for 80^3
+  template <class T>
+  void operator()(const T* p) const {
+    prefetch_to_write(p + bytes / sizeof(T));
+  }
+#endif
+};
+
+/// What cells give up first of all (excess.hpp): here nothing.
+struct NothingGivenUp {
+  template <class V>
+  SILT_DEVICE const V& left(int, const V& g) const {
+    return g;
+  }
+};
+
+/// Collides the cells from x on, as many as a vector has. Slots of lanes that are no cells keep what they
+/// hold: no other lane of the vector has them.
+template <class Model, bool source, class V, class T, class Keep, class Watch, class Given = NothingGivenUp>
+[[gnu::always_inline]] SILT_DEVICE inline void collide(const Slots<T>& slots, std::ptrdiff_t x,
+                                                       const CollisionRates<T>& r, const Keep& keep,
+                                                       Watch& watch, const Given& given = {}) {
+  constexpr Prefetch prefetch;
+  V sum[pairs + 1], difference[pairs];
+  const auto arriving = [&](int i, const T* from) __attribute__((always_inline)) {
+    prefetch(from + x);
+    return V(given.left(i, load<V>(from + x)));
+  };
+  for (int k = 0; k < pairs; ++k) {
+    const V a = arriving(2 * k + 1, slots.a[k]), b = arriving(2 * k + 2, slots.b[k]);
+    sum[k] = a + b;
+    difference[k] = a - b;
+  }
+  sum[pairs] = arriving(0, slots.rest);
+
+  const auto set_rest = [&](const V& left) __attribute__((always_inline)) {
+    store(slots.rest + x, keep(left, sum[pairs]));
+  };
+  const auto set_pair = [&](int k, const V& p, const V& q) __attribute__((always_inline)) {
+    store(slots.a[k] + x, keep(V(p - q), load<V>(slots.a[k] + x)));
+    store(slots.b[k] + x, keep(V(p + q), load<V>(slots.b[k] + x)));
+  };
+  const auto see = [&](const V& square) __attribute__((always_inline)) {
+    watch.see(square, x, keep);
+  };
+  Model::template collide<source>(sum, difference, r, set_rest, set_pair, see);
+}
+
+/// Returns f(model) for the model of these rates.
+template <class T, class F>
+auto with_model(const CollisionRates<T>& rates, F&& f) {
+  switch (rates.model) {
+    case Collision::trt:
+    case Collision::bgk:
+      return f(TwoRelaxationTimes{});
+    case Collision::regularised:
+      return rates.keep_third != 0 || rates.keep_fourth != 0 ? f(RecursiveRegularised<true>{})
+                                                             : f(RecursiveRegularised<false>{});
+  }
+  __builtin_unreachable();
+}
+
+}  // namespace silt::lbm::SILT_ISA

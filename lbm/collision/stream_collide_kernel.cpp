@@ -1,0 +1,180 @@
+// The dense pass, built once an instruction set (SILT_ISA). A cell takes 19 reads and 19 writes a step.
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "cpu/lanes.hpp"
+#include "lbm/collision/collide_cells.hpp"
+#include "lbm/collision/stream_collide.hpp"
+
+namespace silt::lbm::SILT_ISA {
+namespace {
+
+/// The lanes of a vector that are cells: the first `cells`.
+template <class V, class T>
+struct FirstLanes {
+  static constexpr int count = sizeof(V) / sizeof(T);
+  decltype(V{} < V{}) inside;
+  explicit FirstLanes(std::ptrdiff_t cells) {
+    V lane;
+    for (int i = 0; i < count; ++i) lane[i] = T(i);
+    inside = lane < (V{} + T(cells));
+  }
+  V operator()(const V& inner, const V& outer) const { return inside ? inner : outer; }
+};
+/// Notes the cells that are too fast, or whose speed is not a number. Where there is none, which is as good
+/// as always, it takes a comparison and a branch.
+template <class V, class T>
+struct Watch {
+  T limit, scale;  // of the model's squares; what they are times the speeds'
+  std::vector<FastCell>& found;
+  template <class Keep>
+  [[gnu::always_inline]] void see(const V& square, std::ptrdiff_t x, const Keep& keep) {
+    const V seen = keep(square, V{});
+    if (any_lane(!(seen <= V{} + limit))) [[unlikely]]
+      note(seen, x);
+  }
+  [[gnu::noinline, gnu::cold]] void note(const V seen, std::ptrdiff_t x) {
+    for (int i = 0; i < int(sizeof(V) / sizeof(T)); ++i)
+      if (!(seen[i] <= limit)) found.push_back({x + i, std::sqrt(double(seen[i]) / double(scale))});
+  }
+};
+struct Unseen {
+  template <class V, class Keep>
+  [[gnu::always_inline]] void see(const V&, std::ptrdiff_t, const Keep&) {}
+};
+
+template <class T>
+inline void close_row(T* first, const std::vector<RowEnd<T>>& ends) {
+  for (const RowEnd<T>& end : ends) first[end.to] = end.wall ? first[end.from] + end.addend : first[end.from];
+}
+
+/// All rows of a pass need these values; each run of planes has a copy, which its loop keeps at hand.
+template <class T>
+struct Pass {
+  Block<T>& block;
+  Parity parity;
+  CollisionRates<T> rates;
+  Slots<T> slots;
+  FirstLanes<typename VectorOf<T>::type, T> rest_of_row;
+};
+
+template <class T>
+using QuantaLanes = typename VectorOf<ExcessQuanta<T>, vector_bytes / int(sizeof(T))>::type;
+
+/// The populations of a cell give up its excess.
+template <class T>
+void take_excess_of_cell(const Slots<T>& slots, std::ptrdiff_t cell, Block<T>& block) {
+  take_excess<T>(block.excess()[cell], block.stress_share(),
+                 [&](int i) -> T& { return slots.arriving(i)[cell]; });
+}
+
+/// Those of all cells do.
+template <class T>
+void take_excess_of_block(Block<T>& block, Parity parity) {
+  using V = typename VectorOf<T>::type;
+  constexpr int width = vector_bytes / sizeof(T);
+  const Slots<T> slots(block, parity);
+  for (int z = 0; z < block.size().z; ++z)
+    for (int y = 0; y < block.size().y; ++y) {
+      if (!block.has_excess(y, z)) continue;
+      std::ptrdiff_t x = block.cell(0, y, z);
+      const std::ptrdiff_t end = x + block.size().x;
+      for (; x + width <= end; x += width) {
+        const auto quanta = load<QuantaLanes<T>>(block.excess() + x);
+        if (!any_lane(quanta != QuantaLanes<T>{})) continue;
+        const auto g = [&](int i) { return load<V>(slots.arriving(i) + x); };
+        const auto given = given_up<T>(V(__builtin_convertvector(quanta, V)), block.stress_share(), g);
+        for (int i = 0; i < directions; ++i) store(slots.arriving(i) + x, V(given.left(i, g(i))));
+        store(block.excess() + x, QuantaLanes<T>{});
+      }
+      for (; x < end; ++x) take_excess_of_cell(slots, x, block);
+    }
+}
+
+/// Collides the whole vectors from x to end of a row that has cells with excess, and takes that of the cells
+/// up to `row_end`. A function of its own: in the loop over rows it would take registers.
+template <class Model, bool source, class T, class Watch>
+[[gnu::noinline]] void collide_with_excess(const Pass<T>& pass, std::ptrdiff_t x, std::ptrdiff_t end,
+                                           std::ptrdiff_t row_end, Watch& watch) {
+  using V = typename VectorOf<T>::type;
+  ExcessQuanta<T>* const excess = pass.block.excess();
+  for (; x < end; x += vector_bytes / sizeof(T)) {
+    const auto quanta = load<QuantaLanes<T>>(excess + x);
+    if (!any_lane(quanta != QuantaLanes<T>{})) {
+      collide<Model, source, V>(pass.slots, x, pass.rates, AllLanes{}, watch);
+      continue;
+    }
+    const auto g = [&](int i) { return load<V>(pass.slots.arriving(i) + x); };
+    const auto given = given_up<T>(V(__builtin_convertvector(quanta, V)), pass.block.stress_share(), g);
+    collide<Model, source, V>(pass.slots, x, pass.rates, AllLanes{}, watch, given);
+    store(excess + x, QuantaLanes<T>{});
+  }
+  for (; x < row_end; ++x) take_excess_of_cell(pass.slots, x, pass.block);
+}
+
+/// `watch` sees the cells' squares and where they are; `linked`: cells of the block have links.
+template <class Model, bool source, bool linked, class T, class Watch>
+[[gnu::noinline]] void row_range(const Pass<T> pass, RowRange range, Watch& watch) {
+  using V = typename VectorOf<T>::type;
+  constexpr int width = vector_bytes / sizeof(T);
+  const int nx = pass.block.size().x, whole = nx / width * width;
+  for (int z = range.z0; z < range.z1; ++z)
+    for (int y = range.y0; y < range.y1; ++y) {
+      const std::ptrdiff_t first = pass.block.cell(0, y, z), end = first + whole;
+      std::ptrdiff_t x = first;
+      if (linked && pass.block.has_excess(y, z))
+        collide_with_excess<Model, source>(pass, std::exchange(x, end), end, first + nx, watch);
+      for (; x < end; x += width) collide<Model, source, V>(pass.slots, x, pass.rates, AllLanes{}, watch);
+      if (whole < nx) collide<Model, source, V>(pass.slots, end, pass.rates, pass.rest_of_row, watch);
+      close_row(pass.block.data() + first, pass.block.row_ends(pass.parity));
+    }
+}
+
+/// Planes apart from each other: to see anything takes registers.
+template <class Model, bool source, bool linked, class T>
+void planes(Block<T>& block, Parity parity, const CollisionRates<T>& rates, RowRange range,
+            const WatchedPlanes& watched) {
+  using V = typename VectorOf<T>::type;
+  const Pass<T> pass{
+      block, parity, rates, {block, parity}, FirstLanes<V, T>(block.size().x % int(sizeof(V) / sizeof(T)))};
+  const T scale = Model::square_scale(rates);
+  Watch<V, T> watch{T(speed_of_sound * speed_of_sound) * scale, scale, watched.found};
+  Unseen unseen;
+  for (int z = range.z0; z < range.z1;) {
+    const int plane = std::min(watched.next(z), range.z1);
+    if (z < plane) row_range<Model, source, linked>(pass, {range.y0, range.y1, z, plane}, unseen);
+    if (plane < range.z1)
+      row_range<Model, source, linked>(pass, {range.y0, range.y1, plane, plane + 1}, watch);
+    z = plane + 1;
+  }
+}
+
+template <class Model, class T>
+void rows_under(Block<T>& block, Parity parity, const CollisionRates<T>& rates, RowRange range,
+                const WatchedPlanes& watched) {
+  const auto collide_all = [&](auto source) {
+    if (block.excess())
+      planes<Model, source(), true>(block, parity, rates, range, watched);
+    else
+      planes<Model, source(), false>(block, parity, rates, range, watched);
+  };
+  rates.has_force() ? collide_all(std::true_type()) : collide_all(std::false_type());
+}
+
+}  // namespace
+
+template <class T>
+CollideRows<T> collide_rows(const CollisionRates<T>& rates) {
+  return with_model(rates, []<class Model>(Model) -> CollideRows<T> { return rows_under<Model, T>; });
+}
+template <class T>
+TakeExcess<T> excess_kernel() {
+  return take_excess_of_block<T>;
+}
+template CollideRows<float> collide_rows(const CollisionRates<float>&);
+template CollideRows<double> collide_rows(const CollisionRates<double>&);
+template TakeExcess<float> excess_kernel();
+template TakeExcess<double> excess_kernel();
+
+}  // namespace silt::lbm::SILT_ISA

@@ -1,0 +1,74 @@
+#pragma once
+// The models trt and bgk, a vector of cells at a time (method.md, equations 3 to 7). Only for *_kernel.cpp
+// files, which are built once an instruction set (SILT_ISA).
+#include "lbm/collision/cell_velocity.hpp"
+
+namespace silt::lbm::SILT_ISA {
+
+struct TwoRelaxationTimes {
+  /// Collides cells of which `sum` and `difference` are what arrives along and against the first direction of
+  /// each pair; the last sum is what rests. Calls set_rest(what rests afterwards) and set_pair(k, p, q): p +
+  /// q leaves along the first direction of pair k, p - q against it, and see(the squares of the speeds that
+  /// the cells had, times square_scale).
+  template <bool source, class V, class T, class SetRest, class SetPair, class See>
+  [[gnu::always_inline]] SILT_DEVICE static void collide(const V (&sum)[pairs + 1],
+                                                         const V (&difference)[pairs],
+                                                         const CollisionRates<T>& r, SetRest&& set_rest,
+                                                         SetPair&& set_pair, See&& see) {
+    const V rho = ((sum[0] + sum[1]) + (sum[2] + sum[3])) + ((sum[4] + sum[5]) + (sum[6] + sum[7])) +
+                  (sum[8] + sum[pairs]);
+    V ux, uy, uz;
+    set_velocity<source>(difference, r, ux, uy, uz);
+    V kx = r.square * ux, ky = r.square * uy, kz = r.square * uz;
+    if constexpr (source) {
+      kx += r.even_force[0];
+      ky += r.even_force[1];
+      kz += r.even_force[2];
+    }
+    const V xx = kx * ux, yy = ky * uy, zz = kz * uz;
+    const V square = xx + yy + zz;
+    see(square);
+    V isotropic = r.density * rho - square;
+    V qx = r.momentum * ux, qy = r.momentum * uy, qz = r.momentum * uz;
+    if constexpr (source) {
+      qx += r.odd_force[0];
+      qy += r.odd_force[1];
+      qz += r.odd_force[2];
+    }
+
+    set_rest(V(r.keep_even_twice * sum[pairs] + T(12) * isotropic));
+    const auto relax = [&](int k, const V& even, const V& odd) __attribute__((always_inline)) {
+      set_pair(k, V(r.keep_even * sum[k] + even), V(r.keep_odd * difference[k] + odd));
+    };
+    const V x3 = isotropic + T(3) * xx, y3 = T(3) * yy, z3 = T(3) * zz;
+    relax(0, x3 + x3, qx + qx);
+    const V y1 = isotropic + y3, z1 = isotropic + z3;
+    relax(1, y1 + y1, qy + qy);
+    relax(2, z1 + z1, qz + qz);
+    V xy, xz, yz;
+    if constexpr (source) {
+      xy = T(3) * (kx * uy + ky * ux);
+      xz = T(3) * (kx * uz + kz * ux);
+      yz = T(3) * (ky * uz + kz * uy);
+    } else {
+      const V kx6 = T(6) * kx;
+      xy = kx6 * uy;
+      xz = kx6 * uz;
+      yz = T(6) * ky * uz;
+    }
+    const V sxy = x3 + y3, sxz = x3 + z3, syz = y1 + z3;
+    relax(3, sxy + xy, qx + qy);
+    relax(4, sxy - xy, qx - qy);
+    relax(5, sxz + xz, qx + qz);
+    relax(6, sxz - xz, qx - qz);
+    relax(7, syz + yz, qy + qz);
+    relax(8, syz - yz, qy - qz);
+  }
+  /// A force adds to the squares what it does in a step.
+  template <class T>
+  SILT_DEVICE static T square_scale(const CollisionRates<T>& r) {
+    return r.square;
+  }
+};
+
+}  // namespace silt::lbm::SILT_ISA

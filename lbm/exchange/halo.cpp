@@ -1,0 +1,242 @@
+#include "lbm/exchange/halo.hpp"
+
+#include <algorithm>
+#include <map>
+#include <tuple>
+
+#include "cpu/prefetch.hpp"
+#include "lbm/exchange/ghost_home.hpp"
+#include "parallel/communicator.hpp"
+
+namespace silt::lbm {
+
+namespace {
+
+enum class RowEndKind { lists, round, wall };
+
+/// A row of a block may go round to its other end or meet a wall by itself; else there are lists for its end.
+RowEndKind row_end_kind(const Domain& domain, const CellBox& box, bool upper) {
+  const int cells = domain.cells().x;
+  if (domain.periodic(0)) return box.size.x == cells ? RowEndKind::round : RowEndKind::lists;
+  const bool at_side = upper ? box.lower.x + box.size.x == cells : box.lower.x == 0;
+  return at_side && domain.side(0, upper).kind == SideKind::bounce ? RowEndKind::wall : RowEndKind::lists;
+}
+
+/// Returns whether the dense pass moves this ghost slot (g local to the block) for good. At a wall it moves
+/// slots as the face does; edges that need another move are listed, and put right after the pass.
+bool is_row_end(const Domain& domain, const CellBox& box, Int3 g, int j) {
+  if (g.x >= 0 && g.x < box.size.x) return false;
+  const RowEndKind kind = row_end_kind(domain, box, g.x > 0);
+  if (kind == RowEndKind::wall) {
+    const Int3 met = domain.walls_met(box.lower + g);
+    bool varies = false;  // at an edge: what is alike now need not be so later
+    for (int d = 0; d < 3; ++d) varies |= met[d] != 0 && domain.side(d, met[d] > 0).varies;
+    if (varies && met != Int3{c[j].x, 0, 0}) return false;
+    return wall_addend(domain, met, j) == wall_addend(domain, {c[j].x, 0, 0}, j);
+  }
+  const bool own_row = g.y >= 0 && g.y < box.size.y && g.z >= 0 && g.z < box.size.z;
+  return kind == RowEndKind::round && own_row;
+}
+
+/// Gives the block its row ends. An even pass has just written the homes of its row, an odd one the ghost
+/// slots that its row's last cell sends to.
+template <class T>
+void add_row_ends(const Domain& domain, Block<T>& block) {
+  const int nx = block.size().x;
+  for (int j = 1; j < directions; ++j) {
+    if (c[j].x == 0) continue;
+    const bool upper = c[j].x > 0;
+    const int ghost = upper ? nx : -1, near = upper ? nx - 1 : 0, far = upper ? 0 : nx - 1;
+    const auto at = [&](int x, int i, bool sent) {
+      return block.slot(i) + block.cell(x, sent ? c[j].y : 0, sent ? c[j].z : 0);
+    };
+    const RowEndKind kind = row_end_kind(domain, block.box(), upper);
+    if (kind == RowEndKind::round) {
+      block.add_row_end(Parity::settled, {at(far, j, false), at(ghost, j, false), false, T(0)});
+      block.add_row_end(Parity::crossed, {at(ghost, j, true), at(far, j, true), false, T(0)});
+    } else if (kind == RowEndKind::wall) {
+      const T addend = T(wall_addend(domain, {c[j].x, 0, 0}, j));
+      block.add_row_end(Parity::settled, {at(near, opposite(j), false), at(ghost, j, true), true, addend});
+      block.add_row_end(Parity::crossed, {at(ghost, j, true), at(near, opposite(j), false), true, addend});
+    }
+  }
+}
+
+}  // namespace
+
+template <class T>
+struct Halo<T>::Builder {
+  Halo& halo;
+  const Domain& domain;
+  int rank;
+  std::span<const Block<T>> blocks;
+  std::span<const PassOrder> orders;
+  std::map<std::tuple<int, int, bool>, std::vector<std::pair<std::uint32_t, OutletLink>>> outlets = {};
+  BlockPlace home_block{-1, {}, -1};  // of the last home: rows stay in one block; maybe of another level
+  const BlockPlace& block_at(Int3 cell) {
+    if (!home_block.box.contains(cell)) home_block = domain.block_at(cell);
+    return home_block;
+  }
+
+  bool sides_vary = std::ranges::any_of(domain.sides(), &SideCondition::varies);
+  bool along_y = false;  // slots at a face across x follow one another along y
+
+  SlotRun slot(int local_block, Int3 cell, int i) const {
+    const Block<T>& b = blocks[local_block];
+    return {std::uint32_t(local_block), std::uint32_t(b.slot(i) + b.cell(cell)),
+            along_y ? std::int32_t(b.row_stride()) : 1};
+  }
+
+  void add(const BlockPlace& place, Int3 g, int j) {
+    const int here = domain.local_index(place, rank);
+    if (is_row_end(domain, place.box, g, j)) return;
+    along_y = g.y >= 0 && g.y < place.box.size.y && g.z >= 0 && g.z < place.box.size.z;
+    const Home home = home_of(domain, place.box.lower + g, j);
+    if (home.kind != HomeKind::slot) {
+      if (here >= 0) add_wall(here, g, j, home, domain.walls_met(place.box.lower + g));
+      return;
+    }
+    const BlockPlace& home_place = block_at(home.cell);
+    if (!domain.is_of_level(home_place)) return;  // it crosses a border (level_border.hpp)
+    const int there = domain.local_index(home_place, rank);
+    const Int3 cell = home.cell - home_place.box.lower;
+    if (here >= 0 && there >= 0) {
+      const SlotRun from = slot(there, cell, home.direction), to = slot(here, g, j);
+      if (blocks[there].data() + from.first != blocks[here].data() + to.first)
+        halo.slots_.copied().add(from, to);
+    } else if (here >= 0)
+      add_peer(home_place.rank, orders[here], g - c[j]).received(home_place.rank).add(slot(here, g, j));
+    else if (there >= 0)
+      add_peer(place.rank, orders[there], cell).sent(place.rank).add(slot(there, cell, home.direction));
+  }
+
+  /// Slots that the shell does not write leave late.
+  SlotExchange<T>& add_peer(int other, const PassOrder& order, Int3 writer) {
+    if (!order.in_shell(writer.y, writer.z)) halo.slots_.hold_back(other);
+    return halo.slots_;
+  }
+
+  void add_wall(int here, Int3 g, int j, const Home& home, Int3 sides) {
+    const SlotRun from = slot(here, g - c[j], opposite(j)), to = slot(here, g, j);
+    if (home.kind == HomeKind::bounce) {
+      Walls& walls = halo.walls_;
+      const T addend = T(wall_addend(domain, sides, j));
+      const std::pair met(sides, j);
+      std::pmr::vector<T>& addends = walls.addends.host();
+      const bool is_alike =
+          !addends.empty() && addends.back() == addend && (!sides_vary || walls.met.back() == met);
+      if (!walls.pairs.add(from, to, is_alike)) addends.push_back(addend), walls.met.push_back(met);
+    } else {
+      const auto part = [](int of) { return std::int8_t(of); };
+      outlets[{here, home.axis, home.upper}].push_back(
+          {slot(here, g - c[j], 0).first,
+           {to.first, from.first, part(c[j].x), part(c[j].y), part(c[j].z), norm2(j) > 1}});
+    }
+  }
+
+  void build() {
+    for (const int b : domain.neighbourhood_of_rank(rank)) {
+      const BlockPlace place = domain.block(b);
+      for_ghost_slots(place.box.size, [&](Int3 g, int j) { add(place, g, j); });
+    }
+    for (auto& [key, links] : outlets) add_outlet(key, links);
+  }
+
+  template <class Links>
+  void add_outlet(const std::tuple<int, int, bool>& key, Links& links) {
+    const auto [block, axis, upper] = key;
+    Outlet outlet{block, domain.side(axis, upper).density_deviation, Mirror<OutletCell>(halo.device_),
+                  Mirror<OutletLink>(halo.device_)};
+    std::pmr::vector<OutletCell>& cells = outlet.cells.host();
+    std::stable_sort(links.begin(), links.end(),
+                     [](const auto& a, const auto& b) { return a.first < b.first; });
+    for (const auto& [cell, link] : links) {
+      const auto n = std::uint32_t(outlet.links.size());
+      if (cells.empty() || cells.back().cell != cell) cells.push_back({cell, n, n});
+      outlet.links.host().push_back(link), ++cells.back().last;
+    }
+    outlet.cells.send(), outlet.links.send();
+    halo.outlets_.push_back(std::move(outlet));
+  }
+};
+
+template <class T>
+Halo<T>::Halo(const Domain& domain, MPI_Comm comm, std::span<Block<T>> blocks,
+              std::span<const PassOrder> orders, const std::array<double, 3>& force, Device device)
+    : force_(force),
+      device_(device),
+      slots_(comm, 1, device),
+      sources_(device),
+      targets_(device),
+      idle_(blocks.size(), 0),
+      walls_{SlotPairs(device), Mirror<T>(device)} {
+  Builder{*this, domain, parallel::rank_of(comm), blocks, orders}.build();
+  for (Block<T>& block : blocks) {
+    add_row_ends(domain, block);
+    sources_.host().push_back(block.data()), targets_.host().push_back(block.data());
+  }
+  slots_.send_lists(), walls_.pairs.send(), walls_.addends.send();
+  sources_.send(), targets_.send();
+}
+
+template <class T>
+void Halo<T>::take_side_velocities(const Domain& domain, std::span<Block<T>> blocks) {
+  for (std::size_t k = 0; k < walls_.addends.size(); ++k)
+    walls_.addends.host()[k] = T(wall_addend(domain, walls_.met[k].first, walls_.met[k].second));
+  walls_.addends.send();
+  for (Block<T>& block : blocks) {
+    block.clear_row_ends();
+    add_row_ends(domain, block);
+  }
+}
+
+template <class T>
+void Halo<T>::start(Parity parity) {
+  slots_.start({sources_.device(), sources_.size()}, parity == Parity::settled);
+}
+
+template <class T>
+void Halo<T>::apply_outlet(Block<T>& block, const Outlet& o, Parity parity) const {
+  ReturnFromOutlet<T> cell{
+      block.data(),    {}, o.density_deviation, {}, parity == Parity::crossed, o.cells.device(),
+      o.links.device()};
+  for (int i = 1; i < directions; ++i) cell.left[i] = block.leaving(i, parity) - block.slot(0);
+  for (int d = 0; d < 3; ++d) cell.half_force[d] = 0.5 * force_[d];
+  if (device_ != Device::cpu) return passes_on<T>(device_).return_from_outlet(cell, o.cells.size());
+  for (std::size_t n = 0; n < o.cells.size(); ++n) {
+    constexpr std::size_t ahead = 16;  // the cells of a cache line
+    if (n + ahead < o.cells.size())
+      for (int i = 1; i < directions; ++i)
+        prefetch_to_read(block.data() + cell.left[i] + cell.cells[n + ahead].cell);
+    cell(std::int64_t(n));
+  }
+}
+
+template <class T>
+void Halo<T>::exchange(std::span<Block<T>> blocks, std::span<const char> idle, Parity parity) {
+  if (!std::ranges::equal(idle, idle_)) {
+    idle_.assign(idle.begin(), idle.end());
+    for (std::size_t b = 0; b < blocks.size(); ++b) targets_.host()[b] = idle[b] ? nullptr : blocks[b].data();
+    targets_.send();
+  }
+  const bool back = parity == Parity::settled;
+  slots_.finish({sources_.device(), sources_.size()}, {targets_.device(), targets_.size()}, back);
+  const SlotArrays<const T> sources{.table = sources_.device()};
+  const SlotArrays<T> targets{.table = targets_.device()};
+  const Mirror<T>& addends = walls_.addends;
+  if (device_ != Device::cpu)
+    passes_on<T>(device_).move_slots(walls_.pairs, {addends.device(), addends.size()}, sources, targets,
+                                     back);
+  else
+    walls_.pairs.move(sources, targets, back, [&](std::size_t k) {
+      return [addend = addends.host()[k]](T value) { return value + addend; };
+    });
+  for (const Outlet& outlet : outlets_)
+    if (!idle[outlet.block]) apply_outlet(blocks[outlet.block], outlet, parity);
+  wait(device_);
+}
+
+template class Halo<float>;
+template class Halo<double>;
+
+}  // namespace silt::lbm

@@ -1,0 +1,212 @@
+// Cells that were refined or coarsened are given what they hold on their new level.
+#include <algorithm>
+#include <map>
+#include <tuple>
+
+#include "lbm/exchange/slot_exchange.hpp"
+#include "lbm/levels/levels.hpp"
+#include "parallel/communicator.hpp"
+
+namespace silt::lbm {
+
+namespace {
+
+/// Cells of a level in the place of cells of another level, on the same rank. The box is in the coarser
+/// cells.
+struct Changed {
+  CellBox box;
+  int rank, from_block, to_block;  // local ones, of that rank
+};
+
+/// Lists the changed cells of this rank and of its neighbours: coarser cells beside theirs may be its own.
+std::vector<Changed> changed_cells(const Domain& from, const Domain& to, int rank) {
+  std::vector<Changed> all;
+  const Domain& coarser = from.level() > to.level() ? from : to;
+  const int up_from = coarser.level() - from.level(), up_to = coarser.level() - to.level();
+  const auto coarsened = [](const CellBox& box, int up) {
+    return CellBox{{box.lower.x >> up, box.lower.y >> up, box.lower.z >> up},
+                   {box.size.x >> up, box.size.y >> up, box.size.z >> up}};
+  };
+  for (int leaf = 0; leaf < to.blocks(); ++leaf) {
+    const BlockPlace there = to.block(leaf);
+    if (!to.is_of_level(there)) continue;
+    const CellBox box = coarsened(there.box, up_to);
+    const CellBox in_from = {{box.lower.x << up_from, box.lower.y << up_from, box.lower.z << up_from},
+                             {box.size.x << up_from, box.size.y << up_from, box.size.z << up_from}};
+    from.for_blocks_meeting(in_from, [&](const BlockPlace& here) {
+      if (here.rank != there.rank) return;
+      all.push_back({overlap(box, coarsened(here.box, up_from)), here.rank, from.local_index(here, rank),
+                     to.local_index(there, rank)});
+    });
+  }
+  return all;
+}
+
+/// A part off equilibrium is proportional to the length of a step and to its relaxation time.
+struct Scales {
+  double even, odd;
+  Scales(const CollisionSpec& from, const CollisionSpec& to, double steps)
+      : even(to.relaxation_time / from.relaxation_time * steps),
+        odd(to.odd_relaxation_time() / from.odd_relaxation_time() * steps) {}
+};
+
+/// Turns populations of one lattice into those of another with the same density, velocity and gradients.
+void rescale(double (&g)[directions], const CollisionSpec& from, const CollisionSpec& to,
+             const Scales& scale) {
+  double rho = 0, u[3] = {from.force[0] / 2, from.force[1] / 2, from.force[2] / 2}, off[directions];
+  for (int i = 0; i < directions; ++i) {
+    rho += g[i];
+    for (int d = 0; d < 3; ++d) u[d] += c[i][d] * g[i];
+  }
+  for (int i = 0; i < directions; ++i) off[i] = g[i] - (equilibrium(i, rho, u) - half_push(from.force, i));
+  for (int i = 0; i < directions; ++i) {
+    const double even = (off[i] + off[opposite(i)]) / 2, odd = (off[i] - off[opposite(i)]) / 2;
+    g[i] = equilibrium(i, rho, u) - half_push(to.force, i) + scale.even * even + scale.odd * odd;
+  }
+}
+
+template <class T>
+class Change {
+ public:
+  Change(const Fluid<T>& from, Fluid<T>& to)
+      : from_(from),
+        to_(to),
+        rank_(parallel::rank_of(to.comm())),
+        changed_(changed_cells(from.domain(), to.domain(), rank_)),
+        ratio_(1 << std::abs(from.domain().level() - to.domain().level())),
+        scales_(from.spec(), to.spec(),
+                from.domain().level() > to.domain().level() ? 1. / ratio_ : double(ratio_)) {}
+
+  /// A new coarse cell has the mean of what arrived in its place.
+  void coarsen() {
+    for (const Changed& part : changed_) {
+      if (part.rank != rank_) continue;
+      const Int3 before = from_.blocks()[part.from_block].box().lower,
+                 after = to_.blocks()[part.to_block].box().lower;
+      for_cells(part.box.lower, part.box.lower + part.box.size, [&](Int3 x) {
+        double g[directions] = {};
+        for_cells(times(x), times(x + Int3{1, 1, 1}), [&](Int3 y) {
+          for (int i = 0; i < directions; ++i) g[i] += from_.arriving(part.from_block, y - before, i);
+        });
+        for (double& sum : g) sum /= ratio_ * ratio_ * ratio_;
+        give(part.to_block, x - after, g);
+      });
+    }
+  }
+
+  /// New fine cells have what arrived in the coarse one, plus its slope between the cells beside the coarse
+  /// one.
+  void refine() {
+    fetch();
+    for (const Changed& part : changed_) {
+      if (part.rank != rank_) continue;
+      const Int3 after = to_.blocks()[part.to_block].box().lower;
+      for_cells(part.box.lower, part.box.lower + part.box.size, [&](Int3 x) {
+        const std::vector<T>& middle = of(x);
+        double slope[3][directions] = {};
+        for (int d = 0; d < 3; ++d) {
+          Int3 above = x, below = x;
+          ++above[d], --below[d];
+          const int distance = has(above) + has(below);
+          if (distance == 0) continue;
+          const std::vector<T>&high = has(above) ? of(above) : middle, &low = has(below) ? of(below) : middle;
+          for (int i = 0; i < directions; ++i) slope[d][i] = (double(high[i]) - low[i]) / distance;
+        }
+        for_cells({}, times({1, 1, 1}), [&](Int3 y) {
+          double g[directions];
+          for (int i = 0; i < directions; ++i) {
+            g[i] = middle[i];
+            for (int d = 0; d < 3; ++d) g[i] += ((y[d] + 0.5) / ratio_ - 0.5) * slope[d][i];
+          }
+          give(part.to_block, times(x) + y - after, g);
+        });
+      });
+    }
+  }
+
+ private:
+  using Key = std::tuple<int, int, int>;  // z, y, x
+  Int3 times(Int3 x) const { return {x.x * ratio_, x.y * ratio_, x.z * ratio_}; }
+  Key key(Int3 x) const {
+    x = from_.domain().wrapped(x);
+    return {x.z, x.y, x.x};
+  }
+  bool has(Int3 x) const { return values_.contains(key(x)); }
+  const std::vector<T>& of(Int3 x) const { return values_.at(key(x)); }
+
+  void give(int block, Int3 cell, double (&g)[directions]) {
+    rescale(g, from_.spec(), to_.spec(), scales_);
+    for (int i = 0; i < directions; ++i) to_.arriving(block, cell, i) = T(g[i]);
+  }
+
+  /// The coarse cells that change, and those beside them.
+  void fetch() {
+    const Domain& domain = from_.domain();
+    std::map<std::pair<int, int>, std::map<Key, BlockPlace>> needs;  // by who needs and who has them
+    for (const Changed& part : changed_)
+      for_cells(grown(part.box, 1).lower, part.box.lower + part.box.size + Int3{1, 1, 1}, [&](Int3 x) {
+        int outside = 0;
+        for (int d = 0; d < 3; ++d)
+          outside += x[d] < part.box.lower[d] || x[d] >= part.box.lower[d] + part.box.size[d];
+        x = domain.wrapped(x);
+        if (outside > 1 || !domain.inside(x)) return;
+        const BlockPlace place = domain.block_at(x);
+        if (domain.is_of_level(place) && (part.rank == rank_ || place.rank == rank_))
+          needs[{part.rank, place.rank}].insert({key(x), place});
+      });
+    SlotExchange<T> slots(to_.comm(), 6);
+    std::uint32_t next = 0;
+    for (const auto& [ends, cells] : needs)
+      for (const auto& [key, place] : cells) {
+        const auto [z, y, x] = key;
+        SlotRun from{0, 0}, to{0, next};
+        if (ends.first == rank_) values_[key], ++next;
+        if (ends.second == rank_) {
+          from.array = std::uint32_t(domain.local_index(place, rank_));
+          from.first = std::uint32_t(from_.blocks()[from.array].cell(Int3{x, y, z} - place.box.lower));
+        }
+        slots.add(ends.second, from, ends.first, to, rank_);
+      }
+    std::vector<T> arrived(next);
+    for (int i = 0; i < directions; ++i) {
+      std::vector<const T*> sources;
+      for (const Block<T>& block : from_.blocks())
+        sources.push_back(block.data() + block.arriving(i, from_.parity()));
+      T* const target[] = {arrived.data()};
+      slots.start(sources);
+      slots.finish(sources, target);
+      std::size_t n = 0;
+      for (const auto& [ends, cells] : needs)
+        if (ends.first == rank_)
+          for (const auto& [key, place] : cells) values_[key].push_back(arrived[n++]);
+    }
+  }
+
+  const Fluid<T>& from_;
+  Fluid<T>& to_;
+  int rank_;
+  std::vector<Changed> changed_;
+  int ratio_;
+  Scales scales_;
+  std::map<Key, std::vector<T>> values_;  // what arrives in coarse cells
+};
+
+}  // namespace
+
+template <class T>
+void move_populations(const Levels<T>& from, Levels<T>& to) {
+  for (int level = 0; level < to.count(); ++level)
+    for (int before = 0; before < from.count(); ++before) {
+      if (before == level)
+        move_populations(from.fluid(level), to.fluid(level));
+      else if (before > level)
+        Change(from.fluid(before), to.fluid(level)).refine();
+      else
+        Change(from.fluid(before), to.fluid(level)).coarsen();
+    }
+}
+
+template void move_populations(const Levels<float>&, Levels<float>&);
+template void move_populations(const Levels<double>&, Levels<double>&);
+
+}  // namespace silt::lbm

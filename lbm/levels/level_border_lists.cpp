@@ -1,0 +1,397 @@
+// The lists of a border: which packet goes where is found by following each of them.
+#include <algorithm>
+#include <map>
+#include <set>
+#include <stdexcept>
+
+#include "lbm/exchange/ghost_home.hpp"
+#include "lbm/levels/level_border.hpp"
+#include "parallel/communicator.hpp"
+
+namespace silt::lbm {
+
+template <class T>
+struct LevelBorder<T>::Builder {
+  LevelBorder& border;
+  const Domain &fine, &coarse;
+  int rank;
+  Leaves leaves{fine}, coarse_leaves{coarse};
+
+  /// The row of coarse cells at hand: so many from x on along an axis.
+  Int3 x{};
+  int axis = 0;
+  std::uint32_t length = 0;
+
+  struct Entry {
+    int sub_step, corner;
+    Flight to;
+  };
+  std::uint32_t coarse_next = 0, fine_next[2] = {}, carried = 0, sums = 0;
+
+  /// A population that leaves a fine cell at rest has that much more than a coarse cell would have sent, and
+  /// one that arrives lacks as much; a packet that passes a place without a collision lacks twice as much.
+  double by_force(int j) const { return half_push(border.fine_.spec().force, j); }
+  bool is_fine(Int3 cell) { return leaves.level(cell) == fine.level(); }
+  bool is_coarse(Int3 cell) { return leaves.level(cell) == coarse.level(); }
+
+  /// Returns populations of cells of this rank; coarse cells are as many apart as those of the row.
+  Row own_row(const Fluid<T>& fluid, Leaves& of, Int3 cell, int direction) const {
+    const BlockPlace& place = of.at(cell);
+    const int b = fluid.domain().local_index(place, rank);
+    const Block<T>& block = fluid.blocks()[b];
+    const int stride = int(axis == 0 ? 1 : block.row_stride());
+    return {std::uint32_t(b * directions + direction), std::int32_t(block.cell(cell - place.box.lower)),
+            fluid.domain().level() == coarse.level() ? stride : 2 * stride};
+  }
+  SlotRun run_of(const Row& row) const { return {row.array, std::uint32_t(row.first), row.step, length}; }
+  /// The row from which a rank reads what another, or itself, has; lists the message.
+  Row fetched(SlotExchange<T>& slots, const Fluid<T>& fluid, Leaves& of, int user, Int3 cell, int direction,
+              std::uint32_t& next, std::uint32_t table, bool returned = false) {
+    const int owner = of.at(cell).rank;
+    Row row;
+    if (owner == rank) {
+      row = own_row(fluid, of, cell, direction);
+      if (returned) row.array += std::uint32_t(fluid.blocks().size() * directions);
+    }
+    if (owner == user) return row;
+    if (owner == rank) slots.sent(user).add(run_of(row));
+    if (user != rank) return {};
+    slots.received(owner).add({table, next, 1, length});
+    next += length;
+    return {table, std::int32_t(next - length), 1};
+  }
+  Row coarse_row(int user, Int3 cell, int direction, bool returned = false) {
+    return fetched(border.coarse_left_, border.coarse_, coarse_leaves, user, cell, direction, coarse_next,
+                   std::uint32_t(2 * border.coarse_.blocks().size() * directions), returned);
+  }
+  Row fine_row(int user, Int3 cell, int direction, int sub_step) {
+    return fetched(border.fine_left_[sub_step], border.fine_, leaves, user, cell, direction,
+                   fine_next[sub_step],
+                   std::uint32_t(2 * border.fine_.blocks().size() * directions + sub_step));
+  }
+
+  /// The part of a block after which some rows of fine cells have collided; none if they are of several
+  /// blocks.
+  struct Part {
+    Builder& builder;
+    int block = -1, part = 0;
+    bool several = false;
+
+    void add(Int3 cell) {
+      const BlockPlace& place = builder.leaves.at(cell);
+      const int b = builder.fine.local_index(place, builder.rank);
+      several |= b < 0 || (block >= 0 && b != block);
+      if (several) return;
+      block = b;
+      const Int3 x = cell - place.box.lower;
+      const int last_y = x.y + (builder.axis == 1 ? 2 * int(builder.length - 1) : 0);
+      const PassOrder& order = builder.border.fine_.pass_order(b);
+      part = std::max(
+          {part, order.part_of(x.y, x.z), order.part_of(std::min(last_y, place.box.size.y - 1), x.z)});
+    }
+    Lists& list() const {
+      return several || block < 0 || builder.border.on_device() ? builder.border.late_
+                                                                : builder.border.ready_[block][part];
+    }
+  };
+
+  /// The packets of what left the coarse cell y along j that enter fine cells.
+  std::vector<Entry> entries_of(Int3 y, int j) {
+    std::vector<Entry> entries;
+    for (int k = 0; k < 8; ++k) {
+      Flight packet{y + y + corner(k), j, 0, -by_force(j)};
+      for (int sub_step = 0; sub_step < 2; ++sub_step) {
+        if (sub_step == 1) packet.by_force += 2 * by_force(packet.direction);
+        packet = one_step(fine, packet);
+        if (!is_fine(packet.cell)) continue;
+        entries.push_back({sub_step, k, packet});
+        break;
+      }
+    }
+    return entries;
+  }
+  /// A slope is the rows above and below a coarse cell y along axis d, of what left along j, and what to
+  /// multiply their difference with for the change of a fourth of a cell.
+  struct Slope {
+    Row above, below;
+    T factor;
+  };
+  Slope slope(int user, Int3 y, int j, int d) {
+    Int3 up = y, down = y;
+    ++up[d], --down[d];
+    up = coarse.wrapped(up), down = coarse.wrapped(down);
+    const auto has = [&](Int3 cell) {
+      return coarse.inside(cell) && coarse.is_of_level(coarse_leaves.at(cell));
+    };
+    constexpr double factors[] = {0, 1. / 4, 1. / 8};  // by how many of them there are
+    const bool above = has(up), below = has(down);
+    if (!above) up = y;
+    if (!below) down = y;
+    return {coarse_row(user, up, j), coarse_row(user, down, j), T(factors[above + below])};
+  }
+
+  static bool goes_on(const Row& row, const Row& next) {
+    return row.array == next.array && row.first + 1 == next.first && row.step == next.step;
+  }
+  /// Adds a packet to an explosion, or a source to a coalescence: one element, or the second of a pair.
+  static void add(std::pmr::vector<Packet>& packets, std::uint8_t& count, const Packet& one) {
+    if (count > 0 && !packets.back().paired && one.corner == (packets.back().corner | 1) &&
+        one.corner != packets.back().corner && one.addend == packets.back().addend &&
+        goes_on(packets.back().to, one.to))
+      packets.back().paired = true;
+    else
+      packets.push_back(one), ++count;
+  }
+  static void add(std::pmr::vector<Source>& sources, std::uint8_t& count, const Row& from) {
+    if (count > 0 && !sources.back().paired && goes_on(sources.back().from, from))
+      sources.back().paired = true;
+    else
+      sources.push_back({from}), ++count;
+  }
+
+  void add_explosion(int j) {
+    const std::vector<Entry> entries = entries_of(x, j);
+    if (entries.empty()) return;
+    int in_step[2] = {};
+    bool by_outlet = false;
+    std::set<int> users;
+    for (const Entry& entry : entries) {
+      ++in_step[entry.sub_step], by_outlet |= entry.to.by_outlet;
+      users.insert(leaves.at(entry.to.cell).rank);
+    }
+    const bool in_time = in_step[0] == 4 && in_step[1] == 4 && !by_outlet;
+    for (const int user : users) {
+      typename Rows::Carried one{length, 0, coarse_row(user, x, j), {}, {}, {}, -1}, returned = one;
+      for (int d = 0; d < 3; ++d) {
+        const Slope s = slope(user, x, j, d);
+        one.above[d] = s.above, one.below[d] = s.below, one.slope[d] = s.factor;
+      }
+      if (by_outlet) returned.value = coarse_row(user, x, opposite(j), true);
+      returned.above = returned.below = {returned.value, returned.value, returned.value};
+      if (in_time) one.before = before_row(user, j);
+      if (user != rank) continue;
+      Part part{*this};
+      for (const Entry& entry : entries)
+        if (leaves.at(entry.to.cell).rank == rank) part.add(entry.to.cell);
+      for (const bool outlet : {false, true}) {
+        Explosion explosion{length, carried, {}, {}};
+        for (int s = 0; s < 2; ++s) explosion.first[s] = std::uint32_t(part.list().packets[s].size());
+        for (const Entry& entry : entries) {
+          if (entry.to.by_outlet != outlet || leaves.at(entry.to.cell).rank != rank) continue;
+          const double addend = entry.to.addend + (in_time ? 0 : entry.to.by_force);
+          add(part.list().packets[entry.sub_step], explosion.packets[entry.sub_step],
+              {own_row(border.fine_, leaves, entry.to.cell, entry.to.direction), T(addend),
+               std::uint8_t(entry.corner)});
+        }
+        if (explosion.packets[0] + explosion.packets[1] == 0) continue;
+        part.list().explosions.push_back(explosion);
+        typename Rows::Carried& its = outlet ? returned : one;
+        its.first = carried;
+        border.carry_.push_back(its);
+        carried += Rows::carried_rows * length;
+      }
+    }
+  }
+
+  /// Lists what arrived along j in the row before its collision; returns its place on the rank of the user.
+  std::int32_t before_row(int user, int j) {
+    const int owner = coarse_leaves.at(x).rank;
+    const SlotRun to{
+        std::uint32_t(border.coarse_.blocks().size() * directions + 1),  // behind coarse_fetched_
+        std::uint32_t(border.coarse_before_.size()), 1, length};
+    const SlotRun from = owner == rank ? run_of(own_row(border.coarse_, coarse_leaves, x, j)) : SlotRun{0, 0};
+    if (owner == rank || user == rank) border.before_.add(owner, from, user, to, rank);
+    if (user == rank) border.coarse_before_.resize(border.coarse_before_.size() + length);
+    return std::int32_t(to.first);
+  }
+
+  void add_coalescence(int j) {
+    struct Left {
+      int sub_step;
+      Flight from;
+    };
+    std::vector<Left> packets;
+    int by_outlet = 0;
+    double addend = 0;
+    for (int k = 0; k < 8; ++k) {
+      Flight packet = step_back(fine, {x + x + corner(k), j});
+      int sub_step = 1;
+      if (is_coarse(packet.cell)) {
+        packet.by_force = 2 * by_force(packet.direction);
+        packet = step_back(fine, packet);
+        sub_step = 0;
+      }
+      if (!is_fine(packet.cell)) continue;
+      if (packet.by_outlet) {
+        ++by_outlet;
+        continue;
+      }
+      packets.push_back({sub_step, packet});
+      addend += (packet.addend + packet.by_force - by_force(j)) / 8;
+    }
+    if (packets.empty()) return;
+    const int user = coarse_leaves.at(x).rank;
+    const Home back = home_of(coarse, x + c[opposite(j)], opposite(j));
+    const int from_direction = opposite(back.direction);
+    const bool from_coarse = coarse.is_of_level(coarse_leaves.at(back.cell));
+    const std::vector<Entry> entered =
+        from_coarse ? entries_of(back.cell, from_direction) : std::vector<Entry>{};
+    if (packets.size() + by_outlet != (from_coarse ? entered.size() : 8))
+      throw std::logic_error("packets are lost or made at a border between levels");
+
+    if (from_coarse && length > 1) {  // what is beside the other cell may differ along the row
+      const auto [first, whole] = std::pair(x, length);
+      for (length = 1; x[axis] < first[axis] + int(whole); ++x[axis]) add_coalescence(j);
+      x = first, length = whole;
+      return;
+    }
+    std::vector<Row> sources;
+    Part part{*this};
+    for (const Left& left : packets) {
+      part.add(left.from.cell);
+      sources.push_back(fine_row(user, left.from.cell, left.from.direction, left.sub_step));
+    }
+    Int3 corners{};
+    for (const Entry& entry : entered)
+      corners = corners + corner(entry.corner) + corner(entry.corner) - Int3{1, 1, 1};
+    std::vector<Taken> taken;
+    for (int d = 0; d < 3; ++d) {
+      if (corners[d] == 0) continue;
+      const Slope s = slope(user, back.cell, from_direction, d);
+      taken.push_back({s.above, s.below, T(corners[d]) * s.factor});
+    }
+    if (user != rank) return;
+    Lists& list = from_coarse ? border.late_ : part.list();
+    Coalescence one{length,
+                    own_row(border.coarse_, coarse_leaves, x, j),
+                    sums,
+                    T(addend),
+                    {std::uint32_t(list.sources[0].size()), std::uint32_t(list.sources[1].size())},
+                    std::uint32_t(list.taken.size()),
+                    std::uint8_t(8 - packets.size()),
+                    {},
+                    std::uint8_t(taken.size())};
+    for (std::size_t k = 0; k < packets.size(); ++k)
+      add(list.sources[packets[k].sub_step], one.sources[packets[k].sub_step], sources[k]);
+    list.taken.insert(list.taken.end(), taken.begin(), taken.end());
+    list.coalescences.push_back(one);
+    sums += length;
+  }
+
+  /// A passing packet left a fine cell in the first step, is in the coarse cell x, and enters a fine one in
+  /// the second.
+  void add_passing(int j) {
+    for (int k = 0; k < 8; ++k) {
+      const Flight middle{x + x + corner(k), j};
+      const Flight from = step_back(fine, middle);
+      if (!is_fine(from.cell)) continue;
+      const Flight to = one_step(fine, middle);
+      if (!is_fine(to.cell)) continue;
+      const int user = leaves.at(to.cell).rank;
+      typename Rows::Passing one{length,
+                                 fine_row(user, from.cell, from.direction, 0),
+                                 {},
+                                 sums,
+                                 T(from.addend + to.addend + 2 * by_force(j))};
+      if (user != rank) continue;
+      one.to = own_row(border.fine_, leaves, to.cell, to.direction);
+      sums += length;
+      border.passing_.push_back(one);
+    }
+  }
+
+  /// The levels around a cell: whether a fine one is among them, and how many cells from it on, along the
+  /// axis at hand, have the same leaves around them.
+  struct Surroundings {
+    bool any_fine = false, any_outside = false, any_far = false;
+    bool fine[3][3][3] = {};  // by z, y, x
+    int alike = 1 << 30;
+    /// Returns whether what moves along j may meet fine cells.
+    bool may_meet(int j) const {
+      bool found = any_outside;
+      for (int k = 1; k < 8; ++k) {
+        const Int3 v = corner(k);
+        found |= fine[1 + v.z * c[j].z][1 + v.y * c[j].y][1 + v.x * c[j].x];
+      }
+      return found;
+    }
+  };
+  Surroundings around(Int3 cell) {
+    Surroundings s;
+    for_cells(cell - Int3{1, 1, 1}, cell + Int3{2, 2, 2}, [&](Int3 y) {
+      const Int3 image = coarse.wrapped(y);
+      if (!coarse.inside(image)) {
+        s.any_outside = true;
+        if (y[axis] != cell[axis]) s.alike = 1;  // at the end of the domain
+        return;
+      }
+      const BlockPlace& place = coarse_leaves.at(image);
+      s.any_far |= !coarse.is_known(place);
+      const bool is_fine = fine.is_of_level(place);
+      const Int3 v = y - cell;
+      s.fine[1 + v.z][1 + v.y][1 + v.x] = is_fine;
+      s.any_fine |= is_fine;
+      s.alike = std::min(s.alike, place.box.lower[axis] + place.box.size[axis] - image[axis]);
+    });
+    return s;
+  }
+
+  /// Cuts the cells of a box, some of which may have fine cells beside them, into rows that do alike.
+  void add_rows(const CellBox& box) {
+    axis = box.size.x > 1 ? 0 : 1;
+    const Int3 end = box.lower + box.size;
+    Int3 ends = end;
+    ends[axis] = box.lower[axis] + 1;
+    for_cells(box.lower, ends, [&](Int3 first) {
+      for (x = first; x[axis] < end[axis]; x[axis] += int(length)) {
+        const Surroundings s = around(x);
+        length = std::uint32_t(std::min(s.alike, end[axis] - x[axis]));
+        if (!s.any_fine || s.any_far) continue;  // far: it has nothing to do with this rank
+        for (int j = 1; j < directions; ++j) {
+          const bool enters = s.may_meet(j), comes = s.may_meet(opposite(j));
+          if (enters) add_explosion(j);
+          if (comes) add_coalescence(j);
+          if (enters && comes) add_passing(j);
+        }
+      }
+    });
+  }
+
+  void build() {
+    for (int b = 0; b < int(border.fine_.blocks().size()); ++b)
+      border.ready_.emplace_back(border.fine_.pass_order(b).parts());
+    std::set<int> near;  // blocks whose cells may matter to this rank's, in an order on which ranks agree
+    const auto add_near = [&](const CellBox& box) {
+      for (const int b : coarse.blocks_meeting(grown(box, 2))) near.insert(b);
+    };
+    for (const BlockPlace& mine : coarse.blocks_of(rank)) add_near(mine.box);
+    for (const BlockPlace& mine : fine.blocks_of(rank))
+      add_near({halved(mine.box.lower), halved(mine.box.size)});
+    for (const int b : near) {
+      CellBox inner = coarse.block(b).box;      // without the faces that have been looked at
+      for (const int k : {4, 5, 2, 3, 0, 1}) {  // low and high across z, y, x
+        const int d = k / 2, high = k % 2;
+        CellBox face = inner;
+        if (high) face.lower[d] += inner.size[d] - 1;
+        face.size[d] = 1, --inner.size[d], inner.lower[d] += !high;
+        if (inner.size[d] < 0 || face.size.x <= 0 || face.size.y <= 0 || face.size.z <= 0) continue;
+        const CellBox around = grown(face, 1);
+        if (!fine.blocks_meeting({around.lower + around.lower, around.size + around.size}).empty())
+          add_rows(face);
+      }
+    }
+    border.coarse_fetched_.resize(coarse_next);
+    for (int s = 0; s < 2; ++s) border.fine_fetched_[s].resize(fine_next[s]);
+    border.carried_.resize(carried);
+    border.sums_.resize(sums);
+  }
+};
+
+template <class T>
+void LevelBorder<T>::make_lists() {
+  Builder{*this, fine_.domain(), coarse_.domain(), parallel::rank_of(fine_.comm())}.build();
+}
+template void LevelBorder<float>::make_lists();
+template void LevelBorder<double>::make_lists();
+
+}  // namespace silt::lbm

@@ -1,0 +1,75 @@
+#include "lbm/levels/levels.hpp"
+
+namespace silt::lbm {
+
+CollisionSpec coarser(CollisionSpec spec, int levels) {
+  const double factor = 1 << levels;
+  spec.relaxation_time = 0.5 + (spec.relaxation_time - 0.5) / factor;
+  for (double& f : spec.force) f *= factor;
+  // A border sends waves of the lattice's length, and at low viscosity `magic` damps their odd half too
+  // little for a stream that carries them to and fro: here no wall of a body asks for it.
+  if (spec.model == Collision::trt && levels > 0)
+    spec.magic = spec.excess() * (spec.stable_odd_relaxation_time() - 0.5);
+  return spec;
+}
+
+template <class T>
+Levels<T>::Levels(Fluid<T>& finest, int coarser_levels) : finest_(finest), seconds_(coarser_levels + 1) {
+  const Domain& domain = finest.domain();
+  borders_.reserve(coarser_levels);
+  for (int level = 1; level <= coarser_levels; ++level) {
+    coarser_.push_back(
+        std::make_unique<Fluid<T>>(Domain(domain.tree(), domain.sides(), domain.ranks(), level),
+                                   coarser(finest.spec(), level), finest.comm(), finest.device()));
+    borders_.emplace_back(fluid(level - 1), fluid(level));
+  }
+}
+
+template <class T>
+void Levels<T>::set_passes(std::int64_t done) {
+  for (int level = 0; level < count(); ++level) fluid(level).set_passes(done >> level);
+}
+
+template <class T>
+void Levels<T>::begin_step() {
+  for (int level = count() - 1; level > 0; --level) {
+    if (finest_.passes() % (1 << level) != 0) continue;
+    const double begin = MPI_Wtime();
+    begin_pass(level);
+    borders_[level - 1].before_coarse_pass();
+    pass_over(level);
+    fluid(level).exchange();
+    borders_[level - 1].after_coarse_pass();
+    end_pass(level);
+    seconds_[level] += MPI_Wtime() - begin;
+  }
+  begin_pass(0);
+}
+
+template <class T>
+void Levels<T>::begin_pass(int level) {
+  if (!is_coarsest(level)) borders_[level].begin_fine_pass();
+}
+
+template <class T>
+void Levels<T>::pass_over(int level) {
+  Fluid<T>& its = fluid(level);
+  if (is_coarsest(level) || its.device() != Device::cpu) return its.stream_collide();
+  its.begin_pass();
+  for (int b = 0; b < int(its.blocks().size()); ++b)
+    for (int part = 0; part < its.parts(b); ++part) {
+      its.collide(b, part);
+      borders_[level].after_part(b, part);
+    }
+  its.end_pass();
+}
+
+template <class T>
+void Levels<T>::end_pass(int level) {
+  if (!is_coarsest(level)) borders_[level].end_fine_pass();
+}
+
+template class Levels<float>;
+template class Levels<double>;
+
+}  // namespace silt::lbm

@@ -1,0 +1,101 @@
+#include "lbm/walls/device_links.hpp"
+
+#include <algorithm>
+
+#include "lbm/passes/device_passes.hpp"
+#include "lbm/walls/link_passes.hpp"
+
+namespace silt::lbm {
+
+template <class T>
+void DeviceLinks<T>::clear() {
+  surfaces_.host().clear(), first_group_.host().clear(), opposites_.host().clear();
+  group_count_ = 0, is_listed_ = has_crossings_ = false;
+}
+
+template <class T>
+void DeviceLinks<T>::add(const DeviceSurface<T>* surface, std::span<const LinkGroup> groups) {
+  surfaces_.host().push_back({surface, {}, 0, T(0), false});
+  first_group_.host().push_back(group_count_);
+  group_count_ += std::uint32_t(groups.size());
+  for (const LinkGroup& group : groups) has_crossings_ |= group.crossing;
+}
+
+template <class T>
+void DeviceLinks<T>::set_motion(std::size_t k, const SurfaceMotion& motion, double reach, T age) {
+  SurfaceStep<T>& surface = surfaces_.host()[k];
+  surface.motion = motion, surface.age = age, surface.limit = largest_exchange(reach, motion);
+  surface.open = false;
+}
+
+template <class T>
+void DeviceLinks<T>::set_increment(std::size_t k, const SurfaceMotion& increment) {
+  surfaces_.host()[k].motion = increment, surfaces_.host()[k].open = true;
+}
+
+template <class T>
+LinkSums DeviceLinks<T>::sums(std::size_t k) const {
+  const DeviceSums& of = sums_.host()[k];
+  LinkSums sums;
+  std::copy_n(of.force, 3, sums.force), std::copy_n(of.torque, 3, sums.torque);
+  sums.invalid = of.beyond_range != 0;
+  return sums;
+}
+
+template <class T>
+const LinkPasses<T>& DeviceLinks<T>::passes() const {
+  return SILT_ON(device_, link_passes<T>)();
+}
+
+template <class T>
+LinkPass<T> DeviceLinks<T>::pass_over(Block<T>& block, const LinkSlots& slots) {
+  slots_.host().assign(1, slots);
+  return {block.data() + block.middle(),
+          std::int32_t(block.row_stride()),
+          std::int32_t(block.plane_stride()),
+          block.excess(),
+          slots_.send(),
+          fluid_,
+          surfaces_.send(),
+          sums_.device(),
+          nullptr,
+          false};
+}
+
+/// Lists the groups of all surfaces and what links in gaps are told, if that has changed.
+template <class T>
+void DeviceLinks<T>::list_groups() {
+  if (is_listed_) return;
+  is_listed_ = true;
+  opposites_.send();
+  groups_.clear(), groups_.resize(group_count_);
+  passes().list_groups({surfaces_.device(), surfaces_.size()}, first_group_.send(), groups_.data());
+}
+
+template <class T>
+void DeviceLinks<T>::apply(Block<T>& block, const LinkSlots& slots, const BeyondPair<T>* pairs_across,
+                           ForceForm form) {
+  sums_.host().resize(surfaces_.size());
+  sums_.clear();
+  LinkPass<T> pass = pass_over(block, slots);
+  pass.pairs_across = pairs_across;
+  pass.galilean = form == ForceForm::galilean;
+  list_groups();
+  passes().set_opposites({opposites_.device(), opposites_.size()}, pass);
+  passes().apply(groups_, pass);
+  // after all others, for these read what crossing links write
+  if (has_crossings_) passes().apply_crossing(groups_, pass);
+  sums_.fetch();
+  wait(device_);
+}
+
+template <class T>
+void DeviceLinks<T>::correct(Block<T>& block, const LinkSlots& slots) {
+  passes().correct(groups_, pass_over(block, slots));
+  wait(device_);
+}
+
+template class DeviceLinks<float>;
+template class DeviceLinks<double>;
+
+}  // namespace silt::lbm

@@ -1,0 +1,203 @@
+// The passes of link_passes.hpp, for the one file of each device that includes this (SILT_ISA, SILT_SCALAR).
+#include "device/for_each.hpp"
+#include "lbm/walls/link_exchange.hpp"
+#include "lbm/walls/link_passes.hpp"
+
+namespace silt::lbm::SILT_ISA {
+
+/// A link as it was found in its group.
+template <class T>
+struct FoundLink {
+  Places<T> at;
+  T q;
+  std::int32_t back;  // the slot that the surface returns to
+};
+
+/// The links of one group.
+template <class T>
+struct LinksOfGroup {
+  const LinkPass<T>& pass;
+  const SurfaceStep<T>& step;
+  const DeviceSurface<T>& surface;
+  const LinkGroup& group;
+  DeviceSums& sums;
+  PlaceOrigin<T> origin;
+  WallDistances<T> distance;
+  T* corner;
+  ExcessQuanta<T>* excess;  // of the group's corner
+
+  SILT_DEVICE LinksOfGroup(const LinkPass<T>& pass, const GroupOfSurface& of)
+      : pass(pass),
+        step(pass.surfaces[of.surface]),
+        surface(*step.surface),
+        group(surface.groups[of.number]),
+        sums(pass.sums[of.surface]),
+        origin(group.corner, surface.frame, pass.slots->components),
+        distance(surface.q + group.begin, surface.rate ? surface.rate + group.begin : nullptr, step.age),
+        corner(pass.data + corner_cell()),
+        excess(pass.excess + corner_cell()) {
+    origin.row = pass.row, origin.plane = pass.plane;
+  }
+  SILT_DEVICE std::ptrdiff_t corner_cell() const {
+    return group.corner.x + std::ptrdiff_t{pass.row} * group.corner.y +
+           std::ptrdiff_t{pass.plane} * group.corner.z;
+  }
+  SILT_DEVICE FoundLink<T> operator[](int l) const {
+    const Places<T> at(surface.place + group.begin + l, origin);
+    return {at, distance.at(l), at.slots(pass.slots->back)};
+  }
+};
+
+/// The populations that one link reads.
+template <WallScheme scheme, class T>
+struct ReadLink {
+  const LinksOfGroup<T>& links;
+  const FoundLink<T>& link;
+  int l;
+
+  SILT_DEVICE std::int32_t out() const { return link.at.slots(links.pass.slots->out); }
+  SILT_DEVICE SlotsBehind<std::int32_t> slots() const {
+    return {out(), link.back, links.pass.slots->step[link.at.direction]};
+  }
+  SILT_DEVICE T operator()(int row) const {
+    if (row == out_row) return links.corner[out()];
+    if constexpr (scheme == WallScheme::single_cell_gap)
+      return links.corner[link.at.cell + links.pass.slots->out[row - out_row]];
+    return links.corner[row == behind_row ? slots().behind : slots().against];
+  }
+  SILT_DEVICE BeyondPair<T> beyond() const {
+    if (links.group.across)
+      return links.pass.pairs_across[links.surface.across[links.group.across_begin + l]];
+    return {links.corner[slots().away], links.corner[slots().toward]};
+  }
+  SILT_DEVICE OppositeWall<T> opposite() const {
+    if (scheme != WallScheme::single_cell_gap || !links.surface.opposite_q) return {};
+    return {links.surface.opposite_q[links.group.opposite + l],
+            links.surface.opposite_u[links.group.opposite + l]};
+  }
+};
+
+/// Applies the links of a group that are a member's, so many together: all of these are read before one is
+/// written.
+template <WallScheme scheme, int together, class T>
+SILT_DEVICE void apply_group(const LinksOfGroup<T>& links, const Team& member) {
+  const Motion<T> u(links.step.motion);
+  const WallFluid<T>& fluid = links.pass.fluid;
+  GroupSums<T> sums(links.pass.galilean ? T(1) : T(0), T(links.step.limit));
+  const int count = int(links.group.count);
+  for (int first = together * member.lane; first < count; first += together * member.size) {
+    Exchange<T> passed[together];
+    std::int32_t back[together];
+    const int end = first + together <= count ? together : count - first;
+    for (int k = 0; k < end; ++k) {
+      const FoundLink<T> link = links[first + k];
+      const ReadLink<scheme, T> read{links, link, first + k};
+      const Places<T>& at = link.at;
+      const T ux = u.x(at.r[1], at.r[2]), uy = u.y(at.r[2], at.r[0]), uz = u.z(at.r[0], at.r[1]);
+      passed[k] = exchange<scheme>(read, fluid, at, link.q, at.along(ux, uy, uz), read.opposite());
+      back[k] = link.back;
+      add_to(links.excess[at.cell],
+             excess_quanta<T>(passed[k].excess) - ExcessQuanta<T>(links.step.motion.mass_by_link));
+      sums.add(passed[k], true, at, ux, uy, uz);
+    }
+    for (int k = 0; k < end; ++k) links.corner[back[k]] = passed[k].back;
+  }
+  sums.add_to(links.sums, [&](std::int64_t term, std::int64_t& sum) { member.add(term, sum); });
+  member.add(sums.in_range() ? 0 : 1, links.sums.beyond_range);
+}
+
+template <class T>
+SILT_DEVICE void correct_group(const LinksOfGroup<T>& links, const Team& member) {
+  const Motion<T> u(links.step.motion);
+  for (int l = member.lane; l < int(links.group.count); l += member.size) {
+    const Places<T> at(links.surface.place + links.group.begin + l, links.origin);
+    T& back = links.corner[at.slots(links.pass.slots->back)];
+    back = corrected<T>(back, at, u);
+  }
+}
+
+template <class T>
+struct ListGroups {
+  const SurfaceStep<T>* surfaces;
+  const std::uint32_t* first;
+  GroupOfSurface* groups;
+  SILT_DEVICE void operator()(std::int64_t k, const Team& member) const {
+    const std::uint32_t count = surfaces[k].surface->group_count;
+    for (auto n = std::uint32_t(member.lane); n < count; n += std::uint32_t(member.size))
+      groups[first[k] + n] = {std::uint32_t(k), n};
+  }
+};
+
+/// The two ends of crossing links are beside one another in their groups.
+template <class T, bool crossing>
+struct ApplyLinks {
+  LinkPass<T> pass;
+  const GroupOfSurface* groups;
+  SILT_DEVICE void operator()(std::int64_t k, const Team& member) const {
+    const LinksOfGroup<T> links(pass, groups[k]);
+    if (links.group.crossing != crossing) return;
+    with_scheme(links.group.scheme, [&](auto scheme) {
+      constexpr int together = crossing ? 2 : 1;
+      apply_group<scheme(), together>(links, member);
+    });
+  }
+};
+
+template <class T>
+struct CorrectLinks {
+  LinkPass<T> pass;
+  const GroupOfSurface* groups;
+  SILT_DEVICE void operator()(std::int64_t k, const Team& member) const {
+    const LinksOfGroup<T> links(pass, groups[k]);
+    if (!links.step.open) return;
+    correct_group(links, member);
+  }
+};
+
+template <class T>
+struct SetOpposites {
+  LinkPass<T> pass;
+  const OppositeLink<T>* links;
+  SILT_DEVICE void operator()(std::int64_t k) const {
+    const OppositeLink<T>& link = links[k];
+    T q = link.at_side ? T(0.5) : T(0), velocity = link.side_velocity;
+    if (link.other >= 0) {
+      const SurfaceStep<T>& other = pass.surfaces[link.other];
+      const std::int32_t packed = pass.slots->components[link.direction];
+      const Int3 along{component(packed, 0), component(packed, 1), component(packed, 2)};
+      if (!link.at_side) q = other.surface->q[link.number];
+      velocity = T(velocity_along(other.surface->frame, other.motion, link.cell, along));
+    }
+    const DeviceSurface<T>& own = *pass.surfaces[link.surface].surface;
+    own.opposite_q[link.place] = q, own.opposite_u[link.place] = velocity;
+  }
+};
+
+template <class T>
+void list_groups(std::span<const SurfaceStep<T>> surfaces, const std::uint32_t* first,
+                 GroupOfSurface* groups) {
+  for_teams(std::int64_t(surfaces.size()), ListGroups<T>{surfaces.data(), first, groups});
+}
+template <class T>
+void set_opposites(std::span<const OppositeLink<T>> links, const LinkPass<T>& pass) {
+  for_each(std::int64_t(links.size()), SetOpposites<T>{pass, links.data()});
+}
+template <class T, bool crossing>
+void apply_links(std::span<const GroupOfSurface> groups, const LinkPass<T>& pass) {
+  for_teams(std::int64_t(groups.size()), ApplyLinks<T, crossing>{pass, groups.data()});
+}
+template <class T>
+void correct_links(std::span<const GroupOfSurface> groups, const LinkPass<T>& pass) {
+  for_teams(std::int64_t(groups.size()), CorrectLinks<T>{pass, groups.data()});
+}
+
+template <class T>
+const LinkPasses<T>& link_passes() {
+  static constexpr LinkPasses<T> passes = {list_groups<T>, set_opposites<T>, apply_links<T, false>,
+                                           apply_links<T, true>, correct_links<T>};
+  return passes;
+}
+template const LinkPasses<float>& link_passes();
+template const LinkPasses<double>& link_passes();
+
+}  // namespace silt::lbm::SILT_ISA

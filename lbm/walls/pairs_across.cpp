@@ -1,0 +1,112 @@
+#include "lbm/walls/pairs_across.hpp"
+
+#include "parallel/communicator.hpp"
+
+namespace silt::lbm {
+
+namespace {
+
+/// Returns the first of the two arrays of a block in which exchange() finds pairs along a direction.
+std::uint32_t source(int block, int direction) {
+  return 2 * std::uint32_t(block * directions + direction);
+}
+
+}  // namespace
+
+template <class T>
+struct PairsAcross<T>::Builder {
+  PairsAcross& pairs;
+  const Domain& domain;
+  std::span<const Block<T>> blocks;
+  BlockPlace behind_block{-1, {}, -1};  // of the last cell behind: rows stay in one block
+  struct Entry {
+    int block, behind_block, direction, axis;
+    Int3 x, behind;  // in these blocks
+  };
+  Entry last{-1, -1, 0, 0, {}, {}};
+
+  /// Returns whether a pair is the next of a line: both ends of a message have the same lines.
+  bool goes_on(const Entry& one) const {
+    const Int3 along = one.axis == 0 ? Int3{0, 1, 0} : Int3{1, 0, 0};
+    return one.block == last.block && one.behind_block == last.behind_block &&
+           one.direction == last.direction && one.axis == last.axis && one.x == last.x + along &&
+           one.behind == last.behind + along;
+  }
+
+  /// The pair of the link that comes from the ghost cell g, against j.
+  void add(const BlockPlace& place, const PlacesAcross& places, Int3 g, int j) {
+    const Int3 x = g - c[j], behind = domain.wrapped(place.box.lower + g);
+    const int i = opposite(j), axis = PlacesAcross::axis_of(x, i, place.box.size);
+    if (!domain.inside(behind)) return;
+    if (!behind_block.box.contains(behind)) behind_block = domain.block_at(behind);
+    if (!domain.is_of_level(behind_block)) return;
+    const int here = domain.local_index(place, pairs.rank_),
+              there = domain.local_index(behind_block, pairs.rank_);
+    if (here < 0 && there < 0) return;
+    const Entry one{place.index, behind_block.index, i, axis, x, behind - behind_block.box.lower};
+    if (goes_on(one)) {
+      ++pairs.lines_.back().length;
+    } else {
+      Line line{here, i, x, axis == 0, 1, behind_block.rank, place.rank, {}, {}};
+      if (here < 0) line.block = there, line.first = one.behind + c[i];
+      if (here >= 0) line.to = {std::uint32_t(here), 2 * places(x, i), 2};
+      if (there >= 0)
+        line.from = {source(there, i), std::uint32_t(blocks[there].cell(one.behind)),
+                     std::int32_t(axis == 0 ? blocks[there].row_stride() : 1)};
+      pairs.lines_.push_back(line);
+    }
+    last = one;
+  }
+
+  void build() {
+    for (const int b : domain.neighbourhood_of_rank(pairs.rank_)) {
+      const BlockPlace place = domain.block(b);
+      const PlacesAcross places(place.box.size);
+      if (domain.local_index(place, pairs.rank_) >= 0)
+        pairs.pairs_[domain.local_index(place, pairs.rank_)].resize(places.count());
+      for_ghost_slots(place.box.size, [&](Int3 g, int j) { add(place, places, g, j); });
+    }
+  }
+};
+
+template <class T>
+PairsAcross<T>::PairsAcross(const Domain& domain, MPI_Comm comm, std::span<const Block<T>> blocks,
+                            Device device)
+    : rank_(parallel::rank_of(comm)),
+      device_(device),
+      slots_(comm, 3, device),
+      sources_(device),
+      targets_(device) {
+  for (std::size_t b = 0; b < blocks.size(); ++b) pairs_.emplace_back(memory_of(device));
+  Builder{*this, domain, blocks}.build();
+  for (auto& of_block : pairs_) targets_.host().push_back(reinterpret_cast<T*>(of_block.data()));
+  targets_.send();
+  for (const Line& line : lines_) add(line, 0, line.length);
+}
+
+template <class T>
+void PairsAcross<T>::add(const Line& line, std::uint32_t n, std::uint32_t count) {
+  SlotRun from = line.from, to = line.to;
+  from.first += n * std::uint32_t(from.stride), to.first += n * std::uint32_t(to.stride);
+  from.length = to.length = count;
+  for (int half = 0; half < 2; ++half, ++from.array, ++to.first)  // away, toward
+    slots_.add(line.from_rank, from, line.to_rank, to, rank_);
+}
+
+template <class T>
+void PairsAcross<T>::exchange(std::span<const Block<T>> blocks, Parity parity) {
+  sources_.host().resize(2 * directions * blocks.size());
+  for (int b = 0; b < int(blocks.size()); ++b)
+    for (int i = 1; i < directions; ++i) {
+      sources_.host()[source(b, i)] = blocks[b].data() + blocks[b].leaving(opposite(i), parity);
+      sources_.host()[source(b, i) + 1] = blocks[b].data() + blocks[b].arriving(i, parity);
+    }
+  sources_.send();
+  slots_.start({sources_.device(), sources_.size()});
+  slots_.finish({sources_.device(), sources_.size()}, {targets_.device(), targets_.size()});
+}
+
+template class PairsAcross<float>;
+template class PairsAcross<double>;
+
+}  // namespace silt::lbm

@@ -1,0 +1,398 @@
+// [[bodies]], [[fill]] and [[outflow]]; what may be wrong with bodies that come and go.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+
+#include "rigid/shapes/shape.hpp"
+#include "silt/case/case_sections.hpp"
+#include "silt/case/fill_room.hpp"
+
+namespace silt {
+namespace {
+
+using rigid::Vec3;
+
+constexpr std::tuple shape_name_keys{
+    HandKey{"shape", "string", "", required, "the name of one of [[shapes]]"}};
+/// These keys are those of entries of [[bodies]] and of [[fill]].
+constexpr std::tuple entry_keys{
+    HandKey{"material", "string", "", "\"default\"", "name of one of [[materials]]"},
+    HandKey{"name", "string", "", "the shape's",
+            "kind of the bodies in output; entries of one name make one kind and have one shape"},
+    Key{"density", &EntrySpec::density, Number{dimension::density, range::above(0)},
+        "density of the bodies, in the units of the case", required}};
+
+constexpr std::tuple body_keys{
+    HandKey{"position", "[x, y, z]", "m", "one of two", "where the point of the body is that origin names"},
+    HandKey{"positions", "[[x, y, z], …], string", "m", "one of two",
+            "the same of several bodies; or a file of them in the directory of the case, see below"},
+    HandKey{"origin", "\"shape\", \"centre\"", "", "\"shape\"",
+            "what the positions place: the origin that the shape (or its file) is given about, or the centre "
+            "of mass"},
+    HandKey{
+        "motion", "\"free\", \"fixed\", \"prescribed\", table", "", "\"free\"",
+        "whether a body moves by the forces on it, not at all, keeps its velocity, or moves as a table says: "
+        "see walls.motion"},
+    HandKey{"locked", "list of axes", "", "none",
+            "of free bodies: axes along or about which nothing moves them, as in [\"x\", \"rotation y\"]"},
+    Key{"velocity", &EntrySpec::velocity, Vector{dimension::velocity},
+        "velocity at the start; not of a fixed body"},
+    Key{"angular_velocity", &BodySpec::angular_velocity, Vector{dimension::angular_velocity},
+        "angular velocity at the start; not of a fixed body"}};
+
+constexpr std::tuple start_keys{
+    Key{"from", &StartSpec::from, Text{},
+        "folder of another run's results, of which the newest checkpoint counts, or a checkpoint", required},
+    Key{"random_velocity", &StartSpec::random_velocity, Number{dimension::velocity, range::at_least(0)},
+        "largest component of a random velocity that each free body gets besides, the same on any number of "
+        "ranks"}};
+
+constexpr std::tuple fill_keys{
+    Key{"arrangement", &FillSpec::arrangement, Choice{arrangement_names}, "where the bodies are"},
+    HandKey{"diameter", "table", "", "the shape's",
+            "sizes of the bodies, see below; those of the shape do not count then; at random only"},
+    Key{"count", &FillSpec::count, Whole{1, 100'000'000'000},
+        "number of bodies; not at random as many as fit without it", "–, none"},
+    Key{"spacing", &FillSpec::spacing, Number{dimension::length, range::above(0)},
+        "distance of neighbouring sites; not at random", "the least"},
+    Key{"shift", &FillSpec::shift, Number{dimension::length, range::at_least(0)},
+        "furthest that a body is moved from its site, in a random direction; not at random"},
+    Key{"gap", &FillSpec::gap, Number{dimension::length, range::at_least(0)},
+        "least distance between bounding spheres, and to walls"},
+    Key{"seed", &FillSpec::seed, Whole{0}, "seed of the random numbers"},
+    Key{"orientation", &FillSpec::aligned, Choice{coupler::names_of<bool>("random", "aligned")},
+        "whether the bodies are rotated at random"},
+    Key{"box", &FillSpec::box, Corners{}, "two corners of the box that is filled", "the domain"},
+    Key{"velocity", &EntrySpec::velocity, Vector{dimension::velocity},
+        "velocity of the bodies when they are placed"},
+    Key{"every", &FillSpec::every, Whole{1, Whole{}.high, "steps"},
+        "steps between two applications; box must then be given", "none"},
+    Key{"until", &FillSpec::until, Number{dimension::time, range::at_least(0)},
+        "time after which it is not applied again", "the end"}};
+
+constexpr std::tuple outflow_keys{
+    Key{"box", &OutflowSpec::box, Corners{}, "where bodies are taken out: two corners", required}};
+
+// Entries of one name make one kind, of one shape; without a name it is the shape's.
+int read_kind(TableReader& table, int shape, Case& setup) {
+  const std::string fallback = setup.shape_names.empty() ? "body" : setup.shape_names[shape];
+  const std::string name = table.string("name").value_or(fallback);
+  const auto found = std::ranges::find(setup.kind_names, name);
+  const int kind = static_cast<int>(found - setup.kind_names.begin());
+  if (found == setup.kind_names.end()) {
+    if (constexpr std::size_t most = 4000;
+        setup.kind_names.size() == most)  // as many as a table of bodies.h5 has
+      table.fail("name", "there are more than {} names of bodies; give several the same one", most);
+    setup.kind_names.push_back(name);
+    setup.kind_shapes.push_back(shape);
+  } else if (setup.kind_shapes[kind] != shape) {
+    table.fail("name",
+               "{}: another entry of the name '{}' has the shape '{}', this one '{}'; entries of one name "
+               "have one shape: give them different names",
+               table.path(), name, setup.shape_names[setup.kind_shapes[kind]], setup.shape_names[shape]);
+  }
+  return kind;
+}
+
+void read_entry(TableReader& table, EntrySpec& spec, Case& setup) {
+  table.need("shape", "the name of one of [[shapes]]: " + joined(setup.shape_names));
+  spec.shape = read_name(table, "shape", setup.shape_names, "shape").value_or(0);
+  read_keys(table, spec, entry_keys);
+  spec.material = read_name(table, "material", setup.material_names, "material").value_or(0);
+  spec.kind = read_kind(table, spec.shape, setup);
+}
+
+/// Refuses keys of which a file of positions has columns, and columns that a fixed body cannot have.
+void check_contents(TableReader& table, const BodySpec& body, const std::string& name,
+                    const PositionContents& in) {
+  const auto refuse_twice = [&](bool in_file, std::initializer_list<const char*> keys) {
+    for (const char* key : keys)
+      if (in_file && table.has(key))
+        table.fail(key, "{} is given, and '{}' has columns of it: remove one of the two", table.path(key),
+                   name);
+  };
+  refuse_twice(in.orientation, {"orientation", "axis_angle", "axis"});
+  refuse_twice(in.velocity, {"velocity"});
+  refuse_twice(in.angular_velocity, {"angular_velocity"});
+  if (body.motion == rigid::Motion::fixed && in.fastest != FiledPose{})
+    table.fail("positions",
+               "{}: '{}' has velocities, but the bodies are fixed; set motion = \"free\" or \"prescribed\", "
+               "or remove these columns",
+               table.path("positions"), name);
+}
+
+/// Positions in a file: only how many there are is looked at, and how fast the fastest are.
+void read_filed_bodies(TableReader& table, BodySpec alike, Case& setup) {
+  with_file(table, "positions", true, [&](const std::string& name, const AttachedFile& file) {
+    const PositionContents& in = file.positions;
+    check_contents(table, alike, name, in);
+    const auto fastest = [&](const ColumnGroup& group, Dimension dimension) -> Vec3 {
+      return Vec3(&in.fastest[group.begin]) / setup.units.scale(dimension);
+    };
+    if (in.velocity) alike.velocity = fastest(velocity_columns, dimension::velocity);
+    if (in.angular_velocity) alike.angular_velocity = fastest(turn_columns, dimension::angular_velocity);
+    setup.filed.push_back({alike, position_file(name), in});
+  });
+}
+
+std::vector<Vec3> read_positions(TableReader& table) {
+  const std::string given = table.one_of({"position", "positions"}, true, "where the body is");
+  if (given == "positions")
+    return table.points(given, 1, "a list of positions, [[x, y, z], ...], or the name of a file of them");
+  const auto x = table.vector("position", dimension::length);
+  return x ? std::vector{*x} : std::vector<Vec3>{};
+}
+
+/// The point of a shape, from its centre of mass, that positions of bodies name.
+Vec3 read_origin(TableReader& table, int shape, const Case& setup) {
+  const bool centre = table.choice("origin", {"shape", "centre"}) == "centre";
+  return centre || setup.shapes.empty() ? Vec3(Vec3::Zero()) : setup.shape_origins[shape];
+}
+
+/// Reads the axes that a free body is locked along and about, all of a kind alike.
+void read_locked(TableReader& table, BodySpec& body, const Case& setup,
+                 std::map<int, rigid::LockedAxes>& locks_of_kinds) {
+  static const std::vector<std::string> axes{"x", "y", "z", "rotation x", "rotation y", "rotation z"};
+  for (const int axis : read_names(table, "locked", axes, "axis"))
+    body.locked = static_cast<rigid::LockedAxes>(body.locked | 1 << axis);
+  const auto unfit = [&](const std::string& what, const char* cure) {
+    table.fail("locked", "{}: {}; {}", table.path("locked"), what, cure);
+  };
+  if (locks_of_kinds.try_emplace(body.kind, body.locked).first->second != body.locked)
+    unfit("another entry of the name '" + setup.kind_names[body.kind] + "' is locked otherwise",
+          "give them different names");
+  if (!body.locked) return;
+  if (body.motion != rigid::Motion::free) unfit("the body is not free", "remove the key, or motion");
+  if (const ContactSpec& c = setup.contacts; c.resolver_settings.impact_sweeps > 0 || c.resolver != "sffd")
+    unfit("the contact resolver is not sffd without an impact phase, which alone knows locked axes",
+          "set contacts.resolver = \"sffd\" and contacts.impact_sweeps = 0");
+  for (int d = 0; d < 3; ++d)
+    if (body.locked & rigid::locked_about(d) && body.angular_velocity[d] != 0)
+      unfit("angular_velocity turns the body about a locked axis", "make that component 0");
+}
+
+/// A name; or a table of a motion over time, in which bodies of a kind do not differ.
+void read_body_motion(TableReader& table, BodySpec& body, Case& setup) {
+  const Node* const node = table.find("motion");
+  if (!node || node->kind != Node::Kind::table) {
+    body.motion = table.choice("motion", motion_names).value_or(rigid::Motion::free);
+  } else {
+    body.motion = rigid::Motion::prescribed;
+    TableReader motion = table.table("motion");
+    if (motion.has("point"))
+      motion.fail("point", "{} is of a wall; a body turns about its centre of mass, remove the key",
+                  motion.path("point"));
+    for (const char* key : {"velocity", "angular_velocity"})
+      if (table.has(key))
+        table.fail(key, "{} is given, and so is the table {}; remove one of them", table.path(key),
+                   motion.path());
+    const rigid::PrescribedMotion& read = setup.kind_motions[body.kind] = read_motion(motion).motion;
+    if (read.angular_velocity.isZero(0)) motion.idle("axis", "the body turns about no axis; remove it");
+    if (read.frequency == 0) motion.idle("oscillation", "its frequency is 0; give one, or remove it");
+  }
+  const auto other = std::ranges::find_if(setup.bodies, [&](const BodySpec& b) {
+    return b.kind == body.kind && b.motion == rigid::Motion::prescribed;
+  });
+  if (body.motion == rigid::Motion::prescribed && setup.kind_motions.count(body.kind) &&
+      other != setup.bodies.end())
+    table.fail("motion", "{}: another entry of the name '{}' has a motion too; give them different names",
+               table.path("motion"), setup.kind_names[body.kind]);
+}
+
+void read_given_bodies(TableReader& root, Case& setup) {
+  int entry = 0;
+  std::map<int, rigid::LockedAxes> locks;  // of kinds
+  for (TableReader& table : root.tables("bodies")) {
+    BodySpec body;
+    body.entry = entry++;
+    read_entry(table, body, setup);
+    read_keys(table, body, body_keys);
+    read_body_motion(table, body, setup);
+    read_locked(table, body, setup, locks);
+    body.pose.orientation = read_orientation(table);
+    body.origin = read_origin(table, body.shape, setup);
+    for (const char* key : {"velocity", "angular_velocity"})
+      if (body.motion == rigid::Motion::fixed && table.has(key))
+        table.fail(key, "{} is given for a fixed body; remove it, or set motion = \"prescribed\"",
+                   table.path(key));
+    const Node* positions = table.find("positions");
+    if (positions && positions->kind == Node::Kind::string && !table.has("position")) {
+      read_filed_bodies(table, body, setup);
+      continue;
+    }
+    if (setup.start && !table.has("position") && !table.has("positions")) {
+      for (const char* key : {"velocity", "angular_velocity", "orientation", "axis_angle", "axis", "origin"})
+        if (table.has(key))
+          table.fail(
+              key,
+              "{} has no effect: an entry without position names bodies of initial.from, which go on as "
+              "they were there; remove it, or give a position to add a body",
+              table.path(key));
+      setup.continued.push_back(body);
+      continue;
+    }
+    for (const Vec3& position : read_positions(table)) {
+      put_at(body, position, extent_of(setup));
+      setup.bodies.push_back(body);
+    }
+  }
+  for (const auto& [kind, locked] : locks)
+    if (locked) setup.kind_locks.resize(setup.kind_names.size()), setup.kind_locks[kind] = locked;
+}
+
+/// Refuses what does not go together.
+void judge_fill(TableReader& table, const FillSpec& fill) {
+  const bool random = fill.arrangement == Arrangement::random;
+  if (random) table.need("count", "how many bodies to place");
+  for (const char* key : {"spacing", "shift"})
+    if (random && table.has(key))
+      table.fail(key,
+                 "{} is for sites, but {} is \"random\"; set it to \"simple-cubic\", \"hexagonal\" or "
+                 "\"layers\", or remove the key",
+                 table.path(key), table.path("arrangement"));
+  if (!random && table.has("diameter"))
+    table.fail("diameter", "{} is for bodies at random places, but {} is \"{}\"; remove one of the two",
+               table.path("diameter"), table.path("arrangement"), arrangement_names[fill.arrangement]);
+  if (!random && fill.arrangement != Arrangement::layers && fill.aligned && fill.shift == 0)
+    table.idle("seed", "nothing of the fill is random; remove it");
+  if (table.has("every")) table.need("box", "where the bodies come in: two corners");
+  if (table.has("until") && !table.has("every"))
+    table.fail("until", "{} is for a fill that is applied again and again; give {}, or remove the key",
+               table.path("until"), table.path("every"));
+}
+
+bool meet(const rigid::BoundingBox& a, const rigid::BoundingBox& b) {
+  return (a.lower.array() < b.upper.array()).all() && (b.lower.array() < a.upper.array()).all();
+}
+
+void check_outflow(const Case& setup, Diagnostics& findings, std::size_t index) {
+  const rigid::BoundingBox& box = setup.outflows[index].box;
+  const std::string key = fmt::format("outflow[{}].box", index);
+  const std::string is = fmt::format("{} is {}", key, shown_box(setup, box));
+  if (!lies_in_domain(setup, box, 0))
+    return findings.error(key,
+                          "{}; it must lie in the domain, {}; beyond a side that is not solid_for_bodies "
+                          "bodies leave without it",
+                          is, shown_box(setup, box_of(setup)));
+  for (std::size_t i = 0; i < setup.fills.size(); ++i)
+    if (const FillSpec& fill = setup.fills[i]; fill.every > 0 && meet(box, fill.box))
+      findings.error(
+          key,
+          "{}; it meets fill[{}].box, {}, where bodies come in: they would leave at once; move them apart",
+          is, i, shown_box(setup, fill.box));
+}
+
+/// The step by which a ball that keeps its velocity is wholly beyond a side, and which; infinite if it never
+/// is.
+struct WayOut {
+  double step = std::numeric_limits<double>::infinity();
+  int side = 0;
+};
+WayOut way_out(const Case& setup, const BodySpec& body) {
+  const double radius = rigid::bounding_radius(setup.shapes[body.shape]);
+  WayOut first;
+  for (int d = 0; d < 3; ++d) {
+    const double v = body.velocity[d], x = body.pose.position[d];
+    if (setup.periodic(d) || v == 0) continue;
+    const double step = ((v > 0 ? setup.cells[d] - x : x) + radius) / std::abs(v);
+    if (step < first.step) first = {step, 2 * d + (v > 0)};
+  }
+  return first;
+}
+
+/// Sizes of a fill that are a good part of its mass, but so few of its bodies that there is none.
+void check_sizes(const Case& setup, Diagnostics& findings, std::size_t index) {
+  constexpr double good_part = 0.02;
+  const FillSpec& fill = setup.fills[index];
+  double mass = 0, lacking = 0, rarest = 1, largest = 0, below = 0;
+  for (std::size_t size = 0; size < fill.sizes.size(); ++size) {
+    const double share = fill.sizes[size].up_to - below;
+    below = fill.sizes[size].up_to;
+    const rigid::Shape& shape = setup.shapes[fill.sizes[size].shape];
+    const double of_size = share * rigid::mass_properties(shape).volume;
+    mass += of_size;
+    if (share == 0 || FillApplication(index, 0, size).count(fill) > 0) continue;
+    lacking += of_size, rarest = std::min(rarest, share), largest = sphere_of_volume(shape);
+  }
+  if (fill.count == 0 || fill.every > 0 || !(lacking > good_part * mass)) return;
+  const std::string key = fmt::format("fill[{}].count", index);
+  findings.warning(
+      key,
+      "{} is {}, too few for every size: there is none with a diameter of {}, although sizes that are "
+      "missing have {:.0f} % of the mass: use {} or more",
+      key, fill.count, shown_length(setup, largest), 100 * lacking / mass, shown(rounded_up(1 / rarest)));
+}
+
+/// Bodies of prescribed motion that the case itself moves out of the domain: one message an entry.
+void check_prescribed(const Case& setup, Diagnostics& findings) {
+  int said_of = -1;
+  for (const BodySpec& body : setup.bodies) {
+    const WayOut out = way_out(setup, body);
+    if (body.motion != rigid::Motion::prescribed || body.entry == said_of ||
+        !(out.step < static_cast<double>(setup.steps)))
+      continue;
+    said_of = body.entry;
+    const std::string key = entry_key(body.entry) + ".velocity";
+    findings.warning(
+        key,
+        "{} takes the body out of the domain past {} by step {:.0f} of {}: {}; end the run before, or make "
+        "it slower",
+        key, coupler::side_names[coupler::Side(out.side)], std::ceil(out.step), setup.steps,
+        setup.boundary[out.side].removes_bodies() ? "it is taken out there" : "the run stops there");
+  }
+}
+
+}  // namespace
+
+std::vector<KeySection> body_sections() {
+  return {section_of("initial", start_keys),
+          section_of("bodies", shape_name_keys, entry_keys, body_keys, orientation_keys),
+          section_of("fill", shape_name_keys, entry_keys, fill_keys), fill_size_section(),
+          section_of("outflow", outflow_keys)};
+}
+
+void read_bodies(TableReader& root, Case& setup) {
+  if (TableReader start = root.table("initial"); start.present())
+    read_keys(start, setup.start.emplace(), start_keys);
+  read_given_bodies(root, setup);
+  std::vector<std::vector<SizeShare>> sizes;
+  for (TableReader& table : root.tables("fill")) {
+    FillSpec& fill = setup.fills.emplace_back();
+    fill.box = box_of(setup);
+    read_entry(table, fill, setup);
+    read_keys(table, fill, fill_keys);
+    judge_fill(table, fill);
+    if (static_cast<std::size_t>(fill.kind) < setup.kind_locks.size() && setup.kind_locks[fill.kind])
+      table.fail("name",
+                 "{}: bodies of the name '{}' are locked, those of a fill are not; give them another name",
+                 table.path(), setup.kind_names[fill.kind]);
+    sizes.push_back(read_fill_sizes(table));
+  }
+  if (!setup.kind_locks.empty()) setup.kind_locks.resize(setup.kind_names.size());
+  // after all that name a shape: those of sizes have the names of others
+  set_fill_sizes(setup, sizes);
+  for (TableReader& table : root.tables("outflow"))
+    read_keys(table, setup.outflows.emplace_back(), outflow_keys);
+}
+
+void find_turnover_faults(const Case& setup, Diagnostics& findings) {
+  for (std::size_t i = 0; i < setup.outflows.size(); ++i) check_outflow(setup, findings, i);
+  check_prescribed(setup, findings);
+  if (!setup.outflows.empty() && !setup.has_free_bodies())
+    findings.warning("outflow", "outflow: the case has no free bodies, and no others leave");
+  for (std::size_t i = 0; i < setup.fills.size(); ++i) {
+    const FillSpec& fill = setup.fills[i];
+    check_sizes(setup, findings, i);
+    const std::string key = fmt::format("fill[{}].every", i);
+    if (fill.every == 0) continue;
+    if (fill.every >= setup.steps || static_cast<double>(fill.every) > fill.until)
+      findings.warning(key, "{} is {}, of {} steps in all{}: bodies come at the start only", key, fill.every,
+                       setup.steps,
+                       static_cast<double>(fill.every) > fill.until ? " and before `until`" : "");
+  }
+}
+
+}  // namespace silt

@@ -1,0 +1,245 @@
+// Judges what bodies are, but not where the given ones are: their densities and sizes, whether the backend
+// can answer for their shapes, and the boxes of fills.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "adapters/automatic/collision_factory.hpp"
+#include "rigid/shapes/shape.hpp"
+#include "silt/case/case_sections.hpp"
+#include "silt/case/fill_room.hpp"
+#include "silt/case/unit_slips.hpp"
+
+namespace silt {
+namespace {
+
+constexpr double most_density = 1e9;                             // times the fluid's
+constexpr double low_ratio = 0.02, high_ratio = 50;              // of a body's density and the fluid's
+constexpr double lightest_fluid = 0.05, heaviest_fluid = 20000;  // kg/m3: from hydrogen to mercury
+
+/// ": if bodies[0].density is in g/cm3, write 1120 (kg/m3)", or "".
+std::string meant(const Case& setup, const std::string& key, double density) {
+  const std::string slip = density_slip(setup, key, density);
+  return slip.empty() ? "" : ": " + slip;
+}
+
+void warn_of_no_solid(const Case& setup, Diagnostics& findings, const std::string& key, double found) {
+  findings.warning(key, "{} is {} kg/m3; solids have {} to {}{}", key, shown(found), lightest_solid,
+                   heaviest_solid, meant(setup, key, found));
+}
+
+/// Compares a density with the fluid's; the lightest that explicit coupling bears depends on the shape.
+void check_ratio(const Case& setup, Diagnostics& findings, const std::string& key, const Entry& body) {
+  const double density = body.density, found = setup.units.physical(density, dimension::density);
+  if (density < low_ratio || density > high_ratio)
+    findings.warning(key, "{} is {} times the fluid's; the method was measured from {} to {}{}", key,
+                     shown(density), low_ratio, high_ratio,
+                     setup.units.si ? meant(setup, key, found)
+                                    : ": in lattice units densities are relative to the fluid's");
+  else if (!is_of_a_solid(found) && !meant(setup, key, found).empty())
+    warn_of_no_solid(setup, findings, key, found);
+  if (const double least = least_explicit_density(setup, setup.shapes[body.shape]); density < least)
+    findings.warning(key,
+                     "{} is {} times the fluid's; with coupling.time = \"explicit\" shape '{}' is stable "
+                     "from about {} on: use coupling.time = \"implicit\"",
+                     key, shown(density), setup.shape_names[body.shape], shown(rounded_up(least)));
+}
+
+void check_density(const Case& setup, Diagnostics& findings, const Entry& body) {
+  const std::string key = body.key + ".density";
+  const double found = setup.units.physical(body.density, dimension::density);
+  if (body.density > most_density)
+    return findings.error(key,
+                          "{} is {} times the fluid's (1000 kg/m3 without a fluid); at most {} is possible: "
+                          "lower it, or give the body motion = \"fixed\"",
+                          key, shown(body.density), shown(most_density));
+  if (!(body.density > 0))
+    return findings.error(key, "{} is {}; it must be above 0", key, shown(body.density));
+  if (!body.is_free()) return;
+  if (setup.fluid)
+    check_ratio(setup, findings, key, body);
+  else if (setup.units.si && !is_of_a_solid(found))
+    warn_of_no_solid(setup, findings, key, found);
+}
+
+constexpr double fewest_cells_across = 6;    // at 5 the drag of a dilute array is off by about 1 %
+constexpr double fewest_cells_seen = 1;      // below, a body may lie between the centres of cells
+constexpr double speck = 1e-3, dust = 1e-6;  // of the domain's length and volume
+constexpr double millimetres = 1000;         // in a metre
+
+double longest(const Case& setup) {
+  return *std::ranges::max_element(setup.cells);
+}
+
+/// "; is it in millimetres? in m it is 0.004", where that would be a body that the domain and the lattice can
+/// have.
+std::string in_metres(const Case& setup, double across) {
+  const double smaller = across / millimetres;
+  if (!setup.units.si || smaller > longest(setup) || (setup.fluid && smaller < fewest_cells_seen)) return "";
+  return fmt::format("; is it in millimetres? That would be {} m", shown_length(setup, smaller));
+}
+
+void check_cells_across(const Case& setup, Diagnostics& findings, const Entry& body) {
+  const double across = rigid::least_width(setup.shapes[body.shape]), factor = across / fewest_cells_across;
+  if (factor >= 1) return;
+  const std::string found = fmt::format("{}.shape: shape '{}' is {} cells across", body.key,
+                                        setup.shape_names[body.shape], shown(across));
+  const std::string cure =
+      setup.units.si
+          ? fmt::format("use units.cell_size = {}", shown(rounded_down(setup.units.cell_size * factor)))
+          : fmt::format("make everything {} times as large", shown(rounded_up(1 / factor)));
+  if (across < fewest_cells_seen)
+    findings.error(body.key + ".shape", "{}, which the lattice does not see; {}{}", found, cure,
+                   setup.units.si ? "" : ", or system = \"si\" if lengths are in m");
+  else
+    findings.warning(body.key + ".shape", "{}; below {} its drag is inaccurate: {}", found,
+                     fewest_cells_across, cure);
+}
+
+void check_specks(const Case& setup, Diagnostics& findings, const Entry& body) {
+  const rigid::Shape& shape = setup.shapes[body.shape];
+  const double across = 2 * rigid::bounding_radius(shape);
+  const double volume = std::max(1., double(body.count)) * rigid::mass_properties(shape).volume;
+  if (across > speck * longest(setup) || volume > dust * setup.volume()) return;
+  findings.warning(
+      body.key + ".shape",
+      "{}.shape: shape '{}' is {} across, the domain {}: is domain.size, or the shape, in the unit of "
+      "length of the case?",
+      body.key, setup.shape_names[body.shape], shown_length(setup, across),
+      shown_length(setup, longest(setup)));
+}
+
+/// A body that moves must find room between the walls, and must not meet itself across a border.
+void check_room(const Case& setup, Diagnostics& findings, const Entry& body) {
+  const rigid::Shape& shape = setup.shapes[body.shape];
+  const double width = rigid::least_width(shape), length = 2 * rigid::bounding_radius(shape);
+  const double reach = length + setup.contacts.margin;
+  const std::string key = body.key + ".shape";
+  for (int d = 0; d < 3; ++d) {
+    const bool walls = !setup.periodic(d) && setup.boundary[2 * d].solid_for_bodies &&
+                       setup.boundary[2 * d + 1].solid_for_bodies;
+    if (walls && width > setup.cells[d] + 2 * start_overlap)
+      return findings.error(
+          key, "{}: shape '{}' is {} across, but its domain only {} from wall to wall along {}{}", key,
+          setup.shape_names[body.shape], shown_length(setup, width), shown_length(setup, setup.cells[d]),
+          "xyz"[d], in_metres(setup, width));
+  }
+  for (int d = 0; d < 3; ++d)
+    if (setup.periodic(d) && reach > setup.cells[d])
+      findings.error(key,
+                     "{}: shape '{}' with its contact margin reaches over {} cells, but the periodic axis {} "
+                     "has {}: the body would meet itself; lengthen the axis{}",
+                     key, setup.shape_names[body.shape], shown(reach), "xyz"[d], setup.cells[d],
+                     in_metres(setup, length));
+}
+
+// The use of a shape: how many bodies have it, and whether any of them moves freely.
+struct Use {
+  std::int64_t count = 0;
+  bool free = false;
+};
+
+std::vector<Use> uses_of(const Case& setup) {
+  std::vector<Use> uses(setup.shapes.size());
+  setup.for_each_given([&](const BodySpec& body, std::uint64_t count) {
+    uses[body.shape].count += static_cast<std::int64_t>(count);
+    uses[body.shape].free |= body.motion == rigid::Motion::free;
+  });
+  for (const FillSpec& fill : setup.fills)
+    for (const FillSize& size : fill.sizes) {
+      uses[size.shape].count +=
+          fill.count > 0 && fill.every == 0 ? fill.count : 2;  // of sites there are many
+      uses[size.shape].free = true;
+    }
+  return uses;
+}
+
+// Every pair that can meet must have an answer.
+void check_backend(const Case& setup, Diagnostics& findings) {
+  const auto backend = adapters::make_backend(setup.contacts.backend);
+  const std::vector<Use> uses = uses_of(setup);
+  std::size_t messages = 0;
+  const auto check = [&](std::size_t i, const rigid::Shape& other, const std::string& other_name) {
+    const auto answers = [&](const rigid::Part& a) {
+      const auto parts = rigid::convex_parts(other);
+      return std::ranges::all_of(parts,
+                                 [&](const rigid::Part& b) { return backend->supports(a.shape, b.shape); });
+    };
+    const auto parts = rigid::convex_parts(setup.shapes[i]);
+    if (messages >= most_messages || std::ranges::all_of(parts, answers)) return;
+    ++messages;
+    findings.error("contacts.backend",
+                   "contacts.backend is \"{}\"; it cannot answer contacts of shape '{}' ({}) with {}: use "
+                   "another backend, or a simpler shape (polyhedra of at most some 10000 vertices)",
+                   setup.contacts.backend, setup.shape_names[i], rigid::shape_name(setup.shapes[i]),
+                   other_name);
+  };
+  const bool walls = std::ranges::any_of(setup.boundary, &coupler::BoundarySpec::solid_for_bodies);
+  for (std::size_t i = 0; i < uses.size(); ++i) {
+    if (uses[i].free && walls) check(i, rigid::HalfSpace{rigid::Vec3::UnitZ()}, "a wall");
+    for (std::size_t j = i; j < uses.size(); ++j)
+      if ((uses[i].free || uses[j].free) && uses[i].count > 0 && uses[j].count > (i == j))
+        check(i, setup.shapes[j],
+              fmt::format("shape '{}' ({})", setup.shape_names[j], rigid::shape_name(setup.shapes[j])));
+  }
+}
+
+/// A fill whose bounding spheres are more than the densest packing of its box needs no try.
+void check_fill(const Case& setup, Diagnostics& findings, std::size_t index) {
+  constexpr double sampling = 1.1;  // what walls leave is no less exact
+  const double densest = std::numbers::pi / std::sqrt(18);
+  const FillSpec& fill = setup.fills[index];
+  const std::string key = fmt::format("fill[{}]", index);
+  if (!lies_in_domain(setup, fill.box, start_overlap))
+    findings.error(key + ".box", "{}.box is {}; it must lie in the domain, {}", key,
+                   shown_box(setup, fill.box), shown_box(setup, box_of(setup)));
+  const double volume = mean_volume(setup, fill);
+  const double left = CurvedWalls(setup).share_left(fill.box, 0);
+  const double room = std::min(1., sampling * left) * (fill.box.upper - fill.box.lower).prod();
+  if (static_cast<double>(fill.count) * volume <= room * densest) return;
+  findings.error(key + ".count",
+                 "{}.count is {}: the bodies have {} times the volume of their box{}; at most {:.0f} can fit",
+                 key, fill.count, shown(static_cast<double>(fill.count) * volume / room),
+                 setup.walls.empty() ? "" : fmt::format(", of which walls leave {:.0f} %", 100 * left),
+                 room * densest / volume);
+}
+
+void check_fill_rooms(const Case& setup, Diagnostics& findings) {
+  for (std::size_t i = 0; i < setup.fills.size(); ++i) try {
+      const double radius = rigid::bounding_radius(setup.shapes[setup.fills[i].shape]);
+      if (setup.fills[i].arrangement == Arrangement::random)
+        room_for_centres(setup, i, radius);
+      else
+        lattice_of(setup, i, radius);
+    } catch (const CaseError& error) {
+      for (const Diagnostic& d : error.diagnostics()) findings.list.push_back(d);
+    }
+}
+
+}  // namespace
+
+void find_density_faults(const Case& setup, Diagnostics& findings) {
+  const double density = setup.units.density;
+  if (setup.units.si && setup.fluid && (density < lightest_fluid || density > heaviest_fluid))
+    findings.warning("fluid.density",
+                     "fluid.density is {} kg/m3; fluids have {} (a gas) to {} (mercury), water has 1000",
+                     shown(density), lightest_fluid, heaviest_fluid);
+  for (const Entry& entry : entries_of(setup))
+    if (entry.smallest) check_density(setup, findings, entry);
+}
+
+void find_body_faults(const Case& setup, Diagnostics& findings) {
+  if (!setup.has_bodies()) return;
+  for (const Entry& entry : entries_of(setup)) {
+    if (entry.smallest && setup.fluid) check_cells_across(setup, findings, entry);
+    if (entry.largest && !setup.fluid) check_specks(setup, findings, entry);
+    if (entry.largest && entry.motion != rigid::Motion::fixed) check_room(setup, findings, entry);
+  }
+  check_backend(setup, findings);
+  for (std::size_t i = 0; i < setup.fills.size(); ++i) check_fill(setup, findings, i);
+  if (!has_errors(findings.list)) check_fill_rooms(setup, findings);
+}
+
+}  // namespace silt

@@ -1,0 +1,58 @@
+#include "silt/case/case.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "silt/case/fill_room.hpp"
+
+namespace silt {
+
+std::vector<rigid::BoundingBox> entrances_of(const Case& setup) {
+  std::vector<rigid::BoundingBox> boxes;
+  for (const FillSpec& fill : setup.fills)
+    if (fill.every > 0) boxes.push_back(fill.box);
+  return boxes;
+}
+
+void put_at(BodySpec& body, const rigid::Vec3& point, const rigid::Extent& extent) {
+  rigid::Vec3& centre = body.pose.position;
+  centre = point - body.pose.orientation * body.origin;
+  const auto is_inside = [&](double x, int d) { return x >= 0 && x <= extent.size[d]; };
+  for (int d = 0; d < 3; ++d)
+    if (extent.periodic[d] && is_inside(point[d], d) && !is_inside(centre[d], d))
+      centre[d] -= extent.size[d] * std::floor(centre[d] / extent.size[d]);
+}
+
+Place Case::place(std::string path) const {
+  for (;;) {
+    if (const auto found = places.find(path); found != places.end()) return found->second;
+    const auto cut = path.find_last_of(".[");
+    if (cut == path.npos) return {(directory / "case.toml").string()};
+    path.resize(cut);
+  }
+}
+
+std::vector<Entry> entries_of(const Case& setup) {
+  std::vector<Entry> entries;
+  std::map<int, std::size_t> places;  // by the number of an entry of [[bodies]]
+  setup.for_each_given([&](const BodySpec& body, std::uint64_t count) {
+    const auto [place, is_new] = places.try_emplace(body.entry, entries.size());
+    if (is_new)
+      entries.push_back(
+          {body, fmt::format("bodies[{}]", std::max(0, body.entry)), body.motion, body.angular_velocity});
+    entries[place->second].count += count;
+  });
+  for (std::size_t i = 0; i < setup.fills.size(); ++i) {
+    const FillSpec& fill = setup.fills[i];
+    for (std::size_t size = 0; size < fill.sizes.size(); ++size) {
+      Entry& entry = entries.emplace_back(Entry{fill, fmt::format("fill[{}]", i)});
+      entry.shape = fill.sizes[size].shape;
+      entry.count = static_cast<std::uint64_t>(FillApplication(i, 0, size).count(fill));
+      entry.smallest = size == 0, entry.largest = size + 1 == fill.sizes.size();
+    }
+  }
+  return entries;
+}
+
+}  // namespace silt

@@ -1,0 +1,236 @@
+#include "silt/case/case_check.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "silt/case/case.hpp"
+#include "silt/case/case_sections.hpp"
+
+namespace silt {
+
+std::string body_name(const Case& setup, rigid::BodyId id) {
+  if (!rigid::is_wall(id)) return fmt::format("body {}", id);
+  if (id < rigid::first_tube_id)
+    return fmt::format("the side {}", coupler::side_names[coupler::Side(id - rigid::first_wall_id)]);
+  return fmt::format("the wall '{}'", setup.walls[id - rigid::first_tube_id].name);
+}
+
+std::string entry_key(int entry) {
+  return fmt::format("bodies[{}]", entry);
+}
+
+std::string position_key(const Case& setup, int entry) {
+  const std::string key = entry_key(entry);
+  return key + (setup.places.count(key + ".positions") ? ".positions" : ".position");
+}
+
+std::string position_text(const Case& setup, const BodySpec& body) {
+  const std::string key = position_key(setup, body.entry);
+  if (body.point == 0) return key;
+  const auto filed =
+      std::ranges::find_if(setup.filed, [&](const FiledBodies& f) { return f.alike.entry == body.entry; });
+  return fmt::format("{}, point {} of {}", key, body.point, filed->positions.name());
+}
+
+std::string shown(const rigid::Vec3& x) {
+  return fmt::format("[{}, {}, {}]", shown(x[0]), shown(x[1]), shown(x[2]));
+}
+
+std::string shown_point(const Case& setup, const rigid::Vec3& x) {
+  return shown(rigid::Vec3(x * setup.units.cell_size));
+}
+
+std::string shown_box(const Case& setup, const rigid::BoundingBox& box) {
+  return fmt::format("{} to {}", shown_point(setup, box.lower), shown_point(setup, box.upper));
+}
+
+bool lies_in_domain(const Case& setup, const rigid::BoundingBox& box, double slack) {
+  const rigid::BoundingBox domain = box_of(setup);
+  return (box.lower.array() >= domain.lower.array() - slack).all() &&
+         (box.upper.array() <= domain.upper.array() + slack).all();
+}
+
+std::string shown_length(const Case& setup, double x) {
+  return shown(x * setup.units.cell_size);
+}
+
+void Diagnostics::idle(const std::string& key, std::string_view why) {
+  if (setup.places.count(key)) warning(key, "{} has no effect: {}", key, why);
+}
+
+void Diagnostics::add(Diagnostic::Severity severity, const std::string& key, const std::string& text) {
+  list.push_back({severity, setup.place(key), text});
+}
+
+namespace {
+
+// A body that moves further in a sub-step than contacts reach ahead may be seen only when it overlaps
+// another, and one that moves much further, not at all.
+void check_margin(const Case& setup, Diagnostics& findings, const std::string& key, double speed, int shape) {
+  const double step = speed / setup.contacts.substeps, limit = MotionLimits(setup).of(shape);
+  if (!setup.fluid && !(speed <= limit))
+    findings.error(key,
+                   "{}: the body moves {} cells in a step; beyond {} it may pass through others: raise "
+                   "contacts.substeps to {:.0f}{}",
+                   key, shown(speed), shown(limit), std::ceil(speed / limit * setup.contacts.substeps),
+                   setup.units.si ? ", or " + time_step_cure(setup, limit / speed) : "");
+  else if (step > setup.contacts.margin)
+    findings.warning(key,
+                     "{}: the body moves {} cells in a sub-step, but contacts.margin is {}: it may overlap "
+                     "others; raise contacts.margin or contacts.substeps",
+                     key, shown(step), shown(setup.contacts.margin));
+}
+
+void check_speeds(const Case& setup, Diagnostics& findings) {
+  for (const Entry& entry : entries_of(setup)) {
+    check_velocities(findings, entry.key + ".", entry.shape, entry.velocity, entry.angular_velocity);
+    if (const auto found = setup.kind_motions.find(entry.kind);
+        setup.fluid && found != setup.kind_motions.end() && entry.motion == rigid::Motion::prescribed)
+      check_speed(findings, entry.key + ".motion",
+                  found->second.speed_bound(rigid::bounding_radius(setup.shapes[entry.shape])));
+  }
+}
+
+constexpr double digit_rounding = 1e-9;  // of what two digits give already
+
+double second_digit(double x) {
+  return std::pow(10, std::floor(std::log10(x)) - 1);
+}
+
+/// The key by which a case gives the length of a step.
+std::string time_step_key(const Case& setup) {
+  for (const char* key : {"units.relaxation_time", "units.max_velocity"})
+    if (setup.places.count(key)) return key;
+  return "units.time_step";
+}
+
+constexpr double without_limit = std::numeric_limits<double>::infinity();
+
+double width_of_thinnest_part(const rigid::Shape& shape) {
+  double width = without_limit;
+  for (const rigid::Part& part : rigid::convex_parts(shape))
+    width = std::min(width, std::visit([](const auto& s) { return s.least_width(); }, part.shape));
+  return width;
+}
+
+}  // namespace
+
+std::vector<Diagnostic> check_case(const Case& setup) {
+  Diagnostics findings(setup);
+  findings.list = setup.warnings;
+  find_domain_faults(setup, findings);
+  find_fluid_faults(setup, findings);
+  find_contact_faults(setup, findings);
+  find_run_faults(setup, findings);
+  find_density_faults(setup, findings);
+  find_quantity_faults(setup, findings);
+  check_speeds(setup, findings);
+  find_wall_faults(setup, findings);
+  find_body_faults(setup, findings);
+  find_turnover_faults(setup, findings);
+  find_driving_faults(setup, findings);
+  find_spring_faults(setup, findings);
+  find_coarsening_faults(setup, findings);
+  find_idle_keys(setup, findings);
+  return std::move(findings.list);
+}
+
+std::vector<Diagnostic> require_runnable(const Case& setup) {
+  std::vector<Diagnostic> list = check_case(setup);
+  if (!has_errors(list)) return list;
+  std::erase_if(list, [](const Diagnostic& d) { return d.severity == Diagnostic::Severity::warning; });
+  throw CaseError(std::move(list));
+}
+
+double rounded_down(double x) {
+  return std::floor(x / second_digit(x) + digit_rounding) * second_digit(x);
+}
+
+double rounded_up(double x) {
+  return std::ceil(x / second_digit(x) - digit_rounding) * second_digit(x);
+}
+
+std::string time_step_cure(const Case& setup, double factor) {
+  if (!setup.units.si) return "";
+  const std::string key = time_step_key(setup);
+  const double old = setup.units.time_step, excess = setup.fluid ? setup.fluid->relaxation_time - 0.5 : 0;
+  if (key == "units.relaxation_time")
+    return fmt::format("use {} = {}", key, shown(0.5 + rounded_down(factor * excess)));
+  const double step = rounded_down(factor * old);
+  constexpr double target = 0.05;  // cells a step: what units.max_velocity becomes
+  const double value = key == "units.max_velocity" ? rounded_up(target * setup.units.cell_size / step) : step;
+  const bool follows = setup.fluid && setup.places.count("fluid.kinematic_viscosity");
+  return fmt::format("use {} = {}{}", key, shown(value),
+                     follows ? fmt::format(" (relaxation time {:.3g})", 0.5 + excess * step / old) : "");
+}
+
+std::string shorter_step(const Case& setup) {
+  if (!setup.units.si) return "";
+  const std::string key = time_step_key(setup);
+  return fmt::format("a {} {}", key == "units.max_velocity" ? "larger" : "smaller", key);
+}
+
+std::string in_si(const Case& setup, double x, Dimension d) {
+  if (!setup.units.si) return "";
+  return fmt::format(" ({} {})", shown(setup.units.physical(x, d)), setup.units.unit_text(d));
+}
+
+void check_speed(Diagnostics& findings, const std::string& key, double speed) {
+  if (speed <= doubtful_velocity) return;
+  const Case& setup = findings.setup;
+  const std::string found = fmt::format("{} is {} cells a step{}", key, shown(speed), in_si(setup, speed));
+  const std::string cure = setup.units.si ? time_step_cure(setup, doubtful_velocity / speed) + ", or lower it"
+                                          : fmt::format("lower it to {}", doubtful_velocity);
+  if (!(speed <= impossible_velocity))
+    findings.error(key, "{}; it must be at most {}: {}", found, impossible_velocity, cure);
+  else
+    findings.warning(key, "{}; above {} the fluid is noticeably compressible: {}", found, doubtful_velocity,
+                     cure);
+}
+
+void check_velocities(Diagnostics& findings, const std::string& entry, int shape, const rigid::Vec3& velocity,
+                      const rigid::Vec3& angular_velocity) {
+  const Case& setup = findings.setup;
+  const double speed = velocity.norm(), turn = angular_velocity.norm();
+  check_margin(setup, findings, entry + "velocity", speed, shape);
+  if (setup.fluid) {
+    check_speed(findings, entry + "velocity", speed);
+    if (turn > 0)
+      check_speed(findings, entry + "angular_velocity", rigid::bounding_radius(setup.shapes[shape]) * turn);
+  } else if (!(turn <= std::numbers::pi)) {
+    findings.error(entry + "angular_velocity",
+                   "{}angular_velocity turns the body by {} degrees in a step; at "
+                   "most 180 are possible: lower it{}",
+                   entry, shown(turn * 180 / std::numbers::pi),
+                   setup.units.si ? ", or " + time_step_cure(setup, std::numbers::pi / turn) : "");
+  }
+}
+
+MotionLimits::MotionLimits(const Case& setup) : least_(without_limit), least_half_width_(without_limit) {
+  const ContactSpec& contacts = setup.contacts;
+  for (const rigid::Shape& shape : setup.shapes) {
+    const double width = width_of_thinnest_part(shape);
+    of_shape_.push_back(setup.fluid ? furthest_motion : contacts.substeps * 0.5 * (contacts.margin + width));
+    half_width_.push_back(0.5 * width);
+    least_ = std::min(least_, of_shape_.back());
+    least_half_width_ = std::min(least_half_width_, half_width_.back());
+  }
+}
+
+double least_explicit_density(const Case& setup, const rigid::Shape& shape) {
+  if (!setup.fluid || setup.coupling.time != coupler::TimeCoupling::explicit_) return 0;
+  const bool steps = setup.coupling.wall_scheme == coupler::WallScheme::bounce_back;
+  const double stiffness = steps ? 4.7 : 5.13, bearable = steps ? 0.80 : 0.40;
+  return stiffness / (rigid::least_width(shape) * bearable * std::sqrt(setup.fluid->relaxation_time - 0.5));
+}
+
+bool has_bodies_too_light(const Case& setup) {
+  const std::vector<Entry> entries = entries_of(setup);
+  return std::ranges::any_of(entries, [&](const Entry& entry) {
+    return entry.is_free() && entry.density < least_explicit_density(setup, setup.shapes[entry.shape]);
+  });
+}
+
+}  // namespace silt

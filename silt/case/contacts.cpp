@@ -1,0 +1,288 @@
+// [contacts], [[materials]] and [[material_pairs]]: how bodies touch, and what may be wrong with it.
+
+#include <algorithm>
+#include <numbers>
+
+#include "adapters/automatic/collision_factory.hpp"
+#include "rigid/math/elementary.hpp"
+#include "rigid/shapes/shape.hpp"
+#include "silt/case/case_sections.hpp"
+
+namespace silt {
+namespace {
+
+constexpr auto unit_interval = range::between(0, 1);
+
+constexpr std::tuple contact_keys{
+    HandKey{"backend", "\"auto\", \"analytic\", \"bullet\", \"fcl\"", "", "\"auto\"",
+            "who finds contacts of a pair of shapes; \"auto\": the best answer pair by pair"},
+    HandKey{"broad_phase", "\"auto\", \"grid\", \"bullet\", \"fcl\"", "", "\"auto\"",
+            "who finds close pairs, bitwise the same ones; \"auto\": the tree of the backend if it has "
+            "one, else the grid"},
+    HandKey{"resolver", "\"sffd\", \"ffd\"", "", "\"sffd\"", "contact resolver"},
+    Key{"substeps", &ContactSpec::substeps, Whole{1, 100000},
+        "sub-steps of the bodies in a step of the fluid"},
+    Key{"margin", &ContactSpec::margin, Number{dimension::length, range::at_least(0)},
+        "gap at which a pair becomes a contact; without a fluid bodies may go half of it and half their "
+        "least width in a sub-step",
+        "1 cell"}};
+
+constexpr std::tuple material_keys{
+    Key{"restitution", &rigid::Material::restitution, Number{dimension::none, unit_interval},
+        "coefficient of restitution in air; in a fluid sffd also reverses the entrained fluid, but not with "
+        "impact_sweeps"},
+    Key{"friction", &rigid::Material::friction, Number{dimension::none, range::at_least(0)},
+        "Coulomb's coefficient of friction"},
+    Key{"rolling_friction", &rigid::Material::rolling_friction, Number{dimension::none, range::at_least(0)},
+        "sffd: the moment against rolling is at most this times the pressing force and the reduced radius"},
+    Key{"twisting_friction", &rigid::Material::twisting_friction, Number{dimension::none, range::at_least(0)},
+        "sffd: the same against spinning about the normal"},
+    Key{"cohesion", &rigid::Material::cohesion, Number{dimension::force, range::at_least(0)},
+        "sffd: the force that it takes to part two bodies in contact"},
+    Key{"hamaker", &rigid::Material::hamaker, Number{dimension::energy, range::at_least(0)},
+        "sffd: Hamaker's constant A of van der Waals' attraction, A R / (6 gap²) with the reduced radius R"},
+    Key{"hamaker_gap", &rigid::Material::hamaker_gap, Number{dimension::length, range::above(0)},
+        "of hamaker: the gap below which the attraction grows no more; beyond ten times that there is none",
+        "with hamaker"}};
+
+constexpr std::tuple resolver_keys{
+    Key{"half_force", &rigid::ResolverSettings::half_force, Flag{},
+        "with ffd: a body in contact feels half of the fluid's force, as in the paper"},
+    Key{"sweeps", &rigid::ResolverSettings::max_sweeps, Whole{1, 100000},
+        "sweeps over the contacts in a sub-step, at most; more for heavy bodies that fall on stacks: a run "
+        "warns where they end far from rest"},
+    Key{"correction", &rigid::ResolverSettings::correction, Number{dimension::none, unit_interval},
+        "share of an overlap taken back in a step"},
+    Key{"impact_sweeps", &rigid::ResolverSettings::impact_sweeps, Whole{0, 100000},
+        "sffd: rounds of collisions through touching bodies before contacts, and sweeps of each, at most, as "
+        "in Newton's cradle (0: none)",
+        "0; dry pairs of restitution 1: 1000"}};
+
+constexpr std::tuple name_keys{
+    HandKey{"name", "string", "", required, "what bodies and pairs call the material"}};
+constexpr std::tuple between_keys{
+    HandKey{"between", "[\"a\", \"b\"]", "", required, "the names of two materials"}};
+
+/// One of those that this build has; of one that it was configured without that is said.
+std::optional<std::string> read_engine(TableReader& table, const char* key,
+                                       const std::vector<std::string_view>& names) {
+  const Node* node = table.find(key);
+  const std::string left_out =
+      node && node->kind == Node::Kind::string ? adapters::left_out_of_this_build(node->string) : "";
+  if (left_out.empty()) return table.choice(key, {names.begin(), names.end()});
+  table.fail(key, "{} is \"{}\"; {}", table.path(key), node->string, left_out);
+  return {};
+}
+
+/// Reads what a material of a pair, or of all, says.
+void read_material(TableReader& table, rigid::Material& material, const ContactSpec& contacts) {
+  read_keys(table, material, material_keys);
+  if (material.hamaker > 0 && material.hamaker_gap == 0)
+    table.need("hamaker_gap", "the gap below which the attraction grows no more, as in 4e-10 m");
+  for (const auto& [key, value] : {std::pair{"rolling_friction", material.rolling_friction},
+                                   {"twisting_friction", material.twisting_friction},
+                                   {"cohesion", material.cohesion},
+                                   {"hamaker", material.hamaker}}) {
+    if (value > 0 && table.has(key) && !rigid::resolver_model(contacts.resolver).resists_rolling_and_pulls)
+      table.fail(key,
+                 "{} is given, but contacts.resolver is '{}', which knows restitution and friction only; set "
+                 "contacts.resolver = \"sffd\", or remove the key",
+                 table.path(key), contacts.resolver);
+  }
+}
+
+void read_material_pairs(TableReader& root, Case& setup) {
+  const int count = static_cast<int>(setup.material_names.size());
+  for (TableReader& pair : root.tables("material_pairs")) {
+    rigid::Material unused;
+    read_keys(pair, unused, between_keys);
+    const Node* between = pair.find("between");
+    const auto names = between ? between->strings() : std::nullopt;
+    int index[2] = {-1, -1};
+    if (names && names->size() == 2)
+      for (int k = 0; k < 2; ++k)
+        index[k] = index_of(pair, "between", (*names)[k], setup.material_names, "material");
+    else if (between)
+      pair.refuse("between", "the names of two materials, [\"a\", \"b\"]");
+    const bool known = index[0] >= 0 && index[1] >= 0;
+    rigid::Material& material = known ? setup.pair_materials[index[0] * count + index[1]] : unused;
+    read_material(pair, material, setup.contacts);
+    if (material.hamaker == 0) pair.idle("hamaker_gap", "there is no hamaker; give it, or remove the gap");
+    if (known) setup.pair_materials[index[1] * count + index[0]] = material;
+  }
+}
+
+void read_materials(TableReader& root, const rigid::Material& standard, Case& setup) {
+  setup.material_names = {"default"};
+  for (TableReader& entry : root.tables("materials")) {
+    read_keys(entry, setup, name_keys);
+    read_new_name(entry, setup.material_names, "material");
+  }
+  setup.pair_materials.assign(setup.material_names.size() * setup.material_names.size(), standard);
+  read_material_pairs(root, setup);
+}
+
+/// Pairs that lose nothing collide one after the other, where no fluid takes part: all at once, one of three
+/// bodies that meet in a step may be only stopped.
+void collide_without_loss(Case& setup) {
+  constexpr int enough = 1000;  // a cluster comes to rest before
+  const bool some =
+      std::ranges::any_of(setup.pair_materials, [](const rigid::Material& m) { return m.restitution == 1; });
+  if (!some || setup.fluid || !rigid::resolver_model(setup.contacts.resolver).has_impact_phase) return;
+  setup.contacts.resolver_settings.impact_sweeps = enough;
+  setup.contacts.resolver_settings.least_impact_restitution = 1;
+}
+
+/// Refuses keys that the resolver does not know.
+void require_resolver(TableReader& table, const ContactSpec& contacts) {
+  const rigid::ResolverModel& resolver = rigid::resolver_model(contacts.resolver);
+  const int impact_sweeps = contacts.resolver_settings.impact_sweeps;
+  const auto refuse = [&](const char* key, const std::string& is, const char* which, const char* other) {
+    table.fail(
+        key, "{} is {}, but contacts.resolver is '{}', {}; set contacts.resolver = \"{}\", or remove the key",
+        table.path(key), is, contacts.resolver, which, other);
+  };
+  if (impact_sweeps > 0 && !resolver.has_impact_phase)
+    refuse("impact_sweeps", std::to_string(impact_sweeps), "which has no impact phase", "sffd");
+  if (table.has("half_force") && !resolver.has_half_force)
+    refuse("half_force", "for the classic resolver", "where all of a force acts before the contacts", "ffd");
+  if (!resolver.sweeps)
+    table.idle("sweeps", fmt::format("contacts.resolver is '{}', which makes none; set contacts.resolver = "
+                                     "\"sffd\", or remove the key",
+                                     contacts.resolver));
+}
+
+constexpr double most_friction = 5;    // of dry matter it is up to about 1
+constexpr double steepest_angle = 89;  // degrees
+constexpr double usual_margin = 1;     // cells
+
+/// The key that gives a coefficient, of all pairs or of one, if there is but one.
+std::string coefficient_key(const Case& setup, const std::string& name) {
+  std::vector<std::string> keys;
+  for (const auto& [key, place] : setup.places)
+    if ((key.starts_with("contacts") || key.starts_with("material_pairs")) && key.ends_with("." + name))
+      keys.push_back(key);
+  return keys.size() == 1 ? keys[0] : "material_pairs";
+}
+
+void check_materials(const Case& setup, Diagnostics& findings) {
+  double highest = 0;
+  for (const rigid::Material& material : setup.pair_materials) {
+    highest = std::max(highest, material.friction);
+    if (!(material.restitution >= 0 && material.restitution <= 1))
+      findings.error("contacts.restitution", "a restitution is {}; it must be between 0 and 1",
+                     shown(material.restitution));
+    if (!(material.friction >= 0))
+      findings.error("contacts.friction", "a friction is {}; it must be at least 0",
+                     shown(material.friction));
+  }
+  if (highest <= most_friction) return;
+  const double degrees = std::min(highest, steepest_angle), angle = degrees * std::numbers::pi / 180;
+  findings.warning(coefficient_key(setup, "friction"),
+                   "a friction is {}; of dry matter it is up to about 1: it is no angle but the tangent of "
+                   "one, {:.2f} for {} degrees",
+                   shown(highest), rigid::elementary::sin(angle) / rigid::elementary::cos(angle),
+                   shown(degrees));
+}
+
+void check_margin(const Case& setup, Diagnostics& findings) {
+  const double margin = setup.contacts.margin;
+  if (!(margin >= 0))
+    findings.error("contacts.margin", "contacts.margin is {} cells; it must be at least 0", shown(margin));
+  const double shortest = *std::ranges::min_element(setup.cells);
+  double largest = 0;
+  for (const Entry& entry : entries_of(setup))
+    largest = std::max(largest, 2 * rigid::bounding_radius(setup.shapes[entry.shape]));
+  if (!setup.has_bodies() || margin <= std::max(usual_margin, largest)) return;
+  findings.warning("contacts.margin",
+                   "contacts.margin is {}, more than the largest body ({}) and {} of the domain's shortest "
+                   "side: every pair nearer than that is a contact; use {} (one cell)",
+                   shown_length(setup, margin), shown_length(setup, largest), shown(margin / shortest),
+                   shown_length(setup, usual_margin));
+}
+
+void check_lubrication(const Case& setup, Diagnostics& findings) {
+  if (setup.places.count("coupling.lubrication") && setup.coupling.lubrication && !setup.has_lubrication())
+    findings.error("coupling.lubrication",
+                   "coupling.lubrication is true, but contacts.resolver is '{}', which knows no lubrication "
+                   "films; set contacts.resolver = \"sffd\", or remove the key",
+                   setup.contacts.resolver);
+  if (setup.coupling.lubrication && !setup.has_lubrication())
+    findings.idle("coupling.lubrication_min_gap",
+                  fmt::format("contacts.resolver is '{}', which knows no lubrication films; set "
+                              "contacts.resolver = \"sffd\", or remove the key",
+                              setup.contacts.resolver));
+  const double gap = setup.coupling.lubrication_min_gap;
+  if (gap > usual_margin)
+    findings.warning("coupling.lubrication_min_gap",
+                     "coupling.lubrication_min_gap is {}, which the lattice resolves ({} cells): it is the "
+                     "height of a surface's roughness; without the key it is a thousandth of the radius",
+                     shown_length(setup, gap), shown(gap));
+}
+
+}  // namespace
+
+std::vector<KeySection> contact_sections() {
+  KeySection pairs = section_of("material_pairs", between_keys, material_keys);
+  for (KeyText& key : pairs.keys)
+    if (key.fallback == "0") key.fallback = "of [contacts]";
+  return {section_of("contacts", contact_keys, material_keys, resolver_keys),
+          section_of("materials", name_keys), pairs};
+}
+
+void read_contacts(TableReader& root, Case& setup) {
+  rigid::Material standard;
+  TableReader table = root.table("contacts");
+  ContactSpec& c = setup.contacts;
+  read_keys(table, c, contact_keys);
+  read_keys(table, c.resolver_settings, resolver_keys);
+  c.backend = read_engine(table, "backend", adapters::backend_names()).value_or(c.backend);
+  c.broad_phase = read_engine(table, "broad_phase", adapters::broad_phase_names()).value_or(c.broad_phase);
+  std::vector<std::string> resolvers;
+  for (const rigid::ResolverModel& model : rigid::resolver_models()) resolvers.emplace_back(model.name);
+  c.resolver = table.choice("resolver", resolvers).value_or(c.resolver);
+  require_resolver(table, c);
+  read_material(table, standard, c);
+  read_materials(root, standard, setup);
+  if (!table.has("impact_sweeps")) collide_without_loss(setup);
+  if (std::ranges::all_of(setup.pair_materials, [](const rigid::Material& m) { return m.hamaker == 0; }))
+    table.idle("hamaker_gap", "there is no hamaker; give it, or remove the gap");
+}
+
+void look_for_idle_pairs(TableReader& root, const Case& setup) {
+  if (!root.context().errors.empty() || !setup.has_free_bodies()) return;
+  std::vector<std::uint64_t> free(setup.material_names.size()), all = free;
+  const auto add = [&](const BodySpec& body, std::uint64_t count) {
+    all[std::size_t(body.material)] += count;
+    if (body.motion == rigid::Motion::free) free[std::size_t(body.material)] += count;
+  };
+  constexpr std::uint64_t several = 2;  // as many as come, or are there sites for, or another run had
+  setup.for_each_given(add);
+  for (const BodySpec& body : setup.continued) add(body, several);
+  for (const FillSpec& fill : setup.fills) {
+    all[std::size_t(fill.material)] += several;
+    free[std::size_t(fill.material)] += several;
+  }
+  for (const CurvedWall& wall : setup.walls)
+    all[std::size_t(std::visit([](const auto& of_kind) { return of_kind.material; }, wall.surface))] += 1;
+  all[0] += 1;  // the sides of the domain
+  const auto meet = [&](std::size_t a, std::size_t b) { return free[a] > 0 && all[b] > (a == b ? 1u : 0u); };
+  for (TableReader& pair : root.tables("material_pairs")) {
+    const auto names = pair.find("between")->strings().value();
+    const auto index = [&](const std::string& name) {
+      return std::size_t(std::ranges::find(setup.material_names, name) - setup.material_names.begin());
+    };
+    if (const std::size_t a = index(names[0]), b = index(names[1]); !meet(a, b) && !meet(b, a))
+      pair.warn("between",
+                "{} has no effect: no body meets another, or a wall, of these materials; remove it",
+                pair.path());
+  }
+}
+
+void find_contact_faults(const Case& setup, Diagnostics& findings) {
+  check_materials(setup, findings);
+  check_margin(setup, findings);
+  check_lubrication(setup, findings);
+}
+
+}  // namespace silt

@@ -1,0 +1,296 @@
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "coupler/spec/flow_spec.hpp"
+#include "rigid/math/elementary.hpp"
+#include "rigid/shapes/shape.hpp"
+#include "silt/case/case.hpp"
+#include "silt/case/case_check.hpp"
+#include "silt/case/fill_room.hpp"
+#include "silt/case/quiet_start_steps.hpp"
+
+namespace silt {
+namespace {
+
+constexpr int populations = 19;
+
+// Lines of three columns, two blanks apart or more.
+class Table {
+ public:
+  explicit Table(const Units& units) : units_(units) {}
+  void line(const std::string& name, const std::string& in_case_units,
+            const std::string& in_lattice_units = "") {
+    text += fmt::format("  {:<24}  {:<32}  {}", name, in_case_units, in_lattice_units);
+    text.erase(text.find_last_not_of(' ') + 1);
+    text += '\n';
+  }
+  /// Numbers of a dimension as shown(scale) writes them, in the units of the case and in those of the
+  /// lattice.
+  template <class Shown>
+  void numbers(const std::string& name, Dimension dimension, Shown&& shown, const char* remark = "") {
+    const std::string in_lattice = fmt::format("{} {}{}", shown(1.), Units{}.unit_text(dimension), remark);
+    if (units_.si)
+      line(name, fmt::format("{} {}", shown(units_.scale(dimension)), units_.unit_text(dimension)),
+           in_lattice);
+    else
+      line(name, in_lattice);
+  }
+  /// A quantity given in lattice units.
+  void quantity(const std::string& name, double x, Dimension dimension, const char* remark = "") {
+    numbers(
+        name, dimension, [&](double scale) { return shown(x * scale); }, remark);
+  }
+  void heading(const std::string& name) { text += name + '\n'; }
+  std::string text;
+
+ private:
+  const Units units_;
+};
+
+std::string three(const std::array<int, 3>& n, double scale = 1) {
+  return fmt::format("{} x {} x {}", shown(n[0] * scale), shown(n[1] * scale), shown(n[2] * scale));
+}
+
+std::string side_text(const coupler::BoundarySpec& side) {
+  const char* leaving = side.removes_bodies() ? " (bodies leave)" : " (stops where a body leaves)";
+  return std::string(coupler::boundary_names[side.kind]) + (side.lets_bodies_pass() ? leaving : "");
+}
+
+/// Returns how many lines of a CSV file were taken for numbers, and how many not.
+std::string lines_text(std::uint64_t numbers, int headings) {
+  return fmt::format("{} lines of numbers, {} of headings", numbers, headings);
+}
+
+void add_wall(const CurvedWall& wall, Table& table) {
+  if (const auto* hollow = wall.hollow())
+    return hollow->shape.for_sizes([&](const std::string& key, double size) {
+      table.quantity(fmt::format("{} '{}', {}", hollow->shape.name(), wall.name, key), size,
+                     dimension::length);
+    });
+  const MeshWall& mesh = *wall.mesh();
+  const rigid::BoundingBox box = rigid::Mesh{mesh.mesh.surface, false}.bounding_box(mesh.pose(0));
+  table.numbers("mesh '" + wall.name + "', box", dimension::length, [&](double scale) {
+    std::vector<std::string> sides;
+    for (int d = 0; d < 3; ++d)
+      sides.push_back(fmt::format("{} to {}", shown(box.lower[d] * scale), shown(box.upper[d] * scale)));
+    return joined(sides);
+  });
+  table.line("  of " + mesh.file, mesh.contents);
+  if (!mesh.table.empty())
+    table.line("  moved by " + mesh.table, lines_text(mesh.motion.table.size(), mesh.table_headings));
+}
+
+void add_domain(const Case& setup, Table& table) {
+  const auto& n = setup.cells;
+  table.heading("domain");
+  table.numbers("size", dimension::length, [&](double scale) { return three(n, scale); });
+  table.line("cells", fmt::format("{:.0f}", setup.volume()));
+  for (int d = 0; d < 3; ++d) {
+    const auto &low = setup.boundary[2 * d], &high = setup.boundary[2 * d + 1];
+    table.line(fmt::format("boundary {}", "xyz"[d]),
+               setup.periodic(d) ? "periodic" : side_text(low) + ", " + side_text(high));
+  }
+  for (const CurvedWall& wall : setup.walls) add_wall(wall, table);
+  if (setup.block_cells) {
+    const auto& b = *setup.block_cells;
+    std::int64_t blocks = 1;
+    for (int d = 0; d < 3; ++d) blocks *= (n[d] + b[d] - 1) / b[d];
+    table.line("blocks", fmt::format("{} of {} cells", blocks, three(b)));
+  } else {
+    table.line("blocks", "auto: by the number of ranks");
+  }
+  if (setup.units.si) {
+    table.line("cell size", shown(setup.units.cell_size) + " m", "1");
+    table.line("time step", shown(setup.units.time_step) + " s", "1");
+  }
+}
+
+/// Adds lines of the coarser lattices; how many cells each has depends on where bodies are.
+void add_levels(const Case& setup, Table& table) {
+  const coupler::CoarseningSpec& spec = *setup.coarsening;
+  for (int level = 1; level <= spec.levels; ++level)
+    table.line(fmt::format("  of cells {} times as wide", 1 << level), "",
+               shown(0.5 + (setup.fluid->relaxation_time - 0.5) / (1 << level)));
+  table.quantity("finest cells, up to", spec.distance, dimension::length);
+}
+
+void add_fluid(const Case& setup, Table& table) {
+  if (!setup.fluid) {
+    table.heading("fluid: none (dry run)");
+    return;
+  }
+  const coupler::FluidSpec& fluid = *setup.fluid;
+  table.heading("fluid");
+  if (setup.units.si)
+    table.line("density", shown(setup.units.density) + " kg/m3", "1");
+  else
+    table.line("density", "1");
+  table.quantity("kinematic viscosity", fluid.kinematic_viscosity, dimension::viscosity);
+  table.line("relaxation time", "", shown(fluid.relaxation_time));
+  if (setup.coarsening) add_levels(setup, table);
+  const lbm::CollisionModel& model = lbm::model_of(fluid.collision);
+  std::string of = model.has_magic() ? ", Lambda = " + shown(fluid.magic) : "";
+  if (model.has_eddies()) of += ", Smagorinsky constant " + shown(fluid.smagorinsky);
+  if (fluid.collision_by_scene) of += " (" + collision_reason(setup) + ")";
+  table.line("collision", std::string(model.name) + of);
+  table.line("storage", std::string(coupler::precision_names[fluid.precision]));
+  const double cells_of_longest_side = *std::ranges::max_element(setup.cells);
+  table.quantity("sound crosses it in", cells_of_longest_side * std::sqrt(3.), dimension::time);
+  if (const std::int64_t steps = quiet_start_steps(setup); steps > 0)
+    table.line("quiet start", fmt::format("{} steps before the first find the pressure", steps));
+  const double fastest = fastest_given(setup);
+  if (fastest > 0) {
+    table.quantity("largest given speed", fastest, dimension::velocity);
+    table.line("  its Mach number", "", shown(fastest * std::sqrt(3.)));
+    table.line("  its cell Reynolds number", "", shown(cell_reynolds(setup)));
+  }
+  if (fluid.body_force.norm() > 0)
+    table.quantity("body force", fluid.body_force.norm(), dimension::acceleration);
+  table.line("memory", fmt::format("{:.1f} MB in all{}", fluid_memory(setup) / 1e6,
+                                   setup.coarsening ? " if every cell were finest" : ""));
+}
+
+void add_kind(const Case& setup, Table& table, const std::string& name, const Entry& kind) {
+  const rigid::Shape& shape = setup.shapes[kind.shape];
+  table.line(name, fmt::format("{} of shape '{}' ({})", kind.count, setup.shape_names[kind.shape],
+                               rigid::shape_name(shape)));
+  table.quantity("  cells across", rigid::least_width(shape), dimension::length);
+  table.line("  density ratio", "", shown(kind.density));
+  if (!setup.fluid || !kind.is_free() || setup.gravity.norm() == 0) return;
+  const double diameter = sphere_of_volume(shape), nu = setup.fluid->kinematic_viscosity;
+  const double speed = terminal_velocity(diameter, kind.density, setup.gravity.norm(), nu);
+  table.quantity("  terminal velocity", speed, dimension::velocity, " (sphere of its volume, unbounded)");
+  table.line("  its Reynolds, Mach", "",
+             fmt::format("{}, {}", shown(speed * diameter / nu), shown(speed * std::sqrt(3.))));
+}
+
+/// Returns the number asked for, else that of the sites, of which some may turn out not to be free.
+std::uint64_t most_bodies_of(const Case& setup, std::size_t fill) {
+  const FillSpec& spec = setup.fills[fill];
+  if (spec.count > 0) return static_cast<std::uint64_t>(spec.count);
+  return lattice_of(setup, fill, rigid::bounding_radius(setup.shapes[spec.shape])).total();
+}
+
+/// Adds the share of the box, as far as it lies in the domain, that is left for the bodies' centres.
+void add_room(const Case& setup, Table& table, std::size_t fill) {
+  const FillSpec& spec = setup.fills[fill];
+  const double radius = rigid::bounding_radius(setup.shapes[spec.shape]);
+  const rigid::BoundingBox room = room_for_centres(setup, fill, radius);
+  double share = setup.walls.empty() ? 1 : CurvedWalls(setup).share_left(room, radius + spec.gap);
+  for (int d = 0; d < 3; ++d) {
+    const double length = setup.cells[d], lower = spec.box.lower[d], upper = spec.box.upper[d];
+    const double box =
+        setup.periodic(d) ? std::min(upper - lower, length) : std::min(upper, length) - std::max(lower, 0.);
+    share *= (room.upper[d] - room.lower[d]) / box;
+  }
+  table.line("  room for centres",
+             fmt::format("{:.0f} % of the box: its faces and walls take the rest", 100 * share));
+}
+
+/// Adds how often a fill is applied again, and how many bodies come if there is always room.
+void add_inflow(const Case& setup, Table& table, const FillSpec& fill, double count) {
+  if (fill.every == 0) return;
+  const double last = std::min(fill.until, static_cast<double>(setup.steps - 1));
+  const auto again = static_cast<std::int64_t>(last / static_cast<double>(fill.every));
+  table.line("  again", fmt::format("every {} steps, {} time{}", fill.every, again, again == 1 ? "" : "s"));
+  const double a_step = count / static_cast<double>(fill.every);
+  const double mass = a_step * fill.density * mean_volume(setup, fill);
+  table.quantity("  bodies at most", a_step, {0, -1, 0});
+  table.quantity("  their mass", mass, {0, -1, 1});
+}
+
+void add_sizes(const Case& setup, Table& table, const FillSpec& fill) {
+  const std::size_t count = fill.sizes.size();
+  if (count == 1) return;
+  const auto diameter = [&](double volume) {
+    return shown_length(setup, rigid::elementary::cbrt(6 / std::numbers::pi * volume));
+  };
+  const auto of = [&](const FillSize& size) {
+    return diameter(rigid::mass_properties(setup.shapes[size.shape]).volume);
+  };
+  table.line("  diameters",
+             fmt::format("{} sizes, {} to {}; mean {} (of mass)", count, of(fill.sizes.front()),
+                         of(fill.sizes.back()), diameter(mean_volume(setup, fill))));
+}
+
+void add_bodies(const Case& setup, Table& table) {
+  if (!setup.has_bodies()) {
+    table.heading("bodies: none");
+    return;
+  }
+  table.heading("bodies");
+  if (setup.gravity.norm() > 0) table.quantity("gravity", setup.gravity.norm(), dimension::acceleration);
+  double volume = 0;
+  std::vector<Entry> entries = entries_of(setup);
+  std::erase_if(entries, [](const Entry& entry) { return entry.key.starts_with("fill"); });
+  const std::size_t given = entries.size();
+  constexpr std::size_t most_lines = 12;
+  for (std::size_t i = 0; i < std::min(given, most_lines); ++i) {
+    add_kind(setup, table, entries[i].key, entries[i]);
+    for (const FiledBodies& filed : setup.filed)
+      if (entry_key(filed.alike.entry) == entries[i].key && filed.positions.dataset.empty())
+        table.line("  in " + filed.positions.file,
+                   lines_text(filed.contents.points, filed.contents.headings));
+  }
+  if (given > most_lines) table.line("", fmt::format("and {} more entries", given - most_lines));
+  for (const Entry& entry : entries)
+    volume += static_cast<double>(entry.count) * rigid::mass_properties(setup.shapes[entry.shape]).volume;
+  for (std::size_t i = 0; i < setup.fills.size(); ++i) {
+    const FillSpec& fill = setup.fills[i];
+    Entry all{fill, fmt::format("fill[{}]", i)};
+    all.count = most_bodies_of(setup, i);
+    add_kind(setup, table, fmt::format("{} {}", all.key, setup.kind_names[fill.kind]), all);
+    add_sizes(setup, table, fill);
+    add_room(setup, table, i);
+    add_inflow(setup, table, fill, static_cast<double>(all.count));
+    volume += static_cast<double>(all.count) * mean_volume(setup, fill);
+  }
+  for (std::size_t i = 0; i < setup.outflows.size(); ++i)
+    table.line(fmt::format("outflow[{}]", i), shown_box(setup, setup.outflows[i].box));
+  table.line("volume fraction", fmt::format("{:.2f} %", 100 * volume / setup.volume()));
+  table.line("collision backend", setup.contacts.backend);
+  table.line("broad phase", setup.contacts.broad_phase);
+  table.line("contact resolver", setup.contacts.resolver);
+  if (setup.fluid) table.line("lubrication", setup.has_lubrication() ? "on" : "off");
+}
+
+void add_run(const Case& setup, Table& table) {
+  table.heading("run");
+  table.quantity("length", static_cast<double>(setup.steps), dimension::time);
+  const OutputSpec& output = setup.output;
+  const auto series = [&](const std::string& name, std::int64_t every, bool at_start) {
+    if (every <= 0) return;
+    const std::int64_t times = (setup.steps - 1) / every + 1 + at_start;
+    table.line(name, fmt::format("every {} steps, {}at the end, {} time{}", every,
+                                 at_start ? "at the start and " : "and ", times, times > 1 ? "s" : ""));
+  };
+  series("fields", output.fields.every, true);
+  for (const FieldsSpec& slice : output.slices) series(slice.name, slice.every, true);
+  series("bodies", output.bodies.every, true);
+  series("checkpoints", output.checkpoint.every, false);
+  series("reports", output.report.every, false);
+}
+
+}  // namespace
+
+double fluid_memory(const Case& setup) {
+  if (!setup.fluid) return 0;
+  return setup.volume() * (populations * (setup.fluid->precision == coupler::Precision::double_ ? 8 : 4) +
+                           (setup.has_surfaces() ? 1 : 0));
+}
+
+std::string derived_table(const Case& setup) {
+  Table table(setup.units);
+  if (!setup.title.empty()) table.heading(setup.title);
+  add_domain(setup, table);
+  add_fluid(setup, table);
+  add_bodies(setup, table);
+  add_run(setup, table);
+  return table.text;
+}
+
+}  // namespace silt

@@ -1,0 +1,331 @@
+// [units] and [domain] with its sides, and what may be wrong with them.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "silt/case/case_sections.hpp"
+
+namespace silt {
+namespace {
+
+// units.max_velocity becomes this lattice velocity: error by compressibility ~ u^2 = 0.25 %
+constexpr double target_lattice_velocity = 0.05;
+// how far, in cells, a size may be from a whole number of cells (rounding of decimal fractions)
+constexpr double cell_count_tolerance = 1e-6;
+constexpr double most_cells_an_axis = 1 << 20;
+
+constexpr std::tuple system_keys{
+    HandKey{"system", "\"si\", \"lattice\"", "", required,
+            "\"si\" or \"lattice\": system of units of the whole file; the other keys are for \"si\""}};
+constexpr std::tuple si_keys{
+    Key{"cell_size", &Units::cell_size, Number{dimension::length, range::above(0)},
+        "the length of a cell in m", required},
+    HandKey{"time_step", "number", "s", "one of three", "length of a step"},
+    HandKey{"relaxation_time", "number", "1", "one of three",
+            "a step as long as gives the fluid's viscosity this relaxation time"},
+    HandKey{"max_velocity", "number", "m/s", "one of three",
+            "a step as long as makes this velocity 0.05 cells a step"},
+    HandKey{"density", "number", "kg/m³", "1000", "the scale of mass of a case without a fluid"}};
+
+constexpr std::tuple domain_keys{
+    HandKey{"size", "[x, y, z]", "m", required,
+            "the lengths of the domain, [x, y, z], whole multiples of the cell size"},
+    HandKey{"boundary", "table, or one kind", "", required,
+            "the sides, { x = ..., y = ..., z = ... }, each \"periodic\" or [low, high]; one kind for all "
+            "six is allowed"},
+    HandKey{"blocks", "\"auto\", [x, y, z]", "cells", "\"auto\"",
+            "size of the blocks that are dealt out to ranks; \"auto\": one a rank, of about the same work"}};
+constexpr const char *two_sides = "\"periodic\", [low, high]",
+                     *kinds_of_sides =
+                         "\"periodic\", or the kinds of its two sides, [low, high], each a name or a table";
+constexpr std::tuple axis_keys{HandKey{"x", two_sides, "", required, kinds_of_sides},
+                               HandKey{"y", two_sides, "", required, kinds_of_sides},
+                               HandKey{"z", two_sides, "", required, kinds_of_sides}};
+constexpr std::tuple side_keys{
+    Key{"type", &coupler::BoundarySpec::kind, Choice{coupler::boundary_names}, "kind of side", required},
+    Key{"solid_for_bodies", &coupler::BoundarySpec::solid_for_bodies, Flag{},
+        "whether the side is a wall for bodies too"},
+    Key{"leaving", &coupler::BoundarySpec::leaving, Choice{coupler::leaving_names},
+        "of a side that is none: bodies beyond it are taken out, or the run stops"}};
+constexpr std::tuple velocity_keys{
+    Key{"velocity", &coupler::BoundarySpec::velocity, Vector{dimension::velocity},
+        "velocity of a moving wall or of the incoming fluid, [x, y, z]; only for those two", required},
+    HandKey{"over_time", "table", "", "steady", "how the velocity changes: see gravity.over_time"}};
+constexpr std::tuple density_keys{
+    Key{"density", &coupler::BoundarySpec::density, Number{dimension::density, range::above(0)},
+        "density at a pressure outlet: in this method density is pressure", "the fluid's"}};
+
+/// Returns the length of a step; 0 if something is wrong with it (reported).
+double read_time_step(TableReader& units, TableReader& fluid, double cell_size) {
+  const std::string given =
+      units.one_of({"time_step", "relaxation_time", "max_velocity"}, true, "they fix the length of a step");
+  if (given == "time_step") return units.number(given, range::above(0)).value_or(0);
+  if (given.empty()) return 0;
+  if (!fluid.present()) {
+    units.fail(given, "units.{} needs a [fluid]; give units.time_step in a dry case", given);
+    return 0;
+  }
+  if (given == "max_velocity") {
+    const auto velocity = units.number(given, range::above(0));
+    return velocity ? target_lattice_velocity * cell_size / *velocity : 0;
+  }
+  fluid.need("kinematic_viscosity", "units.relaxation_time derives the time step from it");
+  const auto tau = units.number(given, range::above(0.5));
+  const auto viscosity = fluid.number("kinematic_viscosity", range::above(0));
+  return tau && viscosity ? (*tau - 0.5) / 3 * cell_size * cell_size / *viscosity : 0;
+}
+
+Units read_si_scales(TableReader& units, TableReader& fluid) {
+  constexpr double water = 1000;  // kg/m3
+  Units u{.cell_size = 0, .si = true};
+  read_keys(units, u, si_keys);
+  u.time_step = read_time_step(units, fluid, u.cell_size);
+  if (!fluid.present()) {
+    u.density = units.has("density") ? units.number("density", range::above(0)).value_or(0) : water;
+    return u;
+  }
+  if (units.has("density"))
+    units.fail("density", "units.density is only for cases without [fluid]; it is fluid.density");
+  fluid.need("density", "the density of the fluid in kg/m3");
+  u.density = fluid.number("density", range::above(0)).value_or(0);
+  return u;
+}
+
+void read_units(TableReader& root, Case& setup) {
+  TableReader units = root.table("units"), fluid = root.table("fluid");
+  read_keys(units, setup, system_keys);
+  const auto system = units.choice("system", {"si", "lattice"});
+  fluid.has("density");
+  Units u;
+  if (!system) units.judge_no_keys();
+  if (system == "si") u = read_si_scales(units, fluid);
+  if (system == "lattice")
+    if (const auto density = fluid.number("density", range::above(0)); density && *density != 1)
+      fluid.fail("density",
+                 "fluid.density is {}; in lattice units it is 1, and densities of bodies are relative to it",
+                 shown(*density));
+  ReadContext& context = root.context();
+  context.units_known = system && u.cell_size > 0 && u.time_step > 0 && u.density > 0;
+  setup.units = context.units = context.units_known ? u : Units{};
+}
+
+void read_side_name(ReadContext& context, const Node& node, const std::string& path, const Place& place,
+                    coupler::BoundarySpec& side) {
+  const auto& names = coupler::boundary_names.names;
+  const auto found = std::ranges::find(names, node.string);
+  if (found == names.end()) {
+    const std::string nearest = nearest_name(node.string, coupler::boundary_names.list());
+    return context.fail(place, "{} is \"{}\"; it must be one of {}{}", path, node.string,
+                        joined(coupler::boundary_names.list()),
+                        nearest.empty() ? "" : "; did you mean '" + nearest + "'?");
+  }
+  side.kind = coupler::BoundaryKind(found - names.begin());
+  if (side.has_velocity())
+    context.fail(place, "{} is \"{}\", which needs a velocity: {{ type = \"{}\", velocity = [x, y, z] }}",
+                 path, node.string, node.string);
+}
+
+void read_side_table(TableReader table, coupler::BoundarySpec& side) {
+  read_keys(table, side, side_keys);
+  if (side.has_velocity()) {
+    read_keys(table, side, velocity_keys);
+    side.over_time = read_over_time(table, "over_time");
+    if (side.velocity.isZero(0)) table.idle("over_time", "the velocity is 0");
+  }
+  if (side.kind == coupler::BoundaryKind::periodic)
+    table.idle("solid_for_bodies", "a periodic axis has no sides; remove it");
+  if (side.kind == coupler::BoundaryKind::pressure_outlet) read_keys(table, side, density_keys);
+  if (table.has("leaving") && !side.lets_bodies_pass())
+    table.fail("leaving",
+               "{} is of a side that bodies leave by; set solid_for_bodies = false, or remove the key",
+               table.path("leaving"));
+}
+
+// One side: a name, or a table with a type and what goes with it; none if it has errors.
+std::optional<coupler::BoundarySpec> read_side(ReadContext& context, const Node& node,
+                                               const std::string& path) {
+  coupler::BoundarySpec side;
+  const std::size_t errors_before = context.errors.size();
+  const Place place = node.key.empty() ? node.place : node.key_place;
+  if (node.kind == Node::Kind::string)
+    read_side_name(context, node, path, place, side);
+  else if (node.kind == Node::Kind::table)
+    read_side_table({context, &node, path, place}, side);
+  else
+    context.fail(place, "{} is {}; it must be one of {}, or a table with a type", path, written(node),
+                 joined(coupler::boundary_names.list()));
+  return context.errors.size() == errors_before ? std::optional(side) : std::nullopt;
+}
+
+void read_axis(TableReader& boundary, int axis, Case& setup) {
+  const std::string name(axis_names.names[axis]);
+  const Node* node = boundary.find(name);
+  if (!node) return;
+  std::optional<coupler::BoundarySpec> sides[2];
+  ReadContext& context = boundary.context();
+  if (node->kind == Node::Kind::array) {
+    if (node->children.size() != 2) return boundary.refuse(name, "\"periodic\" or two kinds, [low, high]");
+    for (int side = 0; side < 2; ++side)
+      sides[side] =
+          read_side(context, node->children[side], fmt::format("{}[{}]", boundary.path(name), side));
+  } else {
+    sides[0] = sides[1] = read_side(context, *node, boundary.path(name));
+  }
+  if (!sides[0] || !sides[1]) return;
+  for (int side = 0; side < 2; ++side) setup.boundary[2 * axis + side] = *sides[side];
+  if ((sides[0]->kind == coupler::BoundaryKind::periodic) !=
+      (sides[1]->kind == coupler::BoundaryKind::periodic))
+    boundary.fail(name, "{} is periodic on one side only; a periodic axis has no sides, write \"periodic\"",
+                  boundary.path(name));
+}
+
+void read_boundary(TableReader& domain, Case& setup) {
+  const Node* node = domain.find("boundary");
+  if (node && node->kind == Node::Kind::string) {  // one kind all round
+    setup.boundary.fill(
+        read_side(domain.context(), *node, "domain.boundary").value_or(coupler::BoundarySpec{}));
+    return;
+  }
+  TableReader boundary = domain.table("boundary");
+  read_keys(boundary, setup, axis_keys);
+  for (int axis = 0; axis < 3; ++axis) read_axis(boundary, axis, setup);
+}
+
+void read_cells(TableReader& domain, Case& setup) {
+  const auto size = domain.vector("size");
+  if (!size || !domain.context().units_known) return;
+  const double cell = setup.units.cell_size;
+  const rigid::Vec3 cells = *size / cell, whole = cells.array().round().max(1);
+  for (int d = 0; d < 3; ++d) {
+    if (cells[d] > most_cells_an_axis)
+      return domain.fail("size", "domain.size[{}] is {} cells; at most {:.0f} are possible", d,
+                         shown(cells[d]), most_cells_an_axis);
+    setup.cells[d] = static_cast<int>(whole[d]);
+  }
+  if ((cells - whole).cwiseAbs().maxCoeff() > cell_count_tolerance)
+    domain.fail(
+        "size",
+        "domain.size is {}; it must be whole multiples of the cell size {}, at least one; the nearest "
+        "is {}",
+        shown(*size), shown(cell), shown(rigid::Vec3(whole * cell)));
+}
+
+void read_blocks(TableReader& domain, Case& setup) {
+  const Node* node = domain.find("blocks");
+  if (!node || (node->kind == Node::Kind::string && node->string == "auto")) return;
+  const auto n = node->numbers(3);
+  const bool good = n && std::all_of(n->begin(), n->end(), [](double x) {
+                      return x > 0 && x <= most_cells_an_axis && x == std::floor(x);
+                    });
+  if (good)
+    setup.block_cells = {int((*n)[0]), int((*n)[1]), int((*n)[2])};
+  else
+    domain.refuse("blocks", "\"auto\" or three whole numbers of cells above 0, [x, y, z]");
+}
+
+void check_moving_wall(const Case& setup, Diagnostics& findings, int side) {
+  const coupler::BoundarySpec& wall = setup.boundary[side];
+  const std::string key = fmt::format("{}.velocity", side_key(side));
+  check_speed(findings, key, wall.largest_speed());
+  if (std::abs(wall.velocity[side / 2]) > 0)
+    findings.error(key,
+                   "{} moves through itself: the velocity of a moving wall must have no component along {}",
+                   side_key(side), "xyz"[side / 2]);
+}
+
+void check_inlet(const Case& setup, Diagnostics& findings, int side) {
+  const rigid::Vec3& velocity = setup.boundary[side].velocity;
+  const std::string key = fmt::format("{}.velocity", side_key(side));
+  const int axis = side / 2;
+  check_speed(findings, key, setup.boundary[side].largest_speed());
+  const double inwards = side % 2 == 0 ? velocity[axis] : -velocity[axis];
+  const auto shown_velocity = [&](const rigid::Vec3& v) {
+    return shown(rigid::Vec3(v * setup.units.scale(dimension::velocity)));
+  };
+  rigid::Vec3 turned = velocity;
+  turned[axis] = -turned[axis];
+  if (inwards < 0)
+    findings.warning(
+        key, "{} is {}, which points out of the domain: fluid leaves there; for an inlet use velocity = {}",
+        key, shown_velocity(velocity), shown_velocity(turned));
+  else if (inwards == 0)
+    findings.warning(
+        key,
+        "{} is {}, of which nothing goes along {}: no fluid comes in; for a wall that moves along itself use "
+        "type = \"moving\"",
+        key, shown_velocity(velocity), "xyz"[axis]);
+}
+
+void check_outlet(const Case& setup, Diagnostics& findings, int side) {
+  const double density = setup.boundary[side].density;
+  if (density > 0.5 && density < 1.5) return;
+  findings.error(fmt::format("{}.density", side_key(side)),
+                 "{}.density is {} times the fluid's; it must be between 0.5 and 1.5: in this method density "
+                 "is pressure",
+                 side_key(side), shown(density));
+}
+
+void check_flows(const Case& setup, Diagnostics& findings) {
+  int inlet = -1;
+  bool outlet = false;
+  for (int side = 0; side < 6; ++side) {
+    const coupler::BoundaryKind kind = setup.boundary[side].kind;
+    const bool is_inlet = kind == coupler::BoundaryKind::velocity_inlet,
+               is_outlet = kind == coupler::BoundaryKind::pressure_outlet;
+    if (!setup.fluid && (is_inlet || is_outlet))
+      findings.warning(
+          side_key(side),
+          "{} is \"{}\", but the case has no [fluid]: bodies meet it as a wall; write \"no-slip\"",
+          side_key(side), coupler::boundary_names[kind]);
+    if (!setup.fluid) continue;
+    if (kind == coupler::BoundaryKind::moving) check_moving_wall(setup, findings, side);
+    if (is_inlet) check_inlet(setup, findings, inlet = side);
+    if (is_outlet) check_outlet(setup, findings, side), outlet = true;
+  }
+  if (inlet >= 0 && !outlet)
+    findings.error(side_key(inlet),
+                   "{} is a velocity-inlet, but no side is a pressure-outlet: the density would grow without "
+                   "end; make one side \"pressure-outlet\"",
+                   side_key(inlet));
+}
+
+}  // namespace
+
+std::vector<KeySection> domain_sections() {
+  return {section_of("units", system_keys, si_keys), section_of("domain", domain_keys),
+          section_of("domain.boundary", axis_keys),
+          section_of("domain.boundary.x", side_keys, velocity_keys, density_keys)};
+}
+
+void read_domain(TableReader& root, Case& setup) {
+  read_units(root, setup);  // everything after it converts
+  TableReader domain = root.table("domain");
+  if (!domain.present()) return;
+  read_keys(domain, setup, domain_keys);
+  read_cells(domain, setup);
+  read_boundary(domain, setup);
+  read_blocks(domain, setup);
+}
+
+const char* side_key(int side) {
+  constexpr const char* keys[6] = {"domain.boundary.x[0]", "domain.boundary.x[1]", "domain.boundary.y[0]",
+                                   "domain.boundary.y[1]", "domain.boundary.z[0]", "domain.boundary.z[1]"};
+  return keys[side];
+}
+
+void find_domain_faults(const Case& setup, Diagnostics& findings) {
+  constexpr int thinnest_block = 2;  // cells: a block needs a layer to send to either side
+  for (int d = 0; setup.block_cells && d < 3; ++d) {
+    const int block = (*setup.block_cells)[d];
+    if (block < std::min(thinnest_block, setup.cells[d]))
+      findings.error("domain.blocks", "domain.blocks[{}] is {}; it must be at least {} cells", d, block,
+                     thinnest_block);
+    else if (block > setup.cells[d])
+      findings.warning("domain.blocks", "domain.blocks[{}] is {} cells; the domain has only {} along {}", d,
+                       block, setup.cells[d], "xyz"[d]);
+  }
+  check_flows(setup, findings);
+}
+
+}  // namespace silt

@@ -1,0 +1,210 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "rigid/math/elementary.hpp"
+#include "rigid/shapes/shape.hpp"
+#include "silt/case/case_sections.hpp"
+#include "silt/case/fill_room.hpp"
+
+namespace silt {
+namespace {
+
+constexpr int strips = 32, most_rows = 64;
+
+enum class Distribution { lognormal, normal, uniform, table };
+constexpr auto distribution_names =
+    coupler::names_of<Distribution>("lognormal", "normal", "uniform", "table");
+
+struct DiameterSpec {
+  Distribution distribution = Distribution::uniform;
+  double mean = 0, deviation = 0, smallest = 0, largest = 0;
+  bool by_mass = false;
+
+  /// A multiple of the density of the distribution, with respect to the diameter.
+  double density(double d) const {
+    const double ratio = deviation / mean;
+    switch (distribution) {
+      case Distribution::lognormal: {
+        const double variance = rigid::elementary::log(1 + ratio * ratio);
+        const double x = rigid::elementary::log(d / mean) + variance / 2;
+        return rigid::elementary::exp(-x * x / (2 * variance)) / d;
+      }
+      case Distribution::normal: {
+        const double x = (d - mean) / deviation;
+        return rigid::elementary::exp(-x * x / 2);
+      }
+      default:
+        return 1;
+    }
+  }
+};
+
+constexpr Number positive_length{dimension::length, range::above(0)};
+constexpr std::tuple diameter_keys{
+    Key{"distribution", &DiameterSpec::distribution, Choice{distribution_names},
+        "how diameters are distributed", required},
+    Key{"mean", &DiameterSpec::mean, positive_length,
+        "of \"lognormal\" and \"normal\": the mean diameter, before it is cut off", required},
+    Key{"deviation", &DiameterSpec::deviation, positive_length, "of the same: the standard deviation",
+        required},
+    Key{"smallest", &DiameterSpec::smallest, positive_length, "the smallest diameter; not for a \"table\"",
+        required},
+    Key{"largest", &DiameterSpec::largest, positive_length, "the largest diameter; not for a \"table\"",
+        required},
+    Key{"by", &DiameterSpec::by_mass, Choice{coupler::names_of<bool>("number", "mass")},
+        "whether it is the number of bodies that is so distributed, or their mass"},
+    HandKey{"table", "[[diameter, share], …]", "m, 1", required,
+            "of a \"table\": the diameters, in growing order, and the share that each has of all"}};
+
+/// Reads those of the keys that the distribution has; others are refused.
+void read_diameter(TableReader& table, DiameterSpec& spec) {
+  const auto known = table.choice("distribution", distribution_names);
+  table.need("distribution", "how diameters are distributed");
+  if (known) spec.distribution = *known;
+  const bool is_table = spec.distribution == Distribution::table;
+  const bool has_mean =
+      spec.distribution == Distribution::lognormal || spec.distribution == Distribution::normal;
+  const auto read = [&](const auto& key) {
+    const std::string_view name = key.name;
+    if (!table.has(name) && !known) return;
+    if (name == "distribution") return;
+    const bool belongs = name == "by"                            ? true
+                         : name == "mean" || name == "deviation" ? has_mean
+                                                                 : is_table == (name == "table");
+    if (belongs)
+      read_key(table, spec, key);
+    else if (known && table.has(name))
+      table.fail(name, "{} is given, but {} is \"{}\", which does not take it; remove the key",
+                 table.path(name), table.path("distribution"), distribution_names[spec.distribution]);
+  };
+  std::apply([&](const auto&... key) { (read(key), ...); }, diameter_keys);
+  if (spec.smallest > 0 && spec.largest > 0 && !(spec.smallest < spec.largest))
+    table.refuse("largest", "above " + table.path("smallest"));
+}
+
+std::vector<SizeShare> rows_of(TableReader& table) {
+  const Node* list = table.find("table");
+  std::vector<SizeShare> rows;
+  if (!list) return rows;
+  for (const Node& row : list->children) {
+    const auto numbers = row.numbers(2);
+    const double last = rows.empty() ? 0 : rows.back().diameter;
+    if (!numbers || !((*numbers)[0] > last) || !((*numbers)[1] > 0)) break;
+    rows.push_back({(*numbers)[0], (*numbers)[1]});
+  }
+  if (rows.empty() || rows.size() != list->children.size() || rows.size() > most_rows) {
+    table.refuse("table",
+                 fmt::format("a list of 1 to {} pairs, [[diameter, share], ...], both above 0, in the "
+                             "order of growing diameters",
+                             most_rows));
+    return {};
+  }
+  for (SizeShare& row : rows) row.diameter /= table.context().units.cell_size;
+  return rows;
+}
+
+/// Integrals over a strip of the density, and of that times the cube of the diameter, by Simpson's rule.
+SizeShare strip_of(const DiameterSpec& spec, double low, double high) {
+  constexpr int intervals = 64;
+  const double width = (high - low) / intervals;
+  double number = 0, volume = 0;
+  for (int i = 0; i <= intervals; ++i) {
+    const double d = low + i * width, cube = d * d * d;
+    const double weight = i == 0 || i == intervals ? 1 : i % 2 ? 4 : 2;
+    const double density = weight * width / 3 * spec.density(d);
+    number += spec.by_mass ? density / cube : density;
+    volume += spec.by_mass ? density : density * cube;
+  }
+  return {number > 0 ? rigid::elementary::cbrt(volume / number) : low, number};
+}
+
+std::vector<SizeShare> strips_of(const DiameterSpec& spec) {
+  const double step = rigid::elementary::log(spec.largest / spec.smallest) / strips;
+  std::vector<SizeShare> sizes;
+  for (int k = 0; k < strips; ++k)
+    sizes.push_back(strip_of(spec, spec.smallest * rigid::elementary::exp(k * step),
+                             spec.smallest * rigid::elementary::exp((k + 1) * step)));
+  return sizes;
+}
+
+void add_shapes(Case& setup, FillSpec& fill, const std::vector<SizeShare>& sizes, bool may_replace) {
+  const int given = fill.shape;
+  const rigid::Shape form = setup.shapes[given];
+  const rigid::Vec3 origin = setup.shape_origins[given];
+  const double diameter = rigid::elementary::cbrt(6 / std::numbers::pi * rigid::mass_properties(form).volume);
+  double share = 0;
+  fill.sizes.clear();
+  for (std::size_t i = 0; i < sizes.size(); ++i) {
+    const double factor = sizes[i].diameter / diameter;
+    const bool replaces = may_replace && i + 1 == sizes.size();
+    if (!replaces) {
+      setup.shapes.push_back(form), setup.shape_origins.push_back(origin);
+      setup.shape_names.push_back(std::string(setup.shape_names[given]));
+    }
+    fill.shape = replaces ? given : static_cast<int>(setup.shapes.size()) - 1;
+    setup.shapes[fill.shape] = rigid::scaled(form, factor);
+    setup.shape_origins[fill.shape] = factor * origin;
+    fill.sizes.push_back({fill.shape, share += sizes[i].share});
+  }
+  fill.sizes.back().up_to = 1;
+}
+
+}  // namespace
+
+KeySection fill_size_section() {
+  return section_of("fill.diameter", diameter_keys);
+}
+
+std::vector<SizeShare> read_fill_sizes(TableReader& fill) {
+  TableReader table = fill.table("diameter");
+  if (!table.present()) return {};
+  DiameterSpec spec;
+  const std::size_t errors = table.context().errors.size();
+  read_diameter(table, spec);
+  std::vector<SizeShare> sizes;
+  if (spec.distribution == Distribution::table) {
+    sizes = rows_of(table);
+    for (SizeShare& size : sizes)
+      if (spec.by_mass) size.share /= rigid::elementary::power(size.diameter, 3);
+  } else if (table.context().errors.size() == errors) {
+    sizes = strips_of(spec);
+  }
+  double all = 0;
+  for (const SizeShare& size : sizes) all += size.share;
+  if (!sizes.empty() && !(all > 0))
+    table.fail("mean", "{}: the distribution has no body between {} and {}", table.path(),
+               table.path("smallest"), table.path("largest"));
+  if (!(all > 0)) return {};
+  for (SizeShare& size : sizes) size.share /= all;
+  return sizes;
+}
+
+void set_fill_sizes(Case& setup, const std::vector<std::vector<SizeShare>>& sizes) {
+  std::vector<bool> used(setup.shapes.size());
+  if (used.empty()) return;
+  setup.for_each_given([&](const BodySpec& body, std::uint64_t) { used[body.shape] = true; });
+  for (std::size_t i = 0; i < sizes.size(); ++i) {
+    setup.fills[i].sizes = {{setup.fills[i].shape, 1}};
+    if (sizes[i].empty()) used[setup.fills[i].shape] = true;
+  }
+  for (std::size_t i = 0; i < sizes.size(); ++i) {
+    if (sizes[i].empty()) continue;
+    const int given = setup.fills[i].shape;
+    add_shapes(setup, setup.fills[i], sizes[i], !used[given]);
+    used[given] = true;
+  }
+}
+
+double mean_volume(const Case& setup, const FillSpec& fill) {
+  double volume = 0, below = 0;
+  for (const FillSize& size : fill.sizes) {
+    volume += (size.up_to - below) * rigid::mass_properties(setup.shapes[size.shape]).volume;
+    below = size.up_to;
+  }
+  return volume;
+}
+
+}  // namespace silt

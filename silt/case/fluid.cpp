@@ -1,0 +1,355 @@
+// [fluid], [coupling] and [gravity]; what may be wrong with a fluid, and which collision model lasts in a
+// scene.
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "silt/case/case_sections.hpp"
+#include "silt/case/unit_slips.hpp"
+
+namespace silt {
+
+double fastest_given(const Case& setup) {
+  double fastest =
+      setup.fluid ? std::max(setup.fluid->initial.largest_speed(), setup.fluid->superficial_velocity.norm())
+                  : 0;
+  for (const coupler::BoundarySpec& side : setup.boundary) fastest = std::max(fastest, side.largest_speed());
+  for (const Entry& entry : entries_of(setup)) fastest = std::max(fastest, entry.velocity.norm());
+  return fastest;
+}
+
+double cell_reynolds(const Case& setup) {
+  return fastest_given(setup) / setup.fluid->kinematic_viscosity;
+}
+
+double measured_reynolds(lbm::Collision model) {
+  return lbm::model_of(model).lasts_to;
+}
+
+void choose_collision(Case& setup) {
+  if (!setup.fluid || !setup.fluid->collision_by_scene) return;
+  const bool fast = cell_reynolds(setup) > measured_reynolds(lbm::Collision::trt);
+  setup.fluid->collision = fast ? lbm::Collision::regularised : lbm::Collision::trt;
+}
+
+std::string collision_reason(const Case& setup) {
+  if (!setup.fluid->collision_by_scene) return "given";
+  return fmt::format("auto: u/nu = {}, trt lasts to {}", shown(cell_reynolds(setup)),
+                     shown(measured_reynolds(lbm::Collision::trt)));
+}
+
+namespace {
+
+constexpr std::tuple fluid_keys{
+    HandKey{"density", "number", "kg/m³", "– (si), 1", "reference density"},
+    HandKey{"kinematic_viscosity", "number", "m²/s", "one of two", "kinematic viscosity ν"},
+    HandKey{"relaxation_time", "number", "1", "one of two", "relaxation time τ = 1/2 + 3 ν in lattice units"},
+    HandKey{"collision", "\"trt\", \"bgk\", \"regularised\", \"auto\"", "", "\"trt\"",
+            "collision model: two relaxation times, one, or for high cell Reynolds numbers; \"auto\": "
+            "\"trt\" where it lasts at the largest speed given"},
+    Key{"smagorinsky", &coupler::FluidSpec::smagorinsky, Number{dimension::none, range::between(0, 1)},
+        "of \"regularised\": no cell is less viscous than an eddy of its size, C²|S|; resolved flow never "
+        "is; 0: none"},
+    HandKey{"magic", "number", "1", "1/6",
+            "Λ = (τ − 1/2)(τ_odd − 1/2) of trt; with bodies or [[walls]] by default 1/16 under "
+            "\"parabolic\", 2/15 under \"multireflection\" (up to 1/6 below τ = 0.77)"},
+    Key{"precision", &coupler::FluidSpec::precision, Choice{coupler::precision_names},
+        "precision of the stored populations"},
+    Key{"body_force", &coupler::FluidSpec::body_force, Vector{dimension::acceleration},
+        "acceleration of the fluid"},
+    HandKey{"body_force_over_time", "table", "", "steady", "how it changes: see gravity.over_time"},
+    Key{"superficial_velocity", &coupler::FluidSpec::superficial_velocity, Vector{dimension::velocity},
+        "mean over all cells, bodies counting as 0, that the body force is controlled for, along the axes "
+        "where it is not 0"},
+    Key{"body_force_on_bodies", &coupler::FluidSpec::body_force_on_bodies, Flag{},
+        "true where the body force stands for a pressure gradient: free bodies feel the force on the fluid "
+        "they displace"},
+    Key{"quiet_start", &coupler::FluidSpec::quiet_start, Flag{},
+        "a start from rest begins with the pressure that weights, springs and the body force ask for, so "
+        "that it sets off no sound"},
+    HandKey{"initial", "table", "", "at rest", "initial state, see below"}};
+
+constexpr std::tuple initial_keys{
+    Key{"type", &coupler::InitialSpec::type, Choice{coupler::initial_flow_names},
+        "initial flow; \"taylor-green-3d\" needs a cube, \"vortex\" is about the axis z through the middle "
+        "of the domain",
+        required},
+    Key{"noise", &coupler::InitialSpec::noise, Number{dimension::velocity, range::at_least(0)},
+        "largest component of a random velocity that each cell gets besides, the same on any number of "
+        "ranks"}};
+constexpr std::tuple stream_keys{Key{"velocity", &coupler::InitialSpec::velocity, Vector{dimension::velocity},
+                                     "velocity of the uniform flow and of the stream that carries a "
+                                     "\"vortex\"; its length is the amplitude of the others; not at rest",
+                                     required}};
+constexpr std::tuple layer_keys{Key{"steepness", &coupler::InitialSpec::steepness,
+                                    Number{dimension::none, range::above(0)},
+                                    "of a \"shear-layer\": the period in y over the layers' thickness"}};
+constexpr std::tuple vortex_keys{
+    Key{"swirl", &coupler::InitialSpec::swirl, Number{dimension::velocity, range::at_least(0)},
+        "of a \"vortex\": the largest speed about its axis", required},
+    Key{"radius", &coupler::InitialSpec::radius, Number{dimension::length, range::above(0)},
+        "of a \"vortex\": how far from its axis it is fastest", required}};
+
+constexpr std::tuple gravity_keys{
+    Key{"acceleration", &Case::gravity, Vector{dimension::acceleration},
+        "acts on the bodies, less their buoyancy, as in [0, 0, -9.81]", required},
+    HandKey{"over_time", "table", "", "steady", "how it changes, see below"}};
+
+constexpr std::tuple coupling_keys{
+    Key{"wall_scheme", &coupler::CouplingSpec::wall_scheme, Choice{coupler::wall_scheme_names},
+        "boundary condition on the cut links of bodies and [[walls]]"},
+    Key{"time", &coupler::CouplingSpec::time, Choice{coupler::time_coupling_names},
+        "whether the drag of a step acts on the velocities at its end or at its start"},
+    Key{"refill", &coupler::CouplingSpec::refill, Choice{coupler::refill_names},
+        "populations of cells that a body uncovers"},
+    Key{"force", &coupler::CouplingSpec::force, Choice{coupler::force_form_names},
+        "momentum exchange; \"exact\" conserves momentum: comparison"},
+    Key{"remap_tolerance", &coupler::CouplingSpec::remap_tolerance,
+        Number{dimension::none, range::between(0, 0.4), "cells"},
+        "how far a surface may be from where its cells were found last, at most 0.4; 0.15 of it where wall "
+        "distances do not follow (bounce-back, meshes)"},
+    Key{"lubrication", &coupler::CouplingSpec::lubrication, Flag{},
+        "lubrication between close smooth surfaces, with the resolver sffd; none at the faces and edges of "
+        "boxes, cylinders and polyhedra"},
+    Key{"lubrication_min_gap", &coupler::CouplingSpec::lubrication_min_gap,
+        Number{dimension::length, range::above(0)},
+        "gap below which lubrication stops growing, as at rough surfaces; R is the reduced radius",
+        "0.001 R"}};
+
+/// Reads the keys of one type of initial flow; another has none of them.
+template <class Keys>
+void read_keys_of(coupler::InitialFlow type, TableReader& initial, coupler::InitialSpec& spec,
+                  const Keys& keys) {
+  if (spec.type == type) return read_keys(initial, spec, keys);
+  const auto refuse = [&](const char* key) {
+    if (initial.has(key))
+      initial.fail(key, "fluid.initial.{} is of \"{}\"; \"{}\" has none, remove it", key,
+                   coupler::initial_flow_names[type], coupler::initial_flow_names[spec.type]);
+  };
+  std::apply([&](const auto&... key) { (refuse(key.name), ...); }, keys);
+}
+
+void read_initial(TableReader initial, coupler::InitialSpec& spec) {
+  if (!initial.present()) return;
+  read_keys(initial, spec, initial_keys);
+  read_keys_of(coupler::InitialFlow::shear_layer, initial, spec, layer_keys);
+  read_keys_of(coupler::InitialFlow::vortex, initial, spec, vortex_keys);
+  if (spec.type != coupler::InitialFlow::rest) read_keys(initial, spec, stream_keys);
+}
+
+void read_coupling(TableReader& root, Case& setup) {
+  TableReader table = root.table("coupling");
+  if (table.present() && !setup.fluid)
+    root.fail("coupling", "[coupling] is given, but there is no [fluid] to couple bodies to; remove it");
+  read_keys(table, setup.coupling, coupling_keys);
+  if (table.has("lubrication_min_gap") && !setup.coupling.lubrication)
+    table.fail("lubrication_min_gap", "{} is given, but {} is false; remove one of them",
+               table.path("lubrication_min_gap"), table.path("lubrication"));
+}
+
+void read_collision(TableReader& fluid, coupler::FluidSpec& spec) {
+  std::vector<std::string> names;
+  for (const lbm::CollisionModel& known : lbm::collision_models) names.emplace_back(known.name);
+  names.emplace_back("auto");
+  const std::optional<std::string> chosen = fluid.choice("collision", names);
+  spec.collision_by_scene = chosen == "auto";
+  const auto place = std::ranges::find(names, chosen.value_or("trt")) - names.begin();
+  if (!spec.collision_by_scene) spec.collision = static_cast<lbm::Collision>(place);
+  const lbm::CollisionModel& model = lbm::model_of(spec.collision);
+  if (fluid.has("smagorinsky") && !model.has_eddies() && !spec.collision_by_scene)
+    fluid.fail("smagorinsky", "fluid.smagorinsky is of regularised; {} has none, remove it", model.name);
+  if (fluid.has("magic") && !model.has_magic())
+    fluid.fail("magic", "fluid.magic is Lambda of trt and regularised; {} has none, remove it", model.name);
+}
+
+void read_viscosity(TableReader& fluid, coupler::FluidSpec& spec) {
+  const std::string given =
+      fluid.one_of({"kinematic_viscosity", "relaxation_time"}, true, "how viscous the fluid is");
+  if (given == "relaxation_time") {
+    spec.relaxation_time = fluid.number(given, range::any).value_or(1);
+    if (spec.relaxation_time <= 0.5) fluid.refuse(given, "above 0.5, where the viscosity is 0");
+    spec.kinematic_viscosity = (spec.relaxation_time - 0.5) / 3;
+  } else if (!given.empty()) {
+    spec.kinematic_viscosity = fluid.quantity(given, dimension::viscosity, range::above(0)).value_or(1. / 6);
+    spec.relaxation_time = 0.5 + 3 * spec.kinematic_viscosity;
+  }
+}
+
+/// The control of a flow rate takes the body force along its axes.
+void read_body_force_over_time(TableReader& fluid, coupler::FluidSpec& spec) {
+  spec.body_force_over_time = read_over_time(fluid, "body_force_over_time");
+  const auto given = spec.body_force.array() != 0, controlled = spec.superficial_velocity.array() != 0;
+  if (!given.any())
+    fluid.idle("body_force_over_time", "there is no body_force that it could change; remove it");
+  else if (!(given && !controlled).any())
+    fluid.idle("body_force_over_time",
+               "superficial_velocity controls the body force along the same axes; remove one of them");
+  if (!spec.has_body_force() && spec.body_force_on_bodies)
+    fluid.idle("body_force_on_bodies", "there is no body force; remove it");
+}
+
+// Limits of the method, in lattice units.
+constexpr double doubtful_relaxation_low = 0.51, doubtful_relaxation_high = 2, high_relaxation = 5;
+constexpr double most_relaxation = 1e4, usual_relaxation = 1;
+constexpr double least_measured = 1e-4;  // of tau - 1/2, by any collision model (scripts/stability)
+constexpr double most_magic = 1e3;
+constexpr double most_cells = 1e13;  // far beyond the largest machines: a slip of the pen
+
+const char* viscosity_key(const Case& setup) {
+  return setup.places.count("fluid.kinematic_viscosity") ? "fluid.kinematic_viscosity"
+                                                         : "fluid.relaxation_time";
+}
+
+/// Returns the cure that gives a relaxation time of 1.
+std::string shorter_steps(const Case& setup) {
+  const double factor = (usual_relaxation - 0.5) / (setup.fluid->relaxation_time - 0.5);
+  if (!setup.places.count("fluid.kinematic_viscosity"))
+    return fmt::format("use {} = {}", viscosity_key(setup), shown(usual_relaxation));
+  return setup.units.si ? time_step_cure(setup, factor)
+                        : fmt::format("use {} = {}", viscosity_key(setup),
+                                      shown(factor * setup.fluid->kinematic_viscosity));
+}
+
+void check_thick(const Case& setup, Diagnostics& findings, double tau) {
+  const std::string found = fmt::format("the relaxation time is {}", shown(tau)), cure = shorter_steps(setup);
+  const std::string factor = shown(rounded_up((tau - 0.5) / (usual_relaxation - 0.5)));
+  const std::string doubt =
+      ", and if the viscosity is meant, it is too large for this time step by a factor of " + factor;
+  if (tau > most_relaxation)
+    findings.error(viscosity_key(setup), "{}; at most {} is possible: {}{}", found, shown(most_relaxation),
+                   cure, doubt);
+  else
+    findings.warning(viscosity_key(setup), "{}; above {} walls and slow flow lose accuracy: {}{}", found,
+                     doubtful_relaxation_high, cure, tau > high_relaxation ? doubt : "");
+}
+
+void check_thin(const Case& setup, Diagnostics& findings, double tau) {
+  const std::string lengths = length_slip(setup);
+  findings.warning(viscosity_key(setup),
+                   "the relaxation time is 0.5 + {}; no collision model was measured below 0.5 + {}: the "
+                   "viscosity is too small for these cells by a factor of {}{}{}",
+                   shown(tau - 0.5), least_measured, shown(rounded_up(least_measured / (tau - 0.5))),
+                   lengths.empty() ? "" : "; ", lengths);
+}
+
+/// Says that a viscosity is of no fluid and, where another unit makes it one, what that is and nothing else.
+/// Returns whether it is so.
+bool is_in_another_unit(const Case& setup, Diagnostics& findings) {
+  const double tau = setup.fluid->relaxation_time;
+  const double found = setup.units.physical(setup.fluid->kinematic_viscosity, dimension::viscosity);
+  if (!setup.units.si || (found >= thinnest && found <= thickest)) return false;
+  const std::string slip = viscosity_slip(setup);
+  const std::string text = fmt::format(
+      "the kinematic viscosity is {} m2/s; fluids have {} (a liquid metal) to {} (thick "
+      "syrup), water has 1e-06, which is 1 mm2/s{}{}",
+      shown(found), shown(thinnest), shown(thickest), slip.empty() ? "" : ": ", slip);
+  if (slip.empty() || tau <= most_relaxation)
+    findings.warning(viscosity_key(setup), "{}", text);
+  else
+    findings.error(viscosity_key(setup),
+                   "{}; now it makes the relaxation time {}, and at most {} is possible", text, shown(tau),
+                   shown(most_relaxation));
+  return !slip.empty();
+}
+
+void check_viscosity(const Case& setup, Diagnostics& findings) {
+  const double tau = setup.fluid->relaxation_time;
+  const char* key = viscosity_key(setup);
+  if (is_in_another_unit(setup, findings)) return;
+  if (!(tau > 0.5))
+    findings.error(key, "the relaxation time is {}; it must be above 0.5 (a viscosity above 0)", shown(tau));
+  else if (tau - 0.5 < least_measured)
+    check_thin(setup, findings, tau);
+  else if (tau < doubtful_relaxation_low && !lbm::model_of(setup.fluid->collision).has_eddies())
+    findings.warning(key,
+                     "the relaxation time is {}; below {} runs tend to blow up: use fluid.collision = "
+                     "\"regularised\", smaller cells, a longer time step or a higher viscosity",
+                     shown(tau), doubtful_relaxation_low);
+  else if (tau > doubtful_relaxation_high)
+    check_thick(setup, findings, tau);
+}
+
+/// Slow flow between walls under another model than `trt`, where that would last.
+void check_flow_between_walls(const Case& setup, Diagnostics& findings) {
+  constexpr double same_from = 0.6;  // from which on `regularised` has the odd rates of `trt` (method.md, 26)
+  const double tau = setup.fluid->relaxation_time, lasts = measured_reynolds(lbm::Collision::trt);
+  if (setup.fluid->collision == lbm::Collision::trt || !setup.has_surfaces() || tau >= same_from ||
+      tau < doubtful_relaxation_low || cell_reynolds(setup) > lasts)
+    return;
+  findings.warning(
+      "fluid.collision",
+      "below a relaxation time of {} flow between bodies has too much drag under {}, in a packed bed "
+      "with 12 cells a diameter at 0.5225 {}: use fluid.collision = \"trt\" where it lasts, up to "
+      "u/nu = {}, or smaller cells",
+      same_from, lbm::model_of(setup.fluid->collision).name,
+      setup.fluid->collision == lbm::Collision::bgk ? "a half" : "a third", shown(lasts));
+}
+
+void check_collision(const Case& setup, Diagnostics& findings) {
+  const lbm::CollisionModel& model = lbm::model_of(setup.fluid->collision);
+  const double found = cell_reynolds(setup), measured = measured_reynolds(setup.fluid->collision);
+  if (found > measured)
+    findings.warning("fluid.collision",
+                     "the cell Reynolds number u/nu is {} at the largest speed given; {} was measured to "
+                     "last up to {} (scripts/stability): use {}smaller cells",
+                     shown(found), model.name, shown(measured),
+                     model.has_eddies() ? "" : "fluid.collision = \"regularised\" or ");
+  check_flow_between_walls(setup, findings);
+  if (!(setup.fluid->magic > 0))
+    findings.error("fluid.magic", "fluid.magic is {}; it must be above 0", shown(setup.fluid->magic));
+  if (setup.fluid->magic > most_magic)
+    findings.error("fluid.magic", "fluid.magic is {}; at most {} is possible: 0.25 is usual",
+                   shown(setup.fluid->magic), shown(most_magic));
+}
+
+void check_initial(const Case& setup, Diagnostics& findings) {
+  const coupler::InitialSpec& initial = setup.fluid->initial;
+  const auto& n = setup.cells;
+  if (initial.type == coupler::InitialFlow::taylor_green_3d && (n[0] != n[1] || n[1] != n[2]))
+    findings.error("fluid.initial.type",
+                   "fluid.initial.type is \"taylor-green-3d\", whose pressure is known in a cube; make "
+                   "domain.size the same along x, y and z");
+  check_speed(findings, "fluid.initial.velocity", initial.largest_speed());
+  check_speed(findings, "fluid.initial.noise", initial.noise);
+}
+
+}  // namespace
+
+std::vector<KeySection> fluid_sections() {
+  return {section_of("fluid", fluid_keys),
+          section_of("fluid.initial", initial_keys, stream_keys, layer_keys, vortex_keys),
+          section_of("gravity", gravity_keys), over_time_section(), section_of("coupling", coupling_keys)};
+}
+
+void read_fluid(TableReader& root, Case& setup) {
+  TableReader fluid = root.table("fluid"), gravity = root.table("gravity");
+  if (fluid.present()) {
+    coupler::FluidSpec& spec = setup.fluid.emplace();
+    read_keys(fluid, spec, fluid_keys);
+    read_viscosity(fluid, spec);
+    read_collision(fluid, spec);
+    read_initial(fluid.table("initial"), spec.initial);
+    read_body_force_over_time(fluid, spec);
+  }
+  read_keys(gravity, setup, gravity_keys);
+  setup.gravity_over_time = read_over_time(gravity, "over_time");
+  if (setup.gravity.isZero(0)) gravity.idle("over_time", "the acceleration is 0");
+  read_coupling(root, setup);
+  if (!setup.fluid) return;
+  const bool surfaces = root.has("bodies") || root.has("fill") || root.has("walls");
+  const double best = surfaces ? lbm::best_magic(setup.coupling.wall_scheme, setup.fluid->relaxation_time)
+                               : setup.fluid->magic;
+  setup.fluid->magic = fluid.number("magic", range::above(0)).value_or(best);
+}
+
+void find_fluid_faults(const Case& setup, Diagnostics& findings) {
+  if (!setup.fluid) return;
+  if (setup.volume() > most_cells)
+    findings.error("domain.size", "the domain has {} cells; at most {} are possible: use larger cells",
+                   shown(setup.volume()), shown(most_cells));
+  check_viscosity(setup, findings);
+  check_collision(setup, findings);
+  check_initial(setup, findings);
+}
+
+}  // namespace silt

@@ -1,0 +1,212 @@
+// [[quantities]], and what may be wrong with them.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <limits>
+
+#include "rigid/shapes/shape.hpp"
+#include "silt/case/case_sections.hpp"
+
+namespace silt {
+namespace {
+
+using Q = QuantityType;
+
+/// A key of those types that take it.
+template <class AnyKey>
+struct KeyOf {
+  Q::Key taken;
+  AnyKey key;
+};
+
+constexpr std::tuple every_type_keys{
+    HandKey{"name", "string", "", required, "what report.json calls the quantity"},
+    HandKey{"type", "type of quantity", "", required,
+            "one of the table below, which says what else it takes"}};
+constexpr std::tuple type_keys{
+    KeyOf{Q::Key(Q::body | Q::bearer), HandKey{"body", "string", "", "every body",
+                                               "kind of bodies: name of a [[bodies]] or [[fill]] entry"}},
+    KeyOf{Q::axis, Key{"axis", &QuantitySpec::axis, Choice{axis_names},
+                       "axis along which the quantity is taken", "\"z\""}},
+    KeyOf{Q::time, Key{"time", &QuantitySpec::time, Number{dimension::time, range::at_least(0)},
+                       "time from which on the quantity looks at the run", required}},
+    KeyOf{Q::instant,
+          Key{"time", &QuantitySpec::time, Number{dimension::time, range::at_least(0)},
+              "of kinetic-energy and dissipation: when the quantity looks at the run", "the end"}},
+    KeyOf{Q::height, Key{"height", &QuantitySpec::height, Number{dimension::length},
+                         "coordinate along the axis that bodies are to pass", required}},
+    KeyOf{Q::centre, Key{"centre", &QuantitySpec::centre, Vector{dimension::length},
+                         "a point of the container's axis, [x, y, z]", required}},
+    KeyOf{Q::box, Key{"box", &QuantitySpec::box, Corners{}, "two corners", "the domain"}},
+    KeyOf{Q::component, Key{"component", &QuantitySpec::component, Choice{component_names},
+                            "component of the stress", required}},
+    KeyOf{Q::side, Key{"side", &QuantitySpec::side, Choice{coupler::side_names},
+                       "side of the domain, \"z-low\" for one", required}},
+    KeyOf{Q::at, Key{"at", &QuantitySpec::height, Number{dimension::length},
+                     "where the plane is along the axis", required}},
+    KeyOf{Q::wall, HandKey{"wall", "string", "", "the only one", "name of one of [[walls]]"}},
+    KeyOf{Q::bearer, HandKey{"wall", "string", "", "none",
+                             "of forces and torques, in the place of body: name of one of [[walls]]"}},
+    KeyOf{Q::side_bears, Key{"side", &QuantitySpec::side, Choice{coupler::side_names},
+                             "of forces, in the place of body: side of the domain", "none"}}};
+
+void read_wall(TableReader& table, QuantitySpec& quantity, const Case& setup) {
+  std::vector<std::string> names;
+  for (const CurvedWall& wall : setup.walls) names.push_back(wall.name);
+  quantity.wall = read_name(table, "wall", names, "wall").value_or(0);
+  if (names.size() != 1)
+    table.need("wall", names.empty() ? "the name of one of [[walls]], of which there is none"
+                                     : "the name of one of [[walls]]: " + joined(names));
+}
+
+/// One of body, wall and, where the type takes it, side.
+void read_bearer(TableReader& table, const QuantityType& type, QuantitySpec& quantity, const Case& setup) {
+  std::string given;
+  for (const auto& [key, bearer] : {std::pair("body", Bearer::bodies), std::pair("wall", Bearer::wall),
+                                    std::pair("side", Bearer::side)}) {
+    if ((bearer == Bearer::side && !type.takes(Q::side_bears)) || !table.has(key)) continue;
+    if (!given.empty())
+      table.fail(key, "{} and {} are both given; a force acts on one of them: keep one", table.path(given),
+                 table.path(key));
+    given = key;
+    quantity.bearer = bearer;
+  }
+  if (quantity.bearer == Bearer::wall) read_wall(table, quantity, setup);
+}
+
+// The keys that the type takes; any other is unknown.
+void read_quantity_keys(TableReader& table, const QuantityType& type, QuantitySpec& quantity,
+                        const Case& setup) {
+  if (type.takes(Q::instant)) quantity.time = std::numeric_limits<double>::infinity();  // the end
+  const auto read = [&](const auto& row) {
+    if (type.takes(row.taken)) read_key(table, quantity, row.key);
+  };
+  std::apply([&](const auto&... row) { (read(row), ...); }, type_keys);
+  if (type.takes(Q::Key(Q::body | Q::bearer)))
+    quantity.kind = read_name(table, "body", setup.kind_names, "name of [[bodies]] or [[fill]]").value_or(-1);
+  if (type.takes(Q::wall)) read_wall(table, quantity, setup);
+  if (type.takes(Q::bearer)) read_bearer(table, type, quantity, setup);
+}
+
+// Returns what a quantity needs and the case has not.
+std::string lacking(const Case& setup, const QuantityType& type) {
+  if (type.asks_for(Q::fluid) && !setup.fluid) return "the case has no [fluid]";
+  if (type.asks_for(Q::bodies) && !setup.has_bodies()) return "the case has no bodies";
+  if (type.asks_for(Q::gravity) && setup.gravity.norm() == 0) return "the case has no [gravity]";
+  const bool driven =
+      setup.any_given([](const BodySpec& b) { return b.motion == rigid::Motion::prescribed; });
+  if (type.asks_for(Q::same_bodies) && (setup.bodies_come() || setup.bodies_leave()))
+    return "bodies come or leave, of which it knows nothing";
+  if (setup.start && (type.asks_for(Q::same_bodies) || type.name == "drift" || type.name == "displacement"))
+    return "bodies come from another run (initial.from), and it does not know where they were";
+  if (type.asks_for(Q::undriven) && driven)
+    return "the case has a body of prescribed motion, which drives the others";
+  return "";
+}
+
+bool is_wall(const coupler::BoundarySpec& side) {
+  return side.kind == coupler::BoundaryKind::no_slip || side.kind == coupler::BoundaryKind::moving;
+}
+
+/// The bearer of a force must be there, and able to bear it.
+void check_bearer(const Case& setup, Diagnostics& findings, const QuantitySpec& quantity,
+                  const std::string& entry) {
+  const bool of_fluid = quantity_type(quantity.type).asks_for(Q::fluid);
+  const coupler::BoundarySpec& side = setup.boundary[quantity.side];
+  if (quantity.bearer == Bearer::bodies && !setup.has_bodies())
+    findings.error(entry + ".type",
+                   "{}.type is \"{}\", but the case has no bodies; name what bears it by wall or side", entry,
+                   quantity.type);
+  if (quantity.bearer == Bearer::side && of_fluid && !is_wall(side))
+    findings.error(entry + ".side",
+                   "{}.side is {}, which is no wall; it must be a side that is no-slip or moving", entry,
+                   side_key(quantity.side));
+  if (quantity.bearer == Bearer::side && !of_fluid &&
+      (side.kind == coupler::BoundaryKind::periodic || !side.solid_for_bodies))
+    findings.error(entry + ".side", "{}.side is {}, which bodies do not touch; it must be solid for them",
+                   entry, side_key(quantity.side));
+}
+
+/// Checks the place where a quantity looks: a side, an axis, a box.
+void check_place(const Case& setup, Diagnostics& findings, const QuantitySpec& quantity,
+                 const std::string& entry) {
+  const QuantityType& type = quantity_type(quantity.type);
+  if (type.takes(Q::side) && !is_wall(setup.boundary[quantity.side]))
+    findings.error(entry + ".side",
+                   "{}.side is {}, which is no wall; it must be a side that is no-slip or moving", entry,
+                   side_key(quantity.side));
+  const coupler::BoundarySpec &low = setup.boundary[2 * quantity.axis],
+                              &high = setup.boundary[2 * quantity.axis + 1];
+  if (type.asks_for(Q::sheared) && !(is_wall(low) && is_wall(high) && low.velocity != high.velocity))
+    findings.error(entry + ".axis",
+                   "{}.axis is {}, across which nothing is sheared; both sides there must be walls (no-slip "
+                   "or moving), of different velocities",
+                   entry, "xyz"[quantity.axis]);
+  if (type.takes(Q::bearer)) check_bearer(setup, findings, quantity, entry);
+  if (const int cells = setup.cells[quantity.axis];
+      type.takes(Q::at) && !(quantity.height >= 0 && quantity.height <= cells))
+    findings.error(entry + ".at", "{}.at is {}; it must lie in the domain, 0 to {} along {}", entry,
+                   shown_length(setup, quantity.height), shown_length(setup, cells), "xyz"[quantity.axis]);
+  const auto& [lower, upper] = quantity.box;
+  for (int d = 0; type.takes(Q::box) && d < 3; ++d)
+    if (lower[d] < 0 || upper[d] > setup.cells[d])
+      return findings.error(entry + ".box",
+                            "{}.box reaches from {} to {} along {}; it must lie in the domain, 0 to {}",
+                            entry, shown_length(setup, lower[d]), shown_length(setup, upper[d]), "xyz"[d],
+                            shown_length(setup, setup.cells[d]));
+}
+
+/// The columns that series_NAME.csv and the table of a sweep have besides quantities.
+constexpr std::string_view columns_of_tables[] = {"step",        "time",  "folder",
+                                                  "exit_reason", "steps", "wall_seconds"};
+
+}  // namespace
+
+std::vector<KeySection> quantity_sections() {
+  KeySection section = section_of("quantities", every_type_keys);
+  std::apply([&](const auto&... row) { (section.keys.push_back(text_of(row.key)), ...); }, type_keys);
+  return {section};
+}
+
+void read_quantities(TableReader& root, Case& setup) {
+  std::vector<std::string> names;
+  for (TableReader& table : root.tables("quantities")) {
+    QuantitySpec quantity;
+    quantity.box = box_of(setup);
+    read_keys(table, quantity, every_type_keys);
+    quantity.name = read_new_name(table, names, "quantity");
+    std::vector<std::string> types;
+    for (const QuantityType& known : quantity_types) types.emplace_back(known.name);
+    const auto type = table.choice("type", types);
+    if (!type) table.judge_no_keys();
+    if (!type) continue;
+    quantity.type = *type;
+    read_quantity_keys(table, quantity_type(*type), quantity, setup);
+    setup.quantities.push_back(quantity);
+  }
+}
+
+void find_quantity_faults(const Case& setup, Diagnostics& findings) {
+  for (std::size_t i = 0; i < setup.quantities.size(); ++i) {
+    const QuantitySpec& quantity = setup.quantities[i];
+    const QuantityType& type = quantity_type(quantity.type);
+    const std::string entry = fmt::format("quantities[{}]", i), lack = lacking(setup, type);
+    if (std::ranges::find(columns_of_tables, quantity.name) != std::end(columns_of_tables))
+      findings.error(
+          entry + ".name",
+          "{}.name is '{}', and tables of results have a column of that name already; choose another", entry,
+          quantity.name);
+    const auto end = static_cast<double>(setup.steps);
+    if (!lack.empty())
+      findings.error(entry + ".type", "{}.type is \"{}\", but {}", entry, quantity.type, lack);
+    if ((type.takes(Q::time) && quantity.time >= end) ||
+        (type.takes(Q::instant) && std::isfinite(quantity.time) && quantity.time > end))
+      findings.warning(entry + ".time",
+                       "{}.time is not before the end of the run: the quantity will have no value", entry);
+    check_place(setup, findings, quantity, entry);
+  }
+}
+
+}  // namespace silt

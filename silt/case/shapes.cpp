@@ -1,0 +1,245 @@
+// [[shapes]], and the orientation of a part or a body.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+
+#include "adapters/qhull/convex_hull.hpp"
+#include "rigid/math/elementary.hpp"
+#include "rigid/math/types.hpp"
+#include "rigid/shapes/shape.hpp"
+#include "silt/case/case_sections.hpp"
+
+namespace silt {
+namespace {
+
+using rigid::Quat;
+using rigid::Vec3;
+
+constexpr std::tuple shape_keys{
+    HandKey{"name", "string", "", required, "what bodies call the shape"},
+    HandKey{"type", "type of shape", "", required, "one of the table below, which says what else it takes"},
+    HandKey{"radius", "number", "m", "one of two", "size of what is round"},
+    HandKey{"diameter", "number", "m", "one of two", "size of what is round"},
+    HandKey{"length", "number", "m", required,
+            "of a cylinder from end to end; of a capsule between the centres of its ends; along z"},
+    HandKey{"height", "number", "m", required,
+            "of a cone from its base to its apex, along z; its origin is its centre of mass, a quarter of "
+            "the height above the base"},
+    HandKey{"edges", "[x, y, z]", "m", required, "edges of a box"},
+    HandKey{"diameters", "[x, y, z]", "m", required, "of an ellipsoid, along its axes"},
+    HandKey{"vertices", "[[x, y, z], …]", "m", "one of two", "corners of a convex body, in any order"},
+    HandKey{"file", "string", "", "one of two",
+            "STL, OBJ or PLY file in the directory of the case, closed, of a polyhedron convex; required of "
+            "a mesh; a resumed run needs the same file"},
+    HandKey{"scale", "number", "1", "1", "unit of length of the file in that of the case"},
+    HandKey{"parts", "list of tables", "", required, "convex parts of a compound, see below"}};
+constexpr std::tuple part_keys{Key{"position", &rigid::Pose::position, Vector{dimension::length},
+                                   "of the part's origin, in the frame of the shape"}};
+
+/// A rotation that an orientation is given by.
+struct Turn {
+  Vec3 axis = Vec3::Zero();
+  double degrees = 0;
+};
+constexpr std::tuple turn_keys{Key{"axis", &Turn::axis, Vector{}, "what to turn about, [x, y, z]", required},
+                               Key{"degrees", &Turn::degrees, Number{dimension::none, range::any, "degrees"},
+                                   "how far to turn about the axis", required}};
+
+/// Returns the length; if it is not given or wrong, which is reported, some size that does no harm.
+template <class Solid>
+double read_length(TableReader& table, const rigid::Field<Solid, double>& field) {
+  std::string given = field.key;
+  if (field.other_key)
+    given = table.one_of({field.key, field.other_key}, true, field.doc);
+  else
+    table.need(field.key, field.doc);
+  const double share = given == field.key ? field.share : field.other_share;
+  return (given.empty() ? 2 : table.quantity(given, dimension::length, range::above(0)).value_or(2)) * share;
+}
+
+template <class Solid>
+Vec3 read_length(TableReader& table, const rigid::Field<Solid, Vec3>& field) {
+  table.need(field.key, field.doc);
+  const Vec3 lengths = table.vector(field.key, dimension::length).value_or(Vec3::Ones());
+  if (lengths.minCoeff() <= 0) table.refuse(field.key, "above 0 in each direction");
+  return field.share * lengths;
+}
+
+/// The lengths that its table of fields names.
+template <class Solid>
+Solid read_sizes(TableReader& table) {
+  Solid solid{};
+  std::apply([&](const auto&... field) { ((solid.*field.member = read_length(table, field)), ...); },
+             Solid::fields);
+  return solid;
+}
+
+using Hull = std::shared_ptr<const rigid::PolyhedronMesh>;
+
+Hull hull_of_vertices(TableReader& table) {
+  const auto points = table.points("vertices", 4, "a list of at least 4 points, [[x, y, z], ...]");
+  if (points.empty()) return {};
+  const auto hull = adapters::convex_hull(points);
+  for (std::size_t i = 0; i < points.size(); ++i)
+    if (!std::binary_search(hull.corners.begin(), hull.corners.end(), static_cast<int>(i)))
+      throw std::invalid_argument(
+          fmt::format("vertex {} (counted from 0) is no corner of the hull of all: it lies inside, on a face "
+                      "or an edge, or is given twice; remove it",
+                      i));
+  return hull.mesh;
+}
+
+/// A polyhedron has no sizes, but corners.
+rigid::ConvexShape read_polyhedron(TableReader& table) {
+  const std::string given = table.one_of(
+      {"vertices", "file"}, true, "its corners, [[x, y, z], ...], or the name of an STL, OBJ or PLY file");
+  if (given != "file" && table.has("scale"))
+    table.fail("scale", "{} goes with a file; the vertices are in the units of the case already",
+               table.path("scale"));
+  Hull mesh;
+  try {
+    if (given == "vertices") mesh = hull_of_vertices(table);
+    if (given == "file") mesh = read_polyhedron_file(table);
+  } catch (const std::invalid_argument& error) {
+    table.fail(given, "{}: {}", table.path(given), error.what());
+  }
+  if (!mesh) return rigid::Sphere{1};  // what is wrong has been said
+  return rigid::Polyhedron{mesh};
+}
+
+/// Calls f with the type of every alternative of ConvexShape or HollowShape that a case may name; only the
+/// sides of the domain are half-spaces.
+template <class F, class... S>
+void for_types(F&& f, const std::variant<S...>&) {
+  const auto call = [&]<class T>(std::type_identity<T> type) {
+    if constexpr (!std::is_same_v<T, rigid::HalfSpace>) f(type);
+  };
+  (call(std::type_identity<S>{}), ...);
+}
+
+template <class Any>
+std::vector<std::string> names_of_types() {
+  std::vector<std::string> names;
+  for_types([&]<class S>(std::type_identity<S>) { names.emplace_back(S::name); }, Any());
+  return names;
+}
+
+template <class Any>
+Any read_type(TableReader& table, const std::string& name) {
+  Any shape;
+  const auto read = [&]<class S>(std::type_identity<S>) {
+    if (name != S::name) return;
+    if constexpr (std::is_same_v<S, rigid::Polyhedron>)
+      shape = read_polyhedron(table);
+    else
+      shape = read_sizes<S>(table);
+  };
+  for_types(read, Any());
+  return shape;
+}
+
+std::vector<std::string> convex_names() {
+  return names_of_types<rigid::ConvexShape>();
+}
+
+std::vector<std::string> shape_types() {
+  auto names = convex_names();
+  names.emplace_back(rigid::Compound::name);
+  names.emplace_back(rigid::Mesh::name);
+  return names;
+}
+
+rigid::Compound read_compound(TableReader& table) {
+  rigid::Compound compound;
+  table.need("parts", "a list of tables, { type = \"capsule\", ..., axis = [1, 0, 0] }");
+  for (TableReader& part : table.tables("parts")) {
+    part.need("type", "one of " + joined(convex_names()));
+    const auto type = part.choice("type", convex_names());
+    if (!type) part.judge_no_keys();
+    if (!type) continue;
+    rigid::Pose pose;
+    read_keys(part, pose, part_keys);
+    pose.orientation = read_orientation(part);
+    compound.parts.push_back({read_type<rigid::ConvexShape>(part, *type), pose});
+  }
+  if (compound.parts.empty() && table.has("parts"))
+    table.fail("parts", "{} has no usable part", table.path("parts"));
+  return compound;
+}
+
+rigid::Shape read_shape(TableReader& table, const std::string& type) {
+  if (type == rigid::Compound::name) return read_compound(table);
+  if (type == rigid::Mesh::name) return read_mesh_body(table);
+  return read_type<rigid::ConvexShape>(table, type);
+}
+
+}  // namespace
+
+std::vector<KeySection> shape_sections() {
+  return {section_of("shapes", shape_keys), section_of("shapes.parts", part_keys, orientation_keys),
+          section_of("bodies.axis_angle", turn_keys)};
+}
+
+rigid::HollowShape read_hollow(TableReader& table, const std::string& name) {
+  return read_type<rigid::HollowShape>(table, name);
+}
+
+std::vector<std::string> hollow_names() {
+  return names_of_types<rigid::HollowShape>();
+}
+
+Quat read_orientation(TableReader& table) {
+  const std::string given = table.one_of({"orientation", "axis_angle", "axis"}, false, "");
+  if (given == "orientation") {
+    const auto q = table.find(given)->numbers(4).value_or(std::vector<double>(4));
+    const Quat orientation(q[0], q[1], q[2], q[3]);
+    if (orientation.norm() > 0) return orientation.normalized();
+    table.refuse(given, "a quaternion of four numbers, [w, x, y, z], not all 0");
+  } else if (given == "axis_angle") {
+    TableReader turn = table.table(given);
+    Turn about;
+    read_keys(turn, about, turn_keys);
+    if (turn.has("axis") && about.axis.norm() == 0) turn.refuse("axis", "a direction, not all 0");
+    if (about.axis.norm() > 0) {
+      const double half = about.degrees * std::numbers::pi / 360;
+      const Vec3 v = rigid::elementary::sin(half) * about.axis.normalized();
+      return Quat(rigid::elementary::cos(half), v[0], v[1], v[2]).normalized();
+    }
+  } else if (given == "axis") {
+    const auto axis = table.vector(given);
+    if (axis && axis->norm() > 0) return rigid::rotation_between(Vec3::UnitZ(), *axis).normalized();
+    if (axis) table.refuse(given, "a direction, not all 0");
+  }
+  return Quat::Identity();
+}
+
+void read_shapes(TableReader& root, Case& setup) {
+  for (TableReader& table : root.tables("shapes")) {
+    table.need("name", "what bodies call the shape");
+    table.need("type", "one of " + joined(shape_types()));
+    read_new_name(table, setup.shape_names, "shape");
+    rigid::Shape shape = rigid::Sphere{1};
+    const Node* given = table.find("type");
+    std::optional<std::string> type;
+    if (given && given->kind == Node::Kind::string && given->string == rigid::HalfSpace::name)
+      table.fail("type",
+                 "{} is \"half-space\"; a body cannot be one: walls come from domain.boundary, a body's "
+                 "shape is one of {}",
+                 table.path("type"), joined(shape_types()));
+    else
+      type = table.choice("type", shape_types());
+    if (type)
+      shape = read_shape(table, *type);
+    else
+      table.judge_no_keys();
+    // about its centre of mass, however far it is from the origin that the case gives it about
+    const Vec3 centre = rigid::mass_properties(shape).centre;
+    setup.shapes.push_back(centre.isZero(0) ? shape : rigid::recentred(shape, centre));
+    setup.shape_origins.push_back(-centre);
+  }
+}
+
+}  // namespace silt

@@ -1,0 +1,217 @@
+// Judges curved walls, and bodies in them.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "rigid/collision/hollow_contacts.hpp"
+#include "rigid/shapes/shape.hpp"
+#include "silt/case/case_sections.hpp"
+
+namespace silt {
+namespace {
+
+using rigid::TriangleMesh;
+using rigid::Vec3;
+
+/// The path of a wall's key, walls[i].key.
+std::string wall_key(std::size_t wall, const char* key) {
+  return fmt::format("walls[{}].{}", wall, key);
+}
+
+/// The shortest ray from the middle of a triangle along (sign 1) or against its normal to another triangle
+/// that faces it: the width of a gap, or the thickness of the solid. Of so many triangles at most.
+struct Thinnest {
+  double width = std::numeric_limits<double>::infinity();
+  Vec3 place = Vec3::Zero();  // in the frame of the mesh
+
+  Thinnest(const TriangleMesh& mesh, int sign) {
+    constexpr std::uint32_t most = 20000;
+    constexpr double facing = 0.5, above = 1e-6;  // cosine; of the mesh's size: past the triangle itself
+    const auto count = static_cast<std::uint32_t>(mesh.triangles().size());
+    const Vec3 size = mesh.box().upper - mesh.box().lower;
+    const double start = above * size.maxCoeff();
+    for (std::uint32_t t = 0; t < count; t += 1 + count / most) {
+      const auto [a, b, c] = mesh.corners(t);
+      const Vec3 normal = mesh.area_normal(t);
+      if (!(normal.squaredNorm() > 0)) continue;
+      const Vec3 direction = sign * normal.normalized(), middle = (a + b + c) / 3;
+      const auto hit =
+          mesh.first_hit(middle + start * direction, direction, std::min(width, 2 * size.norm()));
+      if (!hit || hit->triangle == t) continue;
+      const Vec3 other = mesh.area_normal(hit->triangle);
+      if (other.dot(normal) > -facing * other.norm() * normal.norm()) continue;
+      if (hit->t + start < width) width = hit->t + start, place = middle;
+    }
+  }
+};
+
+void check_features(const Case& setup, Diagnostics& findings, std::size_t index, const MeshWall& wall) {
+  constexpr double thin = 1, coarse = 2;  // cells
+  const int solid = wall.mesh.hollow ? 1 : -1;
+  for (const int sign : {solid, -solid}) {
+    const Thinnest found(*wall.mesh.surface, sign);
+    if (found.width >= coarse) continue;
+    findings.warning(wall_key(index, "file"),
+                     "walls[{}] has {} of {} at {}, {}; use smaller cells, or a mesh without it", index,
+                     sign == solid ? "a thickness" : "a gap", shown_length(setup, found.width),
+                     shown_point(setup, wall.pose(0).to_world(found.place)),
+                     found.width < thin ? "thinner than a cell: parts of it are missing on the lattice"
+                                        : "less than two cells: the flow about it is not resolved");
+  }
+}
+
+constexpr int looks = 1000;  // instants of a motion that is looked at
+
+/// It must overlap the domain; a vessel may cross a periodic border only if it goes on beyond it on both
+/// sides. Returns whether it does so at an instant.
+bool check_place_at(const Case& setup, Diagnostics& findings, std::size_t index, const MeshWall& wall,
+                    double step) {
+  constexpr double beyond = 3;  // cells: of the map's ghost layers
+  const rigid::BoundingBox box = rigid::Mesh{wall.mesh.surface, false}.bounding_box(wall.pose(step));
+  bool good = true;
+  for (int d = 0; d < 3; ++d) {
+    const double low = box.lower[d], high = box.upper[d], size = setup.cells[d];
+    const auto reach = fmt::format("walls[{}] reaches from {} to {} along {}{}", index,
+                                   shown_length(setup, low), shown_length(setup, high), "xyz"[d],
+                                   step > 0 ? fmt::format(" in step {:.0f}", step) : "");
+    const bool crosses = low < 0.5 || high > size - 0.5;
+    const bool goes_on = low <= -beyond && high >= size + beyond;
+    if (!setup.periodic(d) && (high <= 0 || low >= size) && step == 0)
+      findings.error(wall_key(index, "position"),
+                     "{}; the domain is from 0 to {}: move it, or correct its scale", reach,
+                     shown_length(setup, size));
+    else if (wall.mesh.hollow && setup.periodic(d) && crosses && !goes_on)
+      findings.error(wall_key(index, step > 0 ? "motion" : "position"),
+                     "{}, which is periodic; a vessel must stay half a cell within the domain there, or go "
+                     "on alike for {} beyond both sides",
+                     reach, shown_length(setup, beyond));
+    else
+      continue;
+    good = false;
+  }
+  return good;
+}
+
+/// Largest speed of a point of the wall, looked for in so many instants.
+double fastest(const Case& setup, const MeshWall& wall) {
+  double speed = 0;
+  const auto look = [&](double time) {
+    const auto v = wall.motion.velocity_at(time);
+    speed = std::max(speed, v.linear.norm() + v.angular.norm() * wall.reach());
+  };
+  for (int k = 0; k <= looks; ++k) look(static_cast<double>(setup.steps) * k / looks);
+  for (std::size_t k = 0; k + 1 < wall.motion.table.size(); ++k)
+    look(0.5 * (wall.motion.table[k].time + wall.motion.table[k + 1].time));
+  return speed;
+}
+
+void check_mesh(const Case& setup, Diagnostics& findings, std::size_t index, const MeshWall& wall) {
+  const int instants = wall.motion.moves() ? looks : 0;
+  for (int k = 0; k <= instants; ++k)
+    if (!check_place_at(setup, findings, index, wall, std::floor(double(setup.steps) * k / looks))) break;
+  if (!setup.fluid) return;
+  check_features(setup, findings, index, wall);
+  if (wall.motion.moves()) check_speed(findings, wall_key(index, "motion"), fastest(setup, wall));
+}
+
+/// Says whether a point of the domain is in the hole of a wall, by going to and fro between the two.
+bool is_open(const Case& setup, const rigid::HollowWallSpec& wall) {
+  constexpr int projections = 1000;
+  const rigid::BoundingBox domain = box_of(setup);
+  const rigid::Pose pose = wall.pose();
+  Vec3 in_hole = wall.point, in_domain;
+  for (int i = 0; i < projections; ++i) {
+    in_domain = in_hole.cwiseMax(domain.lower).cwiseMin(domain.upper);
+    in_hole = pose.to_world(wall.shape.innermost(pose.to_body(in_domain)));
+  }
+  return wall.shape.gap(pose, in_domain) > 0;
+}
+
+/// The hole must not cross a periodic border, unless it is the same on both sides: where the axis is that of
+/// a hollow that is alike all along it. Elsewhere the outermost cells must be solid.
+void check_borders(const Case& setup, Diagnostics& findings, std::size_t index,
+                   const rigid::HollowWallSpec& wall) {
+  constexpr double straight = 1e-12;  // rounding of a unit vector
+  const rigid::BoundingBox hole = wall.shape.hole(wall.pose());
+  for (int d = 0; d < 3; ++d) {
+    const double low = hole.lower[d], high = hole.upper[d], size = setup.cells[d];
+    if (!setup.periodic(d) || (wall.shape.slides() && std::abs(wall.axis[d]) > 1 - straight)) continue;
+    if (!std::isfinite(high - low))
+      findings.error(wall_key(index, "axis"),
+                     "walls[{}] leaves the domain through its periodic border across {}, at a slant; let its "
+                     "axis be {} or lie across it, or give the domain sides there",
+                     index, "xyz"[d], "xyz"[d]);
+    else if (low < 0.5 || high > size - 0.5)
+      findings.error(wall_key(index, "point"),
+                     "walls[{}] reaches from {} to {} along {}, which is periodic; it must stay half a cell "
+                     "within the domain, {} to {}: enlarge the domain, or give it sides there",
+                     index, shown_length(setup, low), shown_length(setup, high), "xyz"[d],
+                     shown_length(setup, 0.5), shown_length(setup, size - 0.5));
+  }
+}
+
+void check_hollow(const Case& setup, Diagnostics& findings, std::size_t index,
+                  const rigid::HollowWallSpec& wall) {
+  check_borders(setup, findings, index, wall);
+  if (!is_open(setup, wall))
+    findings.error(wall_key(index, "point"),
+                   "walls[{}] has its hole outside the domain: all of it would be solid; move its point, or "
+                   "change its axis or radius",
+                   index);
+  if (!setup.fluid) return;
+  check_speed(findings, wall_key(index, "velocity"), std::abs(wall.velocity));
+  check_speed(findings, wall_key(index, "angular_velocity"),
+              std::abs(wall.angular_velocity) * wall.shape.widest());
+}
+
+/// Returns how far a body reaches into a mesh, at least; not above 0 if it is not seen to.
+double depth_in_mesh(const Case& setup, const BodySpec& body, const MeshWall& wall, const rigid::Pose& pose) {
+  double depth = 0;
+  for (const rigid::InnerBall& ball : rigid::inner_balls(setup.shapes[body.shape]))
+    depth = std::max(depth,
+                     ball.radius - wall.mesh.signed_distance(pose.to_body(body.pose.to_world(ball.centre))));
+  return depth;
+}
+
+}  // namespace
+
+void find_wall_faults(const Case& setup, Diagnostics& findings) {
+  for (std::size_t i = 0; i < setup.walls.size(); ++i)
+    if (const MeshWall* mesh = setup.walls[i].mesh())
+      check_mesh(setup, findings, i, *mesh);
+    else
+      check_hollow(setup, findings, i, *setup.walls[i].hollow());
+}
+
+std::string fault_in_curved_walls(const Case& setup, const BodySpec& body, const std::string& key,
+                                  double allowed, double time) {
+  const rigid::Shape& shape = setup.shapes[body.shape];
+  const std::string is = fmt::format("{} is {}", key, shown_point(setup, body.given_position()));
+  for (const CurvedWall& wall : setup.walls) {
+    if (const MeshWall* mesh = wall.mesh()) {
+      const rigid::Pose pose = mesh->pose(time);
+      if (!mesh->mesh.surface) continue;
+      const bool is_convex = rigid::convex_parts(shape).size() == 1;  // no ring on a post
+      if (is_convex && mesh->mesh.contains(pose.to_body(body.pose.position)))
+        return fmt::format("{}: this is in the solid of the wall '{}', a mesh; move it out", is, wall.name);
+      if (const double depth = depth_in_mesh(setup, body, *mesh, pose); depth > allowed)
+        return fmt::format("{}: the body reaches at least {} into the wall '{}', a mesh; move it out", is,
+                           shown_length(setup, depth), wall.name);
+      continue;
+    }
+    const rigid::HollowShape& hollow = wall.hollow()->shape;
+    const double gap = rigid::gap_in_hollow(shape, body.pose, hollow, wall.hollow()->pose());
+    if (gap >= -allowed) continue;
+    std::string sizes;
+    hollow.for_sizes([&](const char* size_key, double size) {
+      sizes += fmt::format("{} {} {}", sizes.empty() ? " of" : ",", size_key, shown_length(setup, size));
+    });
+    return fmt::format("{}: the body reaches {} into the wall '{}', a {}{}; move it towards the {}'s axis",
+                       is, shown_length(setup, -gap), wall.name, hollow.name(), sizes, hollow.name());
+  }
+  return "";
+}
+
+}  // namespace silt

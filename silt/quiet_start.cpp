@@ -1,0 +1,131 @@
+#include "silt/quiet_start.hpp"
+
+#include <algorithm>
+#include <optional>
+#include <vector>
+
+#include "adapters/automatic/collision_factory.hpp"
+#include "coupler/coupled_step.hpp"
+#include "coupler/exchange/coupling_state.hpp"
+#include "coupler/mapping/body_changes.hpp"
+#include "lbm/fluid.hpp"
+#include "silt/case/case.hpp"
+#include "silt/case/quiet_start_steps.hpp"
+#include "silt/scene.hpp"
+
+namespace silt {
+
+using rigid::Vec3;
+
+namespace {
+
+/// Bodies at their places, which the loads of a step give velocities.
+class HeldScene final : rigid::StepObserver {
+ public:
+  explicit HeldScene(Scene& scene) : scene_(scene), start_(scene.bodies) {
+    scene_.flow->hold_bodies(true);
+    if (scene_.rigid_step) {
+      const ContactSpec& contacts = scene_.setup.contacts;
+      rigid_step_.emplace(scene_.world, *scene_.contacts.backend, *scene_.contacts.resolver, *scene_.exchange,
+                          adapters::make_broad_phase(contacts.broad_phase, contacts.backend));
+      rigid_step_->hold_poses();
+      rigid_step_->set_observer(*this);
+    }
+    stop_bodies();
+  }
+
+  void advance(std::int64_t steps) {
+    coupler::SceneParts parts = scene_.parts();
+    parts.rigid_step = rigid_step_ ? &*rigid_step_ : nullptr;
+    coupler::CoupledStep step(parts);
+    for (; steps > 0; --steps) {
+      step(scene_.bodies, {});
+      forget_forces();
+      if (scene_.springs) scene_.springs->look(scene_.bodies);
+    }
+  }
+
+  /// Leaves the fluid its pressure, and nothing a velocity.
+  void come_to_rest() {
+    for (int level = 0; level < scene_.flow->levels(); ++level) {
+      coupler::FluidFields& fields = scene_.flow->fields(level);
+      for (int b = 0; b < fields.blocks(); ++b) stop(fields, b);
+    }
+    stop_bodies();
+    if (scene_.springs) scene_.springs->start(scene_.bodies);
+  }
+
+  /// Gives the bodies back all that they had. Copies get velocities from their owners; what else of them
+  /// changes is zero at the start.
+  void give_back() {
+    rigid::BodySet& bodies = scene_.bodies;
+    for (std::size_t row = 0; row < start_.owned; ++row) {
+      bodies.assign(row, start_.record(row));
+      bodies.stored_impulses[row] = start_.stored_impulses[row];
+    }
+    for (std::size_t row = start_.owned; row < bodies.first_wall(); ++row) {
+      coupler::foreseen_change(bodies, row).setZero();
+      std::ranges::fill(coupler::mass_owed(bodies, row), 0);
+    }
+    for (std::size_t wall = 0; wall < start_.walls; ++wall)
+      bodies.assign(bodies.first_wall() + wall, start_.record(start_.first_wall() + wall));
+    forget_forces();
+    scene_.exchange->relocate(bodies);
+    if (scene_.springs) scene_.springs->look(bodies);
+    scene_.flow->hold_bodies(false);
+  }
+
+ private:
+  static void stop(coupler::FluidFields& fields, int b) {
+    const lbm::Int3 size = fields.block(b).size;
+    for (lbm::CellBox plane{{}, {size.x, size.y, 1}}; plane.lower.z < size.z; ++plane.lower.z) {
+      std::vector<double> density(std::size_t(plane.cells())), g(density.size());
+      for (int i = 0; i < lbm::directions; ++i) {
+        fields.read(b, plane, i, g.data());
+        for (std::size_t k = 0; k < g.size(); ++k) density[k] += g[k];
+      }
+      for (int i = 0; i < lbm::directions; ++i) {
+        const double push = lbm::half_push(fields.spec().force, i);
+        for (std::size_t k = 0; k < g.size(); ++k) g[k] = lbm::w(i) * density[k] - push;
+        fields.write(b, plane, i, g.data());
+      }
+    }
+  }
+  void stop_bodies() {
+    rigid::BodySet& bodies = scene_.bodies;
+    for (std::size_t row = 0; row < bodies.size(); ++row)
+      bodies.set_velocity(row, Vec3::Zero(), Vec3::Zero());
+  }
+  void forget_forces() {
+    std::ranges::fill(scene_.bodies.force, rigid::FixedVec3{});
+    std::ranges::fill(scene_.bodies.torque, rigid::FixedVec3{});
+  }
+
+  void before_drift(rigid::BodySet&) override {}
+  bool wants_contact_impulses() const override { return true; }
+  void contact_impulse(rigid::BodySet& bodies, std::size_t row, const Vec3& impulse,
+                       const Vec3& angular_impulse) override {
+    coupler::add_contact_load(bodies, row, impulse, angular_impulse);
+  }
+
+  Scene& scene_;
+  const rigid::BodySet start_;
+  std::optional<rigid::RigidStep> rigid_step_;  // of its own: that of the scene has not begun
+};
+
+}  // namespace
+
+void start_quietly(Scene& scene) {
+  constexpr std::int64_t least = 16;  // steps of the coarsest cells, in which sound passes a body
+  const std::int64_t stride = scene.setup.coarsening ? scene.setup.coarsening->stride() : 1;
+  HeldScene held(scene);
+  for (std::int64_t left = quiet_start_steps(scene.setup) / stride; left > 0;) {
+    const std::int64_t interval = left > least ? (left + 1) / 2 : left;
+    held.advance(interval * stride);
+    held.come_to_rest();
+    left -= interval;
+  }
+  held.give_back();
+}
+
+}  // namespace silt

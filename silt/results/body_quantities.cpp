@@ -1,0 +1,350 @@
+// Quantities that look at the bodies; sums are exact. Positions at the start come from the case.
+#include <algorithm>
+#include <numbers>
+
+#include "parallel/collectives.hpp"
+#include "rigid/math/elementary.hpp"
+#include "rigid/shapes/shape.hpp"
+#include "silt/case/case.hpp"
+#include "silt/fault_watch.hpp"
+#include "silt/placement/place_bodies.hpp"
+#include "silt/results/quantity_computation.hpp"
+
+namespace silt {
+
+namespace {
+
+using rigid::BodySet;
+using rigid::ExactSum;
+using rigid::Mat3;
+using rigid::Vec3;
+
+/// Adds terms(row) of each owned body that the quantity is about.
+template <class Terms>
+void add_terms(const BodySet& bodies, const QuantitySpec& q, Terms&& terms, std::span<ExactSum> sums) {
+  for_bodies_of(bodies, q, [&](std::size_t row) {
+    const auto x = terms(row);
+    for (int k = 0; k < int(x.size()); ++k) sums[k].add(x[k]);
+  });
+}
+
+/// Returns the sums of N terms a body over all ranks.
+template <int N, class Terms>
+std::array<double, N> sums_over(MPI_Comm comm, const BodySet& bodies, const QuantitySpec& q, Terms&& terms) {
+  std::array<ExactSum, N> sums;
+  add_terms(bodies, q, terms, sums);
+  parallel::sum_over_ranks(comm, std::span(sums));
+  std::array<double, N> result{};
+  for (int k = 0; k < N; ++k) result[k] = sums[k].value();
+  return result;
+}
+
+double ratio(double change, double start) {
+  return start == 0 ? no_value : change / start;
+}
+
+// ---- where bodies came from ----
+
+/// Calls visit(row, displacement since the start) for the owned bodies that were there then.
+template <class Visit>
+void for_each_displacement(const Simulation& simulation, const QuantitySpec& q, Visit&& visit) {
+  const Scene& scene = simulation.scene();
+  const BodySet& bodies = simulation.bodies();
+  const Vec3 period = extent_of(scene.setup).size;
+  const auto start = scene.at_start.positions.of(scene.setup, scene.domain, scene.comm,
+                                                 std::span(bodies.id).first(bodies.owned));
+  for_bodies_of(bodies, q, [&](std::size_t row) {
+    if (!start[row].hasNaN()) visit(row, unwrapped(bodies, row, period) - start[row]);
+  });
+}
+
+double drift(const Simulation& simulation, const QuantitySpec& q) {
+  double furthest = not_yet;
+  for_each_displacement(simulation, q,
+                        [&](std::size_t, const Vec3& moved) { furthest = std::max(furthest, moved.norm()); });
+  furthest = parallel::max_over_ranks(simulation.scene().comm, furthest);
+  return furthest == not_yet ? no_value : furthest;
+}
+
+double displacement(const Simulation& simulation, const QuantitySpec& q) {
+  using Terms = std::array<double, 2>;  // the displacement, and 1 of a body that was there at the start
+  std::vector<Terms> terms(simulation.bodies().owned, Terms{});
+  for_each_displacement(simulation, q, [&](std::size_t row, const Vec3& moved) {
+    terms[row] = {moved[q.axis], 1};
+  });
+  const auto [sum, count] = sums_over<2>(simulation.scene().comm, simulation.bodies(), q,
+                                         [&](std::size_t row) { return terms[row]; });
+  return ratio(sum, count);
+}
+
+// ---- what free motion keeps ----
+
+struct Totals {
+  Vec3 momentum, angular_momentum;  // of the free bodies, the latter about the domain's corner
+  double energy, momentum_scale;    // kinetic and potential; sum of |m v|
+
+  static Totals from(std::span<const double> sums) {
+    return {{sums[0], sums[1], sums[2]}, {sums[3], sums[4], sums[5]}, sums[6], sums[7]};
+  }
+};
+
+/// Returns a free body's part of the totals. The potential is zero at the lowest corner of the domain.
+std::array<double, 8> totals_of_body(const Case& setup, const BodySet& bodies, std::size_t row) {
+  if (!bodies.is_dynamic(row)) return {};
+  const Vec3 period = extent_of(setup).size, g = setup.gravity;
+  Vec3 lowest = Vec3::Zero();
+  for (int d = 0; d < 3; ++d) lowest[d] = g[d] > 0 ? period[d] : 0;
+  const Vec3 x = unwrapped(bodies, row, period), p = bodies.mass[row] * bodies.velocity[row];
+  const Vec3 l = x.cross(p) + bodies.angular_momentum[row];
+  const double potential = -bodies.mass[row] * bodies.weight_in_fluid[row] * g.dot(x - lowest);
+  return {p[0], p[1], p[2], l[0], l[1], l[2], bodies.kinetic_energy(row) + potential, p.norm()};
+}
+
+Totals totals_of(const Scene& scene, const BodySet& bodies, const QuantitySpec& q) {
+  return Totals::from(sums_over<8>(
+      scene.comm, bodies, q, [&](std::size_t row) { return totals_of_body(scene.setup, bodies, row); }));
+}
+
+void add_totals(const Simulation& simulation, const QuantitySpec& q, std::span<ExactSum> sums) {
+  const BodySet& bodies = simulation.bodies();
+  add_terms(
+      bodies, q, [&](std::size_t row) { return totals_of_body(simulation.setup(), bodies, row); }, sums);
+}
+
+bool is_at_start(const Simulation& simulation, const QuantitySpec&, const QuantityHistory&) {
+  return simulation.steps_done() == 0;
+}
+
+/// The bodies of the case as they are at the start, not wrapped, on the ranks where they were then.
+BodySet bodies_at_start(const Scene& scene) {
+  const auto shapes = centred_shapes(scene.setup);
+  const PlacedBodies placed = place_bodies(scene.setup, scene.domain, scene.comm);
+  BodySet bodies;
+  bodies.resize(placed.size());
+  placed.for_each([&](rigid::BodyId id, const BodySpec& body) {
+    const std::size_t row = bodies.owned++;
+    bodies.assign(row, body_record(id, body, shapes[body.shape], scene.setup.fluid.has_value()));
+    bodies.set_velocity(row, bodies.velocity[row], bodies.angular_velocity[row]);
+  });
+  return bodies;
+}
+
+/// change(what is kept now, what was at the start), where kept(totals, spec) is the history that remembers
+/// the start; for a quantity that was not there then, the bodies of the case are placed again.
+template <auto kept, auto change>
+constexpr Computation since_start(std::string_view type) {
+  return {type,
+          nullptr,
+          [](const Simulation& simulation, const QuantitySpec& q, const QuantityHistory& history) {
+            const Scene& scene = simulation.scene();
+            const QuantityHistory start =
+                history != no_history ? history : kept(totals_of(scene, bodies_at_start(scene), q), q);
+            return change(kept(totals_of(scene, simulation.bodies(), q), q), start);
+          },
+          {8, add_totals, is_at_start},
+          [](const Case&, const QuantitySpec& q, std::int64_t, std::span<const double> sums,
+             QuantityHistory& start) { start = kept(Totals::from(sums), q); },
+          nullptr,
+          {},
+          true};
+}
+
+QuantityHistory kept_momentum(const Totals& t, const QuantitySpec& q) {
+  return {t.momentum[q.axis], t.momentum_scale, 0};
+}
+double momentum_change(const QuantityHistory& now, const QuantityHistory& start) {
+  return ratio(now[0] - start[0], start[1]);
+}
+
+QuantityHistory kept_angular_momentum(const Totals& t, const QuantitySpec&) {
+  return {t.angular_momentum[0], t.angular_momentum[1], t.angular_momentum[2]};
+}
+double angular_momentum_change(const QuantityHistory& now, const QuantityHistory& start) {
+  const Vec3 l(now[0], now[1], now[2]), l0(start[0], start[1], start[2]);
+  return ratio((l - l0).norm(), l0.norm());
+}
+
+QuantityHistory kept_energy(const Totals& t, const QuantitySpec&) {
+  return {t.energy, 0, 0};
+}
+double energy_change(const QuantityHistory& now, const QuantityHistory& start) {
+  return ratio(now[0] - start[0], start[0]);
+}
+
+// ---- the largest or latest of the run ----
+
+/// The largest of value(simulation, spec, row), over the bodies and the steps from the spec's time on.
+template <auto value>
+constexpr Computation largest(std::string_view type) {
+  return {type,
+          [](const Simulation& simulation, const QuantitySpec& q, QuantityHistory& h) {
+            if (double(simulation.steps_done()) < q.time) return;
+            for_bodies_of(simulation.bodies(), q,
+                          [&](std::size_t row) { h[0] = std::max(h[0], value(simulation, q, row)); });
+          },
+          value_seen};
+}
+
+double speed(const Simulation& simulation, const QuantitySpec&, std::size_t row) {
+  return simulation.bodies().velocity[row].norm();
+}
+
+double height(const Simulation& simulation, const QuantitySpec& q, std::size_t row) {
+  return simulation.bodies().position[row][q.axis];
+}
+
+void observe_rebound(const Simulation& simulation, const QuantitySpec& q,
+                     QuantityHistory& against_and_along) {
+  const BodySet& bodies = simulation.bodies();
+  for_bodies_of(bodies, q, [&](std::size_t row) {
+    if (bodies.position[row][q.axis] < q.height) return;
+    const double v = bodies.velocity[row][q.axis];
+    against_and_along[0] = std::max(against_and_along[0], -v);
+    against_and_along[1] = std::max(against_and_along[1], v);
+  });
+}
+
+double rebound_ratio(const Simulation&, const QuantitySpec&, const QuantityHistory& against_and_along) {
+  const double against = against_and_along[0], along = against_and_along[1];
+  return against > 0 ? std::max(along, 0.0) / against : no_value;
+}
+
+void add_energy(const Simulation& simulation, const QuantitySpec& q, std::span<ExactSum> energy) {
+  const BodySet& bodies = simulation.bodies();
+  const auto of_body = [&](std::size_t row) {
+    return std::array{totals_of_body(simulation.setup(), bodies, row)[6]};
+  };
+  add_terms(bodies, q, of_body, energy);
+}
+
+void keep_first_and_largest(const Case&, const QuantitySpec&, std::int64_t, std::span<const double> now,
+                            QuantityHistory& energy) {
+  if (energy[0] == not_yet) energy[0] = now[0];
+  energy[1] = std::max(energy[1], now[0]);
+}
+
+double energy_growth(const Simulation&, const QuantitySpec&, const QuantityHistory& energy) {
+  return energy[0] == not_yet ? no_value : ratio(energy[1] - energy[0], energy[0]);
+}
+
+// ---- what has left since a time ----
+
+/// The change of `now` since the history's first number, over the steps since its second.
+double rate_since(const Simulation& simulation, const QuantityHistory& start, double now) {
+  const double duration = double(simulation.steps_done()) - start[1];
+  return start[0] == not_yet ? no_value : ratio(now - start[0], duration);
+}
+
+std::array<double, 1> mass_below(const BodySet& bodies, const QuantitySpec& q, std::size_t row) {
+  return {bodies.position[row][q.axis] < q.height ? bodies.mass[row] : 0};
+}
+
+bool begins(const Simulation& simulation, const QuantitySpec& q, const QuantityHistory& start) {
+  return start[0] == not_yet && double(simulation.steps_done()) >= q.time;
+}
+
+void add_mass_below(const Simulation& simulation, const QuantitySpec& q, std::span<ExactSum> mass) {
+  const BodySet& bodies = simulation.bodies();
+  add_terms(
+      bodies, q, [&](std::size_t row) { return mass_below(bodies, q, row); }, mass);
+}
+
+void keep_first_mass(const Case&, const QuantitySpec&, std::int64_t step, std::span<const double> mass,
+                     QuantityHistory& start) {
+  if (start[0] == not_yet) start = {mass[0], double(step), 0};
+}
+
+double discharge_rate(const Simulation& simulation, const QuantitySpec& q, const QuantityHistory& start) {
+  const BodySet& bodies = simulation.bodies();
+  const auto [now] = sums_over<1>(simulation.scene().comm, bodies, q,
+                                  [&](std::size_t row) { return mass_below(bodies, q, row); });
+  return rate_since(simulation, start, now);
+}
+
+void observe_outflow(const Simulation& simulation, const QuantitySpec& q, QuantityHistory& start) {
+  if (begins(simulation, q, start))
+    start = {double(simulation.counters().left), double(simulation.steps_done())};
+}
+
+double outflow_rate(const Simulation& simulation, const QuantitySpec&, const QuantityHistory& start) {
+  return rate_since(simulation, start, double(simulation.counters().left));
+}
+
+// ---- a bed in a round container ----
+
+/// Adds the bodies' mass times their place from the quantity's centre; of `weighing` the mass less that of
+/// the fluid displaced, and of free bodies only.
+template <bool weighing>
+void add_moment(const Simulation& simulation, const QuantitySpec& q, std::span<ExactSum> moment) {
+  const BodySet& bodies = simulation.bodies();
+  const auto of_body = [&](std::size_t row) -> Vec3 {
+    const double share = !weighing ? 1 : bodies.is_dynamic(row) ? bodies.weight_in_fluid[row] : 0;
+    return bodies.mass[row] * share * (bodies.position[row] - q.centre);
+  };
+  add_terms(bodies, q, of_body, moment);
+}
+
+/// The angle by which the line from the centre to the bodies' centre of mass is turned from gravity about the
+/// axis: that of the surface, where it is flat and the container round.
+double bed_angle(const Case& setup, const QuantitySpec& q, std::int64_t step, std::span<const double> sums) {
+  const Vec3 g = setup.gravity_at(double(step)), moment(sums[0], sums[1], sums[2]);
+  const Vec3 axis = Vec3::Unit(q.axis), across = moment - moment.dot(axis) * axis;
+  return rigid::elementary::atan2(axis.dot(g.cross(across)), g.dot(across)) * 180 / std::numbers::pi;
+}
+
+/// The sum of r x (m g) along the axis.
+double weight_torque(const Case& setup, const QuantitySpec& q, std::int64_t step,
+                     std::span<const double> moment) {
+  return Vec3(moment[0], moment[1], moment[2]).cross(setup.gravity_at(double(step)))[q.axis];
+}
+
+// ---- counts ----
+
+double bodies_in_box(const Simulation& simulation, const QuantitySpec& q) {
+  std::uint64_t inside = 0;
+  for_bodies_of(simulation.bodies(), q, [&](std::size_t row) {
+    const auto x = simulation.bodies().position[row].array();
+    inside += (x >= q.box.lower.array()).all() && (x <= q.box.upper.array()).all();
+  });
+  return double(parallel::sum_over_ranks(simulation.scene().comm, inside));
+}
+
+double max_penetration(const Simulation& simulation) {
+  return simulation.counters().penetration;
+}
+
+constexpr Computation of_bodies[] = {
+    at_end<drift>("drift"),
+    at_end<displacement>("displacement"),
+    since_start<kept_momentum, momentum_change>("momentum-change"),
+    since_start<kept_angular_momentum, angular_momentum_change>("angular-momentum-change"),
+    since_start<kept_energy, energy_change>("energy-change"),
+    largest<speed>("max-speed"),
+    largest<height>("max-height-after"),
+    {"rebound-ratio", observe_rebound, rebound_ratio},
+    {"energy-growth", nullptr, energy_growth, {1, add_energy}, keep_first_and_largest},
+    {"discharge-rate", nullptr, discharge_rate, {1, add_mass_below, begins}, keep_first_mass},
+    {"outflow-rate", observe_outflow, outflow_rate},
+    mean_of<bed_angle>("bed-angle", {3, add_moment<false>}),
+    mean_of<weight_torque>("weight-torque", {3, add_moment<true>}),
+    at_end<bodies_in_box>("body-count"),
+    at_end<packing_fraction>("packing-fraction"),
+    at_end<max_penetration>("max-penetration"),
+};
+
+}  // namespace
+
+std::span<const Computation> body_computations() {
+  return of_bodies;
+}
+
+double mean_over_bodies(const Simulation& simulation, const QuantitySpec& q,
+                        const std::function<double(std::size_t)>& value) {
+  const auto [sum, count] =
+      sums_over<2>(simulation.scene().comm, simulation.bodies(), q, [&](std::size_t row) {
+        return std::array<double, 2>{value(row), 1.0};
+      });
+  return ratio(sum, count);
+}
+
+}  // namespace silt

@@ -1,0 +1,125 @@
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "parallel/collectives.hpp"
+#include "rigid/math/elementary.hpp"
+#include "rigid/shapes/shape.hpp"
+#include "silt/case/case.hpp"
+#include "silt/placement/place_bodies.hpp"
+#include "silt/results/layers_beside.hpp"
+#include "silt/results/quantity_computation.hpp"
+#include "silt/results/velocity_gradient.hpp"
+
+namespace silt {
+
+namespace {
+
+using rigid::FixedSum;
+using rigid::from_fixed;
+using rigid::to_fixed;
+
+/// Mean along an axis over all cells of the domain of the velocity less `frame`, solid ones counting as zero.
+double superficial_velocity(const Simulation& simulation, int axis, double frame) {
+  const coupler::Flow& flow = *simulation.scene().flow;
+  const coupler::FlowTotals totals = flow.totals();
+  return (flow.fields().velocity_sum(totals)[axis] - double(totals.fluid_cells) * frame) /
+         simulation.setup().volume();
+}
+
+/// Calls visit(fields of its level, cell, moments) for every fluid cell of all levels.
+template <class Visit>
+void for_each_fluid_cell(const coupler::Flow& flow, Visit&& visit) {
+  flow.for_levels([&](const coupler::FluidFields& fields) {
+    coupler::for_each_fluid_cell(fields,
+                                 [&](lbm::Int3 cell, const lbm::Moments& m) { visit(fields, cell, m); });
+  });
+}
+
+/// F / (6 pi mu a U) a body: F the fluid's force on it and the body force on the fluid it displaces (together
+/// the whole pressure gradient's work, as in Zick and Homsy 1982), U the superficial velocity, a its radius.
+double drag_coefficient(const Simulation& simulation, const QuantitySpec& q) {
+  const Case& setup = simulation.setup();
+  const rigid::BodySet& bodies = simulation.bodies();
+  const auto shapes = centred_shapes(setup);
+  const auto loads = simulation.last_loads();
+  struct {
+    FixedSum force = 0, radius = 0, count = 0;
+  } mine;
+  for (std::size_t row = 0; row < bodies.owned; ++row) {
+    if (!q.is_about(bodies.kind[row]) || bodies.motion[row] != rigid::Motion::fixed) continue;
+    const double volume = shapes[bodies.shape[row]].volume;
+    mine.force +=
+        to_fixed(loads[row].force[q.axis] + simulation.scene().flow->fields().spec().force[q.axis] * volume);
+    mine.radius += to_fixed(rigid::elementary::cbrt(volume * 0.75 / std::numbers::pi));
+    mine.count += to_fixed(1);
+  }
+  const auto all = parallel::sum_over_ranks(simulation.scene().comm, mine);
+  const double speed = superficial_velocity(simulation, q.axis, 0),
+               viscosity = setup.fluid->kinematic_viscosity;
+  if (all.count == 0 || simulation.steps_done() == 0 || speed == 0) return no_value;
+  const double count = from_fixed(all.count), force = from_fixed(all.force) / count,
+               radius = from_fixed(all.radius) / count;
+  return force / (6 * std::numbers::pi * viscosity * radius * speed);
+}
+
+double kinetic_energy(const Simulation& simulation) {
+  const coupler::FlowTotals totals = simulation.scene().flow->totals();
+  return totals.fluid_cells > 0 ? totals.energy / double(totals.fluid_cells) : no_value;
+}
+
+double dissipation(const Simulation& simulation) {
+  struct {
+    FixedSum squares = 0, cells = 0;
+  } mine;
+  for_each_fluid_cell(*simulation.scene().flow,
+                      [&](const coupler::FluidFields& fields, lbm::Int3, const lbm::Moments& m) {
+                        mine.squares += fields.volume() * to_fixed(strain_rate_squared(fields, m));
+                        mine.cells += fields.volume() * to_fixed(1);
+                      });
+  const auto all = parallel::sum_over_ranks(simulation.scene().comm, mine);
+  return all.cells > 0 ? 2 * simulation.setup().fluid->kinematic_viscosity * from_fixed(all.squares) /
+                             from_fixed(all.cells)
+                       : no_value;
+}
+
+double velocity_past_bodies(const Simulation& simulation, const QuantitySpec& q) {
+  const auto velocity = [&](std::size_t row) { return simulation.bodies().velocity[row][q.axis]; };
+  const double bodies = simulation.body_count() > 0 ? mean_over_bodies(simulation, q, velocity) : 0;
+  return superficial_velocity(simulation, q.axis, bodies);
+}
+
+/// Adds the flow through a plane across the axis.
+void add_flow_rate(const Simulation& simulation, const QuantitySpec& q, std::span<rigid::ExactSum> rate) {
+  simulation.scene().flow->for_levels([&](const coupler::FluidFields& fields) {
+    LayersBeside(fields, q.axis, q.height).for_each([&](int b, const lbm::CellBox& cells, double share) {
+      rate[0].add(fields.flow_through(q.axis, b, cells, share), coupler::FluidFields::flow_quantum);
+    });
+  });
+}
+
+/// The sum over the cells is the value.
+double flow_rate(const Case&, const QuantitySpec&, std::int64_t, std::span<const double> rate) {
+  return rate[0];
+}
+
+void see_body_force(const Simulation& simulation, const QuantitySpec& q, std::span<double> force) {
+  force[0] = simulation.scene().flow->fields().spec().force[q.axis];
+}
+
+constexpr Computation of_flow[] = {
+    at_end<drag_coefficient>("drag-coefficient"),
+    at_end<velocity_past_bodies>("superficial-velocity"),
+    at_instant<kinetic_energy>("kinetic-energy"),
+    at_instant<dissipation>("dissipation"),
+    in_step("flow-rate", {1, add_flow_rate}, {flow_rate}),
+    in_step("body-force", {}, {flow_rate, false, 1, see_body_force}),
+};
+
+}  // namespace
+
+std::span<const Computation> flow_computations() {
+  return of_flow;
+}
+
+}  // namespace silt

@@ -1,0 +1,172 @@
+#pragma once
+// How quantities are computed: the form of a row in a family of them (body_, flow_, motion_,
+// wall_, stress_quantities, packing_fraction). Computations are collective, give the same on every rank and
+// any number of ranks, and speak lattice units; NaN stands for a value that does not exist (no such body, no
+// step yet). Meanings: silt/case/quantity_spec.hpp.
+#include <array>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <span>
+#include <string_view>
+
+#include "rigid/math/exact_sum.hpp"
+#include "silt/case/quantity_spec.hpp"
+#include "silt/simulation.hpp"
+
+namespace silt {
+
+/// The numbers that a quantity of the whole run has gathered so far; the largest over the ranks counts.
+using QuantityHistory = std::array<double, 3>;
+inline constexpr double not_yet = -std::numeric_limits<double>::infinity();
+inline constexpr QuantityHistory no_history{not_yet, not_yet, not_yet};
+inline constexpr double no_value = std::numeric_limits<double>::quiet_NaN();
+
+/// Sums over the ranks that a quantity needs of a step. They are put together many steps at a time, so none
+/// waits for another rank.
+struct StepSums {
+  int count = 0;  // 0: none
+  /// Adds this rank's terms after a step.
+  void (*add)(const Simulation&, const QuantitySpec&, std::span<rigid::ExactSum>) = nullptr;
+  /// Returns whether the step counts, which every rank must find alike; null: every step does.
+  bool (*counts)(const Simulation&, const QuantitySpec&, const QuantityHistory&) = nullptr;
+};
+
+/// The value of a quantity in a step, from its sums and from numbers of which the largest of the ranks
+/// counts: for a series, and for the report.
+struct StepValue {
+  /// Returns the value from the sums and then the largest.
+  double (*of)(const Case&, const QuantitySpec&, std::int64_t step, std::span<const double>) = nullptr;
+  bool of_all_axes = false;  // the terms are the same whatever the spec's axis
+  int largest = 0;
+  void (*see)(const Simulation&, const QuantitySpec&, std::span<double> largest) = nullptr;
+};
+
+/// Computation is how the quantities of a row of quantity_types are computed.
+struct Computation {
+  std::string_view type;                                                      // the row's name
+  void (*observe)(const Simulation&, const QuantitySpec&, QuantityHistory&);  // after every step; or null
+  double (*value)(const Simulation&, const QuantitySpec&, const QuantityHistory&);
+  StepSums sums = {};
+  /// Takes the sums of one step after the other into the history, on every rank; null: only series need sums.
+  void (*fold)(const Case&, const QuantitySpec&, std::int64_t step, std::span<const double>,
+               QuantityHistory&) = nullptr;
+  /// Returns the value in the last step of a mean over steps; null for others.
+  double (*in_last_step)(const QuantityHistory&) = nullptr;
+  StepValue in_step = {};  // of those that have a value in every step
+  bool of_start = false;   // the history is of the start, and can be made again from the case
+
+  /// Returns whether the value has to be gathered step by step.
+  bool gathers() const { return (observe || fold) && !of_start; }
+};
+
+std::span<const Computation> body_computations();
+std::span<const Computation> flow_computations();
+std::span<const Computation> motion_computations();
+std::span<const Computation> wall_computations();
+std::span<const Computation> stress_computations();
+
+/// Returns the computation of a type; std::logic_error for one that no family has.
+const Computation& computation_of(std::string_view type);
+
+/// Collective. Returns the value in the last step, for which ranks wait; NaN if it does not count.
+double value_in_last_step(const Simulation&, const QuantitySpec&);
+
+/// Calls visit(row) for the owned bodies that a quantity is about.
+template <class Visit>
+void for_bodies_of(const rigid::BodySet& bodies, const QuantitySpec& q, Visit&& visit) {
+  for (std::size_t row = 0; row < bodies.owned; ++row)
+    if (q.is_about(bodies.kind[row])) visit(row);
+}
+
+/// Returns the mean over the bodies a quantity is about of value(row), which is asked for each owned one.
+double mean_over_bodies(const Simulation&, const QuantitySpec&,
+                        const std::function<double(std::size_t)>& value);
+
+/// Returns the share of the quantity's box that lies inside bodies: exact of a convex body all inside, else
+/// along lines through the box, and by points where a shape has no convex parts.
+double packing_fraction(const Simulation&, const QuantitySpec&);
+
+// ---- the usual forms ----
+
+/// A function of the state at the end: f(simulation, spec) or f(simulation).
+template <auto f>
+constexpr Computation at_end(std::string_view type) {
+  return {type, nullptr, [](const Simulation& simulation, const QuantitySpec& q, const QuantityHistory&) {
+            if constexpr (requires { f(simulation, q); })
+              return f(simulation, q);
+            else
+              return f(simulation);
+          }};
+}
+
+/// Returns the observation: the first number of the history.
+inline double value_seen(const Simulation&, const QuantitySpec&, const QuantityHistory& h) {
+  return h[0] == not_yet ? no_value : h[0];
+}
+
+/// Value of a step: f(case, spec, step, sums) or f(case, spec, sums).
+template <auto f>
+double of_step(const Case& setup, const QuantitySpec& q, std::int64_t step, std::span<const double> sums) {
+  if constexpr (requires { f(setup, q, step, sums); })
+    return f(setup, q, step, sums);
+  else
+    return f(setup, q, sums);
+}
+
+/// Returns whether forces have acted, as they have from the first step on.
+inline bool has_acted(const Simulation& simulation, const QuantitySpec&, const QuantityHistory&) {
+  return simulation.steps_done() > 0;
+}
+
+/// A value of the last step, or of the moment, at the end.
+constexpr Computation in_step(std::string_view type, const StepSums& sums, const StepValue& value) {
+  return {type,
+          nullptr,
+          [](const Simulation& simulation, const QuantitySpec& q, const QuantityHistory&) {
+            return value_in_last_step(simulation, q);
+          },
+          sums,
+          nullptr,
+          nullptr,
+          value};
+}
+
+/// The mean over the steps from the spec's time on: sum, number, and the value in the last step, even an
+/// earlier one.
+template <auto f>
+void fold_into_mean(const Case& setup, const QuantitySpec& q, std::int64_t step, std::span<const double> sums,
+                    QuantityHistory& h) {
+  h[2] = of_step<f>(setup, q, step, sums);
+  if (double(step) < q.time) return;
+  if (h[0] == not_yet) h[0] = h[1] = 0;
+  h[0] += h[2];
+  h[1] += 1;
+}
+template <auto f>
+constexpr Computation mean_of(std::string_view type, const StepSums& sums) {
+  return {type,
+          nullptr,
+          [](const Simulation&, const QuantitySpec&, const QuantityHistory& h) {
+            return h[0] == not_yet ? no_value : h[0] / h[1];
+          },
+          sums,
+          fold_into_mean<f>,
+          [](const QuantityHistory& h) { return h[2] == not_yet ? no_value : h[2]; },
+          {of_step<f>}};
+}
+
+/// f(simulation) at the step that is nearest to the spec's time; without a time, at the end.
+template <auto f>
+constexpr Computation at_instant(std::string_view type) {
+  return {type,
+          [](const Simulation& simulation, const QuantitySpec& q, QuantityHistory& h) {
+            const auto step = double(simulation.steps_done());
+            if (step >= q.time - 0.5 && step < q.time + 0.5) h[0] = f(simulation);
+          },
+          [](const Simulation& simulation, const QuantitySpec& q, const QuantityHistory& h) {
+            return std::isfinite(q.time) ? value_seen(simulation, q, h) : f(simulation);
+          }};
+}
+
+}  // namespace silt

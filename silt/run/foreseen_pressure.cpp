@@ -1,0 +1,87 @@
+#include "silt/run/foreseen_pressure.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "rigid/bodies/body_set.hpp"
+#include "rigid/shapes/shape.hpp"
+#include "silt/case/case.hpp"
+#include "silt/case/case_check.hpp"
+
+namespace silt {
+
+namespace {
+
+/// Returns the drag of a sphere among many over that of Stokes' law at the superficial velocity, the share of
+/// the mean pressure gradient with it; Reynolds number of that velocity and the diameter.
+double drag_of_many(double solid, double reynolds) {
+  const double fluid = 1 - solid, cube = fluid * fluid * fluid;
+  const double slow = 10 * solid / cube + fluid * (1 + 1.5 * std::sqrt(solid));
+  const double rise = (1 / fluid + 3 * solid * fluid + 8.4 * std::pow(reynolds, -0.343)) /
+                      (1 + std::pow(10, 3 * solid) * std::pow(reynolds, -(1 + 4 * solid) / 2));
+  return slow + 0.413 * reynolds / (24 * cube) * rise;
+}
+
+/// What stands in a stream along an axis, as spheres of the same volume; lattice units.
+struct Standing {
+  double volume = 0, of_fixed = 0, of_free = 0;  // volumes; sums of diameters
+  double weight = 0;                             // of the free ones, in the fluid, along the axis
+  double largest = 0;                            // diameter
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+
+  Standing(const Case& setup, const rigid::BodySet& bodies, const rigid::World& world, int axis) {
+    for (std::size_t row = 0; row < bodies.owned; ++row) {
+      const double of_body = rigid::mass_properties(world.shapes[bodies.shape[row]]).volume;
+      const double diameter = std::cbrt(6 / std::numbers::pi * of_body), x = bodies.position[row][axis];
+      volume += of_body, largest = std::max(largest, diameter);
+      low = std::min(low, x - diameter / 2), high = std::max(high, x + diameter / 2);
+      (bodies.is_dynamic(row) ? of_free : of_fixed) += diameter;
+      if (bodies.is_dynamic(row))
+        weight += std::fabs(bodies.mass[row] * bodies.weight_in_fluid[row] * setup.gravity[axis]);
+    }
+  }
+  double pressure_drop(double speed, double viscosity, double area) const {
+    constexpr double densest = 0.64;
+    if (volume == 0) return 0;
+    const double solid = std::min(volume / (area * (high - low)), densest);
+    const double drag =
+        3 * std::numbers::pi * viscosity * speed * drag_of_many(solid, speed * largest / viscosity);
+    return (drag * of_fixed + std::min(drag * of_free, weight)) / area;
+  }
+};
+
+}  // namespace
+
+std::optional<Diagnostic> pressure_warning(const Case& setup, const rigid::BodySet& bodies,
+                                           const rigid::World& world) {
+  if (!setup.fluid) return {};
+  for (int side = 0; side < 6; ++side) {
+    const coupler::BoundarySpec& inlet = setup.boundary[side];
+    const int axis = side / 2;
+    const double speed = inlet.over_time.most() * std::fabs(inlet.velocity[axis]);
+    if (inlet.kind != coupler::BoundaryKind::velocity_inlet || speed == 0) continue;
+    const double area = setup.volume() / setup.cells[axis];
+    const double drop =
+        Standing(setup, bodies, world, axis).pressure_drop(speed, setup.fluid->kinematic_viscosity, area);
+    const double found = 3 * drop;  // the square of the speed of sound is a third
+    if (found <= doubtful_deviation) continue;
+    const double factor = std::sqrt(doubtful_deviation / found);
+    return Diagnostic{
+        Diagnostic::Severity::warning, setup.place(side_key(side)),
+        fmt::format("the bodies that stand in the stream from {} let the pressure fall by as much as makes "
+                    "the density {:.2g} % higher before them{}; above {} % the fluid is noticeably "
+                    "compressible: {}",
+                    side_key(side), 100 * found, in_si(setup, drop, dimension::pressure),
+                    shown(100 * doubtful_deviation),
+                    setup.units.si
+                        ? time_step_cure(setup, factor)
+                        : fmt::format("give all velocities times {}", shown(rounded_down(factor))))};
+  }
+  return {};
+}
+
+}  // namespace silt

@@ -1,0 +1,408 @@
+#include "silt/run/run_estimate.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <numeric>
+#include <thread>
+#include <variant>
+
+#include "coupler/balance/body_work.hpp"
+#include "coupler/balance/weighted_cut.hpp"
+#include "coupler/exchange/coupling_state.hpp"
+#include "coupler/flow.hpp"
+#include "coupler/regions/level_views.hpp"
+#include "lbm/fluid.hpp"
+#include "rigid/bodies/walls.hpp"
+#include "rigid/shapes/shape.hpp"
+#include "silt/case/case.hpp"
+#include "silt/case/case_check.hpp"
+#include "silt/case/quiet_start_steps.hpp"
+#include "silt/placement/place_bodies.hpp"
+#include "silt/run/foreseen_pressure.hpp"
+
+namespace silt {
+namespace {
+
+// Measured on one core (method-parallel.md, "The estimate of a run").
+constexpr double overhead_of_a_step = 3e-6, overhead_of_ranks = 60e-6;        // s; the latter on several
+constexpr double seconds_of_a_body = 0.4e-6, seconds_of_an_impulse = 0.3e-6;  // a sub-step
+constexpr double memory_of_a_rank = 45e6, memory_of_a_body = 1200, memory_of_a_link = 40,
+                 memory_of_a_mean = 88;  // bytes
+constexpr double file_row_of_a_body = 184, file_buoyancy_of_a_body = 24, file_contacts_of_a_body = 48,
+                 file_springs_of_a_body = 48, checkpoint_of_a_body = 600, file_field_of_a_row = 20;  // bytes
+constexpr double multireflection_link = 1.27;  // over one of the other schemes
+// Costs of writing, in steps of a cell in single precision: a cell of a field, each of its numbers, one that
+// is a derivative, packing one and a level of it; a population in a checkpoint with its checksum, a body
+// there, a row of bodies.h5; a cell of a report's pass over the fluid, of a quantity that looks at the flow
+// by itself, of the hash at the end; a byte touched for the first time.
+constexpr double of_a_field_cell = 2.5, of_a_number = 1.8, of_a_derivative = 5.6, of_packing = 12,
+                 of_a_level = 3, of_a_population = 5, of_a_saved_body = 600, of_a_row = 300,
+                 of_a_report_cell = 1.2, of_a_flow_cell = 3, of_a_hashed_cell = 6, of_a_new_byte = 0.07;
+// Costs in seconds, the last two of a body in a report and in each of its quantities, and of a sampled one.
+constexpr double seconds_of_a_start = 0.1, seconds_of_a_report = 0.1e-3, seconds_of_a_file = 2e-3,
+                 seconds_of_all_rows = 1e-3, seconds_of_a_checkpoint = 20e-3;
+constexpr double seconds_of_a_reported_body = 0.3e-6, seconds_of_a_sampled_body = 3e-6;
+constexpr double contacts_in_a_bed = 3, contacts_in_fluid = 6;  // a body; the latter at a solid share of 1
+
+/// Returns the seconds of a cell of the fluid in a step in single precision on this machine now: the median
+/// of five steps of 96^3 cells on one core, some tens of milliseconds.
+double seconds_of_a_cell() {
+  constexpr int edge = 96;
+  lbm::Fluid<float> fluid(lbm::Domain({edge, edge, edge}, {}, std::nullopt, 1), {}, MPI_COMM_SELF);
+  const auto step = [&] {
+    fluid.stream_collide();
+    fluid.exchange();
+  };
+  step();  // memory is there from then on
+  std::array<double, 5> seconds;
+  for (double& one : seconds) {
+    const auto begin = std::chrono::steady_clock::now();
+    step();
+    one = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  }
+  std::sort(seconds.begin(), seconds.end());
+  return std::max(seconds[seconds.size() / 2], 1e-6) / (double(edge) * edge * edge);
+}
+
+/// Returns the cost of a contact of a shape over one of a sphere: convex parts meet one by one, flat faces in
+/// four points, ellipsoids are searched for.
+double contact_factor(const rigid::Shape& shape) {
+  double dearest = 1;
+  const auto parts = rigid::convex_parts(shape);
+  for (const rigid::Part& part : parts) {
+    const bool searched = std::holds_alternative<rigid::Ellipsoid>(part.shape);
+    dearest = std::max(dearest, searched ? 6.5 : rigid::is_smooth(part.shape) ? 1. : 8.);
+  }
+  return dearest * std::min<double>(double(parts.size()), 4);
+}
+
+double contacts_of_a_body(const Case& setup, double solid) {
+  if (setup.fluid) return contacts_in_fluid * std::min(1., solid);
+  return setup.gravity.norm() > 0 ? contacts_in_a_bed : 0.5;
+}
+
+/// The bodies as the work is counted by, with their shapes.
+struct Scenery {
+  rigid::BodySet bodies;
+  rigid::World world;
+  double volume = 0;
+};
+
+Scenery scenery_of(const Case& setup, std::span<const rigid::BodyRecord> continued) {
+  Scenery all;
+  const auto shapes = centred_shapes(setup);
+  for (const CentredShape& shape : shapes) all.world.shapes.push_back(shape.shape);
+  std::size_t row = 0;
+  const auto add = [&](const rigid::BodyRecord& body) {
+    all.bodies.assign(row++, body);
+    all.volume += shapes[body.shape].volume;
+  };
+  all.bodies.resize(all.bodies.owned = continued.size());
+  std::ranges::for_each(continued, add);
+  const PlacedBodies placed = place_bodies(setup, coupler::make_domain(setup, 1), MPI_COMM_SELF, &all.bodies);
+  all.bodies.resize(all.bodies.owned += placed.size());
+  placed.for_each([&](rigid::BodyId id, const BodySpec& body) {
+    add(body_record(id, body, shapes[body.shape], setup.fluid.has_value()));
+  });
+  return all;
+}
+
+void add_contacts(const Case& setup, const Scenery& all, const coupler::WorkCosts& costs,
+                  coupler::WorkMap& work) {
+  const double contacts = contacts_of_a_body(setup, all.volume / setup.volume());
+  for (std::size_t row = 0; row < all.bodies.owned; ++row)
+    if (all.bodies.motion[row] != rigid::Motion::fixed)
+      work.add(all.bodies.position[row],
+               std::llround(2 * contacts * contact_factor(all.world.shapes[all.bodies.shape[row]]) *
+                            double(costs.impulse)));
+}
+
+/// The links that cross the surfaces of curved walls.
+double links_of_walls(const Case& setup) {
+  double surface = 0;
+  for (const CurvedWall& wall : setup.walls) {
+    if (const auto* hollow = wall.hollow()) {
+      const rigid::Vec3 size(setup.cells[0], setup.cells[1], setup.cells[2]);
+      surface += hollow->shape.area(hollow->axis, size);
+      continue;
+    }
+    const rigid::TriangleMesh& mesh = *wall.mesh()->mesh.surface;
+    for (std::uint32_t t = 0; t < mesh.triangles().size(); ++t) surface += mesh.area_normal(t).norm() / 2;
+  }
+  return setup.fluid ? coupler::links_of_a_surface * surface : 0;
+}
+
+double links_of_bodies(const Case& setup, const Scenery& all) {
+  if (!setup.fluid) return 0;
+  double links = 0;
+  for (std::size_t row = 0; row < all.bodies.owned; ++row) {
+    const rigid::Shape& shape = all.world.shapes[all.bodies.shape[row]];
+    links +=
+        coupler::links_of_a_surface * 6 * rigid::mass_properties(shape).volume / rigid::least_width(shape);
+  }
+  return links;
+}
+
+double times(const SeriesSpec& series, std::int64_t steps, bool at_start) {
+  return series.every > 0 ? double((steps - 1) / series.every + 1 + at_start) : 0;
+}
+
+double cells_of(const FieldsSpec& fields) {
+  double cells = 1;
+  for (int d = 0; d < 3; ++d) cells *= fields.upper[d] - fields.lower[d];
+  return cells;
+}
+
+double bytes_of_fields(const FieldsSpec& fields) {
+  double of_a_cell = 0;
+  for (const Field field : fields.quantities)
+    of_a_cell += field == Field::solid     ? 1
+                 : field == Field::body_id ? 8
+                                           : numbers_of(field) * (fields.double_precision ? 8 : 4);
+  return cells_of(fields) * of_a_cell;
+}
+
+double seconds_of_fields(const FieldsSpec& fields, double cell) {
+  double steps = 0;
+  const double packing = fields.compression > 0 ? of_packing + fields.compression * of_a_level : 0;
+  for (const Field field : fields.quantities)
+    steps += of_a_field_cell +
+             numbers_of(field) * ((field == Field::vorticity ? of_a_derivative : of_a_number) + packing);
+  return seconds_of_a_file + cells_of(fields) * steps * cell;
+}
+
+/// Returns the seconds of all output on a rank that has everything to itself; `cell` is the time of a step of
+/// a cell in single precision, `share` is as in disk_needed.
+double seconds_of_output(const Case& setup, double bodies, double cell, double share) {
+  const OutputSpec& output = setup.output;
+  const double cells = setup.fluid ? share * setup.volume() : 0;
+  const int words = setup.fluid && setup.fluid->precision == coupler::Precision::double_ ? 2 : 1;
+  double report_cell = words * of_a_report_cell, report_body = seconds_of_a_reported_body;
+  for (const QuantitySpec& q : setup.quantities) {
+    if (q.type == "dissipation") report_cell += of_a_flow_cell;
+    report_body += q.type == "packing-fraction" ? seconds_of_a_sampled_body : seconds_of_a_reported_body;
+  }
+  const double report = seconds_of_a_report + bodies * report_body + cells * report_cell * cell;
+  const double checkpoint =
+      seconds_of_a_checkpoint + (cells * 19 * words * of_a_population + bodies * of_a_saved_body) * cell;
+  double seconds = times(output.report, setup.steps, true) * report + cells * of_a_hashed_cell * cell +
+                   times(output.checkpoint, setup.steps, false) * checkpoint;
+  if (bodies > 0)
+    seconds += times(output.bodies, setup.steps, true) * (seconds_of_all_rows + bodies * of_a_row * cell);
+  if (setup.fluid)
+    seconds += times(output.fields, setup.steps, true) * seconds_of_fields(output.fields, share * cell);
+  for (const FieldsSpec& slice : output.slices)
+    seconds += times(slice, setup.steps, true) * seconds_of_fields(slice, share * cell);
+  return seconds;
+}
+
+/// The levels of all cells at the start.
+lbm::Domain levels_of(const Case& setup, Scenery all) {
+  for (std::size_t row = 0; row < all.bodies.owned; ++row)
+    coupler::set_mapping_pose(all.bodies, row, all.bodies.pose(row));
+  for (const CurvedWall& wall : setup.walls)
+    std::visit([&](const auto& surface) { rigid::add_wall(all.bodies, all.world, surface); }, wall.surface);
+  const lbm::CutTree view =
+      coupler::LevelViews(setup, entrances_of(setup), cut_for_levels(setup, 1), all.world, MPI_COMM_SELF)
+          .view(all.bodies);
+  return {view, coupler::make_domain(setup, 1).sides(), 1};
+}
+
+/// Adds the cells of each level, and the work of a step in them and at their borders.
+void add_work_of_levels(const lbm::Domain& levels, std::int64_t work_of_a_cell,
+                        std::vector<coupler::WorkItem>& items, RunEstimate& estimate) {
+  std::int64_t work = 0;
+  for (int k = 0; k < levels.blocks(); ++k) {
+    const int level = levels.tree().kinds()[k].level;
+    const lbm::CellBox box = levels.tree().leaf(k).box;
+    estimate.cells[level] += double(box.cells() >> (3 * level));
+    items.push_back({box, std::max<std::int64_t>(1, coupler::work_of_leaf(levels, k, work_of_a_cell))});
+    work += items.back().work;
+  }
+  estimate.cell_updates = double(work) / double(work_of_a_cell);
+}
+
+/// Sides where fluid comes in or goes out, and across which cells change their width.
+std::vector<Diagnostic> border_warnings(const Case& setup, const lbm::CutTree& levels) {
+  std::vector<Diagnostic> warnings;
+  for (int side = 0; side < 6; ++side) {
+    const coupler::BoundaryKind kind = setup.boundary[side].kind;
+    if (kind != coupler::BoundaryKind::velocity_inlet && kind != coupler::BoundaryKind::pressure_outlet)
+      continue;
+    lbm::CellBox layer{{}, levels.cells()};
+    layer.size[side / 2] = 1;
+    if (side % 2) layer.lower[side / 2] = levels.cells()[side / 2] - 1;
+    int finest = setup.coarsening->levels, coarsest = 0;
+    levels.for_leaves_meeting(layer, [&](const lbm::CutTree::Leaf& leaf) {
+      finest = std::min<int>(finest, levels.kinds()[leaf.index].level);
+      coarsest = std::max<int>(coarsest, levels.kinds()[leaf.index].level);
+    });
+    if (finest < coarsest)
+      warnings.push_back(
+          {Diagnostic::Severity::warning, setup.place("coarsening"),
+           fmt::format("coarsening: cells of {} are from {} to {} finest cells wide at the start, and what "
+                       "comes in or goes out is disturbed where they change: add \"{}\" to "
+                       "coarsening.fine_sides, or leave more room before it",
+                       side_key(side), 1 << finest, 1 << coarsest,
+                       coupler::side_names[coupler::Side(side)])});
+  }
+  return warnings;
+}
+
+/// Tells of the levels in the estimate, and adds the work of their cells. Returns how many cells there are
+/// over those there were if all were finest.
+double foresee_levels(const Case& setup, const Scenery& all, std::int64_t work_of_a_cell,
+                      std::vector<coupler::WorkItem>& items, RunEstimate& estimate) {
+  const lbm::Domain levels = levels_of(setup, all);
+  estimate.cells.resize(setup.coarsening->levels + 1);
+  add_work_of_levels(levels, work_of_a_cell, items, estimate);
+  estimate.doubts = border_warnings(setup, levels.tree());
+  return std::accumulate(estimate.cells.begin(), estimate.cells.end(), 0.) / setup.volume();
+}
+
+std::string bytes_text(double bytes) {
+  if (bytes >= 1e12) return fmt::format("{:.2g} TB", bytes / 1e12);
+  return bytes >= 1e9 ? fmt::format("{:.2g} GB", bytes / 1e9)
+                      : fmt::format("{:.0f} MB", std::ceil(bytes / 1e6));
+}
+
+std::string seconds_text(double seconds) {
+  constexpr double minute = 60, hour = 3600, day = 86400, year = 365 * day;
+  if (seconds >= year) return fmt::format("{:.2g} years", seconds / year);
+  if (seconds >= 2 * day) return fmt::format("{:.2g} days", seconds / day);
+  if (seconds >= 2 * hour) return fmt::format("{:.2g} hours", seconds / hour);
+  return seconds >= 2 * minute ? fmt::format("{:.0f} minutes", seconds / minute)
+                               : fmt::format("{:.2g} s", seconds);
+}
+
+}  // namespace
+
+RunEstimate estimate_run(const Case& setup, std::span<const rigid::BodyRecord> continued, int ranks) {
+  const double cell = seconds_of_a_cell();
+  coupler::WorkCosts costs(setup, setup.contacts.substeps);
+  // Cells wait for memory, bodies for the processor: what they take is not in proportion on every machine.
+  const auto in_tenths_of_a_cell = [&](double seconds) { return std::llround(10 * seconds / cell); };
+  costs.body = setup.contacts.substeps * in_tenths_of_a_cell(seconds_of_a_body);
+  costs.impulse = setup.contacts.substeps * in_tenths_of_a_cell(seconds_of_an_impulse);
+  if (lbm::reads_beyond(setup.coupling.wall_scheme))
+    costs.link = std::llround(multireflection_link * double(costs.link));
+  const Scenery all = scenery_of(setup, continued);
+  const std::size_t bodies = all.bodies.owned;
+  coupler::WorkMap work(coupler::make_domain(setup, 1));
+  add_bodies(all.bodies, costs, work);
+  add_surfaces(all.bodies, all.world, costs, work);
+  add_contacts(setup, all, costs, work);
+  const double wall_links = links_of_walls(setup);
+  auto items = work.items();
+  const lbm::Domain domain = coupler::make_domain(setup, ranks);
+  RunEstimate estimate;
+  const double share = setup.coarsening ? foresee_levels(setup, all, costs.cell, items, estimate) : 1;
+  if (setup.coarsening) costs.cell = 0;  // that of cells is among the items
+  if (const auto found = pressure_warning(setup, all.bodies, all.world)) estimate.doubts.push_back(*found);
+  coupler::WorkShares shares = shares_of(domain, costs.cell, items);
+  if (ranks > 1 && !setup.block_cells) {
+    const coupler::WorkShares better = foreseen_cut(domain.cells(), costs.cell, items, ranks);
+    if (better.largest < shares.largest) shares = better;
+  }
+  const double of_walls = wall_links * double(costs.link) / ranks;  // wherever they are
+  shares.largest += of_walls, shares.mean += of_walls;
+  estimate.ranks = ranks;
+  estimate.largest_over_mean = shares.largest_over_mean();
+  const double cores = std::max(1u, std::thread::hardware_concurrency());
+  const double crowd = std::max(1., ranks / cores);
+  estimate.seconds_a_step =
+      shares.largest / 10 * cell * crowd + overhead_of_a_step + (ranks > 1 ? overhead_of_ranks : 0);
+  estimate.seconds_of_output = seconds_of_output(setup, double(bodies), cell, share) * crowd / ranks;
+  const double of_fluid = share * fluid_memory(setup);
+  const double start = seconds_of_a_start + of_fluid * of_a_new_byte * cell * crowd / ranks;
+  estimate.seconds = start + estimate.seconds_a_step * double(quiet_start_steps(setup) + setup.steps) +
+                     estimate.seconds_of_output;
+  estimate.memory = of_fluid + memory_of_a_rank * ranks + memory_of_a_body * double(bodies) +
+                    memory_of_a_link * (wall_links + links_of_bodies(setup, all)) +
+                    (setup.output.mean ? memory_of_a_mean * setup.volume() : 0);
+  estimate.disk = disk_needed(setup, bodies, share);
+  return estimate;
+}
+
+double disk_needed(const Case& setup, std::uint64_t bodies, double share) {
+  const OutputSpec& output = setup.output;
+  const double n = double(bodies);
+  double bytes = times(output.fields, setup.steps, true) * bytes_of_fields(output.fields);
+  for (const FieldsSpec& slice : output.slices)
+    bytes += times(slice, setup.steps, true) * bytes_of_fields(slice);
+  bytes *= share;
+  const bool buoyancy = setup.fluid && !setup.gravity.isZero(0);
+  const double row = file_row_of_a_body + (buoyancy ? file_buoyancy_of_a_body : 0) +
+                     (output.body_contacts ? file_contacts_of_a_body : 0) +
+                     (setup.springs.empty() ? 0 : file_springs_of_a_body);
+  bytes += times(output.bodies, setup.steps, true) * n * row;
+  for (const ColumnsSpec& series : output.series)
+    bytes += times(series, setup.steps, true) * file_field_of_a_row * double(series.columns.size() + 2);
+  for (const ProbesSpec& probes : output.probes)  // a velocity among them
+    bytes += times(probes, setup.steps, true) * double(probes.points.size()) * file_field_of_a_row *
+             double(probes.quantities.size() + 8);
+  const double kept = std::min<double>(times(output.checkpoint, setup.steps, false), output.keep_checkpoints);
+  const double mean = setup.output.mean ? memory_of_a_mean * setup.volume() : 0;
+  return bytes + mean + kept * (share * fluid_memory(setup) + mean + n * checkpoint_of_a_body);
+}
+
+std::string estimate_table(const Case& setup, const RunEstimate& e) {
+  std::string text = fmt::format("estimate (to a factor of 2 or so, on {} rank{} of this machine)\n", e.ranks,
+                                 e.ranks > 1 ? "s" : "");
+  const auto line = [&](const char* name, const std::string& value) {
+    text += fmt::format("  {:<24}  {}\n", name, value);
+  };
+  double cells = 0;
+  for (std::size_t level = 0; level < e.cells.size(); ++level) {
+    const double width = double(1 << level), volume = e.cells[level] * width * width * width;
+    line(fmt::format("cells of level {}", level).c_str(),
+         fmt::format("{:.0f}, {:.2g} % of the domain", e.cells[level], 100 * volume / setup.volume()));
+    cells += e.cells[level];
+  }
+  if (!e.cells.empty()) {
+    line("  memory for them",
+         fmt::format("{:.2g} of that if every cell were finest", cells / setup.volume()));
+    line("  work of a step", fmt::format("{:.2g} of that if every cell were finest, borders included",
+                                         e.cell_updates / setup.volume()));
+  }
+  line("time", fmt::format("{}, {:.2g} s a step", seconds_text(e.seconds), e.seconds_a_step));
+  line("  of it for output", fmt::format("{} ({:.0f} %)", seconds_text(e.seconds_of_output),
+                                         100 * e.seconds_of_output / e.seconds));
+  line("memory", bytes_text(e.memory));
+  line("disk", bytes_text(e.disk));
+  if (e.ranks > 1) line("work, largest over mean", fmt::format("{:.2f}", e.largest_over_mean));
+  return text;
+}
+
+std::optional<Diagnostic> disk_warning(const Case& setup, double needed,
+                                       const std::filesystem::path& folder) {
+  std::error_code error;
+  std::filesystem::path there = std::filesystem::absolute(folder, error);
+  while (!std::filesystem::exists(there, error) && there.has_relative_path()) there = there.parent_path();
+  const auto space = std::filesystem::space(there, error);
+  if (error || needed <= double(space.available)) return {};
+  return Diagnostic{Diagnostic::Severity::warning, setup.place("output"),
+                    fmt::format("the files of the run take about {}, and {} has {} left: write less often, "
+                                "fewer fields or slices of them, or keep fewer checkpoints ({} times as much "
+                                "fits)",
+                                bytes_text(needed), there.string(), bytes_text(double(space.available)),
+                                shown(std::floor(100 * double(space.available) / needed) / 100))};
+}
+
+std::optional<Diagnostic> time_warning(const Case& setup, const RunEstimate& estimate) {
+  constexpr double year = 365. * 86400;
+  if (estimate.seconds < year) return {};
+  const char* key = setup.places.count("run.time") ? "run.time" : "run.steps";
+  return Diagnostic{
+      Diagnostic::Severity::warning, setup.place(key),
+      fmt::format("{} is {} steps, which take about {} on {} rank{} of this machine: shorten it, "
+                  "or use larger cells or a longer time step",
+                  key, setup.steps, seconds_text(estimate.seconds), estimate.ranks,
+                  estimate.ranks > 1 ? "s" : "")};
+}
+
+}  // namespace silt

@@ -1,0 +1,173 @@
+#include "silt/run/run_outputs.hpp"
+
+#include <fmt/format.h>
+
+#include "cpu/isa.hpp"
+#include "parallel/together.hpp"
+#include "silt/case/case.hpp"
+#include "silt/case/case_check.hpp"
+#include "silt/guard.hpp"
+#include "silt/results/build_info.hpp"
+#include "silt/results/checkpoint.hpp"
+#include "silt/results/flow_fields.hpp"
+#include "silt/results/report.hpp"
+
+namespace silt {
+
+RunOutputs::RunOutputs(PreparedRun& run, const std::filesystem::path& folder, Progress& progress)
+    : run_(run),
+      simulation_(*run.simulation),
+      folder_(folder),
+      progress_(progress),
+      provenance_(provenance_of(setup(), simulation_.scene().ranks, simulation_.scene().backend_name())) {}
+
+void RunOutputs::begin_log() {
+  const Scene& scene = simulation_.scene();
+  if (!run_.folder.note.empty()) progress_.say(run_.folder.note);
+  const auto count = [](int n, const char* what) {
+    return fmt::format("{} {}{}", n, what, n == 1 ? "" : "s");
+  };
+  progress_.log(fmt::format("silt {} ({}), {}, {}, {}, {}, {}, {}\n{}", provenance_.version,
+                            provenance_.commit, provenance_.compiler, provenance_.host,
+                            count(scene.ranks, "rank"), count(scene.domain.blocks(), "block"),
+                            instruction_set(), provenance_.created, derived_table(setup())));
+  for (const Diagnostic& warning : run_.warnings) progress_.say(warning.line());
+}
+
+bool RunOutputs::due(const SeriesSpec& series) const {
+  return series.every > 0 && (simulation_.steps_done() % series.every == 0 || run_.has_ended());
+}
+
+std::vector<const FieldsSpec*> RunOutputs::fields_due() const {
+  std::vector<const FieldsSpec*> fields;
+  if (due(setup().output.fields)) fields.push_back(&setup().output.fields);
+  for (const FieldsSpec& slice : setup().output.slices)
+    if (due(slice)) fields.push_back(&slice);
+  return fields;
+}
+
+void RunOutputs::start() {
+  const OutputSpec& output = setup().output;
+  const std::int64_t resumed_at = run_.resumed ? run_.first_step : -1;
+  parallel::on_rank_0(simulation_.scene().comm, [&] { write_scene_file(setup(), folder_); });
+  if (output.bodies.every > 0 && setup().has_bodies())
+    bodies_.emplace(simulation_, folder_, provenance_, run_.resumed);
+  parallel::on_rank_0(simulation_.scene().comm, [&] {
+    if (output.report.every > 0) reports_.emplace(folder_ / "series.csv", resumed_at);
+    for (const ColumnsSpec& series : output.series)
+      series_.emplace_back(folder_ / (series.name + ".csv"), resumed_at);
+    for (const ProbesSpec& probes : output.probes)
+      probe_tables_.emplace_back(folder_ / (probes.name + ".csv"), resumed_at,
+                                 Probes(probes).places(setup()));
+    if (setup().bodies_leave()) departures_.emplace(folder_, resumed_at, setup().units);
+  });
+  for (const ProbesSpec& probes : output.probes) probes_.emplace_back(probes);
+  if (run_.resumed) return;
+  run_.quantities->observe(simulation_);
+  if (simulation_.scene().flow) simulation_.checked_totals();
+  write_bodies_and_fields();
+  if (output.report.every > 0) write_report("running", "", true);
+}
+
+void RunOutputs::write_bodies_and_fields() {
+  for (std::size_t p = 0; p < probes_.size(); ++p)
+    if (simulation_.steps_done() % setup().output.probes[p].every == 0) probes_[p].look(simulation_);
+  if (run_.mean) run_.mean->observe(simulation_);
+  if (bodies_ && due(setup().output.bodies)) bodies_->append(simulation_);
+  for (const FieldsSpec* fields : fields_due()) write_flow_fields(simulation_, *fields, folder_, provenance_);
+}
+
+void RunOutputs::write_due() {
+  const OutputSpec& output = setup().output;
+  const bool ended = run_.has_ended(), fields = !fields_due().empty(), save = due(output.checkpoint),
+             report = due(output.report);
+  const bool looks = simulation_.steps_done() % guard_interval == 0 || ended || save || report;
+  if (ended || fields || save || report || (bodies_ && due(output.bodies))) simulation_.settle();
+  if (simulation_.scene().flow && (looks || fields)) simulation_.checked_totals();
+  if (looks) log_departures();
+  write_bodies_and_fields();
+  if (looks) write_rows();
+  if (ended && run_.mean) run_.mean->write(simulation_, folder_, provenance_);
+  // Before the checkpoint that stands for them: a run that is killed in between goes on from the one before.
+  if (ended && save)
+    write_report(run_.reason_of_end(), run_.text_of_end(), true);
+  else if (report && !ended)
+    write_report("running", "", true);
+  if (save) write_checkpoint();
+}
+
+/// Writes the bodies that left since the last look to the log and to departures.csv.
+void RunOutputs::log_departures() {
+  if (!setup().bodies_leave()) return;
+  const std::vector<Departure> left = gathered(simulation_.scene().comm, simulation_.take_departures());
+  parallel::on_rank_0(simulation_.scene().comm, [&] { departures_->append(left); });
+  if (!left.empty())
+    progress_.log(fmt::format("step {}: {}", simulation_.steps_done(), departures_text(left)));
+}
+
+/// Writes the rows of series and probes up to now to their files.
+void RunOutputs::write_rows() {
+  const OutputSpec& output = setup().output;
+  if (output.series.empty() && output.probes.empty()) return;
+  run_.quantities->settle(simulation_);
+  const std::vector<TableRows> of_series = run_.quantities->take_rows();
+  std::vector<TableRows> of_probes;
+  for (Probes& probes : probes_) of_probes.push_back(probes.take_rows(setup()));
+  parallel::on_rank_0(simulation_.scene().comm, [&] {
+    for (std::size_t s = 0; s < series_.size(); ++s)
+      series_[s].append(Quantities::columns(output.series[s]), of_series[s]);
+    for (std::size_t p = 0; p < probe_tables_.size(); ++p)
+      probe_tables_[p].append(probes_[p].columns(), of_probes[p]);
+  });
+}
+
+/// Writes a checkpoint of that name with all that the run has gathered. Returns its path.
+std::filesystem::path RunOutputs::write_state(const std::string& name) {
+  log_departures();
+  write_rows();
+  return silt::write_checkpoint(simulation_, *run_.quantities, folder_, provenance_, run_.steady, name,
+                                run_.mean ? &*run_.mean : nullptr);
+}
+
+void RunOutputs::write_checkpoint() {
+  simulation_.settle();
+  last_checkpoint_ = write_state("checkpoint").string();
+  progress_.log(fmt::format("step {}: wrote {}", simulation_.steps_done(), last_checkpoint_));
+}
+
+void RunOutputs::interrupt(const std::string& text) {
+  write_report("interrupted", text, true);  // before the checkpoint that stands for its row
+  write_checkpoint();
+}
+
+std::filesystem::path RunOutputs::write_stopped_state() {
+  const auto path = write_state("stopped");
+  if (simulation_.scene().flow) write_flow_fields(simulation_, setup().output.fields, folder_, provenance_);
+  if (bodies_) bodies_->append(simulation_);
+  return path;
+}
+
+std::string RunOutputs::last_checkpoint_text() const {
+  if (!last_checkpoint_.empty()) return fmt::format("\nlast checkpoint: {}", last_checkpoint_);
+  const auto there = adapters::list_checkpoints(folder_);
+  if (there.empty()) return "\nno checkpoint has been written (see output.checkpoint)";
+  return fmt::format("\nlast checkpoint: {}", there.front().path.string());
+}
+
+void RunOutputs::write_report(const std::string& reason, const std::string& text, bool sound) {
+  write_rows();
+  const auto path = folder_ / "report.json";
+  parallel::naming(path.string(), [&] {
+    const bool at_end = run_.has_ended() || reason != "running";
+    const RunStatus status{reason, text, run_.first_step, MPI_Wtime() - begin_, sound, at_end};
+    const std::string report = report_of(simulation_, *run_.quantities, status);
+    parallel::on_rank_0(simulation_.scene().comm, [&] {
+      if (reports_ && sound) append_report(*reports_, simulation_.steps_done(), report);
+      if (!at_end && !due(setup().output.checkpoint) && status.wall_seconds < reported_ + 1) return;
+      write_text(path, report);
+      reported_ = status.wall_seconds;
+    });
+  });
+}
+
+}  // namespace silt
