@@ -6,7 +6,7 @@
 #include "silt/case/case_file.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
-  using namespace silt::coupler;
+  using namespace silt;
   try {
     CaseSource source{"seeds/case.toml", {reinterpret_cast<const char*>(bytes), size}, {}};
     require_runnable(read_case(source));

@@ -13,10 +13,10 @@
 #include "silt/case/case_error.hpp"
 #include "tests/errors.hpp"
 
-namespace silt::coupler {
+namespace silt {
 struct Case;
 class Simulation;
-}  // namespace silt::coupler
+}  // namespace silt
 
 namespace silt::coupler::testing {
 
