@@ -3,14 +3,13 @@
 #include <algorithm>
 #include <optional>
 
+#include "coupler/exchange/coupling_state.hpp"
 #include "coupler/exchange/parallel_body_exchange.hpp"
 #include "coupler/flow_control.hpp"
 #include "coupler/forces/entrained_fluid.hpp"
 #include "coupler/forces/fluid_forces.hpp"
 #include "coupler/forces/turning_walls.hpp"
-#include "coupler/mapping/body_changes.hpp"
 #include "coupler/mapping/build_links.hpp"
-#include "coupler/mapping/changed_mass.hpp"
 #include "coupler/mapping/map_bodies.hpp"
 #include "coupler/mapping/mapping_poses.hpp"
 #include "coupler/mapping/refill.hpp"

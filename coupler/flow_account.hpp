@@ -39,7 +39,7 @@ class FlowAccount {
   /// theirs.
   const rigid::FixedVec3& momentum_brought() const { return brought_; }
   /// Returns the mass, in lbm::mass_quantum, that this rank's cells took from the fluid because they changed
-  /// sides where no neighbour was fluid (changed_mass.hpp), in all steps.
+  /// sides where no neighbour was fluid (refill.hpp), in all steps.
   rigid::FixedSum mass_taken() const { return mass_taken_; }
   const MappingCounts& mapping() const { return mapping_; }  // of the last step, this rank
 

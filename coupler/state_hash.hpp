@@ -12,7 +12,7 @@ namespace silt::coupler {
 class Flow;
 
 /// Wrapping sum over this rank's owned bodies of XXH3 of id, position, image, orientation, velocity, angular
-/// momentum and stored impulses.
+/// momentum, what the fluid still owes the body, and stored impulses.
 std::uint64_t hash_bodies(const rigid::BodySet&);
 
 /// Collective: wrapping sum over all ranks of hash_bodies and FluidFields::hash (flow may be null).

@@ -97,7 +97,7 @@ class RigidStep {
   std::vector<std::uint8_t> in_contact_;  // by row
 };
 
-// integrate.cpp has the half steps of Algorithm 1 (lines 2-5 and 21-22): drift without force, rotation by the
+// The half steps of Algorithm 1 (lines 2-5 and 21-22): drift without force, rotation by the
 // implicit midpoint rule (method.md, M5 and M6).
 
 /// Moves the bodies of the first `rows` rows by h: free ones with constant v and L, prescribed ones with

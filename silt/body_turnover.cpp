@@ -51,7 +51,7 @@ std::vector<Leaver> leavers(const Scene& scene) {
 /// Returns a body's momentum with that which the fluid still has to give it or to get from it.
 Vec3 momentum_of(const rigid::BodySet& bodies, std::size_t row) {
   return bodies.mass[row] * bodies.velocity[row] + coupler::impulse_debt(bodies, row) +
-         coupler::pending_impact(bodies, row);
+         coupler::coupling_of(bodies, row).pending_impact();
 }
 
 }  // namespace

@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "coupler/exchange/check_exchange.hpp"
-#include "coupler/mapping/body_changes.hpp"
+#include "coupler/exchange/coupling_state.hpp"
 #include "silt/run_counters.hpp"
 
 namespace silt {

@@ -7,7 +7,6 @@
 #include "adapters/automatic/collision_factory.hpp"
 #include "coupler/coupled_step.hpp"
 #include "coupler/exchange/coupling_state.hpp"
-#include "coupler/mapping/body_changes.hpp"
 #include "lbm/fluid.hpp"
 #include "silt/case/case.hpp"
 #include "silt/case/quiet_start_steps.hpp"
@@ -64,8 +63,8 @@ class HeldScene final : rigid::StepObserver {
       bodies.stored_impulses[row] = start_.stored_impulses[row];
     }
     for (std::size_t row = start_.owned; row < bodies.first_wall(); ++row) {
-      coupler::foreseen_change(bodies, row).setZero();
-      std::ranges::fill(coupler::mass_owed(bodies, row), 0);
+      coupler::coupling_of(bodies, row).foreseen_change = {};
+      coupler::coupling_of(bodies, row).mass_owed = {};
     }
     for (std::size_t wall = 0; wall < start_.walls; ++wall)
       bodies.assign(bodies.first_wall() + wall, start_.record(start_.first_wall() + wall));

@@ -60,8 +60,8 @@ std::array<rigid::WallSpec, 6> walls_of(const Case& setup) {
 
 /// Returns the wall with that point of its axis that is nearest to the middle of the domain: torques are
 /// summed about it.
-rigid::HollowWallSpec at_the_domain(rigid::HollowWallSpec wall, const rigid::Extent& extent) {
-  if (wall.shape.slides()) wall.point += wall.axis.dot(0.5 * extent.size - wall.point) * wall.axis;
+rigid::TubeWallSpec at_the_domain(rigid::TubeWallSpec wall, const rigid::Extent& extent) {
+  wall.point += wall.axis.dot(0.5 * extent.size - wall.point) * wall.axis;
   return wall;
 }
 
@@ -87,7 +87,7 @@ Scene::Scene(Case given, MPI_Comm communicator, const coupler::SavedBodies* save
       rigid::add_wall(bodies, world, *mesh);
       if (mesh->motion.moves()) moving_walls_.push_back({k, {*mesh, setup.coupling.remap_tolerance}});
     } else {
-      rigid::add_wall(bodies, world, at_the_domain(*setup.walls[k].hollow(), extent_of(setup)));
+      rigid::add_wall(bodies, world, at_the_domain(*setup.walls[k].tube(), extent_of(setup)));
     }
   }
   for (std::size_t row = bodies.first_wall(); row < bodies.size(); ++row)

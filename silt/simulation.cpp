@@ -298,7 +298,7 @@ Balance Simulation::balance() const {
     if (!bodies.is_dynamic(row)) continue;
     Vec3 p = bodies.mass[row] * bodies.velocity[row];
     mine.scale += rigid::to_fixed(p.norm());
-    p += coupler::impulse_debt(bodies, row) + coupler::pending_impact(bodies, row);
+    p += coupler::impulse_debt(bodies, row) + coupler::coupling_of(bodies, row).pending_impact();
     mine.momentum.add(p);
   }
   const auto all = parallel::sum_over_ranks(scene_.comm, mine);
@@ -343,13 +343,13 @@ std::uint64_t Simulation::contacts_now() const {
 }
 
 std::vector<coupler::BodyLoad> Simulation::last_loads() const {
-  return coupler::noted_loads(scene_.bodies, coupler::column::seen_load);
+  return coupler::noted_loads(scene_.bodies, &coupler::CouplingState::seen_load);
 }
 std::vector<coupler::BodyLoad> Simulation::last_contact_loads() const {
-  return coupler::noted_loads(scene_.bodies, coupler::column::contact_load);
+  return coupler::noted_loads(scene_.bodies, &coupler::CouplingState::contact_load);
 }
 std::vector<coupler::BodyLoad> Simulation::last_spring_loads() const {
-  return coupler::noted_loads(scene_.bodies, coupler::column::spring_load);
+  return coupler::noted_loads(scene_.bodies, &coupler::CouplingState::spring_load);
 }
 
 }  // namespace silt

@@ -35,42 +35,42 @@ std::vector<Column> body_columns(const BodySeriesInfo& info) {
   const std::string of_springs = "of springs and dampers in the step";
   const std::string of_contacts =
       "of contacts and lubrication films in the step; nan of bodies that are not free";
-  std::vector<Column> columns = {
-      {"id", offsetof(BodyRow, id), Column::uint64},
-      {"kind", offsetof(BodyRow, kind), Column::int32},
-      {"image", offsetof(BodyRow, image), Column::int32, 3, "periods"},
-      {"position", offsetof(BodyRow, position), Column::float64, 3, l},
-      {"orientation", offsetof(BodyRow, orientation), Column::float64, 4, "quaternion w, x, y, z"},
-      {"velocity", offsetof(BodyRow, velocity), Column::float64, 3, l + "/" + t},
-      {"angular_velocity", offsetof(BodyRow, angular_velocity), Column::float64, 3, "rad/" + t},
-      {"force", offsetof(BodyRow, force), Column::float64, 3, force, of_fluid},
-      {"torque", offsetof(BodyRow, torque), Column::float64, 3, torque, of_fluid},
-      {"mass", offsetof(BodyRow, mass), Column::float64, 1, m}};
-  if (info.columns.buoyancy)
-    columns.push_back({"buoyancy", offsetof(BodyRow, buoyancy), Column::float64, 3, force,
-                       "of the fluid's hydrostatic pressure: the weight of the fluid displaced, upwards"});
-  if (info.columns.scale)
-    columns.push_back({"scale", offsetof(BodyRow, scale), Column::float64, 1, "1",
-                       "lengths of the body over those of the surface of its kind"});
-  const auto push = [&](const char* name, std::size_t at, const std::string& unit, const std::string& of) {
-    columns.push_back({name, at, Column::float64, 3, unit, of});
+  std::vector<Column> columns;
+  const auto add = [&](const char* name, auto member, const std::string& unit = "",
+                       const std::string& meaning = "") {
+    columns.push_back(hdf5::column_of<BodyRow>(name, member, unit, meaning));
   };
+  add("id", &BodyRow::id);
+  add("kind", &BodyRow::kind);
+  add("image", &BodyRow::image, "periods");
+  add("position", &BodyRow::position, l);
+  add("orientation", &BodyRow::orientation, "quaternion w, x, y, z");
+  add("velocity", &BodyRow::velocity, l + "/" + t);
+  add("angular_velocity", &BodyRow::angular_velocity, "rad/" + t);
+  add("force", &BodyRow::force, force, of_fluid);
+  add("torque", &BodyRow::torque, torque, of_fluid);
+  add("mass", &BodyRow::mass, m);
+  if (info.columns.buoyancy)
+    add("buoyancy", &BodyRow::buoyancy, force,
+        "of the fluid's hydrostatic pressure: the weight of the fluid displaced, upwards");
+  if (info.columns.scale)
+    add("scale", &BodyRow::scale, "1", "lengths of the body over those of the surface of its kind");
   if (info.columns.springs) {
-    push("spring_force", offsetof(BodyRow, spring_force), force, of_springs);
-    push("spring_torque", offsetof(BodyRow, spring_torque), torque, of_springs);
+    add("spring_force", &BodyRow::spring_force, force, of_springs);
+    add("spring_torque", &BodyRow::spring_torque, torque, of_springs);
   }
   if (info.columns.contacts) {
-    push("contact_force", offsetof(BodyRow, contact_force), force, of_contacts);
-    push("contact_torque", offsetof(BodyRow, contact_torque), torque, of_contacts);
+    add("contact_force", &BodyRow::contact_force, force, of_contacts);
+    add("contact_torque", &BodyRow::contact_torque, torque, of_contacts);
   }
   return columns;
 }
 
 std::vector<Column> time_columns(const std::string& unit) {
-  return {{"offset", offsetof(TimeRow, offset), Column::uint64},
-          {"count", offsetof(TimeRow, count), Column::uint64},
-          {"step", offsetof(TimeRow, step), Column::int64},
-          {"time", offsetof(TimeRow, time), Column::float64, 1, unit}};
+  return {hdf5::column_of<TimeRow>("offset", &TimeRow::offset),
+          hdf5::column_of<TimeRow>("count", &TimeRow::count),
+          hdf5::column_of<TimeRow>("step", &TimeRow::step),
+          hdf5::column_of<TimeRow>("time", &TimeRow::time, unit)};
 }
 
 // ---- rows of columns that grow ----

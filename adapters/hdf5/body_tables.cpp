@@ -18,33 +18,15 @@ using Counts = std::vector<std::uint64_t>;  // of impulses, body by body
 // ---- the columns ----
 
 /// The columns of rigid::BodyRecord, in /bodies: its own members, then those of its holder state.
-std::vector<Column> record_columns(std::span<const rigid::HolderColumn> holder) {
-  using R = rigid::BodyRecord;
-  const R record;
-  const auto offset = [&](const auto& member) {
-    return std::size_t(reinterpret_cast<const char*>(&member) - reinterpret_cast<const char*>(&record));
-  };
-  std::vector<Column> columns{{"id", offset(record.id), Column::uint64},
-                              {"shape", offset(record.shape), Column::int32},
-                              {"material", offset(record.material), Column::int32},
-                              {"kind", offset(record.kind), Column::int32},
-                              {"motion", offset(record.motion), Column::uint8},
-                              {"mass", offset(record.mass), Column::float64},
-                              {"weight_in_fluid", offset(record.weight_in_fluid), Column::float64},
-                              {"inertia_B", offset(record.inertia_B), Column::float64, 9},
-                              {"position", offset(record.position), Column::float64, 3},
-                              {"orientation", offset(record.orientation), Column::float64, 4},
-                              {"image", offset(record.image), Column::int32, 3},
-                              {"velocity", offset(record.velocity), Column::float64, 3},
-                              {"angular_velocity", offset(record.angular_velocity), Column::float64, 3},
-                              {"angular_momentum", offset(record.angular_momentum), Column::float64, 3}};
-  for (const rigid::HolderColumn& c : holder) {
-    const bool whole = c.type == rigid::HolderColumn::int64;
-    const std::size_t first =
-        whole ? offsetof(rigid::HolderState, integers) : offsetof(rigid::HolderState, numbers);
-    columns.push_back({c.name, offset(record.holder_state) + first + 8 * std::size_t(c.first),
-                       whole ? Column::int64 : Column::float64, c.count});
-  }
+std::vector<Column> record_columns(std::span<const HolderColumn> holder) {
+  using Record = rigid::BodyRecord;
+  std::vector<Column> columns;
+  rigid::visit_columns([&](const rigid::BodyColumn& c, auto, auto member) {
+    columns.push_back(column_of<Record>(c.name, member));
+  });
+  for (const HolderColumn& c : holder)
+    columns.push_back({c.name, offset_of<Record>(&Record::holder_state) + c.offset,
+                       c.type == HolderColumn::int64 ? Column::int64 : Column::float64, c.count});
   for (Column& c : columns) c.name = "/bodies/" + c.name;
   return columns;
 }
@@ -60,11 +42,10 @@ struct ImpulseRow {
   double impulse[3];
 };
 
-const std::vector<Column> impulse_columns{
-    {"/impulses/partner", offsetof(ImpulseRow, partner), Column::uint64},
-    {"/impulses/image", offsetof(ImpulseRow, image), Column::int8, 3},
-    {"/impulses/feature", offsetof(ImpulseRow, feature), Column::uint64},
-    {"/impulses/impulse", offsetof(ImpulseRow, impulse), Column::float64, 3}};
+const std::vector<Column> impulse_columns{column_of<ImpulseRow>("/impulses/partner", &ImpulseRow::partner),
+                                          column_of<ImpulseRow>("/impulses/image", &ImpulseRow::image),
+                                          column_of<ImpulseRow>("/impulses/feature", &ImpulseRow::feature),
+                                          column_of<ImpulseRow>("/impulses/impulse", &ImpulseRow::impulse)};
 
 ImpulseRow row_of(const rigid::StoredImpulse& s) {
   return {
@@ -172,7 +153,7 @@ class ColumnWriter {
 std::map<std::string, std::uint64_t> write_body_tables(MPI_Comm comm, const Path& path,
                                                        const std::function<File(std::uint64_t bytes)>& open,
                                                        const OwnedRows& owned,
-                                                       std::span<const rigid::HolderColumn> holder) {
+                                                       std::span<const HolderColumn> holder) {
   const IdOrder order = order_of(comm, path, owned);
   const SliceExchange bodies(comm, order.total, order.places);
   const ImpulseOrder impulse_order = impulse_order_of(comm, owned, order, bodies);
@@ -260,7 +241,7 @@ void require_rising_ids(const File& file, const std::vector<rigid::BodyRecord>& 
 }  // namespace
 
 CheckpointReader::Bodies read_body_tables(MPI_Comm comm, const File& file,
-                                          std::span<const rigid::HolderColumn> holder) {
+                                          std::span<const HolderColumn> holder) {
   CheckpointReader::Bodies found;
   const int rank = parallel::rank_of(comm), ranks = parallel::ranks_of(comm);
   std::optional<TableReader> reader;

@@ -177,7 +177,7 @@ void CheckpointWriter::list(const std::string& name, Storage storage, std::array
                          });
 }
 
-void CheckpointWriter::bodies(const OwnedRows& owned, std::span<const rigid::HolderColumn> holder) {
+void CheckpointWriter::bodies(const OwnedRows& owned, std::span<const HolderColumn> holder) {
   const auto open = [&](std::uint64_t bytes) { return state_->open_to_add(bytes); };
   state_->checksums.merge(hdf5::write_body_tables(state_->comm, state_->part(), open, owned, holder));
 }
@@ -362,7 +362,7 @@ bool CheckpointReader::has_cells(const std::string& name) const {
   return state_->file->exists("/cells/" + name);
 }
 
-CheckpointReader::Bodies CheckpointReader::bodies(std::span<const rigid::HolderColumn> holder) const {
+CheckpointReader::Bodies CheckpointReader::bodies(std::span<const HolderColumn> holder) const {
   try {
     return hdf5::read_body_tables(state_->comm, *state_->file, holder);
   } catch (const std::runtime_error& error) {  // on every rank

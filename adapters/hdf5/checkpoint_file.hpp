@@ -51,6 +51,14 @@ struct OwnedRows {
   std::function<const std::vector<rigid::StoredImpulse>&(std::size_t)> impulses;
 };
 
+/// A column of what the holder of bodies keeps with them: `count` numbers from a byte of HolderState on.
+struct HolderColumn {
+  const char* name;
+  enum Type { float64, int64 } type;
+  std::size_t offset;
+  int count;
+};
+
 /// CheckpointWriter writes one checkpoint under a temporary name (PATH.part) and gives it its name once it
 /// has been verified. Every call is collective. Errors are std::runtime_error on every rank, naming the file
 /// and the reason; the temporary file is then removed and earlier checkpoints are untouched.
@@ -80,7 +88,7 @@ class CheckpointWriter {
 
   /// Writes the bodies of all ranks and their stored impulses; of their holder state what the columns name.
   /// Each rank sorts and writes a slice of them, a column at a time.
-  void bodies(const OwnedRows&, std::span<const rigid::HolderColumn> = {});
+  void bodies(const OwnedRows&, std::span<const HolderColumn> = {});
 
   /// Flushes, reads everything back against the checksums, renames, and deletes all but the `keep` newest (0:
   /// keeps all) of those with a step up to this one's. What a run has written to the files of `before`, where
@@ -135,7 +143,7 @@ class CheckpointReader {
     std::vector<std::vector<rigid::StoredImpulse>> impulses;
   };
   /// Returns this rank's slice of the bodies, n r / ranks on. The rest of the holder state is zero.
-  Bodies bodies(std::span<const rigid::HolderColumn> = {}) const;
+  Bodies bodies(std::span<const HolderColumn> = {}) const;
 
  private:
   struct State;

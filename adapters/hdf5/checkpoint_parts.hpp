@@ -32,10 +32,9 @@ void verify_checkpoint(MPI_Comm, const Path&);
 /// every rank, a body that is there twice among the reasons.
 std::map<std::string, std::uint64_t> write_body_tables(MPI_Comm, const Path&,
                                                        const std::function<File(std::uint64_t bytes)>& open,
-                                                       const OwnedRows&,
-                                                       std::span<const rigid::HolderColumn>);
+                                                       const OwnedRows&, std::span<const HolderColumn>);
 
 /// Returns this rank's slice of the bodies; collective. The file is open on each rank.
-CheckpointReader::Bodies read_body_tables(MPI_Comm, const File&, std::span<const rigid::HolderColumn>);
+CheckpointReader::Bodies read_body_tables(MPI_Comm, const File&, std::span<const HolderColumn>);
 
 }  // namespace silt::adapters::hdf5

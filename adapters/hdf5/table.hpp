@@ -1,7 +1,10 @@
 #pragma once
 // Private to adapters/hdf5: rows of a plain struct as one dataset a member ("columns").
+#include <cstddef>
 #include <cstring>
+#include <string>
 #include <type_traits>
+#include <utility>
 
 #include "adapters/hdf5/file.hpp"
 
@@ -24,6 +27,32 @@ struct Column {
     return types[type];
   }
 };
+
+template <class Row, class Part, class Member>
+std::size_t offset_of(Member Part::*member) {
+  const Row row{};
+  return std::size_t(reinterpret_cast<const std::byte*>(&(row.*member)) -
+                     reinterpret_cast<const std::byte*>(&row));
+}
+
+/// Returns the column of a member: a number or an array of numbers, of Row or of what it derives from.
+template <class Row, class Part, class Member>
+Column column_of(std::string name, Member Part::*member, std::string unit = "", std::string meaning = "") {
+  constexpr auto first = [](const Member& x) {
+    if constexpr (requires { x[0]; })
+      return x[0];
+    else
+      return x;
+  };
+  using Number = decltype(first(std::declval<Member>()));
+  constexpr bool is_signed = std::is_signed_v<Number>, is_real = std::is_floating_point_v<Number>;
+  constexpr Column::Type type = is_real               ? Column::float64
+                                : sizeof(Number) == 1 ? (is_signed ? Column::int8 : Column::uint8)
+                                : sizeof(Number) == 4 ? Column::int32
+                                : is_signed           ? Column::int64
+                                                      : Column::uint64;
+  return {name, offset_of<Row>(member), type, int(sizeof(Member) / sizeof(Number)), unit, meaning};
+}
 
 /// Adds the column's values of n rows, one after the other; row(i) makes the i-th.
 template <class Row, class MakeRow>

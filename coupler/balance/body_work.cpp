@@ -77,8 +77,8 @@ bool is_mapped(const rigid::BodySet& bodies, std::size_t row) {
 constexpr std::int64_t usual_steps = 9;
 
 std::int64_t steps_mapped(const rigid::BodySet& bodies, std::size_t row) {
-  const MappedMotion mapped = mapped_motion(bodies, row);
-  return mapped.end > mapped.first ? mapped.end - mapped.first : usual_steps;
+  const auto& steps = coupling_of(bodies, row).mapped.steps;
+  return steps.end > steps.first ? steps.end - steps.first : usual_steps;
 }
 
 /// Cut links over cells of a shape whose surface is 6 times its volume over its least width (spheres, cubes).

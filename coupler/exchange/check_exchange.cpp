@@ -27,10 +27,10 @@ std::uint64_t hash_of_id(rigid::BodyId id) {
 /// Returns the bytes that a copy shares with its owner's body: all but those that the owner keeps to itself.
 parallel::Bytes shared_bytes(const rigid::BodyRecord& r) {
   parallel::Bytes bytes;
-  const auto put = [&](const auto&... members) { (parallel::put(bytes, members), ...); };
-  put(static_cast<const rigid::Kinematics&>(r), r.id, r.shape, r.material, r.kind, r.motion, r.image, r.mass,
-      r.weight_in_fluid, r.inertia_B);
-  for (const rigid::HolderColumn& c : column::copied) put(r.holder_state[c], r.holder_state.whole(c));
+  visit_columns(r, [&](const rigid::BodyColumn&, auto numbers) { parallel::put(bytes, numbers); });
+  visit_columns(coupling_of(r.holder_state), [&](const CouplingColumn& c, auto numbers) {
+    if (c.copied) parallel::put(bytes, numbers);
+  });
   return bytes;
 }
 

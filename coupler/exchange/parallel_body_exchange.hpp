@@ -137,7 +137,7 @@ class ParallelBodyExchange : public rigid::BodyExchange {
   const Tie& tie_with(int rank) const;
   void deal_out(rigid::BodySet&);
 
-  // ---- synchronise_bodies.cpp ----
+  // ---- parallel_body_exchange_synchronise.cpp ----
   void synchronise(rigid::BodySet&, Owners);
   void announce(rigid::BodySet&, Owners, std::vector<std::size_t>& departures);
   bool announce_body(const rigid::BodySet&, std::size_t row, Owners, std::vector<int>& ranks);
@@ -147,7 +147,7 @@ class ParallelBodyExchange : public rigid::BodyExchange {
   bool settle(rigid::BodySet&, Arrivals&, const std::vector<std::size_t>& departures);
   bool drop_visitors(rigid::BodySet&);
 
-  // ---- exchange_contacts.cpp ----
+  // ---- parallel_body_exchange_contacts.cpp ----
   void send_contact(const rigid::BodySet&, const rigid::Contact&, bool new_pair);
   void send_partner(const rigid::BodySet&, rigid::BodyId, int to);
   void receive_contacts(rigid::BodySet&, std::vector<rigid::Contact>&, Pairs& crossing);

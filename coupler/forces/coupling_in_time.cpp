@@ -86,8 +86,8 @@ struct LastStep {
   bool still_held;               // by something, and no film's other body has left the scene
 
   LastStep(const rigid::BodySet& bodies, std::size_t row, int substeps)
-      : rolling(vector_in<3>(bodies, row, column::contact_load)),
-        torque(vector_in<3>(bodies, row, column::contact_load, 3)),
+      : rolling(coupling_of(bodies, row).contact_load.linear()),
+        torque(coupling_of(bodies, row).contact_load.angular()),
         still_held(!bodies.stored_impulses[row].empty()) {
     for (const auto& s : bodies.stored_impulses[row]) {
       const Vec3 impulse = s.partner < bodies.id[row] ? s.impulse : Vec3(-s.impulse);
@@ -183,22 +183,23 @@ Vec6 CouplingInTime::solve(rigid::BodySet& bodies, std::size_t row, const Links&
 }
 
 Vec6 CouplingInTime::take_explicitly(rigid::BodySet& bodies, std::size_t row, const Vec6& force) const {
-  foreseen_change(bodies, row).setZero();
+  coupling_of(bodies, row).foreseen_change = {};
   add_force(bodies, row, force);
   return Vec6::Zero();
 }
 
 Vec6 CouplingInTime::take_implicitly(rigid::BodySet& bodies, std::size_t row, const Links& links) const {
-  Eigen::Map<Vec6> foreseen = foreseen_change(bodies, row);
+  Eigen::Map<Vec6> foreseen = coupling_of(bodies, row).foreseen_change();
   const Vec6 load = load_on(bodies, row, links.force);
   const Vec6 correction = solve(bodies, row, links, load, links.resistance * foreseen) - foreseen;
   foreseen.setZero();
-  deferred_impulse(bodies, row) = load / 2;
+  coupling_of(bodies, row).deferred_impulse() = load / 2;
   return correction;
 }
 
 Vec6 CouplingInTime::take_in_one_pass(rigid::BodySet& bodies, std::size_t row, const Links& links) const {
-  Eigen::Map<Vec6> foreseen = foreseen_change(bodies, row), deferred = deferred_impulse(bodies, row);
+  CouplingState& state = coupling_of(bodies, row);
+  Eigen::Map<Vec6> foreseen = state.foreseen_change(), deferred = state.deferred_impulse();
   const Vec6 load = load_on(bodies, row, links.force);
   foreseen = solve(bodies, row, links, load, deferred - load / 2);
   deferred = load / 2 + links.resistance * foreseen;

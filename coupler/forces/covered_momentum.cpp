@@ -48,7 +48,7 @@ int sum_of_positions(std::uint64_t word) {
 
 Vec3 impulse_debt(const rigid::BodySet& bodies, std::size_t row) {
   Vec3 impulse;
-  const auto debt = bodies.holder_state[row].whole(column::impulse_debt);
+  const Impulse& debt = coupling_of(bodies, row).impulse_debt;
   for (int d = 0; d < 3; ++d) impulse[d] = double(debt[d]) * lbm::link_quantum;
   return impulse;
 }
@@ -76,14 +76,13 @@ void add_cells(std::span<const BlockMap> maps, RowSums& sums) {
 void settle_debt(rigid::BodySet& bodies, std::size_t row, RowSums& sums) {
   std::int64_t* const force = sums.force(row);
   const Impulse now = momentum_of_excess(bodies, row, sums.cells(row));
-  const auto debt = bodies.holder_state[row].whole(column::impulse_debt);
+  Impulse& debt = coupling_of(bodies, row).impulse_debt;
   for (int d = 0; d < 6; ++d) force[d] += debt[d] - now[d];
-  std::ranges::copy(now, debt.begin());
+  debt = now;
 }
 
 void begin_debt(rigid::BodySet& bodies, std::size_t row, const RowSums& sums) {
-  std::ranges::copy(momentum_of_excess(bodies, row, sums.cells(row)),
-                    bodies.holder_state[row].whole(column::impulse_debt).begin());
+  coupling_of(bodies, row).impulse_debt = momentum_of_excess(bodies, row, sums.cells(row));
 }
 
 void CoveredMomentum::add(rigid::BodyId id, const Vec3& momentum, const Vec3& arm) {

@@ -28,14 +28,14 @@ rigid::Vec3 EntrainedFluid::operator()(rigid::BodySet& bodies, const rigid::Impa
   const double reduced_mass = 1 / (bodies.inverse_mass(a) + bodies.inverse_mass(b));
   const double share = 1 / (reduced_mass * (compliance(a) + compliance(b))) - 1;
   const rigid::Vec3 impulse = share * impact.impulse * impact.normal;
-  if (a < bodies.owned && bodies.is_dynamic(a)) pending_impact(bodies, a) -= impulse;
-  if (b < bodies.owned && bodies.is_dynamic(b)) pending_impact(bodies, b) += impulse;
+  if (a < bodies.owned && bodies.is_dynamic(a)) coupling_of(bodies, a).pending_impact() -= impulse;
+  if (b < bodies.owned && bodies.is_dynamic(b)) coupling_of(bodies, b).pending_impact() += impulse;
   return impulse;
 }
 
 void give_pending_impacts(rigid::BodySet& bodies) {
   for (std::size_t row = 0; row < bodies.owned; ++row) {
-    Eigen::Map<rigid::Vec3> pending = pending_impact(bodies, row);
+    Eigen::Map<rigid::Vec3> pending = coupling_of(bodies, row).pending_impact();
     if (pending == rigid::Vec3::Zero()) continue;
     const double mass = bodies.mass[row];
     const bool rest = pending.norm() < negligible * mass;

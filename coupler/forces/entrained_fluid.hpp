@@ -1,7 +1,7 @@
 #pragma once
 // The effect of an impact on the fluid around a body (method.md, equations 44 and 45): the impulse that a
-// contact would also give to the fluid is kept with the bodies (column::pending_impact, equal and opposite
-// for the two), which pass it on as the fluid answers.
+// contact would also give to the fluid is kept with the bodies (CouplingState::pending_impact, equal and
+// opposite for the two), which pass it on as the fluid answers.
 #include "rigid/response/contact_resolver.hpp"
 
 namespace silt::coupler {

@@ -1,11 +1,11 @@
 #include "coupler/forces/fluid_forces.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <stdexcept>
 #include <string>
 
-#include "coupler/forces/owed_mass.hpp"
 #include "cpu/isa.hpp"
 #include "cpu/prefetch.hpp"
 #include "lbm/walls/cut_links.hpp"
@@ -31,6 +31,40 @@ void add_sums(const SurfaceLinks<T>& surface, RowSums& sums) {
   std::int64_t *const h = sums.resistance(surface.row), *const push = sums.push(surface.row);
   for (int e = 0; e < RowSums::resistance_width; ++e) h[e] += surface.resistance.h[e];
   for (int e = 0; e < RowSums::push_width; ++e) push[e] += surface.resistance.push[e];
+}
+
+// The mass that bodies owe the fluid. Over all links of a body the mass that its motion carries sums to zero,
+// because every line of cells that enters the body leaves it. Where bodies touch with no cell between them,
+// and where one touches a wall, links are missing, and what the others carry too much is the volume of the
+// gap that closes or opens. The body gives it back through all its links in the next step.
+
+/// Returns whether a ball crosses a side through which fluid passes. There the domain ends, not the body, and
+/// links that are missing are nobody's.
+bool crosses_open_side(const lbm::Domain& domain, const Vec3& centre, double radius) {
+  for (int axis = 0; axis < 3; ++axis)
+    for (const bool upper : {false, true}) {
+      const lbm::SideCondition& side = domain.side(axis, upper);
+      const bool open = side.kind == lbm::SideKind::pressure ||
+                        (side.kind == lbm::SideKind::bounce && side.velocity[axis] != 0);
+      const double inside = upper ? domain.cells()[axis] - centre[axis] : centre[axis];
+      if (open && inside < radius) return true;
+    }
+  return false;
+}
+
+/// Settles the mass that an owned body owes after a step in which its links moved like this (velocity,
+/// angular velocity), and says what each of them gives in the next one. The first quantum is that of the
+/// resistance and the exponent its own (lbm::ResistanceSums); the other one is that of the mass.
+void owe_mass(rigid::BodySet& bodies, std::size_t row, const RowSums& sums, const Vec6& motion,
+              double resistance_quantum, int exponent, double mass_quantum) {
+  const std::int64_t *const h = sums.resistance(row), *const push = sums.push(row);
+  // 6 w |c|^2 is 1/3 along every link
+  const std::int64_t links = std::llround(3 * double(h[0] + h[6] + h[11]) * resistance_quantum);
+  double carried = 0;
+  for (int d = 0; d < 6; ++d) carried += double(push[d]) * std::ldexp(motion[d], d < 3 ? 0 : exponent);
+  OwedMass& owed = coupling_of(bodies, row).mass_owed;
+  owed.all += std::llround(carried * resistance_quantum / mass_quantum) - links * owed.by_each_link;
+  owed.by_each_link = links > 0 ? owed.all / links : 0;
 }
 
 }  // namespace
@@ -78,10 +112,10 @@ void FluidForces<T>::begin(const lbm::Fluid<T>& fluid, std::span<const BlockMap>
       surface.row = masks[k].row, surface.sums = {}, surface.finished = false;
       surface.left = std::uint32_t(surface.links.groups.size());
       if (!surface.links.rate.empty())
-        surface.links.age = T(double(fluid.passes()) - mapped_motion(bodies, surface.row).middle());
+        surface.links.age = T(double(fluid.passes()) - coupling_of(bodies, surface.row).mapped.middle());
       const Vec6 motion = motion_of_links(bodies, surface.row);
       set_motion(surface.motion, motion.head<3>(), motion.tail<3>());
-      surface.motion.mass_by_link = mass_owed(bodies, surface.row)[1];
+      surface.motion.mass_by_link = coupling_of(bodies, surface.row).mass_owed.by_each_link;
       if (links[b].on_device)
         links[b].on_device->set_motion(k, surface.motion, surface.links.frame.reach, surface.links.age);
     }
@@ -103,14 +137,14 @@ template <class T>
 Vec6 FluidForces<T>::motion_of_links(rigid::BodySet& bodies, std::size_t row) const {
   Vec6 motion;
   motion << bodies.velocity[row], bodies.angular_velocity[row];
-  return time_.is_implicit() ? Vec6(motion + foreseen_change(bodies, row)) : motion;
+  return time_.is_implicit() ? Vec6(motion + coupling_of(bodies, row).foreseen_change()) : motion;
 }
 
 template <class T>
 void FluidForces<T>::owe(rigid::BodySet& bodies, std::size_t row, const Vec6& motion) const {
   const double radius = time_.world().bounding_radii[bodies.shape[row]];
   if (crosses_open_side(*domain_, bodies.position[row], radius))
-    std::ranges::fill(mass_owed(bodies, row), 0);
+    coupling_of(bodies, row).mass_owed = {};
   else
     owe_mass(bodies, row, sums_, motion, lbm::resistance_quantum<T>, lbm::resistance_exponent(radius),
              lbm::excess_quantum<T>);
@@ -238,14 +272,16 @@ void FluidForces<T>::share(rigid::BodySet& bodies, std::span<double> corrections
   const auto correction = [&](std::size_t row) { return Eigen::Map<Vec6>(corrections.data() + row * 6); };
   const auto owed = [&](std::size_t row) { return changes.data() + row * width + 12; };
   for (std::size_t row = 0; row < bodies.owned; ++row) {
-    change(row) = correction(row), foreseen(row) = foreseen_change(bodies, row);
-    std::ranges::copy(mass_owed(bodies, row), owed(row));
+    const CouplingState& state = coupling_of(bodies, row);
+    change(row) = correction(row), foreseen(row) = state.foreseen_change();
+    owed(row)[0] = double(state.mass_owed.all), owed(row)[1] = double(state.mass_owed.by_each_link);
   }
   exchange_.share_with_copies(bodies, changes, width);
-  for (std::size_t row = bodies.owned; row < bodies.owned + bodies.copies; ++row)
-    correction(row) = change(row), foreseen_change(bodies, row) = foreseen(row),
-    std::transform(owed(row), owed(row) + 2, mass_owed(bodies, row).begin(),
-                   [](double x) { return std::int64_t(x); });
+  for (std::size_t row = bodies.owned; row < bodies.owned + bodies.copies; ++row) {
+    CouplingState& state = coupling_of(bodies, row);
+    correction(row) = change(row), state.foreseen_change() = foreseen(row);
+    state.mass_owed = {std::int64_t(owed(row)[0]), std::int64_t(owed(row)[1])};
+  }
 }
 
 /// The links of bodies that were not finished during the pass return as if they had moved faster by these

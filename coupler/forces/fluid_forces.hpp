@@ -10,12 +10,12 @@
 #include <span>
 #include <stdexcept>
 
+#include "coupler/exchange/coupling_state.hpp"
 #include "coupler/exchange/parallel_body_exchange.hpp"
 #include "coupler/forces/coupling_in_time.hpp"
 #include "coupler/forces/covered_momentum.hpp"
 #include "coupler/forces/row_sums.hpp"
 #include "coupler/mapping/block_links.hpp"
-#include "coupler/mapping/body_changes.hpp"
 #include "coupler/spec/coupling_spec.hpp"
 #include "lbm/fluid.hpp"
 

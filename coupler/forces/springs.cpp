@@ -33,9 +33,9 @@ Told told_of(const BodySet& bodies, std::size_t row) {
     yield.along = bodies.unlocked(row, Vec3::Constant(1 / std::sqrt(bodies.mass[row])));
     yield.about = Eigen::SelfAdjointEigenSolver<Mat3>(bodies.inverse_inertia_W(row)).operatorSqrt();
   }
-  const auto sprung = vector_in<6>(bodies, row, column::sprung_velocity);
-  Eigen::Map<Vec6>{told.gain} << bodies.velocity[row] - sprung.head<3>(),
-      bodies.angular_velocity[row] - sprung.tail<3>();
+  const auto& sprung = coupling_of(bodies, row).sprung_velocity;
+  Eigen::Map<Vec6>{told.gain} << bodies.velocity[row] - sprung.linear(),
+      bodies.angular_velocity[row] - sprung.angular();
   std::copy_n(yield.along.data(), 3, told.along);
   std::copy_n(yield.about.data(), 9, told.about);
   return told;
@@ -88,7 +88,7 @@ Springs::Springs(std::span<const SpringSpec> springs, std::span<const rigid::Mot
 }
 
 void Springs::start(BodySet& bodies, std::size_t row) {
-  vector_in<6>(bodies, row, column::sprung_velocity) << bodies.velocity[row], bodies.angular_velocity[row];
+  coupling_of(bodies, row).sprung_velocity() << bodies.velocity[row], bodies.angular_velocity[row];
 }
 
 void Springs::start(BodySet& bodies) {
@@ -111,7 +111,7 @@ void Springs::look(const BodySet& bodies) {
 void Springs::push(BodySet& bodies) {
   for (const BodyId id : bodies_)
     if (const std::size_t row = bodies.row_of(id); row < bodies.owned)
-      vector_in<6>(bodies, row, column::spring_load).setZero();
+      coupling_of(bodies, row).spring_load = {};
   if (!shared_.empty()) told_ = sums_.finish();
   const auto is_here = [&](BodyId id) { return bodies.row_of(id) < bodies.owned; };
   for (const Set& set : sets_)
@@ -121,7 +121,7 @@ void Springs::push(BodySet& bodies) {
 void Springs::leave_out(BodySet& bodies) const {
   for (const BodyId id : bodies_)
     if (const std::size_t row = bodies.row_of(id); row < bodies.owned)
-      vector_in<6>(bodies, row, column::seen_load) -= vector_in<6>(bodies, row, column::spring_load);
+      coupling_of(bodies, row).seen_load() -= coupling_of(bodies, row).spring_load();
 }
 
 /// Returns the body where drift takes it before it is kicked; nothing for one that is not there.
@@ -197,11 +197,11 @@ void Springs::add(BodySet& bodies, BodyId id, const Vec3& force, const Vec3& arm
   const Vec3 torque = arm.cross(force);
   bodies.add_force(row, force);
   bodies.add_torque(row, torque);
-  vector_in<3>(bodies, row, column::spring_load) += force;
-  vector_in<3>(bodies, row, column::spring_load, 3) += torque;
-  auto sprung = vector_in<6>(bodies, row, column::sprung_velocity);
-  sprung.head<3>() += bodies.unlocked(row, force / bodies.mass[row]);
-  sprung.tail<3>() += bodies.inverse_inertia_W(row) * torque;
+  CouplingState& state = coupling_of(bodies, row);
+  state.spring_load.linear() += force;
+  state.spring_load.angular() += torque;
+  state.sprung_velocity.linear() += bodies.unlocked(row, force / bodies.mass[row]);
+  state.sprung_velocity.angular() += bodies.inverse_inertia_W(row) * torque;
 }
 
 }  // namespace silt::coupler

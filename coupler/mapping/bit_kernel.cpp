@@ -5,9 +5,9 @@
 #include <cmath>
 #include <limits>
 
-#include "coupler/mapping/bit_kernels.hpp"
-#include "coupler/mapping/surface_primitives.hpp"
+#include "coupler/mapping/bit_kernel.hpp"
 #include "lbm/walls/link_places.hpp"
+#include "rigid/shapes/surface_kinds.hpp"
 
 #if defined(SILT_ISA_avx512)
 #include <immintrin.h>
@@ -190,9 +190,9 @@ struct RowsOf {
   static constexpr double infinity = std::numeric_limits<double>::infinity();
   int y0 = 2, y1, z0 = 2, z1;
 
-  RowsOf(const BitFrame& frame, const PointInFrame& body, const SurfacePart<double>& part)
+  RowsOf(const BitFrame& frame, const PointInFrame& body, const rigid::SurfacePart<double>& part)
       : y1(frame.size.y - 2), z1(frame.size.z - 2) {
-    if (is_hollow(part.kind) || !(part.extent[0] < infinity)) return;
+    if (part.kind == rigid::SurfaceKind::tube || !(part.extent[0] < infinity)) return;
     const auto bound = [&](int d, double from, double low, int& first, int& end) {
       double middle = from - (low + 0.5), half = rounding;
       for (int k = 0; k < 3; ++k) {  // the axes of an ellipsoid are no unit vectors
@@ -208,12 +208,12 @@ struct RowsOf {
   }
 };
 
-/// Fills the cells inside a part of any kind, one row a lane; for a hollow part these are the cells outside
-/// its hole.
-template <PartKind kind>
-void mark_part(const BitFrame& frame, const PointInFrame& centre, const SurfacePart<double>& part,
-               const Plane<double>* planes, std::uint64_t* words) {
-  using Lines = LineLanes<double, kind>;
+/// Fills the cells inside a part of any kind, one row a lane; for a tube these are the cells outside its
+/// hole.
+template <rigid::SurfaceKind kind>
+void mark_part(const BitFrame& frame, const PointInFrame& centre, const rigid::SurfacePart<double>& part,
+               const rigid::Plane<double>* planes, std::uint64_t* words) {
+  using Lines = rigid::SILT_ISA::LineLanes<double, kind>;
   using V = typename Lines::V;
   constexpr int lanes = Lines::L::count;
   constexpr double infinity = std::numeric_limits<double>::infinity();
@@ -229,7 +229,7 @@ void mark_part(const BitFrame& frame, const PointInFrame& centre, const SurfaceP
       for (int l = 0; l < std::min(lanes, rows.y1 - y); ++l) {
         const std::size_t row = std::size_t(z) * frame.plane * 64 + std::size_t(y + l) * frame.pitch;
         const double enter = x + in.enter[l], leave = x + in.leave[l];
-        if constexpr (is_hollow(kind)) {
+        if constexpr (kind == rigid::SurfaceKind::tube) {
           set_cells(frame, row, -infinity, std::floor(enter) - centre.low.x, words);
           set_cells(frame, row, std::ceil(leave) - centre.low.x, infinity, words);
         } else if (enter <= leave) {
@@ -242,11 +242,12 @@ void mark_part(const BitFrame& frame, const PointInFrame& centre, const SurfaceP
 
 /// Marks the cells inside any part. Bodies that are spheres, which need neither turning nor a division, have
 /// their own.
-void mark_parts(const BitFrame& frame, const PointInFrame& centre, const SurfaceView<double>& surface,
+void mark_parts(const BitFrame& frame, const PointInFrame& centre, const rigid::SurfaceView<double>& surface,
                 std::uint64_t* words) {
   for (int k = 0; k < surface.count; ++k)
-    with_kind(surface.parts[k].kind,
-              [&](auto kind) { mark_part<kind()>(frame, centre, surface.parts[k], surface.planes, words); });
+    rigid::SILT_ISA::with_kind(surface.parts[k].kind, [&](auto kind) {
+      mark_part<kind()>(frame, centre, surface.parts[k], surface.planes, words);
+    });
 }
 
 /// How many bits of a frame's stream a step along c_i is.

@@ -6,7 +6,7 @@
 #include <stdexcept>
 
 #include "coupler/exchange/coupling_state.hpp"
-#include "coupler/mapping/bit_kernels.hpp"
+#include "coupler/mapping/bit_kernel.hpp"
 #include "coupler/mapping/crossing_links.hpp"
 #include "coupler/mapping/link_groups.hpp"
 #include "coupler/mapping/measured_surface.hpp"
@@ -270,7 +270,7 @@ void build_links(const BlockMap& map, const rigid::World& world, const rigid::Bo
     const std::int32_t shape = bodies.shape[mask.row];
     const bool wants_resistance =
         mask.row < bodies.first_wall() && bodies.motion[mask.row] != rigid::Motion::fixed;
-    writer.body(mask, world.shapes[shape], mapped_motion(bodies, mask.row),
+    writer.body(mask, world.shapes[shape], coupling_of(bodies, mask.row).mapped,
                 wants_resistance ? world.bounding_radii[shape] : 0, surfaces[k]);
   });
   if (rules.device) rules.device->run();

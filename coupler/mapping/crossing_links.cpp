@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <bit>
 
-#include "coupler/mapping/bit_kernels.hpp"
+#include "coupler/mapping/bit_kernel.hpp"
+#include "coupler/mapping/surface_distance.hpp"
 
 namespace silt::coupler {
 
@@ -44,7 +45,7 @@ void CrossingLinks<T>::list_candidates(int z) {
 /// Sets the distances at which lines meet the surface; 1: they do not.
 template <class T>
 void CrossingLinks<T>::measure(Ends& ends, Int3 corner, const lbm::SurfaceFrame& frame,
-                               const SurfaceView<T>& surface) const {
+                               const rigid::SurfaceView<T>& surface) const {
   const std::size_t n = ends.place.size(), filled = lbm::padded(std::uint32_t(n));
   if (n == 0) return ends.q.clear();
   ends.place.resize(filled, ends.place.back()), ends.q.resize(filled);
@@ -53,7 +54,7 @@ void CrossingLinks<T>::measure(Ends& ends, Int3 corner, const lbm::SurfaceFrame&
 }
 
 template <class T>
-void CrossingLinks<T>::list(int z, const lbm::SurfaceFrame& frame, const SurfaceView<T>& surface) {
+void CrossingLinks<T>::list(int z, const lbm::SurfaceFrame& frame, const rigid::SurfaceView<T>& surface) {
   const Int3 corner = frame_.low + Int3{0, 0, z - 1};
   place_.clear(), q_.clear();
   list_candidates(z);

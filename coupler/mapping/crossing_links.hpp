@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "coupler/mapping/solid_map.hpp"
-#include "coupler/mapping/surface_primitives.hpp"
 #include "lbm/walls/cut_links.hpp"
+#include "rigid/shapes/surface_kinds.hpp"
 
 namespace silt::coupler {
 
@@ -25,7 +25,7 @@ class CrossingLinks {
   /// Lists the links that begin in planes [z, z + planes) of the mask's frame and end inside the block.
   /// Places count from the frame's cell (0, 0, z - 1). First those both ends of which are inside, an end
   /// beside the other.
-  void list(int z, const lbm::SurfaceFrame&, const SurfaceView<T>&);
+  void list(int z, const lbm::SurfaceFrame&, const rigid::SurfaceView<T>&);
 
   const std::vector<std::uint32_t>& place() const { return place_; }
   const std::vector<T>& q() const { return q_; }
@@ -36,7 +36,7 @@ class CrossingLinks {
     std::vector<T> q;
   };
   void list_candidates(int z);
-  void measure(Ends&, lbm::Int3 corner, const lbm::SurfaceFrame&, const SurfaceView<T>&) const;
+  void measure(Ends&, lbm::Int3 corner, const lbm::SurfaceFrame&, const rigid::SurfaceView<T>&) const;
 
   BitFrame frame_;
   lbm::CellBox block_;                 // in its own coordinates

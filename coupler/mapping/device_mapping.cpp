@@ -25,12 +25,12 @@ void DeviceMapping<T>::begin(const BlockMap& map, lbm::WallScheme scheme) {
 }
 
 template <class T>
-SurfaceAtTime DeviceMapping<T>::listed(const SurfaceView<T>& surface, const lbm::SurfaceFrame& frame) {
+SurfaceAtTime DeviceMapping<T>::listed(const rigid::SurfaceView<T>& surface, const lbm::SurfaceFrame& frame) {
   const SurfaceAtTime at{std::uint32_t(parts_.size()), std::uint32_t(planes_.size()), surface.count, frame};
   parts_.host().insert(parts_.host().end(), surface.parts, surface.parts + surface.count);
-  for (const SurfacePart<T>* part = surface.parts; part < surface.parts + surface.count; ++part)
+  for (const rigid::SurfacePart<T>* part = surface.parts; part < surface.parts + surface.count; ++part)
     if (const std::size_t end = at.first_plane + part->first_plane + part->planes; end > planes_.size()) {
-      const Plane<T>* const from = surface.planes + (planes_.size() - at.first_plane);
+      const rigid::Plane<T>* const from = surface.planes + (planes_.size() - at.first_plane);
       planes_.host().insert(planes_.host().end(), from, surface.planes + (end - at.first_plane));
     }
   return at;
@@ -38,7 +38,7 @@ SurfaceAtTime DeviceMapping<T>::listed(const SurfaceView<T>& surface, const lbm:
 
 template <class T>
 void DeviceMapping<T>::add(SurfaceLinks<T>& surface, const BodyMask& mask, const BodyMask* before,
-                           std::span<const ListedGroup> by_cells, const SurfaceView<T>& view, T arm) {
+                           std::span<const ListedGroup> by_cells, const rigid::SurfaceView<T>& view, T arm) {
   const BitFrame& frame = mask.frame();
   const std::size_t words = frame.words();
   const bool is_known = before && before->frame() == frame && surface.cells_on_device.size() == words + 1;
@@ -62,7 +62,8 @@ void DeviceMapping<T>::add(SurfaceLinks<T>& surface, const BodyMask& mask, const
 }
 
 template <class T>
-void DeviceMapping<T>::add_rates(const SurfaceView<T>& view, const lbm::SurfaceFrame& frame, double steps) {
+void DeviceMapping<T>::add_rates(const rigid::SurfaceView<T>& view, const lbm::SurfaceFrame& frame,
+                                 double steps) {
   lbm::CutLinks<T>& links = wanted_.back()->links;
   links.rate.resize(links.q.size());
   SurfaceToMap<T>& surface = surfaces_.host().back();

@@ -9,8 +9,8 @@
 #include "coupler/mapping/bit_window.hpp"
 #include "coupler/mapping/block_links.hpp"
 #include "coupler/mapping/cell_bits.hpp"
-#include "coupler/mapping/surface_primitives.hpp"
 #include "device/mirror.hpp"
+#include "rigid/shapes/surface_kinds.hpp"
 
 namespace silt::coupler {
 
@@ -85,8 +85,8 @@ struct LinksToMap {
   std::size_t group_count;
   const SurfaceToMap<T>* surfaces;
   lbm::ResistanceSums* resistance;  // of the surfaces
-  const SurfacePart<T>* parts;
-  const Plane<T>* planes;
+  const rigid::SurfacePart<T>* parts;
+  const rigid::Plane<T>* planes;
   const ChangedWord* words;
   std::size_t word_count;
   const HostCopy* runs;
@@ -111,7 +111,7 @@ class DeviceMapping {
   /// The links of the surface are wanted: the lists of some groups, and all distances. `before` is the mask
   /// of which it had links, if it had any; `arm` that of SurfaceToMap.
   void add(SurfaceLinks<T>&, const BodyMask&, const BodyMask* before, std::span<const ListedGroup>,
-           const SurfaceView<T>&, T arm);
+           const rigid::SurfaceView<T>&, T arm);
   /// These values go to an array in memory_of the device.
   template <class Value>
   void upload(std::span<const Value> values, Value* to) {
@@ -124,12 +124,12 @@ class DeviceMapping {
     all.insert(all.end(), words, words + count);
   }
   /// The rates of the surface added last are wanted as well, from how it will be after so many steps.
-  void add_rates(const SurfaceView<T>&, const lbm::SurfaceFrame&, double steps);
+  void add_rates(const rigid::SurfaceView<T>&, const lbm::SurfaceFrame&, double steps);
   /// Sets all that is wanted. The surfaces have stayed where they were.
   void run();
 
  private:
-  SurfaceAtTime listed(const SurfaceView<T>&, const lbm::SurfaceFrame&);
+  SurfaceAtTime listed(const rigid::SurfaceView<T>&, const lbm::SurfaceFrame&);
   void add_words(std::uint64_t* to, const std::uint64_t* now, const std::uint64_t* before, std::size_t count);
 
   Device device_;
@@ -140,8 +140,8 @@ class DeviceMapping {
   Mirror<GroupToMap> groups_{device_};
   Mirror<SurfaceToMap<T>> surfaces_{device_};
   Mirror<lbm::ResistanceSums> resistance_{device_};
-  Mirror<SurfacePart<T>> parts_{device_};
-  Mirror<Plane<T>> planes_{device_};
+  Mirror<rigid::SurfacePart<T>> parts_{device_};
+  Mirror<rigid::Plane<T>> planes_{device_};
   Mirror<ChangedWord> words_{device_};
   Mirror<HostCopy> runs_{device_};
   Mirror<std::uint32_t> told_{device_};

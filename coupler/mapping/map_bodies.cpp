@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "coupler/exchange/coupling_state.hpp"
-#include "coupler/mapping/bit_kernels.hpp"
+#include "coupler/mapping/bit_kernel.hpp"
 #include "rigid/shapes/shape.hpp"
 
 namespace silt::coupler {
@@ -27,8 +27,8 @@ CellBits wall_bits(const lbm::Domain& domain, const lbm::CellBox& box) {
 
 /// Returns whether the fluid still sees the body as when the mask was made.
 bool unchanged_since_mapping(const rigid::BodySet& bodies, std::size_t row, const BodyMask& mask) {
-  const MappedMotion now = mapped_motion(bodies, row);
-  return now.pose == mask.pose && now.first == mask.mapped;
+  const MappedMotion& now = coupling_of(bodies, row).mapped;
+  return now.pose() == mask.pose && now.steps.first == mask.mapped;
 }
 
 /// Gives the mask those of its cells that no one has yet.
@@ -104,8 +104,8 @@ void MapBodies::find_images(const BlockMap& block, const rigid::BodySet& bodies)
   if (!std::is_sorted(found_.begin(), found_.end(), before)) std::sort(found_.begin(), found_.end(), before);
 }
 
-/// Adds the solid around a hollow, which has no end: the block is cut where periods of the domain meet, so
-/// that a cell is asked about at one place, whichever block holds it.
+/// Adds the solid around a tube or in a hollow mesh, which has no end: the block is cut where periods of the
+/// domain meet, so that a cell is asked about at one place, whichever block holds it.
 void MapBodies::add_endless(const BlockMap& block, const rigid::BodySet& bodies, std::size_t row) {
   struct Stretch {
     int first, end, shift;  // cells of the block's ghost layers and between; where their period begins
@@ -206,8 +206,8 @@ void MapBodies::map_block(BlockMap& block, const rigid::BodySet& bodies) {
     const Image& image = found_[k];
     BodyMask& mask = block.masks[k];
     mask.id = image.id, mask.row = image.row, mask.shift = image.shift, mask.hollow = image.hollow;
-    const MappedMotion mapped = mapped_motion(bodies, image.row);
-    mask.pose = mapped.pose, mask.mapped = mapped.first;
+    const MappedMotion& mapped = coupling_of(bodies, image.row).mapped;
+    mask.pose = mapped.pose(), mask.mapped = mapped.steps.first;
     while (old != block.masks_before.end() && old->id < mask.id) ++old;
     auto match = old;
     while (match != block.masks_before.end() && match->id == mask.id && !(match->shift == mask.shift))

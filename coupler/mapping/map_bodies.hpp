@@ -6,10 +6,10 @@
 
 #include "coupler/mapping/placed_mesh.hpp"
 #include "coupler/mapping/solid_map.hpp"
-#include "coupler/mapping/surface_parts.hpp"
 #include "lbm/blocks/domain.hpp"
 #include "rigid/bodies/body_set.hpp"
 #include "rigid/bodies/world.hpp"
+#include "rigid/shapes/surface_parts.hpp"
 
 namespace silt::coupler {
 
@@ -53,8 +53,8 @@ class MapBodies {
   const rigid::World& world_;
   int link_reach_;
   std::vector<BlockMap> blocks_;
-  std::vector<Image> found_;      // in the block at work
-  SurfaceParts<double> surface_;  // of the body at work
+  std::vector<Image> found_;             // in the block at work
+  rigid::SurfaceParts<double> surface_;  // of the body at work
   PlacedMeshes meshes_;
 };
 

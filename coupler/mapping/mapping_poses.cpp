@@ -44,7 +44,7 @@ double angle_between(const Quat& a, const Quat& b) {
 
 /// Moves the pose from the first of the steps it serves to the middle of them.
 MappedMotion mapped_ahead(MappedMotion m) {
-  m.pose = m.pose_after(m.middle() - static_cast<double>(m.first));
+  m.set_pose(m.pose_after(m.middle() - static_cast<double>(m.steps.first)));
   return m;
 }
 
@@ -60,13 +60,13 @@ void renew_mapping_poses(rigid::BodySet& bodies, const rigid::World& world, cons
     const bool is_ball = std::holds_alternative<rigid::Sphere>(shape);
     const double radius = is_ball ? 0 : world.bounding_radii[bodies.shape[row]];
     const Vec3 v = bodies.velocity[row], w = is_ball ? Vec3(0, 0, 0) : bodies.angular_velocity[row];
-    const MappedMotion mapped = mapped_motion(bodies, row);
-    const Pose now{bodies.position[row], is_ball ? mapped.pose.orientation : bodies.orientation[row]};
+    MappedMotion& mapped = coupling_of(bodies, row).mapped;
+    const Pose now{bodies.position[row], is_ball ? mapped.pose().orientation : bodies.orientation[row]};
     const Pose foreseen = mapped.pose_after(static_cast<double>(step) - mapped.middle());
     const double off = (now.position - foreseen.position).norm() +
                        radius * angle_between(now.orientation, foreseen.orientation);
     if (2 * off <= held && mapped.is_at_rest()) continue;
-    if (step < mapped.end && off <= unforeseen * held) continue;
+    if (step < mapped.steps.end && off <= unforeseen * held) continue;
     const double speed = v.norm() + radius * w.norm();
     double steps = 1 + steps_within(held, speed);
     const bool follows =
@@ -74,8 +74,8 @@ void renew_mapping_poses(rigid::BodySet& bodies, const rigid::World& world, cons
     if (follows) steps = std::min(1 + steps_within(coupling.remap_tolerance, speed), most_following);
     const std::int64_t interval = power_of_three(steps);
     MappedMotion next = mapped_ahead({now, v, w, step, step + interval - step % interval});
-    if (!follows) next.velocity.setZero(), next.angular_velocity.setZero();
-    set_mapped_motion(bodies, row, next);
+    if (!follows) next.velocity = {};
+    mapped = next;
   }
 }
 

@@ -5,8 +5,9 @@
 #include "coupler/mapping/device_mapping.hpp"
 #include "coupler/mapping/link_groups.hpp"
 #include "coupler/mapping/mesh_distances.hpp"
-#include "coupler/mapping/surface_parts.hpp"
+#include "coupler/mapping/surface_distance.hpp"
 #include "rigid/shapes/shape.hpp"
+#include "rigid/shapes/surface_parts.hpp"
 
 namespace silt::coupler {
 
@@ -21,13 +22,13 @@ class MeasuredSurface {
              const lbm::SurfaceFrame& frame) {
     frame_ = &frame;
     if (!follows_) return;
-    way_ = std::holds_alternative<rigid::Mesh>(shape) ? Way::mesh
-           : rigid::is_endless(shape)                 ? Way::hollow
-                                                      : Way::parts;
+    way_ = std::holds_alternative<rigid::Mesh>(shape)   ? Way::mesh
+           : std::holds_alternative<rigid::Tube>(shape) ? Way::tube
+                                                        : Way::parts;
     if (way_ == Way::mesh)
       mesh_.find(std::get<rigid::Mesh>(shape), map, mask);
-    else if (way_ == Way::hollow)
-      hollow_.reset(shape, mask.pose.orientation);
+    else if (way_ == Way::tube)
+      tube_.reset(shape, mask.pose.orientation);
     else
       parts_.reset(shape, mask.pose.orientation);
   }
@@ -39,8 +40,8 @@ class MeasuredSurface {
       std::fill_n(list.q, list.n, T(0.5));
     else if (way_ == Way::mesh)
       mesh_.set(list.corner, list.place, list.n, list.q);
-    else if (way_ == Way::hollow)
-      distance_kernel<double, T>()(links, *frame_, hollow_.view(), 0.0, list.q);
+    else if (way_ == Way::tube)
+      distance_kernel<double, T>()(links, *frame_, tube_.view(), 0.0, list.q);
     else if (!device_)
       distance_kernel<T, T>()(links, *frame_, parts_.view(), T(0), list.q);
   }
@@ -80,17 +81,17 @@ class MeasuredSurface {
 
   /// Returns whether the surface has edges that links may cross.
   bool has_crossings() const { return follows_ && way_ == Way::parts && parts_.has_edges(); }
-  SurfaceView<T> view() const { return parts_.view(); }
+  rigid::SurfaceView<T> view() const { return parts_.view(); }
 
  private:
-  enum class Way { parts, hollow, mesh };
+  enum class Way { parts, tube, mesh };
   /// The steps from the middle of those that links are built for to the last one; 0 if distances stay.
   static double steps_with_rates(const lbm::CutLinks<T>& links, const MappedMotion& mapped) {
-    const double steps = static_cast<double>(mapped.end - 1) - mapped.middle();
+    const double steps = static_cast<double>(mapped.steps.end - 1) - mapped.middle();
     return mapped.is_at_rest() || links.q.empty() || !(steps > 0) ? 0 : steps;
   }
   static lbm::SurfaceFrame frame_after(lbm::SurfaceFrame frame, const MappedMotion& mapped, double steps) {
-    for (int d = 0; d < 3; ++d) frame.offset[d] -= steps * mapped.velocity[d];
+    for (int d = 0; d < 3; ++d) frame.offset[d] -= steps * mapped.velocity.numbers[d];
     return frame;
   }
 
@@ -98,8 +99,8 @@ class MeasuredSurface {
   MeshDistances& mesh_;
   DeviceMapping<T>* device_;
   Way way_ = Way::parts;
-  SurfaceParts<T> parts_;
-  SurfaceParts<double> hollow_;  // in double: it may be far longer than anything else is wide
+  rigid::SurfaceParts<T> parts_;
+  rigid::SurfaceParts<double> tube_;  // in double: it may be far longer than anything else is wide
   const lbm::SurfaceFrame* frame_ = nullptr;
 };
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <bit>
 
-#include "coupler/mapping/bit_kernels.hpp"
+#include "coupler/mapping/bit_kernel.hpp"
 #include "lbm/walls/cut_links.hpp"
 
 namespace silt::coupler {

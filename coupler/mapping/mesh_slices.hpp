@@ -9,7 +9,7 @@
 #include <cstdint>
 #include <span>
 
-#include "coupler/mapping/mesh_kernels.hpp"
+#include "coupler/mapping/mesh_kernel.hpp"
 #include "cpu/lanes.hpp"
 #include "lbm/blocks/lattice.hpp"
 

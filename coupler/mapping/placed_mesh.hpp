@@ -3,7 +3,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "coupler/mapping/mesh_kernels.hpp"
+#include "coupler/mapping/mesh_kernel.hpp"
 #include "rigid/math/types.hpp"
 #include "rigid/shapes/triangle_mesh.hpp"
 

@@ -1,11 +1,14 @@
 #pragma once
-// The populations of cells that a body has left (uncovered), and the account of fluid that a body has
-// covered.
+// Cells that change sides: the populations of those that a body has left (uncovered), and the mass of both.
 //
 // The arriving populations of an uncovered cell all belong to its own block, in either parity, so refilling
 // is local. The averages it needs are over the cell's neighbours that were fluid and still are; where one
 // belongs to another rank, its moments are sent: both ends find out which from their own maps, ghost cells
 // included.
+//
+// A cell that a body covers leaves its deviation of density to the fluid around it, and one that a body has
+// left takes it from there (method.md, equations 46 and 47), so that bodies which move change no mass,
+// wherever the sides of the domain are open.
 #include <mpi.h>
 
 #include "coupler/mapping/refill_cell.hpp"
@@ -13,6 +16,7 @@
 #include "coupler/spec/coupling_spec.hpp"
 #include "lbm/fluid.hpp"
 #include "rigid/bodies/body_set.hpp"
+#include "rigid/math/exact_sum.hpp"
 
 namespace silt::coupler {
 
@@ -47,5 +51,18 @@ struct UncoveredCells {
 template <class T>
 void refill(lbm::Fluid<T>&, const std::vector<BlockMap>&, const ChangedCells&, const rigid::BodySet&,
             const rigid::BodySet& gone, Refill, UncoveredCells&);
+
+/// The mass that cells of this rank get from their neighbours which changed sides, in quanta of
+/// lbm/blocks/excess.hpp. They get it after they have collided: before that they would have to give up their
+/// excess first, because the sum of both is rounded otherwise.
+struct PassedMass {
+  std::vector<lbm::LocalCell> cells;
+  std::vector<std::int64_t> masses;
+  rigid::FixedSum left = 0;  // in lbm::mass_quantum, for which there was no neighbour that stayed fluid
+};
+
+/// Collective over the ranks of neighbouring blocks, after refill(): covered cells still have what they held.
+template <class T>
+PassedMass pass_on_mass(lbm::Fluid<T>&, const std::vector<BlockMap>&, const ChangedCells&);
 
 }  // namespace silt::coupler

@@ -1,6 +1,6 @@
 #pragma once
 // Values that belong to pairs of a cell which changed sides and a neighbour of it on another rank: they go
-// from the neighbour's rank to the cell's (moments, refill.hpp) or the other way (mass, changed_mass.hpp).
+// from the neighbour's rank to the cell's (moments) or the other way (mass; refill.hpp).
 // Both ends find the pairs from their own maps, ghost cells included.
 #include <mpi.h>
 

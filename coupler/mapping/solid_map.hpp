@@ -24,11 +24,11 @@ struct BodyMask {
   std::size_t row = 0;      // in the BodySet, this step
   lbm::Int3 shift;          // the image: cells added to the canonical position (multiples of the domain)
   rigid::Pose pose;         // canonical
-  std::int64_t mapped = 0;  // MappedMotion::first
+  std::int64_t mapped = 0;  // MappedMotion::steps.first
   BitWindow inside;         // centre inside the body
   BitWindow bits;           // the same less what walls and lower ids have
   bool any = false;         // in bits
-  bool hollow = false;      // all around a tube or the like, wherever the block has cells
+  bool hollow = false;      // all around a tube or in a hollow mesh, wherever the block has cells
   BitWindow near;           // the cells that its links may ask for; empty until that is needed
   int before = -1;          // index in masks_before of the same image; -1: it is new
   bool kept = false;        // neither its cells nor others around it have changed sides, nor has it moved

@@ -1,32 +1,60 @@
 #include "rigid/bodies/body_set.hpp"
 
 #include <algorithm>
+#include <cstring>
 #include <numeric>
+#include <utility>
 
 namespace silt::rigid {
 namespace {
 
-/// Calls f with every array of the set: the one place that lists them.
+constexpr std::size_t bytes_of_columns() {
+  std::size_t bytes = sizeof(HolderState);
+  visit_columns(
+      [&](const BodyColumn&, auto, auto member) { bytes += sizeof(std::declval<BodyRecord&>().*member); });
+  return bytes;
+}
+static_assert(sizeof(BodyRecord) - bytes_of_columns() < 8, "visit_columns has a line for every member");
+
+/// Calls f with every array of the set that has a value a body.
 template <class F>
 void for_each_array(BodySet& b, F f) {
-  f(b.id);
-  f(b.shape);
-  f(b.material);
-  f(b.kind);
-  f(b.motion);
-  f(b.position);
-  f(b.image);
-  f(b.orientation);
-  f(b.velocity);
-  f(b.angular_velocity);
-  f(b.angular_momentum);
-  f(b.mass);
-  f(b.weight_in_fluid);
-  f(b.inertia_B);
+  visit_columns([&](const BodyColumn&, auto array, auto) { f(b.*array); });
   f(b.force);
   f(b.torque);
   f(b.holder_state);
   f(b.stored_impulses);
+}
+
+/// A value of a set as that of a record, and back: the same bytes, but for the order of a quaternion.
+template <class From, class To>
+void copy(const From& from, To& to) {
+  static_assert(sizeof(From) == sizeof(To));
+  std::memcpy(static_cast<void*>(&to), &from, sizeof(To));
+}
+void copy(const Quat& q, double (&to)[4]) {
+  to[0] = q.w(), to[1] = q.x(), to[2] = q.y(), to[3] = q.z();
+}
+void copy(const double (&from)[4], Quat& to) {
+  to = {from[0], from[1], from[2], from[3]};
+}
+
+/// Calls f(array, member) for the columns that a part of a record has.
+template <class Part, class F>
+void for_columns_of(F f) {
+  visit_columns([&]<class Array, class Owner, class T>(const BodyColumn&, Array array, T Owner::*member) {
+    if constexpr (std::is_base_of_v<Owner, Part>) f(array, member);
+  });
+}
+template <class Part>
+Part part_of(const BodySet& bodies, std::size_t row) {
+  Part part;
+  for_columns_of<Part>([&](auto array, auto member) { copy((bodies.*array)[row], part.*member); });
+  return part;
+}
+template <class Part>
+void set_part(BodySet& bodies, std::size_t row, const Part& part) {
+  for_columns_of<Part>([&](auto array, auto member) { copy(part.*member, (bodies.*array)[row]); });
 }
 
 /// A value to start from; Eigen's own default is uninitialised memory.
@@ -68,52 +96,21 @@ Mat3 inverse_about_free_axes(const BodySet& bodies, std::size_t row) {
 }  // namespace
 
 Kinematics BodySet::kinematics(std::size_t row) const {
-  const auto store = [](const Vec3& v, double* to) { Eigen::Map<Vec3>{to} = v; };
-  Kinematics k;
-  const Quat& q = orientation[row];
-  store(position[row], k.position);
-  Eigen::Map<Eigen::Vector4d>{k.orientation} = Eigen::Vector4d(q.w(), q.x(), q.y(), q.z());
-  store(velocity[row], k.velocity);
-  store(angular_velocity[row], k.angular_velocity);
-  store(angular_momentum[row], k.angular_momentum);
-  return k;
+  return part_of<Kinematics>(*this, row);
 }
 
 void BodySet::set_kinematics(std::size_t row, const Kinematics& k) {
-  using Given = Eigen::Map<const Vec3>;
-  position[row] = Given{k.position};
-  orientation[row] = {k.orientation[0], k.orientation[1], k.orientation[2], k.orientation[3]};
-  velocity[row] = Given{k.velocity};
-  angular_velocity[row] = Given{k.angular_velocity};
-  angular_momentum[row] = Given{k.angular_momentum};
+  set_part(*this, row, k);
 }
 
 BodyRecord BodySet::record(std::size_t row) const {
-  BodyRecord r{kinematics(row),
-               id[row],
-               shape[row],
-               material[row],
-               kind[row],
-               motion[row],
-               {image[row][0], image[row][1], image[row][2]},
-               mass[row],
-               weight_in_fluid[row]};
-  Eigen::Map<Mat3>{r.inertia_B} = inertia_B[row];
+  BodyRecord r = part_of<BodyRecord>(*this, row);
   r.holder_state = holder_state[row];
   return r;
 }
 
 void BodySet::assign(std::size_t row, const BodyRecord& r) {
-  set_kinematics(row, r);
-  id[row] = r.id;
-  shape[row] = r.shape;
-  material[row] = r.material;
-  kind[row] = r.kind;
-  motion[row] = r.motion;
-  image[row] = std::to_array(r.image);
-  mass[row] = r.mass;
-  weight_in_fluid[row] = r.weight_in_fluid;
-  inertia_B[row] = Eigen::Map<const Mat3>{r.inertia_B};
+  set_part(*this, row, r);
   holder_state[row] = r.holder_state;
 }
 

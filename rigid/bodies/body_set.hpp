@@ -5,7 +5,9 @@
 //   then                   visitors: partners of owned bodies in a contact, here for the rest of one step
 //   only last              walls (global: on every rank, never sent)
 // A copy equals its owner's state bitwise. On one rank there are only owned bodies and walls.
+#include <array>
 #include <bit>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <type_traits>
@@ -90,43 +92,12 @@ struct StoredImpulse {
   Vec3 impulse;
 };
 
-/// Columns that a holder of bodies, such as a coupler, keeps with them travel with a body from rank to rank
-/// and into checkpoints; rigid/ carries them along and never reads them. One has so many numbers of one type
-/// for each body.
-struct HolderColumn {
-  const char* name;
-  enum Type { float64, int64 } type;
-  int first, count;  // of the numbers of its type
-
-  /// The column of the same type that comes after it.
-  constexpr HolderColumn next(const char* its_name, int its_count) const {
-    return {its_name, type, first + count, its_count};
-  }
-  constexpr int end() const { return first + count; }
+/// What a holder of bodies, such as a coupler, keeps with each: it travels with the body from rank to rank
+/// and into checkpoints; rigid/ carries it along and never reads it. Zero until it is set.
+struct alignas(8) HolderState {
+  static constexpr std::size_t size = 496;
+  std::byte bytes[size] = {};
 };
-
-/// A body's numbers in all columns; zero until they are set.
-struct HolderState {
-  static constexpr int most_numbers = 52, most_integers = 10;
-  double numbers[most_numbers] = {};
-  std::int64_t integers[most_integers] = {};
-
-  /// The numbers of a column, of the type float64 or int64; none of a column of the other one.
-  std::span<double> operator[](const HolderColumn& c) { return {numbers + c.first, of(c, c.float64)}; }
-  std::span<const double> operator[](const HolderColumn& c) const {
-    return {numbers + c.first, of(c, c.float64)};
-  }
-  std::span<std::int64_t> whole(const HolderColumn& c) { return {integers + c.first, of(c, c.int64)}; }
-  std::span<const std::int64_t> whole(const HolderColumn& c) const {
-    return {integers + c.first, of(c, c.int64)};
-  }
-
- private:
-  static std::size_t of(const HolderColumn& c, HolderColumn::Type type) {
-    return c.type == type ? std::size_t(c.count) : 0;
-  }
-};
-static_assert(std::is_trivially_copyable_v<HolderState>);
 
 /// The place and the motion of a body; trivially copyable, as all of a record.
 struct Kinematics {
@@ -145,6 +116,8 @@ struct BodyRecord : Kinematics {
   double inertia_B[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
   HolderState holder_state = {};
 };
+
+// ---- the columns of bodies: arrays of a set, members of a record ----
 
 struct BodyIdentities {
   std::vector<BodyId> id;
@@ -234,5 +207,70 @@ struct BodySet : BodyIdentities, BodyMotions, BodyMasses {
  private:
   RowTable row_of_;
 };
+
+/// What the numbers of a column are, and with it what a checkpoint may hold of them.
+enum class Values {
+  id,
+  shape,
+  material,
+  kind,
+  motion,
+  mass,
+  weight_in_fluid,
+  inertia,
+  place,        // a point in the domain or not far outside
+  orientation,  // a unit quaternion
+  periods,
+  velocity,  // or angular velocity
+  impulse,   // or momentum or load, linear or angular
+  step,
+  quanta,  // of a sum in integers
+};
+
+struct BodyColumn {
+  const char* name;
+  Values values;
+};
+
+/// Calls visit(column, array of a set, member of a record) for each column that both have but the holder's,
+/// in the order of checkpoints.
+template <class Visit>
+constexpr void visit_columns(Visit&& visit) {
+  using Set = BodySet;
+  using Record = BodyRecord;
+  visit(BodyColumn{"id", Values::id}, &Set::id, &Record::id);
+  visit(BodyColumn{"shape", Values::shape}, &Set::shape, &Record::shape);
+  visit(BodyColumn{"material", Values::material}, &Set::material, &Record::material);
+  visit(BodyColumn{"kind", Values::kind}, &Set::kind, &Record::kind);
+  visit(BodyColumn{"motion", Values::motion}, &Set::motion, &Record::motion);
+  visit(BodyColumn{"mass", Values::mass}, &Set::mass, &Record::mass);
+  visit(BodyColumn{"weight_in_fluid", Values::weight_in_fluid}, &Set::weight_in_fluid,
+        &Record::weight_in_fluid);
+  visit(BodyColumn{"inertia_B", Values::inertia}, &Set::inertia_B, &Record::inertia_B);
+  visit(BodyColumn{"position", Values::place}, &Set::position, &Record::position);
+  visit(BodyColumn{"orientation", Values::orientation}, &Set::orientation, &Record::orientation);
+  visit(BodyColumn{"image", Values::periods}, &Set::image, &Record::image);
+  visit(BodyColumn{"velocity", Values::velocity}, &Set::velocity, &Record::velocity);
+  visit(BodyColumn{"angular_velocity", Values::velocity}, &Set::angular_velocity, &Record::angular_velocity);
+  visit(BodyColumn{"angular_momentum", Values::impulse}, &Set::angular_momentum, &Record::angular_momentum);
+}
+
+/// Returns the numbers that a member consists of.
+template <class Number, class Member>
+std::span<const Number> numbers_of(const Member& member) {
+  return {reinterpret_cast<const Number*>(&member), sizeof member / sizeof(Number)};
+}
+
+/// Calls visit(column, its numbers) for the same columns of a record.
+template <class Visit>
+void visit_columns(const BodyRecord& record, Visit&& visit) {
+  visit_columns([&](const BodyColumn& column, auto, auto member) {
+    using Value = std::remove_cvref_t<decltype(record.*member)>;
+    if constexpr (std::is_enum_v<Value>)
+      visit(column, numbers_of<std::underlying_type_t<Value>>(record.*member));
+    else
+      visit(column, numbers_of<std::remove_extent_t<Value>>(record.*member));
+  });
+}
 
 }  // namespace silt::rigid

@@ -60,8 +60,8 @@ void append(BodySet& bodies, World& world, const Shape& shape, const Spec& spec)
 
 }  // namespace
 
-void add_wall(BodySet& bodies, World& world, const HollowWallSpec& spec) {
-  append(bodies, world, std::visit([](const auto& hollow) -> Shape { return hollow; }, spec.shape), spec);
+void add_wall(BodySet& bodies, World& world, const TubeWallSpec& spec) {
+  append(bodies, world, spec.tube, spec);
 }
 
 void add_wall(BodySet& bodies, World& world, const MeshWallSpec& spec) {
@@ -75,7 +75,7 @@ void move_wall(BodySet& bodies, std::size_t row, const MeshWallSpec& spec, doubl
   bodies.set_velocity(row, velocity.linear, velocity.angular);
 }
 
-Pose HollowWallSpec::pose(double) const {
+Pose TubeWallSpec::pose(double) const {
   return {point, rotation_between(Vec3::UnitZ(), axis)};
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// The walls: sides of the domain as half-spaces, hollows and meshes. The last rows of a BodySet, the same on
+// The walls: sides of the domain as half-spaces, tubes and meshes. The last rows of a BodySet, the same on
 // every rank.
 #include <array>
 
@@ -7,9 +7,9 @@
 #include "rigid/bodies/body_set.hpp"
 #include "rigid/bodies/prescribed_motion.hpp"
 #include "rigid/bodies/world.hpp"
-#include "rigid/shapes/hollow_shape.hpp"
 #include "rigid/shapes/shape_fwd.hpp"
 #include "rigid/shapes/triangle_mesh.hpp"
+#include "rigid/shapes/tube.hpp"
 
 namespace silt::rigid {
 
@@ -23,11 +23,11 @@ struct WallSpec {
 /// to the world, and reindexes. Call once. std::invalid_argument for a velocity across the wall.
 void add_walls(BodySet&, World&, const Extent&, const std::array<WallSpec, 6>&);
 
-/// A hole in a solid that fills the rest of the domain. It turns about its axis, and one that is alike all
-/// along it slides along it: its surface stays where it is.
-struct HollowWallSpec {
-  HollowShape shape;
-  Vec3 point = Vec3::Zero(), axis = Vec3::UnitZ();  // origin and z axis of the shape; axis: unit
+/// A tube in a solid that fills the rest of the domain. It turns about its axis and slides along it: its
+/// surface stays where it is.
+struct TubeWallSpec {
+  Tube tube{};
+  Vec3 point = Vec3::Zero(), axis = Vec3::UnitZ();  // origin and z axis of the tube; axis: unit
   int material = 0;
   double angular_velocity = 0;  // about the axis, right-handed
   double velocity = 0;          // along the axis
@@ -55,9 +55,9 @@ struct MeshWallSpec {
   double reach() const;
 };
 
-/// Appends the row of a hollow or a mesh, whatever there is already, adds its shape to the world, and
+/// Appends the row of a tube or a mesh, whatever there is already, adds its shape to the world, and
 /// reindexes. Its pose is that of time 0.
-void add_wall(BodySet&, World&, const HollowWallSpec&);
+void add_wall(BodySet&, World&, const TubeWallSpec&);
 void add_wall(BodySet&, World&, const MeshWallSpec&);
 /// Gives a mesh's row the pose and the velocities of a time.
 void move_wall(BodySet&, std::size_t row, const MeshWallSpec&, double time);

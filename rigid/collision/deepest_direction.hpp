@@ -37,7 +37,7 @@ std::optional<Approach> proven_direction(const ConvexCore& a, const ConvexCore& 
 /// The direction between the centres; the same one every time for cores with one centre.
 Vec3 between_centres(const ConvexCore& a, const ConvexCore& b);
 
-// ---- box_separation.cpp: closed forms for two boxes, exact up to rounding (1e-12 of the size) ----
+// ---- deepest_direction_boxes.cpp: closed forms for two boxes, exact up to rounding (1e-12 of the size) ----
 
 /// Returns nothing where the gap is found to exceed `tolerance` (cores apart by more than tolerance + radii).
 /// Overlapping cores: the largest of the separating-axis candidates (the faces of the Minkowski difference:
@@ -55,7 +55,7 @@ Peak best_separating_axis(const ConvexCore& a, const ConvexCore& b,
 /// The separating-axis candidate within `angle` (radian) of n, or n itself.
 Vec3 nearest_candidate_axis(const ConvexCore& a, const ConvexCore& b, const Vec3& n, double angle);
 
-// ---- climb.cpp ----
+// ---- deepest_direction_climb.cpp ----
 
 /// climb() tries the features near by this often, by default.
 inline constexpr int climb_rounds = 12;
@@ -70,7 +70,7 @@ inline constexpr int climb_rounds = 12;
 Peak climb(const ConvexCore& a, const ConvexCore& b, const Vec3& n, double angle,
            int most_rounds = climb_rounds);
 
-// ---- gjk.cpp (Gilbert, Johnson, Keerthi, IEEE J. Robotics Automation 4 (1988) 193) ----
+// ---- deepest_direction_gjk.cpp (Gilbert, Johnson, Keerthi, IEEE J. Robotics Automation 4 (1988) 193) ----
 
 /// Returns the direction from a to b moved by `shift`, good to some 1e-4 radian; `start` is any direction,
 /// the nearer to the answer the sooner done. Nothing where the cores overlap or are apart by less than 1e-9

@@ -4,11 +4,11 @@
 #include <cmath>
 #include <limits>
 
-#include "rigid/collision/hollow_contacts.hpp"
 #include "rigid/collision/manifold.hpp"
 #include "rigid/collision/mesh_contacts.hpp"
 #include "rigid/collision/mesh_features.hpp"
 #include "rigid/collision/shape_parts.hpp"
+#include "rigid/collision/tube_contacts.hpp"
 #include "rigid/shapes/shape.hpp"
 
 namespace silt::rigid {
@@ -37,7 +37,7 @@ void set_arms(const BodySet& bodies, const CandidatePair& p, const Vec3& across,
 template <class ShapeParts>
 NormalTurns normal_turns(const ShapeParts& a, const ShapeParts& b) {
   using enum NormalTurns;
-  if (b.half_space || b.hollow) return never;
+  if (b.half_space || b.tube) return never;
   if (a.sphere) return b.sphere ? with_centres : with_b;
   return b.sphere ? with_a : with_both;
 }
@@ -96,8 +96,8 @@ void DetectContacts::set_reach(const World& world, const BodySet& bodies, double
     const ShapeParts& shape = shapes_[bodies.shape[row]];
     if (shape.mesh)
       walls_.push_back(WallSurface::out_of_sight());
-    else if (shape.hollow)
-      walls_.push_back({.hollow = shape.hollow, .pose = bodies.pose(row)});
+    else if (shape.tube)
+      walls_.push_back({.tube = shape.tube, .pose = bodies.pose(row)});
     else
       walls_.push_back(
           {bodies.position[row], bodies.orientation[row] * std::get<HalfSpace>(shape.parts[0].shape).normal});
@@ -138,7 +138,7 @@ bool DetectContacts::pieces_apart(const Piece& a, const Piece& b, double margin)
   if (a.of->mesh || b.of->mesh) return false;
   const Vec3& centre_a = a.pose.position;
   const double radius_a = a.of->radii[a.index];
-  if (b.of->hollow) return b.of->hollow->gap(b.pose, centre_a) > radius_a + margin;
+  if (b.of->tube) return b.of->tube->gap(b.pose, centre_a) > radius_a + margin;
   if (b.of->half_space) {
     const Vec3 normal = b.pose.orientation * std::get<HalfSpace>(b.of->parts[b.index].shape).normal;
     return normal.dot(centre_a - b.pose.position) > radius_a + margin;
@@ -166,7 +166,7 @@ bool DetectContacts::bodies_apart(const Pair& p) const {
 
 /// A mesh stands for a smooth surface that it is near to. Of two meshes nothing is known.
 bool DetectContacts::may_lubricate(const ShapeParts& a, const ShapeParts& b) {
-  const auto any = [](const ShapeParts& s) { return s.smooth || s.mesh || s.hollow; };
+  const auto any = [](const ShapeParts& s) { return s.smooth || s.mesh || s.tube; };
   return (a.smooth && any(b)) || (b.smooth && any(a));
 }
 
@@ -239,8 +239,8 @@ void DetectContacts::collide_pieces(const Pair& p, const Piece& a, const Piece& 
   };
   const auto mesh_at = [](const Piece& piece) { return MeshAt{*piece.of->mesh, piece.pose}; };
   if (!a.of->mesh && !b.of->mesh) {
-    if (b.of->hollow)
-      append_hollow_contacts(shape_of(a), a.pose, *b.of->hollow, b.pose, p.margin, points_);
+    if (b.of->tube)
+      append_tube_contacts(shape_of(a), a.pose, *b.of->tube, b.pose, p.margin, points_);
     else
       backend.collide(shape_of(a), a.pose, shape_of(b), b.pose, p.margin, points_);
     reduce_manifold(points_);
@@ -248,8 +248,8 @@ void DetectContacts::collide_pieces(const Pair& p, const Piece& a, const Piece& 
     append_mesh_contacts(convex_at(a), mesh_at(b), p.margin, backend, points_);
   } else if (b.of->mesh) {
     append_mesh_contacts(mesh_at(a), mesh_at(b), p.margin, backend, points_);
-  } else if (b.of->hollow) {
-    append_mesh_contacts(mesh_at(a), *b.of->hollow, b.pose, p.margin, points_);
+  } else if (b.of->tube) {
+    append_mesh_contacts(mesh_at(a), *b.of->tube, b.pose, p.margin, points_);
   } else if (b.of->half_space) {
     append_mesh_contacts(mesh_at(a), std::get<HalfSpace>(shape_of(b)), b.pose, p.margin, points_);
   } else {
@@ -306,7 +306,7 @@ void DetectContacts::collide_pair(const Pair& p, std::vector<Contact>& contacts)
 /// other get the plane between which they do so.
 void DetectContacts::let_pass(const Pair& p, const Piece& a, const Piece& b,
                               std::span<Contact> of_pieces) const {
-  if (a.of->sphere || b.of->sphere || b.of->half_space || b.of->hollow) return;
+  if (a.of->sphere || b.of->sphere || b.of->half_space || b.of->tube) return;
   const BodySet& bodies = p.call.bodies;
   const double slack =
       passing_slack * (reach_[p.row_a].radius + (is_wall(bodies.id[p.row_b]) ? 0.0 : reach_[p.row_b].radius));
@@ -347,14 +347,13 @@ std::optional<Passing> DetectContacts::find_passing(const Pair& p, const Piece& 
                  moving(b, p.row_b, p.from_a_to_b, feature_of(point.feature)), point.on_a, reach);
 }
 
-/// Returns the displacement from a to b: small numbers, and the same ones on every rank. A hollow that is
-/// alike all along its axis is taken where a is abreast of it.
+/// Returns the displacement from a to b: small numbers, and the same ones on every rank. A tube, alike all
+/// along its axis, is taken where a is abreast of it.
 Vec3 DetectContacts::displacement_to(const Call& call, const CandidatePair& p) const {
   const BodySet& bodies = call.bodies;
   const Vec3 displacement =
       bodies.position[p.row_b] + call.exchange.extent().shift(p.image) - bodies.position[p.row_a];
-  const auto& hollow = shapes_[bodies.shape[p.row_b]].hollow;
-  if (!hollow || !hollow->slides()) return displacement;
+  if (!shapes_[bodies.shape[p.row_b]].tube) return displacement;
   const Vec3 axis = bodies.orientation[p.row_b] * Vec3::UnitZ();
   return displacement - axis.dot(displacement) * axis;
 }

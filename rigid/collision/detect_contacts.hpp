@@ -32,7 +32,7 @@ class DetectContacts {
   /// near both bodies where they are nearest, or deepest in each other. Every point with a gap up to the
   /// pair's margin: how far the surfaces may approach in dt, at most world.contact_margin; at least as far as
   /// a lubrication film reaches where one may form (between a smooth surface and another, a mesh or a
-  /// hollow). Returns the number of candidate pairs.
+  /// tube). Returns the number of candidate pairs.
   std::size_t operator()(const World&, const BodySet&, const BodyExchange&, CollisionBackend&, double dt,
                          std::vector<Contact>& contacts);
   /// Contacts of the last call within reach of a lubrication film, with and without one. Each contact is
@@ -52,7 +52,7 @@ class DetectContacts {
     Vec3 from_a_to_b;
     double margin;
   };
-  struct Piece {  // a part of a body, or a mesh or hollow
+  struct Piece {  // a part of a body, or a mesh or tube
     const ShapeParts* of;
     std::size_t index;
     Pose pose;  // in the frame of the query

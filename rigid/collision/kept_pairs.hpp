@@ -19,7 +19,7 @@
 
 #include "rigid/bodies/body_exchange.hpp"
 #include "rigid/bodies/body_set.hpp"
-#include "rigid/shapes/hollow_shape.hpp"
+#include "rigid/shapes/tube.hpp"
 
 namespace silt::rigid {
 
@@ -61,11 +61,11 @@ struct Reach {
   double sum() const { return radius + margin; }
 };
 
-/// A WallSurface is a half-space whose surface goes through a point, or a hollow. World frame.
+/// A WallSurface is a half-space whose surface goes through a point, or a tube. World frame.
 struct WallSurface {
   Vec3 point = Vec3::Zero(), normal = Vec3::UnitZ();  // of a half-space
-  std::optional<HollowShape> hollow = {};
-  Pose pose = {};  // of the hollow
+  std::optional<Tube> tube = {};
+  Pose pose = {};  // of the tube
 
   bool operator==(const WallSurface&) const = default;
 
@@ -73,7 +73,7 @@ struct WallSurface {
   static WallSurface out_of_sight() { return {{0, 0, -std::numeric_limits<double>::infinity()}}; }
   /// Returns the distance of a point from the surface, negative in the wall.
   double distance(const Vec3& x_W) const {
-    return hollow ? hollow->gap(pose, x_W) : normal.dot(x_W) - normal.dot(point);
+    return tube ? tube->gap(pose, x_W) : normal.dot(x_W) - normal.dot(point);
   }
 };
 

@@ -10,231 +10,170 @@
 namespace silt::rigid {
 namespace {
 
-/// Lengths below this part of the pair's size are rounding.
-constexpr double gap_rounding = 1e-10;
-/// Capsules whose axes make an angle with a sine up to this may touch along their common length.
-constexpr double parallel_axes_sine = 0.2;
-/// ... at points whose normals make an angle with a cosine from this up with that of the nearest point: for
-/// deep overlaps they may not.
-constexpr double same_gap_cosine = 0.9;
+constexpr double length_rounding = 1e-12;  // part of the pair's size: lengths below it are none
+constexpr double same_depth = 2e-14;       // part of the pair's size: gaps that differ by less are equal
+/// Faces seen more obliquely than this (cosine) have no points worth having.
+constexpr double oblique_cosine = 0.1;
+/// Lines (of capsules and cylinders) at an angle with a sine up to this may touch along their common length,
+constexpr double parallel_lines_sine = 0.2;
+/// ... where their surfaces' normals are this near (cosine) to that of the deepest point.
+constexpr double same_side_cosine = 0.9;
 
-ContactPoint contact(const Vec3& on_a, const Vec3& normal, double gap, const Feature& of_a,
-                     const Feature& of_b) {
-  return {on_a, on_a + gap * normal, normal, gap, feature_id(of_a, of_b)};
+std::uint32_t pair_code(std::uint32_t of_a, std::uint32_t of_b) {
+  return of_a << 16 | of_b;
 }
 
-/// The feature of a core that is nearest to x, where `towards` decides for an x inside.
-Feature nearest_feature(const ConvexCore& core, const Vec3& x, const Vec3& towards, double slack) {
-  const Vec3 local = core.direction_B(x - core.centre);
-  Feature f;
-  bool outside = false;
-  for (int k = 0; k < 3; ++k) {
-    if (core.half[k] <= 0 || std::abs(local[k]) < core.half[k] + slack) continue;
-    f.sign[k] = local[k] < 0 ? -1 : 1;
-    outside = true;
+/// Contact points as seen from the first of the two bodies, or with the two exchanged.
+struct SeenPoints {
+  std::vector<ContactPoint>& points;
+  bool swap;
+
+  void add(const Vec3& on_first, const Vec3& m, double gap, std::uint32_t first, std::uint32_t second) const {
+    const Vec3 on_second = on_first + gap * m;
+    if (!swap)
+      add_unique(points, {on_first, on_second, m, gap, pair_code(first, second)});
+    else
+      add_unique(points, {on_second, on_first, -m, gap, pair_code(second, first)});
   }
-  return outside || core.extent() < 3 ? f : face_towards(core, towards).feature;
-}
-
-struct OnSegment {
-  double t;  // signed distance from the middle
-  Feature feature;
 };
 
-OnSegment clamp_to(const ConvexCore& capsule, double t) {
-  const double half = capsule.half.z();
-  const double slack = gap_rounding * half;
-  Feature f;
-  if (t >= half - slack) f.sign[2] = 1;
-  if (t <= -half + slack) f.sign[2] = -1;
-  return {std::clamp(t, -half, half), f};
-}
-
-/// Returns the distance from the point of a capsule's segment `t` from its middle along unit m to the
-/// surface: on the hemisphere of the end if m leads away from the other, else on the side; nothing where that
-/// is under the other hemisphere, which has a point of its own.
-std::optional<double> to_surface(const ConvexCore& capsule, const OnSegment& at, const Vec3& m) {
-  const double tilt = capsule.axes.col(2).dot(m);
-  if (at.feature.sign[2] * tilt >= 0 && (at.feature.sign[2] != 0 || std::abs(tilt) < 1e-12))
-    return capsule.radius;
-  const double across = std::sqrt(std::max(0.0, 1 - tilt * tilt));
-  if (std::abs(at.t * across + capsule.radius * tilt) > capsule.half.z() * across) return {};
-  return capsule.radius / across;
-}
-
-/// Both are spheres, or one is and the other is anything.
-void sphere_point(const ConvexCore& a, const ConvexCore& b, const Vec3& n, double core_gap,
+void face_on_face(const ContactOutline& a, const ContactOutline& b, const Vec3& n, double slack,
                   std::vector<ContactPoint>& points) {
-  const double gap = core_gap - a.radius - b.radius;
-  if (a.extent() == 0) {
-    points.push_back(contact(a.centre + a.radius * n, n, gap, {}, nearest_feature(b, a.centre, -n, 0)));
-  } else {
-    const Vec3 on_a = b.centre - (core_gap - a.radius) * n;
-    points.push_back(contact(on_a, n, gap, nearest_feature(a, b.centre, n, 0), {}));
+  if (a.normal.dot(n) < oblique_cosine || -b.normal.dot(n) < oblique_cosine) return;
+  const Prism over_a(a, n), over_b(b, n);
+  std::vector<Vec3> patch;
+  for (const auto& corner : b.corners) patch.push_back(corner.x);
+  clip(over_a, slack, patch);
+  for (const Vec3& x : patch) {
+    const double gap = -a.height(x, n);
+    const std::uint32_t of_a = code_under(a, over_a, x, 10 * slack),
+                        of_b = code_under(b, over_b, x, 10 * slack);
+    add_unique(points, {x - gap * n, x, n, gap, pair_code(of_a, of_b)});
   }
 }
 
-/// The point of b's segment over the point t of a's, as spheres at the two; nothing where it lies past b's
-/// end.
-void end_over(const ConvexCore& a, const OnSegment& end, const ConvexCore& b, const Vec3& n, bool swap,
-              std::vector<ContactPoint>& points) {
-  const Vec3 x = a.centre + end.t * a.axes.col(2);
-  const double t = (x - b.centre).dot(b.axes.col(2));
-  if (std::abs(t) > b.half.z() * (1 + gap_rounding)) return;
-  const OnSegment other = clamp_to(b, t);
-  const Vec3 between = b.centre + other.t * b.axes.col(2) - x;
-  const double distance = between.norm();
-  const Vec3 normal =
-      distance > 1e-6 * (a.radius + b.radius) ? Vec3(between / distance) : Vec3(swap ? -n : n);
-  const auto of_a = to_surface(a, end, normal), of_b = to_surface(b, other, -normal);
-  if (!of_a || !of_b || normal.dot(swap ? -n : n) < same_gap_cosine) return;
-  const double gap = between.dot(normal) - *of_a - *of_b;
-  if (!swap)
-    add_unique(points, contact(x + *of_a * normal, normal, gap, end.feature, other.feature));
-  else
-    add_unique(points, contact(x + (*of_a + gap) * normal, -normal, gap, other.feature, end.feature));
+/// Returns the distance from the point x of a swept segment's axis, `t` from its middle, along unit m to the
+/// surface; nothing where that point is past the barrel and on no hemisphere (which has a point of its own).
+/// A cylinder's line is on the surface already.
+std::optional<double> to_surface(const ConvexCore& line, double t, const Vec3& m) {
+  if (line.radius == 0) return 0;
+  const double half = line.half.z(), tilt = line.axes.col(2).dot(m);
+  const bool at_end = std::abs(t) >= half * (1 - length_rounding);
+  if (at_end ? t * tilt >= 0 : std::abs(tilt) < 1e-12) return line.radius;
+  const double across = std::sqrt(std::max(0.0, 1 - tilt * tilt));
+  if (std::abs(t * across + line.radius * tilt) > half * across) return {};
+  return line.radius / across;
 }
 
-void capsule_points(const ConvexCore& a, const ConvexCore& b, const Vec3& n, double core_gap,
-                    std::vector<ContactPoint>& points) {
-  const Vec3 u = a.axes.col(2), v = b.axes.col(2);
-  const double sine = u.cross(v).norm();
-  if (sine <= parallel_axes_sine) {
-    for (const double sign : {-1.0, 1.0}) {
-      end_over(a, clamp_to(a, sign * a.half.z()), b, n, false, points);
-      end_over(b, clamp_to(b, sign * b.half.z()), a, n, true, points);
-    }
-  }
-  // the closest points of the lines, clamped in turn (exact for the closest points of segments)
-  const double gap = core_gap - a.radius - b.radius;
-  for (const ContactPoint& p : points)
-    if (p.gap <= gap + gap_rounding * length_scale(a, b)) return;
-  const Vec3 d = b.centre - a.centre;
-  const double cosine = u.dot(v), det = sine * sine;
-  auto nearest_on_b = [&](double s) { return (s * u - d).dot(v); };
-  auto nearest_on_a = [&](double t) { return (t * v + d).dot(u); };
-  double s = det > 1e-20 ? (d.dot(u) - cosine * d.dot(v)) / det : 0;
-  OnSegment on_a = clamp_to(a, s), on_b = clamp_to(b, nearest_on_b(on_a.t));
-  on_a = clamp_to(a, nearest_on_a(on_b.t));
-  on_b = clamp_to(b, nearest_on_b(on_a.t));
-  const Vec3 x = a.centre + on_a.t * u;
-  add_unique(points, contact(x + a.radius * n, n, gap, on_a.feature, on_b.feature));
-}
-
-/// A capsule over the face of a box; `m` is unit, from the capsule to the box.
-void capsule_on_box(const ConvexCore& capsule, const ConvexCore& box, const Vec3& m, bool swap, double slack,
-                    std::vector<ContactPoint>& points) {
-  const BoxFace face = face_towards(box, -m);
-  const FacePrism prism = prism_over(face, m);
-  const auto over = clip_segment(prism, capsule.vertex(Vec3(0, 0, -1)), capsule.vertex(Vec3(0, 0, 1)), slack);
+void line_on_face(const ConvexCore& core, const ContactOutline& line, const ContactOutline& face,
+                  const Vec3& m, double slack, const SeenPoints& points) {
+  if (-face.normal.dot(m) < oblique_cosine) return;
+  const Prism prism(face, m);
+  const auto over = clip_segment(prism, line.corners[0].x, line.corners[1].x, slack);
   for (int e = 0; e < 2 && over; ++e) {
     const Vec3& end = over->end[e];
-    const Feature of_capsule{{0, 0, std::int8_t(over->is_cut[e] ? 0 : 2 * e - 1)}},
-        of_box = feature_under(face, prism, end, 10 * slack);
-    const double t = (end - capsule.centre).dot(capsule.axes.col(2));
-    const auto offset = to_surface(capsule, {t, of_capsule}, m);
+    const auto offset = to_surface(core, (end - core.centre).dot(core.axes.col(2)), m);
     if (!offset) continue;
     const Vec3 surface = end + *offset * m;
-    const double gap = face.height(surface, m);
-    if (!swap)
-      add_unique(points, contact(surface, m, gap, of_capsule, of_box));
-    else
-      add_unique(points, contact(surface + gap * m, -m, gap, of_box, of_capsule));
+    // both ends cut: the features of the face tell them apart
+    points.add(surface, m, face.height(surface, m), over->is_cut[e] ? line.code : line.corners[e].code,
+               code_under(face, prism, end, 10 * slack));
   }
 }
 
-void box_points(const ConvexCore& a, const ConvexCore& b, const Vec3& n, double slack,
-                std::vector<ContactPoint>& points) {
-  const BoxFace face_a = face_towards(a, n), face_b = face_towards(b, -n);
-  const FacePrism over_a = prism_over(face_a, n), over_b = prism_over(face_b, n);
-  BoxPolygon patch;
-  for (const Vec3& x : face_b.corner) patch.push_back(x);
-  clip(over_a, slack, patch);
-  for (std::size_t c = 0; c < patch.size(); ++c) {
-    const Vec3& x = patch[c];
-    const double gap = -face_a.height(x, n);
-    // by where it is, not by what the clipping passed through: where a vertex meets an edge that is up to
-    // rounding
-    const Feature of_a = feature_under(face_a, over_a, x, 10 * slack);
-    const Feature of_b = feature_under(face_b, over_b, x, 10 * slack);
-    add_unique(points, {x - gap * n, x, n, gap, feature_id(of_a, of_b)});
+/// Returns the radius of the round surface about the third axis that a line lies on, or sweeps; 0: there is
+/// none.
+double barrel_radius(const ConvexCore& core, const ContactOutline& line) {
+  return line.barrel_radius > 0 ? line.barrel_radius : core.radius;
+}
+
+/// The points at the ends of a's barrel, along its own normal there to the barrel of b.
+void ends_over_barrel(const ConvexCore& a, const ContactOutline& line_a, const ConvexCore& b,
+                      const ContactOutline& line_b, const Vec3& n, const SeenPoints& points) {
+  const Vec3 u = a.axes.col(2), v = b.axes.col(2);
+  const Vec3 m = (n - n.dot(u) * u).normalized();
+  if (!(m.dot(n) >= same_side_cosine)) return;
+  for (int e = 0; e < 2; ++e) {
+    const Vec3 x = a.centre + (e ? 1 : -1) * a.half.z() * u + barrel_radius(a, line_a) * m;
+    // |across(x + gap m - b)| = radius of b, the nearer of the two solutions
+    const Vec3 d = x - b.centre, d_across = d - d.dot(v) * v, m_across = m - m.dot(v) * v;
+    const double q = m_across.squaredNorm(), p = d_across.dot(m_across) / q;
+    const double r = barrel_radius(b, line_b), root = p * p - (d_across.squaredNorm() - r * r) / q;
+    if (!(root >= 0)) continue;
+    const double gap = -p - std::sqrt(root), t = (d + gap * m).dot(v), half = b.half.z();
+    if (std::abs(t) > half * (1 + length_rounding)) continue;
+    const std::uint32_t code_b =
+        std::abs(t) < half * (1 - length_rounding) ? line_b.code : line_b.corners[t > 0].code;
+    points.add(x, m, gap, line_a.corners[e].code, code_b);
   }
 }
 
-/// The last resort where a normal that is not exact enough leaves nothing over anything (an edge along an
-/// edge): of the vertices that touch, on either side, the one with the other core nearest to where its
-/// partner should be.
-void add_deepest(const ConvexCore& a, const ConvexCore& b, const Vec3& n, double core_gap,
+void line_on_line(const ConvexCore& a, const ContactOutline& line_a, const ConvexCore& b,
+                  const ContactOutline& line_b, const Vec3& n, std::vector<ContactPoint>& points) {
+  if (!(barrel_radius(a, line_a) > 0 && barrel_radius(b, line_b) > 0)) return;
+  if (a.axes.col(2).cross(b.axes.col(2)).norm() > parallel_lines_sine) return;
+  ends_over_barrel(a, line_a, b, line_b, n, {points, false});
+  ends_over_barrel(b, line_b, a, line_a, -n, {points, true});
+}
+
+void flat_points(const ConvexCore& a, const ConvexCore& b, const Vec3& n, double slack,
                  std::vector<ContactPoint>& points) {
-  constexpr double touching = 1e-6;  // part of the pair's size
-  const double slack = touching * length_scale(a, b), gap = core_gap - a.radius - b.radius;
-  double least = std::numeric_limits<double>::infinity();
-  ContactPoint best{};
-  a.for_each_vertex([&](const Feature& f) {
-    const Vec3 x = a.vertex(f), partner = x + core_gap * n;
-    const double miss = b.outside(partner).norm();
-    if (n.dot(x - a.centre) < a.reach(n) - slack || miss >= least) return;
-    least = miss;
-    best = contact(x + a.radius * n, n, gap, f, nearest_feature(b, partner, -n, -slack));
-  });
-  b.for_each_vertex([&](const Feature& f) {
-    const Vec3 x = b.vertex(f), partner = x - core_gap * n;
-    const double miss = a.outside(partner).norm();
-    if (n.dot(x - b.centre) > slack - b.reach(n) || miss >= least) return;
-    least = miss;
-    best = contact(partner + a.radius * n, n, gap, nearest_feature(a, partner, n, -slack), f);
-  });
-  add_unique(points, best);
+  thread_local ContactOutline of_a, of_b;
+  a.facing_outline(n, of_a);
+  b.facing_outline(-n, of_b);
+  if (of_a.is_face() && of_b.is_face())
+    face_on_face(of_a, of_b, n, slack, points);
+  else if (of_a.size() == 2 && of_b.is_face())
+    line_on_face(a, of_a, of_b, n, slack, {points, false});
+  else if (of_b.size() == 2 && of_a.is_face())
+    line_on_face(b, of_b, of_a, -n, slack, {points, true});
+  else if (of_a.size() == 2 && of_b.size() == 2)
+    line_on_line(a, of_a, b, of_b, n, points);
 }
 
 }  // namespace
 
-void append_box_manifold(const ConvexCore& a, const ConvexCore& b, const Peak& peak, double tolerance,
-                         std::vector<ContactPoint>& out) {
-  const auto& [normal, core_gap] = peak;
-  if (core_gap - a.radius - b.radius > tolerance) return;
-  const int extent_a = a.extent(), extent_b = b.extent();
-  if (extent_a == 0 || extent_b == 0) return sphere_point(a, b, normal, core_gap, out);
-  thread_local std::vector<ContactPoint> points;
+void append_manifold(const ConvexCore& a, const ConvexCore& b, const Approach& approach, double tolerance,
+                     std::vector<ContactPoint>& out) {
+  if (a.is_box && b.is_box) return append_box_manifold(a, b, approach.peak, tolerance, out);
+  const auto& [n, core_gap] = approach.peak;
+  const CommonPoint& deepest = approach.where;
   const double gap = core_gap - a.radius - b.radius, scale = length_scale(a, b);
-  const auto is_deepest = [&](const ContactPoint& p) {
-    return std::abs(p.gap - gap) <= 10 * gap_rounding * scale;
-  };
-  // an edge along an edge is over it or not by rounding, or by what the normal is off: the deepest point
-  // must not be lost, and none can lie between the supporting planes
-  bool has_deepest = false;
-  for (const double slack : {gap_rounding * scale, 100 * gap_rounding * scale}) {
-    points.clear();
-    if (extent_a == 1 && extent_b == 1)
-      capsule_points(a, b, normal, core_gap, points);
-    else if (extent_a == 1)
-      capsule_on_box(a, b, normal, false, slack, points);
-    else if (extent_b == 1)
-      capsule_on_box(b, a, -normal, true, slack, points);
-    else
-      box_points(a, b, normal, slack, points);
-    std::erase_if(points, [&](const ContactPoint& p) { return p.gap < gap && !is_deepest(p); });
-    has_deepest = std::ranges::any_of(points, is_deepest);
-    if (has_deepest) break;
+  const double slack = length_rounding * scale, deep = same_depth * scale;
+  if (gap > tolerance) return;
+  thread_local std::vector<ContactPoint> points;
+  points.clear();
+  flat_points(a, b, n, slack, points);
+  // nothing can lie between the supporting planes
+  std::erase_if(points, [&](const ContactPoint& p) { return p.gap < gap - slack || p.gap > tolerance; });
+  const bool has_deepest =
+      std::ranges::any_of(points, [&](const ContactPoint& p) { return p.gap <= gap + deep; });
+  if (!has_deepest) {
+    const Vec3 on_a = deepest.on_a + a.radius * n;
+    add_unique(points, {on_a, on_a + gap * n, n, gap, pair_code(deepest.code_a, deepest.code_b)});
   }
-  if (!has_deepest) add_deepest(a, b, normal, core_gap, points);
-  std::erase_if(points, [&](const ContactPoint& p) { return p.gap > tolerance; });
   std::sort(points.begin(), points.end(),
             [](const ContactPoint& p, const ContactPoint& q) { return p.feature < q.feature; });
   out.insert(out.end(), points.begin(), points.end());
 }
 
-void append_box_plane_manifold(const ConvexCore& a, const Vec3& origin, const Vec3& outward, double tolerance,
-                               std::vector<ContactPoint>& out) {
-  const Vec3 normal = -outward;
-  const bool capsule = a.extent() == 1;
-  a.for_each_vertex([&](const Feature& f) {
-    const auto offset = capsule ? to_surface(a, {f.sign[2] * a.half.z(), f}, normal) : a.radius;
-    if (!offset) return;
-    const Vec3 on_a = a.vertex(f) + *offset * normal;
-    const double gap = outward.dot(on_a - origin);
-    if (gap <= tolerance) out.push_back(contact(on_a, normal, gap, f, {}));
-  });
+void append_plane_manifold(const ConvexCore& a, const Vec3& origin, const Vec3& outward, double tolerance,
+                           std::vector<ContactPoint>& out) {
+  if (a.is_box) return append_box_plane_manifold(a, origin, outward, tolerance, out);
+  const Vec3 n = -outward;
+  thread_local std::vector<PlanePoint> points;
+  points.clear();
+  a.plane_points(n, points);
+  const auto gap_of = [&](const PlanePoint& p) { return outward.dot(p.x - origin); };
+  double lowest_fixed = std::numeric_limits<double>::infinity();
+  for (const PlanePoint& p : points)
+    if (!p.only_if_lowest) lowest_fixed = std::min(lowest_fixed, gap_of(p));
+  for (const PlanePoint& p : points) {
+    if (p.only_if_lowest && gap_of(p) >= lowest_fixed - same_depth * a.half.norm()) continue;
+    const double gap = gap_of(p) - a.radius;
+    const Vec3 on_a = p.x + a.radius * n;
+    if (gap <= tolerance) out.push_back({on_a, on_a + gap * n, n, gap, pair_code(p.code, 0)});
+  }
 }
 
 void add_unique(std::vector<ContactPoint>& points, const ContactPoint& p) {

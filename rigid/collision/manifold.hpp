@@ -20,7 +20,7 @@ void append_manifold(const ConvexCore& a, const ConvexCore& b, const Approach&, 
 void append_plane_manifold(const ConvexCore& a, const Vec3& origin, const Vec3& outward, double tolerance,
                            std::vector<ContactPoint>& out);
 
-// ---- what the two above do for boxes (manifold.cpp) ----
+// ---- manifold_boxes.cpp: what the two above do for boxes ----
 
 void append_box_manifold(const ConvexCore& a, const ConvexCore& b, const Peak&, double tolerance,
                          std::vector<ContactPoint>& out);

@@ -157,26 +157,22 @@ void append_mesh_contacts(const MeshAt& at, const HalfSpace& wall, const Pose& p
   finish(points, pose, out);
 }
 
-void append_mesh_contacts(const MeshAt& at, const HollowShape& wall, const Pose& pose_of_wall,
-                          double tolerance, std::vector<ContactPoint>& out) {
+void append_mesh_contacts(const MeshAt& at, const Tube& wall, const Pose& pose_of_wall, double tolerance,
+                          std::vector<ContactPoint>& out) {
   const auto& [mesh, pose] = at;
   const Pose seen = pose_of_wall.seen_from(pose);
   thread_local std::vector<ContactPoint> points;
   points.clear();
-  std::visit(
-      [&](const auto& hollow) {
-        const auto least = [&](const Vec3& middle, const Vec3& half) {
-          return hollow.gap(seen, middle) - half.norm();
-        };
-        for_corners(mesh, least, tolerance, [&](std::uint32_t v) {
-          const Vec3& x = mesh.corner(v);
-          const double gap = hollow.gap(seen, x);
-          if (gap > tolerance) return;
-          const Vec3 normal = hollow.outward(seen, x);
-          points.push_back({x, x + gap * normal, normal, gap, mesh.code_of_corner(v)});
-        });
-      },
-      wall);
+  const auto least = [&](const Vec3& middle, const Vec3& half) {
+    return wall.gap(seen, middle) - half.norm();
+  };
+  for_corners(mesh, least, tolerance, [&](std::uint32_t v) {
+    const Vec3& x = mesh.corner(v);
+    const double gap = wall.gap(seen, x);
+    if (gap > tolerance) return;
+    const Vec3 normal = wall.outward(seen, x);
+    points.push_back({x, x + gap * normal, normal, gap, mesh.code_of_corner(v)});
+  });
   finish(points, pose, out);
 }
 

@@ -35,7 +35,7 @@ void append_mesh_contacts(const MeshAt& a, const MeshAt& b, double tolerance, Co
 /// The corners of the mesh.
 void append_mesh_contacts(const MeshAt&, const HalfSpace&, const Pose& pose_of_plane, double tolerance,
                           std::vector<ContactPoint>& out);
-void append_mesh_contacts(const MeshAt&, const HollowShape&, const Pose& pose_of_wall, double tolerance,
+void append_mesh_contacts(const MeshAt&, const Tube&, const Pose& pose_of_wall, double tolerance,
                           std::vector<ContactPoint>& out);
 
 // ---- what these are made of: contacts in the frame of the (second) mesh, in any order ----

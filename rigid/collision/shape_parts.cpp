@@ -8,10 +8,10 @@ ShapeParts::ShapeParts(const Shape& shape, bool with_curvature)
     : parts(convex_parts(shape)),
       sphere(is_sphere(shape)),
       half_space(std::holds_alternative<HalfSpace>(shape)),
-      hollow(hollow_of(shape)),
       plain(parts.size() == 1 && parts[0].pose == Pose{}),
       smooth(std::ranges::any_of(parts, [](const Part& part) { return rigid::is_smooth(part.shape); })) {
   for (const Part& part : parts) radii.push_back(reach({part.shape, Pose{}}));
+  if (const auto* of = std::get_if<Tube>(&shape)) tube = *of;
   if (const auto* of = std::get_if<Mesh>(&shape)) mesh = std::make_shared<const MeshFeatures>(*of);
   if (mesh && with_curvature) facets = std::make_shared<const FacetCurvature>(*mesh);
 }
@@ -20,9 +20,9 @@ std::optional<Mat3> ShapeParts::curvature_at(std::size_t piece, const Pose& pose
                                              const Vec3& out, std::uint32_t code) const {
   const Mat3 r = pose.orientation.toRotationMatrix();
   const Vec3 outward_B = r.transpose() * out;
-  const auto k = mesh     ? facets->at(code)
-                 : hollow ? hollow->curvature(outward_B)
-                          : curvature(parts[piece].shape, pose.to_body(x), outward_B);
+  const auto k = mesh   ? facets->at(code)
+                 : tube ? tube->curvature(outward_B)
+                        : curvature(parts[piece].shape, pose.to_body(x), outward_B);
   if (!k) return std::nullopt;
   return r * *k * r.transpose();
 }

@@ -17,19 +17,19 @@ struct ShapeParts {
   std::vector<Part> parts;
   std::vector<double> radii;  // of the parts' bounding spheres, about the parts' own origins
   bool sphere, half_space;
-  std::optional<HollowShape> hollow;                          // then there are no parts
+  std::optional<Tube> tube;                                   // then there are no parts
   std::shared_ptr<const MeshFeatures> mesh;                   // nor here
   std::shared_ptr<const FacetCurvature> facets;               // of the mesh, where curvature is asked for
   std::vector<std::shared_ptr<const MeshFeatures>> surfaces;  // of the parts that are polytopes, for meshes
   bool plain;                                                 // one part, whose pose is the body's
   bool smooth;  // some part of it: lubrication films may form there
 
-  std::size_t pieces() const { return hollow || mesh ? 1 : parts.size(); }
+  std::size_t pieces() const { return tube || mesh ? 1 : parts.size(); }
   Pose pose_of(std::size_t piece, const Pose& body) const {
-    return hollow || mesh || plain ? body : body * parts[piece].pose;
+    return tube || mesh || plain ? body : body * parts[piece].pose;
   }
-  /// A hollow is smooth, and a mesh stands for a smooth surface.
-  bool is_smooth(std::size_t piece) const { return hollow || mesh || rigid::is_smooth(parts[piece].shape); }
+  /// A tube is smooth, and a mesh stands for a smooth surface.
+  bool is_smooth(std::size_t piece) const { return tube || mesh || rigid::is_smooth(parts[piece].shape); }
   /// The curvature tensor of a piece's surface at x, where its outward normal is unit `out` and, of a mesh,
   /// the feature has this code; x, `out` and the tensor in the frame of the pose. None at an edge or a
   /// corner.

@@ -57,7 +57,7 @@ struct Box {
   }
   template <class Parts>
   void surface(Parts& parts) const {
-    parts.add(Parts::Kind::box, half_edges);
+    parts.add(SurfaceKind::box, half_edges);
   }
 };
 

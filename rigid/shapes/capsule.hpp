@@ -32,7 +32,7 @@ struct Capsule {
   }
   template <class Parts>
   void surface(Parts& parts) const {
-    parts.add(Parts::Kind::capsule, {radius, radius, half_length}, {radius, radius, radius + half_length});
+    parts.add(SurfaceKind::capsule, {radius, radius, half_length}, {radius, radius, radius + half_length});
   }
 };
 

@@ -1,4 +1,4 @@
-#include "rigid/shapes/shape.hpp"
+#include "rigid/shapes/compound.hpp"
 
 #include <array>
 #include <deque>
@@ -31,15 +31,6 @@ double Compound::signed_distance(const Vec3& x) const {
     least = std::min(least, std::visit([&](const auto& s) { return s.signed_distance(x_P); }, part.shape));
   }
   return least;
-}
-
-double Compound::ray_distance(const Vec3& o, const Vec3& d, double t_max) const {
-  double t = t_max;
-  for (const Part& part : parts) {
-    const Vec3 o_P = part.pose.to_body(o), d_P = part.pose.orientation.conjugate() * d;
-    t = std::visit([&](const auto& s) { return solid::ray_distance(s, o_P, d_P, t); }, part.shape);
-  }
-  return t;
 }
 
 BoundingBox Compound::bounding_box(const Pose& pose) const {

@@ -41,7 +41,7 @@ struct Cone {
   /// Adds the cone about the middle of its height.
   template <class Parts>
   void surface(Parts& parts) const {
-    parts.add_shifted(Parts::Kind::cone, {0, 0, apex()[2] - height / 2}, {radius, radius, height / 2});
+    parts.add_shifted(SurfaceKind::cone, {0, 0, apex()[2] - height / 2}, {radius, radius, height / 2});
   }
 
  private:

@@ -43,7 +43,7 @@ struct Cylinder {
   }
   template <class Parts>
   void surface(Parts& parts) const {
-    parts.add(Parts::Kind::cylinder, half_widths());
+    parts.add(SurfaceKind::cylinder, half_widths());
   }
 
  private:

@@ -45,7 +45,7 @@ struct Ellipsoid {
   /// The ellipsoid is the unit ball in units of its half axes.
   template <class Parts>
   void surface(Parts& parts) const {
-    parts.add_scaled(Parts::Kind::ellipsoid, half_axes.cwiseInverse());
+    parts.add_scaled(SurfaceKind::ellipsoid, half_axes.cwiseInverse());
   }
 };
 

@@ -34,7 +34,7 @@ struct HalfSpace {
   }
   template <class Parts>
   void surface(Parts& parts) const {
-    parts.add(Parts::Kind::planes, Vec3::Constant(std::numeric_limits<double>::infinity()));
+    parts.add(SurfaceKind::planes, Vec3::Constant(std::numeric_limits<double>::infinity()));
     parts.add_plane(normal, 0);
   }
 };

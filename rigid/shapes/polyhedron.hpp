@@ -46,7 +46,7 @@ struct Polyhedron {
       high = high.cwiseMax(v);
     }
     const Vec3 middle = 0.5 * (low + high);
-    parts.add_shifted(Parts::Kind::planes, middle, 0.5 * (high - low));
+    parts.add_shifted(SurfaceKind::planes, middle, 0.5 * (high - low));
     for (const auto& face : mesh->faces) parts.add_plane(face.normal, face.offset - face.normal.dot(middle));
   }
 

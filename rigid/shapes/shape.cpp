@@ -14,17 +14,12 @@ double signed_distance(const Shape& shape, const Vec3& x_B) {
   return std::visit([&](const auto& s) { return s.signed_distance(x_B); }, shape);
 }
 
-double ray_distance(const Shape& shape, const Vec3& origin_B, const Vec3& direction_B, double t_max) {
-  return std::visit([&](const auto& s) { return solid::ray_distance(s, origin_B, direction_B, t_max); },
-                    shape);
-}
-
 BoundingBox bounding_box(const Shape& shape, const Pose& pose) {
   return std::visit([&](const auto& s) { return s.bounding_box(pose); }, shape);
 }
 
 double bounding_radius(const Shape& shape) {
-  if (hollow_of(shape)) return std::numeric_limits<double>::infinity();
+  if (std::holds_alternative<Tube>(shape)) return std::numeric_limits<double>::infinity();
   if (const auto* mesh = std::get_if<Mesh>(&shape)) return mesh->bounding_radius();
   double radius = 0;
   for (const Part& part : convex_parts(shape)) radius = std::max(radius, reach(part));
@@ -64,9 +59,8 @@ Compound scaled_solid(Compound compound, double factor) {
   }
   return compound;
 }
-template <HollowSolid S>
-S scaled_solid(const S& hollow, double) {
-  return hollow;
+Tube scaled_solid(const Tube& tube, double) {
+  return tube;
 }
 
 }  // namespace
@@ -79,18 +73,9 @@ bool is_sphere(const Shape& shape) {
   return std::holds_alternative<Sphere>(shape);
 }
 
-std::optional<HollowShape> hollow_of(const Shape& shape) {
-  return std::visit(
-      []<class S>(const S& s) -> std::optional<HollowShape> {
-        if constexpr (HollowSolid<S>) return HollowShape(s);
-        return std::nullopt;
-      },
-      shape);
-}
-
 bool is_endless(const Shape& shape) {
   const auto* const mesh = std::get_if<Mesh>(&shape);
-  return mesh ? mesh->hollow : hollow_of(shape).has_value();
+  return mesh ? mesh->hollow : std::holds_alternative<Tube>(shape);
 }
 
 std::vector<Part> convex_parts(const Shape& shape) {

@@ -1,43 +1,16 @@
 #pragma once
 // The shapes a body can have, in the body frame: origin at the centre of mass.
-#include "rigid/shapes/convex_shape.hpp"
-#include "rigid/shapes/hollow_shape.hpp"
+#include "rigid/shapes/compound.hpp"
 #include "rigid/shapes/triangle_mesh.hpp"
+#include "rigid/shapes/tube.hpp"
 
 namespace silt::rigid {
 
-struct Part {
-  ConvexShape shape;
-  Pose pose;  // part to body
+template <class... S>
+std::variant<S..., Compound, Tube, Mesh> all_of(const std::variant<S...>&);
 
-  bool operator==(const Part&) const = default;
-};
-
-/// Axis-aligned box of one part of a body, in the frame the body's pose is given in.
-BoundingBox part_box(const Part&, const Pose& body);
-/// Furthest distance of a point of a part from the body's origin.
-double reach(const Part&);
-
-/// The union of its parts, which may overlap (a star: three capsules crossed at the centre).
-struct Compound {
-  static constexpr std::string_view name = "compound";
-  std::vector<Part> parts;
-
-  bool contains(const Vec3& x) const;
-  double signed_distance(const Vec3& x) const;
-  double ray_distance(const Vec3& o, const Vec3& d, double t_max) const;
-  BoundingBox bounding_box(const Pose&) const;
-  MassProperties mass_properties() const;
-  /// The diameter of the sphere of its volume.
-  double least_width() const;
-  Compound recentred(const Vec3& centre) const;
-};
-
-template <class... S, class... H>
-std::variant<S..., Compound, H..., Mesh> all_of(const std::variant<S...>&, const std::variant<H...>&);
-
-/// A convex shape, a union of such, a hollow, or what a surface of triangles encloses.
-struct Shape : decltype(all_of(std::declval<ConvexShape>(), std::declval<HollowShape>())) {
+/// A convex shape, a union of such, a tube, or what a surface of triangles encloses.
+struct Shape : decltype(all_of(std::declval<ConvexShape>())) {
   using variant::variant;
   Shape(const ConvexShape& convex) : Shape(std::visit([](const auto& s) { return Shape(s); }, convex)) {}
 };
@@ -49,14 +22,10 @@ bool contains(const Shape&, const Vec3& x_B);
 /// Distance to the surface, negative inside. For a compound: the minimum over its parts (exact outside; a
 /// lower bound in magnitude inside overlapping parts).
 double signed_distance(const Shape&, const Vec3& x_B);
-/// Smallest t in [0, t_max] with origin + t direction on the surface, for an origin outside; t_max where
-/// there is none. Exact (closed form) for every convex shape and the hollows; of a mesh with the rounding of
-/// its triangles. direction need not be a unit vector.
-double ray_distance(const Shape&, const Vec3& origin_B, const Vec3& direction_B, double t_max);
-/// Axis-aligned, in the world frame, of the shape at the pose; infinite for a half-space, a hollow and a
-/// hollow mesh.
+/// Axis-aligned, in the world frame, of the shape at the pose; infinite for a half-space, a tube and a hollow
+/// mesh.
 BoundingBox bounding_box(const Shape&, const Pose&);
-/// Returns the radius about the origin of the body frame; infinite for a half-space, a hollow and a hollow
+/// Returns the radius about the origin of the body frame; infinite for a half-space, a tube and a hollow
 /// mesh.
 double bounding_radius(const Shape&);
 /// Closed forms, exact; for a compound those of the union of its parts, relative error <= 1e-4,
@@ -67,15 +36,14 @@ MassProperties mass_properties(const Shape&);
 double least_width(const Shape&);
 /// Returns the shape about its centre of mass, `centre`, which is subtracted.
 Shape recentred(const Shape&, const Vec3& centre);
-/// Returns the shape with every length of it `factor` times as long; it must not be a half-space or a hollow.
+/// Returns the shape with every length of it `factor` times as long; it must not be a half-space or a tube.
 Shape scaled(const Shape&, double factor);
 /// A half-space or a sphere looks the same from anywhere on an axis: where orientation cannot matter.
 bool is_sphere(const Shape&);
-std::optional<HollowShape> hollow_of(const Shape&);
-/// Says whether the shape is a hollow or a hollow mesh: solid all around, without end.
+/// Says whether the shape is a tube or a hollow mesh: solid all around, without end.
 bool is_endless(const Shape&);
 
-/// The convex parts of any shape (one for a convex shape itself, none for a hollow or a mesh).
+/// The convex parts of any shape (one for a convex shape itself, none for a tube or a mesh).
 std::vector<Part> convex_parts(const Shape&);
 
 /// Balls and points inside a shape that together stand for it: exact for a sphere; for a compound those of

@@ -8,7 +8,7 @@ struct Shape;
 struct ConvexShape;
 struct Part;
 struct HalfSpace;
-struct HollowShape;
+struct Tube;
 struct Mesh;
 struct BoundingBox;
 struct MassProperties;

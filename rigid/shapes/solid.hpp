@@ -13,6 +13,7 @@
 
 #include "rigid/math/types.hpp"
 #include "rigid/shapes/mass_properties.hpp"
+#include "rigid/shapes/surface_kinds.hpp"
 
 namespace silt::rigid {
 
@@ -188,7 +189,10 @@ inline Mat3 across(const Vec3& n) {
 /// - mass_properties();
 /// - least_width(): between two parallel planes that touch it, the least, or a length near it;
 /// - add_inner_balls(balls): balls and points inside it that together stand for it
-/// (silt/placement/obstacles.hpp).
+/// (silt/placement/obstacles.hpp);
+/// - surface(parts): adds what it is made of to SurfaceParts, by kinds of surface_kinds.hpp;
+/// - extremes(use): calls use.ball, use.disc or use.ellipsoid for those that it is the hull of
+/// (rigid/collision/tube_contacts.cpp).
 template <class S>
 concept ConvexSolid = requires(const S& s, const Vec3& x, const Pose& pose, std::vector<InnerBall>& balls) {
   requires std::equality_comparable<S>;
@@ -217,18 +221,6 @@ bool contains(const S& s, const Vec3& x) {
     return s.contains(x);
   else
     return s.signed_distance(x) <= 0;
-}
-
-/// Returns t where the ray o + t d from o, outside, meets the surface, at most t_max.
-template <class S>
-double ray_distance(const S& s, const Vec3& o, const Vec3& d, double t_max) {
-  if constexpr (requires { s.ray_distance(o, d, t_max); }) {
-    return s.ray_distance(o, d, t_max);
-  } else {
-    const auto inside = s.line_interval(o, d);
-    if (!inside || inside->leave < 0) return t_max;
-    return std::clamp(inside->enter, 0.0, t_max);
-  }
 }
 
 /// Returns the shape about its centre of mass: itself where that is its origin.

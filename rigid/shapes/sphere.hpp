@@ -36,7 +36,7 @@ struct Sphere {
   }
   template <class Parts>
   void surface(Parts& parts) const {
-    parts.add_unturned(Parts::Kind::sphere, Vec3::Constant(radius));
+    parts.add_unturned(SurfaceKind::sphere, Vec3::Constant(radius));
   }
 };
 

@@ -118,10 +118,6 @@ struct Mesh {
     const double distance = surface->nearest(x).distance;
     return contains(x) ? -distance : distance;
   }
-  double ray_distance(const Vec3& o, const Vec3& d, double t_max) const {
-    const auto hit = surface->first_hit(o, d, t_max);
-    return hit ? hit->t : t_max;
-  }
   /// Returns the box of its turned box, which is not the tightest.
   BoundingBox bounding_box(const Pose& pose) const {
     if (hollow) return BoundingBox::everything();

@@ -15,7 +15,7 @@ from .surfaces import rotations
 
 
 class Wall:
-    """A Wall is a hollow (position, axis, sizes: {"radius": 3.0} of a tube) or a mesh (vertices, triangles, hollow: a vessel), in the units of
+    """A Wall is a tube (position, axis, sizes: {"radius": 3.0}) or a mesh (vertices, triangles, hollow: a vessel), in the units of
     the case."""
 
     def __init__(self, group):
@@ -34,7 +34,7 @@ class Wall:
 
     @property
     def moves(self):
-        """Says whether the surface of a mesh goes anywhere; that of a hollow slides along itself."""
+        """Says whether the surface of a mesh goes anywhere; that of a tube slides along itself."""
         return self.type == "mesh" and (len(self.table) > 1 or self.velocity.any() or self.angular_velocity.any()
                                         or bool(self.amplitude.any() and self.frequency))
 

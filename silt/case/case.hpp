@@ -113,11 +113,11 @@ struct MeshWall : rigid::MeshWallSpec {
 /// A curved wall of the domain, for fluid and bodies alike.
 struct CurvedWall {
   std::string name;
-  std::variant<rigid::HollowWallSpec, MeshWall> surface;
+  std::variant<rigid::TubeWallSpec, MeshWall> surface;
 
-  const rigid::HollowWallSpec* hollow() const { return std::get_if<rigid::HollowWallSpec>(&surface); }
+  const rigid::TubeWallSpec* tube() const { return std::get_if<rigid::TubeWallSpec>(&surface); }
   const MeshWall* mesh() const { return std::get_if<MeshWall>(&surface); }
-  /// Says whether its surface moves, as prescribed; that of a hollow slides along itself.
+  /// Says whether its surface moves, as prescribed; that of a tube slides along itself.
   bool moves() const {
     return std::visit([](const auto& wall) { return wall.moves(); }, surface);
   }
@@ -129,7 +129,7 @@ struct CurvedWall {
   rigid::Vec3 axis() const {
     return std::visit([](const auto& wall) { return wall.axis; }, surface);
   }
-  rigid::Vec3 point_of_axis() const { return mesh() ? mesh()->start.position : hollow()->point; }
+  rigid::Vec3 point_of_axis() const { return mesh() ? mesh()->start.position : tube()->point; }
 };
 
 /// The table [contacts] says how bodies collide.

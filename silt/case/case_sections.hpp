@@ -60,9 +60,8 @@ inline constexpr std::tuple orientation_keys{
 /// Reads one of orientation = [w, x, y, z], axis_angle = { axis, degrees }, axis = where the shape's z axis
 /// points.
 rigid::Quat read_orientation(TableReader&);
-/// Reads the sizes of a hollow; the names of the hollows there are.
-rigid::HollowShape read_hollow(TableReader&, const std::string& name);
-std::vector<std::string> hollow_names();
+/// Reads the radius of a tube.
+rigid::Tube read_tube(TableReader&);
 
 // bodies.cpp
 std::vector<KeySection> body_sections();

@@ -66,11 +66,8 @@ std::string lines_text(std::uint64_t numbers, int headings) {
 }
 
 void add_wall(const CurvedWall& wall, Table& table) {
-  if (const auto* hollow = wall.hollow())
-    return hollow->shape.for_sizes([&](const std::string& key, double size) {
-      table.quantity(fmt::format("{} '{}', {}", hollow->shape.name(), wall.name, key), size,
-                     dimension::length);
-    });
+  if (const auto* tube = wall.tube())
+    return table.quantity(fmt::format("tube '{}', radius", wall.name), tube->tube.radius, dimension::length);
   const MeshWall& mesh = *wall.mesh();
   const rigid::BoundingBox box = rigid::Mesh{mesh.mesh.surface, false}.bounding_box(mesh.pose(0));
   table.numbers("mesh '" + wall.name + "', box", dimension::length, [&](double scale) {

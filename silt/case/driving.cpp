@@ -231,8 +231,8 @@ double laminar_speed(const Case& setup) {
     speed = std::min(speed, along.norm() * setup.cells[d] * setup.cells[d] / (8 * nu));
   }
   for (const CurvedWall& wall : setup.walls)
-    if (const rigid::HollowWallSpec* hollow = wall.hollow())
-      speed = std::min(speed, force.norm() * hollow->shape.widest() * hollow->shape.widest() / (4 * nu));
+    if (const rigid::TubeWallSpec* tube = wall.tube())
+      speed = std::min(speed, force.norm() * tube->tube.radius * tube->tube.radius / (4 * nu));
   return speed;
 }
 

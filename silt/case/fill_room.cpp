@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "rigid/collision/hollow_contacts.hpp"
+#include "rigid/collision/tube_contacts.hpp"
 #include "rigid/shapes/shape.hpp"
 #include "silt/case/case_check.hpp"
 
@@ -15,15 +15,15 @@ using rigid::Vec3;
 
 CurvedWalls::CurvedWalls(const Case& setup) {
   for (const CurvedWall& wall : setup.walls)
-    if (const auto* hollow = wall.hollow())
-      hollows_.emplace_back(hollow->shape, hollow->pose());
+    if (const auto* tube = wall.tube())
+      tubes_.emplace_back(tube->tube, tube->pose());
     else if (const auto* mesh = wall.mesh())
       meshes_.emplace_back(mesh->mesh, mesh->pose(0));
 }
 
 bool CurvedWalls::are_clear_of(const Vec3& centre, double radius) const {
-  for (const auto& [hollow, pose] : hollows_)
-    if (rigid::gap_in_hollow(rigid::Sphere{radius}, {centre, rigid::Quat::Identity()}, hollow, pose) < 0)
+  for (const auto& [tube, pose] : tubes_)
+    if (rigid::gap_in_tube(rigid::Sphere{radius}, {centre, rigid::Quat::Identity()}, tube, pose) < 0)
       return false;
   for (const auto& [mesh, pose] : meshes_)
     if (const Vec3 x = pose.to_body(centre);

@@ -9,10 +9,9 @@
 #include "coupler/spec/counter_random.hpp"
 #include "rigid/bodies/body_exchange.hpp"
 #include "rigid/math/types.hpp"
-#include "rigid/shapes/hollow_shape.hpp"
 #include "rigid/shapes/shape_fwd.hpp"
 #include "rigid/shapes/triangle_mesh.hpp"
-#include "silt/case/case.hpp"
+#include "rigid/shapes/tube.hpp"
 
 namespace silt {
 
@@ -45,10 +44,10 @@ class CurvedWalls {
   bool are_clear_of(const rigid::Vec3& centre, double radius) const;
   /// Returns the share of a box in which a ball's centre may be, by a look at 32 points along each edge.
   double share_left(const rigid::BoundingBox& room, double radius) const;
-  bool empty() const { return hollows_.empty() && meshes_.empty(); }
+  bool empty() const { return tubes_.empty() && meshes_.empty(); }
 
  private:
-  std::vector<std::pair<rigid::HollowShape, rigid::Pose>> hollows_;
+  std::vector<std::pair<rigid::Tube, rigid::Pose>> tubes_;
   std::vector<std::pair<rigid::Mesh, rigid::Pose>> meshes_;
 };
 

@@ -110,8 +110,8 @@ rigid::ConvexShape read_polyhedron(TableReader& table) {
   return rigid::Polyhedron{mesh};
 }
 
-/// Calls f with the type of every alternative of ConvexShape or HollowShape that a case may name; only the
-/// sides of the domain are half-spaces.
+/// Calls f with the type of every alternative of ConvexShape that a case may name; only the sides of the
+/// domain are half-spaces.
 template <class F, class... S>
 void for_types(F&& f, const std::variant<S...>&) {
   const auto call = [&]<class T>(std::type_identity<T> type) {
@@ -120,16 +120,14 @@ void for_types(F&& f, const std::variant<S...>&) {
   (call(std::type_identity<S>{}), ...);
 }
 
-template <class Any>
-std::vector<std::string> names_of_types() {
+std::vector<std::string> convex_names() {
   std::vector<std::string> names;
-  for_types([&]<class S>(std::type_identity<S>) { names.emplace_back(S::name); }, Any());
+  for_types([&]<class S>(std::type_identity<S>) { names.emplace_back(S::name); }, rigid::ConvexShape());
   return names;
 }
 
-template <class Any>
-Any read_type(TableReader& table, const std::string& name) {
-  Any shape;
+rigid::ConvexShape read_convex(TableReader& table, const std::string& name) {
+  rigid::ConvexShape shape;
   const auto read = [&]<class S>(std::type_identity<S>) {
     if (name != S::name) return;
     if constexpr (std::is_same_v<S, rigid::Polyhedron>)
@@ -137,12 +135,8 @@ Any read_type(TableReader& table, const std::string& name) {
     else
       shape = read_sizes<S>(table);
   };
-  for_types(read, Any());
+  for_types(read, rigid::ConvexShape());
   return shape;
-}
-
-std::vector<std::string> convex_names() {
-  return names_of_types<rigid::ConvexShape>();
 }
 
 std::vector<std::string> shape_types() {
@@ -163,7 +157,7 @@ rigid::Compound read_compound(TableReader& table) {
     rigid::Pose pose;
     read_keys(part, pose, part_keys);
     pose.orientation = read_orientation(part);
-    compound.parts.push_back({read_type<rigid::ConvexShape>(part, *type), pose});
+    compound.parts.push_back({read_convex(part, *type), pose});
   }
   if (compound.parts.empty() && table.has("parts"))
     table.fail("parts", "{} has no usable part", table.path("parts"));
@@ -173,7 +167,7 @@ rigid::Compound read_compound(TableReader& table) {
 rigid::Shape read_shape(TableReader& table, const std::string& type) {
   if (type == rigid::Compound::name) return read_compound(table);
   if (type == rigid::Mesh::name) return read_mesh_body(table);
-  return read_type<rigid::ConvexShape>(table, type);
+  return read_convex(table, type);
 }
 
 }  // namespace
@@ -183,12 +177,8 @@ std::vector<KeySection> shape_sections() {
           section_of("bodies.axis_angle", turn_keys)};
 }
 
-rigid::HollowShape read_hollow(TableReader& table, const std::string& name) {
-  return read_type<rigid::HollowShape>(table, name);
-}
-
-std::vector<std::string> hollow_names() {
-  return names_of_types<rigid::HollowShape>();
+rigid::Tube read_tube(TableReader& table) {
+  return read_sizes<rigid::Tube>(table);
 }
 
 Quat read_orientation(TableReader& table) {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "rigid/collision/hollow_contacts.hpp"
+#include "rigid/collision/tube_contacts.hpp"
 #include "rigid/shapes/shape.hpp"
 #include "silt/case/case_sections.hpp"
 
@@ -117,27 +117,27 @@ void check_mesh(const Case& setup, Diagnostics& findings, std::size_t index, con
 }
 
 /// Says whether a point of the domain is in the hole of a wall, by going to and fro between the two.
-bool is_open(const Case& setup, const rigid::HollowWallSpec& wall) {
+bool is_open(const Case& setup, const rigid::TubeWallSpec& wall) {
   constexpr int projections = 1000;
   const rigid::BoundingBox domain = box_of(setup);
   const rigid::Pose pose = wall.pose();
   Vec3 in_hole = wall.point, in_domain;
   for (int i = 0; i < projections; ++i) {
     in_domain = in_hole.cwiseMax(domain.lower).cwiseMin(domain.upper);
-    in_hole = pose.to_world(wall.shape.innermost(pose.to_body(in_domain)));
+    in_hole = pose.to_world({0, 0, pose.to_body(in_domain)[2]});
   }
-  return wall.shape.gap(pose, in_domain) > 0;
+  return wall.tube.gap(pose, in_domain) > 0;
 }
 
 /// The hole must not cross a periodic border, unless it is the same on both sides: where the axis is that of
-/// a hollow that is alike all along it. Elsewhere the outermost cells must be solid.
+/// the tube. Elsewhere the outermost cells must be solid.
 void check_borders(const Case& setup, Diagnostics& findings, std::size_t index,
-                   const rigid::HollowWallSpec& wall) {
+                   const rigid::TubeWallSpec& wall) {
   constexpr double straight = 1e-12;  // rounding of a unit vector
-  const rigid::BoundingBox hole = wall.shape.hole(wall.pose());
+  const rigid::BoundingBox hole = wall.tube.hole(wall.pose());
   for (int d = 0; d < 3; ++d) {
     const double low = hole.lower[d], high = hole.upper[d], size = setup.cells[d];
-    if (!setup.periodic(d) || (wall.shape.slides() && std::abs(wall.axis[d]) > 1 - straight)) continue;
+    if (!setup.periodic(d) || std::abs(wall.axis[d]) > 1 - straight) continue;
     if (!std::isfinite(high - low))
       findings.error(wall_key(index, "axis"),
                      "walls[{}] leaves the domain through its periodic border across {}, at a slant; let its "
@@ -152,8 +152,8 @@ void check_borders(const Case& setup, Diagnostics& findings, std::size_t index,
   }
 }
 
-void check_hollow(const Case& setup, Diagnostics& findings, std::size_t index,
-                  const rigid::HollowWallSpec& wall) {
+void check_tube(const Case& setup, Diagnostics& findings, std::size_t index,
+                const rigid::TubeWallSpec& wall) {
   check_borders(setup, findings, index, wall);
   if (!is_open(setup, wall))
     findings.error(wall_key(index, "point"),
@@ -163,7 +163,7 @@ void check_hollow(const Case& setup, Diagnostics& findings, std::size_t index,
   if (!setup.fluid) return;
   check_speed(findings, wall_key(index, "velocity"), std::abs(wall.velocity));
   check_speed(findings, wall_key(index, "angular_velocity"),
-              std::abs(wall.angular_velocity) * wall.shape.widest());
+              std::abs(wall.angular_velocity) * wall.tube.radius);
 }
 
 /// Returns how far a body reaches into a mesh, at least; not above 0 if it is not seen to.
@@ -182,7 +182,7 @@ void find_wall_faults(const Case& setup, Diagnostics& findings) {
     if (const MeshWall* mesh = setup.walls[i].mesh())
       check_mesh(setup, findings, i, *mesh);
     else
-      check_hollow(setup, findings, i, *setup.walls[i].hollow());
+      check_tube(setup, findings, i, *setup.walls[i].tube());
 }
 
 std::string fault_in_curved_walls(const Case& setup, const BodySpec& body, const std::string& key,
@@ -201,15 +201,12 @@ std::string fault_in_curved_walls(const Case& setup, const BodySpec& body, const
                            shown_length(setup, depth), wall.name);
       continue;
     }
-    const rigid::HollowShape& hollow = wall.hollow()->shape;
-    const double gap = rigid::gap_in_hollow(shape, body.pose, hollow, wall.hollow()->pose());
+    const rigid::Tube& tube = wall.tube()->tube;
+    const double gap = rigid::gap_in_tube(shape, body.pose, tube, wall.tube()->pose());
     if (gap >= -allowed) continue;
-    std::string sizes;
-    hollow.for_sizes([&](const char* size_key, double size) {
-      sizes += fmt::format("{} {} {}", sizes.empty() ? " of" : ",", size_key, shown_length(setup, size));
-    });
-    return fmt::format("{}: the body reaches {} into the wall '{}', a {}{}; move it towards the {}'s axis",
-                       is, shown_length(setup, -gap), wall.name, hollow.name(), sizes, hollow.name());
+    return fmt::format(
+        "{}: the body reaches {} into the wall '{}', a tube of radius {}; move it towards the tube's axis",
+        is, shown_length(setup, -gap), wall.name, shown_length(setup, tube.radius));
   }
   return "";
 }

@@ -39,7 +39,7 @@ MotionFile read_motion_file(const std::string& text, const Units& units) {
 
 namespace {
 
-using rigid::HollowWallSpec;
+using rigid::TubeWallSpec;
 using rigid::Vec3;
 
 std::string contents_of(const adapters::ReadMesh& read) {
@@ -60,17 +60,17 @@ constexpr std::tuple wall_keys{
     HandKey{"type", "\"tube\", \"mesh\"", "", required, "kind of wall: \"tube\" or \"mesh\""},
     HandKey{"name", "string", "", "its path", "what quantities call the wall"},
     HandKey{"material", "string", "", "\"default\"", "name of one of [[materials]]"}};
-constexpr std::tuple hollow_keys{
+constexpr std::tuple tube_keys{
     HandKey{"radius", "number", "m", "one of two", "of a tube: its size"},
     HandKey{"diameter", "number", "m", "one of two", "of a tube: its size"},
     HandKey{"axis", "\"x\", \"y\", \"z\", [x, y, z]", "", required,
             "direction of the tube: \"x\", \"y\", \"z\" or [x, y, z]"},
-    Key{"point", &HollowWallSpec::point, Vector{dimension::length}, "a point of the tube's axis, [x, y, z]",
+    Key{"point", &TubeWallSpec::point, Vector{dimension::length}, "a point of the tube's axis, [x, y, z]",
         required},
-    Key{"angular_velocity", &HollowWallSpec::angular_velocity, Number{dimension::angular_velocity},
-        "rotation of the tube about the axis (a drum)"}};
-constexpr std::tuple sliding_keys{Key{"velocity", &HollowWallSpec::velocity, Number{dimension::velocity},
-                                      "velocity of the tube along the axis"}};
+    Key{"angular_velocity", &TubeWallSpec::angular_velocity, Number{dimension::angular_velocity},
+        "rotation of the tube about the axis (a drum)"},
+    Key{"velocity", &TubeWallSpec::velocity, Number{dimension::velocity},
+        "velocity of the tube along the axis"}};
 constexpr std::tuple mesh_file_keys{HandKey{
     "file", "string", "", required, "the name of an STL, OBJ or PLY file in the directory of the case"}};
 constexpr std::tuple mesh_keys{
@@ -160,10 +160,9 @@ std::string read_wall_name(TableReader& table, const std::vector<CurvedWall>& wa
   return name;
 }
 
-HollowWallSpec read_hollow_wall(TableReader& table, const std::string& type) {
-  HollowWallSpec wall{read_hollow(table, type)};
-  read_keys(table, wall, hollow_keys);
-  if (wall.shape.slides()) read_keys(table, wall, sliding_keys);
+TubeWallSpec read_tube_wall(TableReader& table) {
+  TubeWallSpec wall{read_tube(table)};
+  read_keys(table, wall, tube_keys);
   if (table.has("axis")) wall.axis = read_direction(table, "");
   return wall;
 }
@@ -222,15 +221,13 @@ std::shared_ptr<const rigid::PolyhedronMesh> read_polyhedron_file(TableReader& t
 }
 
 std::vector<KeySection> wall_sections() {
-  return {
-      section_of("walls", wall_keys, hollow_keys, sliding_keys, mesh_file_keys, mesh_keys, orientation_keys),
-      section_of("walls.motion", motion_keys), section_of("walls.motion.oscillation", oscillation_keys)};
+  return {section_of("walls", wall_keys, tube_keys, mesh_file_keys, mesh_keys, orientation_keys),
+          section_of("walls.motion", motion_keys), section_of("walls.motion.oscillation", oscillation_keys)};
 }
 
 void read_walls(TableReader& root, Case& setup) {
   std::vector<CurvedWall>& walls = setup.walls;
-  std::vector<std::string> types = hollow_names();
-  types.emplace_back(rigid::Mesh::name);
+  const std::vector<std::string> types{std::string(rigid::Tube::name), std::string(rigid::Mesh::name)};
   for (TableReader& table : root.tables("walls")) {
     CurvedWall wall;
     read_keys(table, wall, wall_keys);
@@ -242,7 +239,7 @@ void read_walls(TableReader& root, Case& setup) {
       MeshWall mesh = read_mesh_wall(table);
       if (mesh.mesh.surface) wall.surface = std::move(mesh);  // else what is wrong has been said
     } else {
-      wall.surface = read_hollow_wall(table, type.value_or(types.front()));
+      wall.surface = read_tube_wall(table);
     }
     std::visit([&](auto& of_kind) { of_kind.material = material; }, wall.surface);
     walls.push_back(std::move(wall));

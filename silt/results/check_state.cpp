@@ -1,9 +1,12 @@
 // Checks that the bodies of a checkpoint can be the state of a run of its case.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <span>
 #include <tuple>
+#include <utility>
 
 #include "coupler/exchange/coupling_state.hpp"
 #include "rigid/shapes/shape.hpp"
@@ -16,6 +19,7 @@ namespace {
 
 using rigid::BodyRecord;
 using rigid::StoredImpulse;
+using rigid::Values;
 
 // Lattice units. Far beyond what a run can come to, near enough that no sum of such numbers overflows.
 constexpr double greatest = 0x1p61;        // masses, impulses, loads: of sums in fixed point
@@ -32,30 +36,10 @@ class Row {
 
   /// Refuses a number that is not from low to high, and one that is not a number.
   template <class T, class Bound>
-  void within(const char* column, const T& x, Bound low, Bound high) const {
-    if (!(x >= low && x <= high))
-      refuse(column, fmt::format("{}", x), fmt::format("from {} to {}", low, high));
-  }
-  template <class T, std::size_t n, class Bound>
-  void within(const char* column, const T (&values)[n], Bound low, Bound high) const {
-    for (const T x : values) within(column, x, low, high);
-  }
-  template <std::size_t n>
-  void within(const char* column, const double (&values)[n], double most) const {
-    within(column, values, -most, most);
-  }
-  void within(const rigid::HolderColumn& c, const rigid::HolderState& state, double most) const {
-    for (const double x : state[c]) within(c.name, x, -most, most);
-  }
-  void whole_within(const rigid::HolderColumn& c, const rigid::HolderState& state, std::int64_t low,
-                    std::int64_t high) const {
-    for (const std::int64_t x : state.whole(c)) within(c.name, x, low, high);
-  }
-  void unit_quaternion(const char* column, std::span<const double, 4> q) const {
-    for (const double x : q) within(column, x, -2.0, 2.0);
-    const double square = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
-    if (std::abs(square - 1) > 1e-6)
-      refuse(column, fmt::format("of the square {}", square), "of the square 1");
+  void within(const char* column, std::span<const T> numbers, Bound low, Bound high) const {
+    for (const T x : numbers)
+      if (!is_within(x, low, high))
+        refuse(column, fmt::format("{}", x), fmt::format("from {} to {}", low, high));
   }
   [[noreturn]] void refuse(const char* column, const std::string& found, const std::string& allowed) const {
     throw std::runtime_error(fmt::format("{}/{}, row {} ({}): it is {}, and must be {}", table_, column, row_,
@@ -63,59 +47,92 @@ class Row {
   }
 
  private:
+  template <class T, class Bound>
+  static bool is_within(T x, Bound low, Bound high) {
+    if constexpr (std::is_integral_v<T> && std::is_integral_v<Bound>)
+      return std::cmp_less_equal(low, x) && std::cmp_less_equal(x, high);
+    else
+      return low <= x && x <= high;
+  }
+
   std::string table_;
   std::uint64_t row_;
   std::string body_;
 };
 
-void require_inertia(const Row& row, const BodyRecord& r) {
-  row.within("inertia_B", r.inertia_B, greatest);
-  const rigid::Mat3 inertia = Eigen::Map<const rigid::Mat3>(r.inertia_B);
+template <class T>
+void require_inertia(const Row& row, const char* column, std::span<const T> x) {
+  row.within(column, x, -greatest, greatest);
+  rigid::Mat3 inertia;
+  std::copy_n(x.begin(), 9, inertia.data());
   if (!inertia.isApprox(inertia.transpose(), 1e-6) || inertia.llt().info() != Eigen::Success)
-    row.refuse("inertia_B", "no tensor of inertia", "symmetric and positive");
+    row.refuse(column, "no tensor of inertia", "symmetric and positive");
 }
 
-void require_place(const Row& row, const char* column, const Case& setup, std::span<const double, 3> x) {
+template <class T>
+void require_place(const Row& row, const char* column, const Case& setup, std::span<const T> x) {
   for (int d = 0; d < 3; ++d) {
     const double beyond = setup.cells[d] + furthest_outside;
-    row.within(column, x[d], -beyond, setup.cells[d] + beyond);
+    row.within(column, x.subspan(d, 1), -beyond, setup.cells[d] + beyond);
   }
 }
 
-template <class List>
-std::int64_t last_of(const List& list) {
-  return std::int64_t(list.size()) - 1;
+template <class T>
+void require_unit_quaternion(const Row& row, const char* column, std::span<const T> q) {
+  row.within(column, q, -2.0, 2.0);
+  const double square = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+  if (std::abs(square - 1) > 1e-6)
+    row.refuse(column, fmt::format("of the square {}", square), "of the square 1");
+}
+
+/// Judges the numbers of a column by what they are.
+template <class T>
+void require_column(const Row& row, const Case& setup, rigid::BodyId next_id, const rigid::BodyColumn& c,
+                    std::span<const T> x) {
+  const auto within = [&](auto low, auto high) { row.within(c.name, x, low, high); };
+  const auto index_of = [&](const auto& list) { within(std::int64_t{0}, std::int64_t(list.size()) - 1); };
+  switch (c.values) {
+    case Values::id:
+      return within(rigid::BodyId{1}, next_id - 1);
+    case Values::shape:
+      return index_of(setup.shapes);
+    case Values::material:
+      return index_of(setup.material_names);
+    case Values::kind:
+      return index_of(setup.kind_names);
+    case Values::motion:
+      return within(0, int(rigid::Motion::prescribed));
+    case Values::mass:
+      return within(std::numeric_limits<double>::min(), greatest);
+    case Values::weight_in_fluid:
+      return within(-greatest, 1.0);
+    case Values::inertia:
+      return require_inertia(row, c.name, x);
+    case Values::place:
+      return require_place(row, c.name, setup, x);
+    case Values::orientation:
+      return require_unit_quaternion(row, c.name, x);
+    case Values::periods:
+      return within(-most_periods, most_periods);
+    case Values::velocity:
+      return within(-fastest, fastest);
+    case Values::impulse:
+      return within(-greatest, greatest);
+    case Values::step:
+      return within(std::int64_t{0}, most_steps);
+    case Values::quanta:
+      return within(-most_quanta, most_quanta);
+  }
 }
 
 void require_body(const Row& row, const Case& setup, const BodyRecord& r, rigid::BodyId next_id) {
-  row.within("id", r.id, rigid::BodyId{1}, next_id - 1);
-  row.within("shape", r.shape, std::int64_t{0}, last_of(setup.shapes));
-  row.within("material", r.material, std::int64_t{0}, last_of(setup.material_names));
-  row.within("kind", r.kind, std::int64_t{0}, last_of(setup.kind_names));
-  row.within("motion", int(r.motion), 0, int(rigid::Motion::prescribed));
-  row.within("mass", r.mass, std::numeric_limits<double>::min(), greatest);
-  row.within("weight_in_fluid", r.weight_in_fluid, -greatest, 1.0);
-  require_inertia(row, r);
-  require_place(row, "position", setup, r.position);
-  row.unit_quaternion("orientation", r.orientation);
-  row.within("image", r.image, -most_periods, most_periods);
-  row.within("velocity", r.velocity, fastest);
-  row.within("angular_velocity", r.angular_velocity, fastest);
-  row.within("angular_momentum", r.angular_momentum, greatest);
-  const rigid::HolderState& held = r.holder_state;
-  require_place(row, coupler::column::mapping_position.name, setup,
-                held[coupler::column::mapping_position].first<3>());
-  row.unit_quaternion(coupler::column::mapping_orientation.name,
-                      held[coupler::column::mapping_orientation].first<4>());
-  row.within(coupler::column::mapping_velocity, held, fastest);
-  row.whole_within(coupler::column::mapping_steps, held, 0, most_steps);
-  row.whole_within(coupler::column::impulse_debt, held, -most_quanta, most_quanta);
-  row.whole_within(coupler::column::mass_owed, held, -most_quanta, most_quanta);
-  for (const auto& c :
-       {coupler::column::pending_impact, coupler::column::contact_load, coupler::column::deferred_impulse})
-    row.within(c, held, greatest);
-  row.within(coupler::column::foreseen_change, held, fastest);
-  row.within(coupler::column::sprung_velocity, held, fastest);
+  const auto require = [&](const rigid::BodyColumn& c, auto numbers) {
+    require_column(row, setup, next_id, c, numbers);
+  };
+  visit_columns(r, require);
+  visit_columns(coupler::coupling_of(r.holder_state), [&](const coupler::CouplingColumn& c, auto numbers) {
+    if (c.saved) require(c, numbers);
+  });
 }
 
 bool is_wall_of(const Case& setup, rigid::BodyId id) {
@@ -130,9 +147,8 @@ void require_impulse(const Row& row, const Case& setup, const StoredImpulse& s, 
       !(rigid::is_wall(s.partner) ? is_wall_of(setup, s.partner) : s.partner > 0 && s.partner < next_id))
     row.refuse("partner", fmt::format("{}", s.partner), "another body or a wall of the case");
   const int image[3] = {s.image.x, s.image.y, s.image.z};
-  row.within("image", image, -1, 1);
-  const double impulse[3] = {s.impulse[0], s.impulse[1], s.impulse[2]};
-  row.within("impulse", impulse, greatest);
+  row.within("image", std::span<const int>(image), -1, 1);
+  row.within("impulse", std::span<const double>(s.impulse.data(), 3), -greatest, greatest);
 }
 
 }  // namespace

@@ -123,7 +123,7 @@ void write_bodies(CheckpointWriter& writer, const rigid::BodySet& bodies) {
   using Impulses = std::vector<rigid::StoredImpulse>;
   writer.bodies({bodies.owned, [&](std::size_t row) { return bodies.record(row); },
                  [&](std::size_t row) -> const Impulses& { return bodies.stored_impulses[row]; }},
-                coupler::column::saved);
+                saved_columns());
 }
 
 // ---- the case ----
@@ -192,6 +192,18 @@ void write_state(CheckpointWriter& writer, const Simulation& simulation, const Q
 
 }  // namespace
 
+std::vector<adapters::HolderColumn> saved_columns() {
+  using Column = adapters::HolderColumn;
+  std::vector<Column> columns;
+  const coupler::CouplingState state;
+  visit_columns(state, [&]<class T>(const coupler::CouplingColumn& c, std::span<const T> numbers) {
+    const auto offset = std::as_bytes(numbers).data() - reinterpret_cast<const std::byte*>(&state);
+    constexpr Column::Type type = std::is_same_v<T, double> ? Column::float64 : Column::int64;
+    if (c.saved) columns.push_back({c.name, type, std::size_t(offset), int(numbers.size())});
+  });
+  return columns;
+}
+
 std::filesystem::path write_checkpoint(const Simulation& simulation, const Quantities& quantities,
                                        const std::filesystem::path& folder,
                                        const adapters::Provenance& provenance,
@@ -222,7 +234,7 @@ SavedState read_state(const CheckpointReader& reader, const Case& setup) {
   const std::int64_t named = adapters::checkpoint_step(reader.path()).value_or(state.step);
   if (state.step != named)
     reader.refuse(fmt::format("it is of step {}, by its name of step {}", state.step, named));
-  auto bodies = reader.bodies(coupler::column::saved);
+  auto bodies = reader.bodies(saved_columns());
   try {
     parallel::together(reader.comm(), [&] { require_possible(setup, bodies, state.next_id); });
   } catch (const std::runtime_error& error) {  // on every rank

@@ -44,6 +44,9 @@ SeriesMeans read_means(const adapters::CheckpointReader&, const Case&);
 /// Returns the watch of a case, as it was; fresh if the run watched something else; none without run.steady.
 std::optional<SteadyWatch> read_steady_watch(const adapters::CheckpointReader&, const Case&);
 
+/// Returns the columns of CouplingState that checkpoints have.
+std::vector<adapters::HolderColumn> saved_columns();
+
 /// Throws std::runtime_error for the first number of this rank's slice of the bodies and of their stored
 /// impulses that no run can go on from: the dataset, the row, what was found and what may be. A file may have
 /// every checksum right and still not be one that a run wrote. next_id: the first that no body has had.

@@ -85,9 +85,8 @@ BodyRecord body_from(const BodyRecord& was, BodySpec body, const CentredShape& s
   }
   BodyRecord r = body_record(was.id, body, shape, setup.fluid.has_value());
   std::copy_n(was.image, 3, r.image);
-  for (const auto& column :
-       {coupler::column::mapping_position, coupler::column::mapping_orientation})  // at rest there
-    std::copy_n(was.holder_state[column].begin(), column.count, r.holder_state[column].begin());
+  coupler::coupling_of(r.holder_state).mapped =
+      coupler::coupling_of(was.holder_state).mapped.pose();  // at rest there
   return r;
 }
 
@@ -97,7 +96,7 @@ SavedState state_from(const CheckpointReader& reader, const Case& setup, const S
   std::istringstream names(reader.text("start.kinds"));
   for (std::string name; std::getline(names, name);) kinds.push_back(name);
   const auto shapes = centred_shapes(setup);
-  auto bodies = reader.bodies(coupler::column::saved);
+  auto bodies = reader.bodies(saved_columns());
   SavedState state;
   state.is_start = true;
   state.next_id = static_cast<rigid::BodyId>(reader.integer("next_id"));

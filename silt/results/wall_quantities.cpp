@@ -125,11 +125,11 @@ double wall_power(const Case& setup, const QuantitySpec& q, std::int64_t step, s
 // ---- what fluid or contacts do to bodies, a wall or a side in a step: force and torque ----
 
 /// Adds what was noted in a column of the bodies that are, or are not, moved by it.
-void add_noted_loads(const BodySet& bodies, const QuantitySpec& q, const rigid::HolderColumn& noted,
-                     bool moved_only, std::span<ExactSum> load) {
+void add_noted_loads(const BodySet& bodies, const QuantitySpec& q, coupler::NotedLoad noted, bool moved_only,
+                     std::span<ExactSum> load) {
   for_bodies_of(bodies, q, [&](std::size_t row) {
     if (moved_only && !bodies.is_dynamic(row)) return;
-    const coupler::Vec6 on_body = coupler::vector_in<6>(bodies, row, noted);
+    const auto& on_body = (coupler::coupling_of(bodies, row).*noted).numbers;
     for (int k = 0; k < 6; ++k) load[k].add(on_body[k]);
   });
 }
@@ -137,7 +137,7 @@ void add_noted_loads(const BodySet& bodies, const QuantitySpec& q, const rigid::
 void add_fluid_load(const Simulation& simulation, const QuantitySpec& q, std::span<ExactSum> load) {
   if (q.bearer == Bearer::side) add_fluid_side_force(simulation, q.side, 1, load.first(3));
   if (q.bearer == Bearer::bodies)
-    add_noted_loads(simulation.bodies(), q, coupler::column::seen_load, false, load);
+    add_noted_loads(simulation.bodies(), q, &coupler::CouplingState::seen_load, false, load);
   if (q.bearer != Bearer::wall) return;
   add_fluid_wall_load(simulation, q.wall, false, load.first(3));
   add_fluid_wall_load(simulation, q.wall, true, load.subspan(3));
@@ -146,7 +146,7 @@ void add_fluid_load(const Simulation& simulation, const QuantitySpec& q, std::sp
 /// Adds the impulses on bodies that contacts do not move, as their partners remember them.
 void add_contact_load_of_bodies(const Simulation& simulation, const QuantitySpec& q,
                                 std::span<ExactSum> load) {
-  add_noted_loads(simulation.bodies(), q, coupler::column::contact_load, true, load);
+  add_noted_loads(simulation.bodies(), q, &coupler::CouplingState::contact_load, true, load);
   for (const coupler::ContactLoad& contact : simulation.contact_loads()) {
     if (contact.on >= rigid::first_wall_id || !q.is_about(contact.kind)) continue;
     add(contact.impulse, load.first(3));

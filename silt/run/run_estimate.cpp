@@ -125,9 +125,9 @@ void add_contacts(const Case& setup, const Scenery& all, const coupler::WorkCost
 double links_of_walls(const Case& setup) {
   double surface = 0;
   for (const CurvedWall& wall : setup.walls) {
-    if (const auto* hollow = wall.hollow()) {
+    if (const auto* tube = wall.tube()) {
       const rigid::Vec3 size(setup.cells[0], setup.cells[1], setup.cells[2]);
-      surface += hollow->shape.area(hollow->axis, size);
+      surface += tube->tube.area(tube->axis, size);
       continue;
     }
     const rigid::TriangleMesh& mesh = *wall.mesh()->mesh.surface;

@@ -8,7 +8,7 @@
 #include <memory>
 
 #include "adapters/automatic/collision_factory.hpp"
-#include "coupler/mapping/body_changes.hpp"
+#include "coupler/exchange/coupling_state.hpp"
 #include "lbm/fluid.hpp"
 #include "rigid/collision/detect_contacts.hpp"
 #include "rigid/rigid_step.hpp"
@@ -21,7 +21,7 @@
 namespace silt::bench {
 namespace {
 
-using Simulation;
+using silt::Simulation;
 
 struct SceneText {
   std::string domain = "size = [48, 48, 48]\nboundary = \"periodic\"";

@@ -75,7 +75,7 @@ CaseText brushing_bodies() {
 double mass_owed_by_bodies(Simulation& s) {
   double owed = 0;
   for (std::size_t row = 0; row < s.scene().bodies.owned; ++row)
-    owed += double(mass_owed(s.scene().bodies, row)[0]);
+    owed += double(coupling_of(s.scene().bodies, row).mass_owed.all);
   const bool single = s.setup().fluid->precision == Precision::single_;
   return owed * (single ? lbm::excess_quantum<float> : lbm::excess_quantum<double>);
 }

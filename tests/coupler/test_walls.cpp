@@ -121,8 +121,8 @@ int long_enough(double radius) {
 
 /// Along the body force in the tube of a case g (R^2 - r^2) / (4 nu) along the axis, and its rigid motion.
 rigid::Vec3 exact_velocity(const Case& setup, const rigid::Vec3& x) {
-  const rigid::HollowWallSpec& wall = *setup.walls[0].hollow();
-  const double radius = std::get<rigid::Tube>(wall.shape).radius;
+  const rigid::TubeWallSpec& wall = *setup.walls[0].tube();
+  const double radius = wall.tube.radius;
   const rigid::Vec3 from = x - wall.point, arm = from - wall.axis.dot(from) * wall.axis;
   const double flow = setup.fluid->body_force.dot(wall.axis) * (radius * radius - arm.squaredNorm()) /
                       (4 * setup.fluid->kinematic_viscosity);

@@ -162,12 +162,11 @@ std::vector<BodyRecord> records(const BodySet& b) {
 }
 
 bool same_bits(const BodyRecord& p, const BodyRecord& q) {
-  return p.id == q.id && !std::memcmp(p.position, q.position, sizeof p.position) &&
-         !std::memcmp(p.orientation, q.orientation, sizeof p.orientation) &&
-         !std::memcmp(p.image, q.image, sizeof p.image) &&
-         !std::memcmp(p.velocity, q.velocity, sizeof p.velocity) &&
-         !std::memcmp(p.angular_velocity, q.angular_velocity, sizeof p.angular_velocity) &&
-         !std::memcmp(p.angular_momentum, q.angular_momentum, sizeof p.angular_momentum);
+  bool same = true;
+  visit_columns([&](const BodyColumn&, auto, auto member) {
+    same &= std::memcmp(&(p.*member), &(q.*member), sizeof(p.*member)) == 0;
+  });
+  return same;
 }
 
 struct Outcome {

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "rigid/collision/hollow_contacts.hpp"
+#include "rigid/collision/tube_contacts.hpp"
 #include "rigid/math/types.hpp"
 #include "tests/rigid/random.hpp"
 #include "tests/rigid/scene.hpp"
@@ -209,7 +209,7 @@ TEST(TubeContacts, GapIsThatOfASearchOverDirections) {
       const double off = i < 5 ? 0.05 : 3;
       const Pose pose{tube.position + Vec3(uniform(-off, off), uniform(-off, off), uniform(-off, off)),
                       i % 5 == 0 ? tube.orientation : random_turn()};
-      const double gap = gap_in_hollow(any(shape), pose, Tube{3}, tube);
+      const double gap = gap_in_tube(any(shape), pose, Tube{3}, tube);
       EXPECT_NEAR(gap, 3 - furthest(shape, pose, tube), 1e-9) << shape_name(any(shape)) << ' ' << i;
     }
 }
@@ -221,7 +221,7 @@ TEST(TubeContacts, PointsLieOnBothSurfaces) {
       const Pose tube{{1, 2, 3}, random_turn()},
           pose{tube.position + Vec3(uniform(-1, 1), uniform(-1, 1), uniform(-1, 1)), random_turn()};
       std::vector<ContactPoint> points;
-      append_hollow_contacts(shape, pose, Tube{3}, tube, 10, points);
+      append_tube_contacts(shape, pose, Tube{3}, tube, 10, points);
       ASSERT_FALSE(points.empty());
       double least = 10;
       for (std::size_t k = 0; k < points.size(); ++k) {
@@ -241,7 +241,7 @@ TEST(TubeContacts, PointsLieOnBothSurfaces) {
         }
         least = std::min(least, p.gap);
       }
-      EXPECT_NEAR(least, gap_in_hollow(any(shape), pose, Tube{3}, tube), 1e-14);
+      EXPECT_NEAR(least, gap_in_tube(any(shape), pose, Tube{3}, tube), 1e-14);
     }
 }
 
@@ -251,7 +251,7 @@ TEST(TubeContacts, BodiesAcrossTheTubeTouchAtBothEnds) {
   const Pose tube{{0, 0, 2}, along_x};
   const auto touching = [&](const ConvexShape& shape, const Pose& pose) {
     std::vector<ContactPoint> points;
-    append_hollow_contacts(shape, pose, Tube{2}, tube, 1e-9, points);
+    append_tube_contacts(shape, pose, Tube{2}, tube, 1e-9, points);
     return points;
   };
   const double rim = 2 - std::sqrt(4 - 0.64);  // height of the tube 0.8 beside its lowest line
@@ -324,12 +324,12 @@ TEST(Tube, EveryShapeSettles) {
     const Quat q(Eigen::AngleAxisd(0.3, Vec3(1, 2, 3).normalized()));
     Scene s = in_tube(R, 0.8, any(shape), {0, 10, R}, q);
     const Pose tube = s.bodies.pose(s.bodies.first_wall());
-    s.bodies.position[0][2] -= 0.9 * gap_in_hollow(any(shape), s.bodies.pose(0), Tube{R}, tube);
+    s.bodies.position[0][2] -= 0.9 * gap_in_tube(any(shape), s.bodies.pose(0), Tube{R}, tube);
     const auto energy = [&] { return s.kinetic_energy() + g * s.x(0)[2]; };
     const double start = energy();
     s.run(3000, 2e-3);
     EXPECT_LT(energy(), start) << name;
-    EXPECT_GT(gap_in_hollow(any(shape), s.bodies.pose(0), Tube{R}, tube), -2e-3) << name;
+    EXPECT_GT(gap_in_tube(any(shape), s.bodies.pose(0), Tube{R}, tube), -2e-3) << name;
     const bool rolls = shape.index() != 1 && shape.index() != 5;
     if (!rolls) {
       EXPECT_LT(s.kinetic_energy(), 1e-6) << name;

@@ -89,6 +89,12 @@ TEST(CheckExchange, FindsABodyWithoutAnOwner) {
   EXPECT_TEXT(error, "takes rank " + std::to_string(owner) + " for its owner");
 }
 
+TEST(CouplingState, HasALineForEveryMember) {
+  std::size_t bytes = 0;
+  visit_columns(CouplingState{}, [&](const CouplingColumn&, auto numbers) { bytes += numbers.size_bytes(); });
+  EXPECT_EQ(bytes, sizeof(CouplingState));
+}
+
 TEST(CheckExchange, FindsABodyThatLeftNoTrace) {
   ExchangeScene scene(1, 0);
   const int ball = scene.shape(rigid::Sphere{0.4});

@@ -26,7 +26,7 @@ void let_displace(Scene& s, BodyId id, double mass) {
   s.bodies.weight_in_fluid[s.row(id)] = 1 - mass / s.bodies.mass[s.row(id)];
 }
 Vec3 pending(const Scene& s, BodyId id) {
-  return pending_impact(s.bodies, s.row(id));
+  return coupling_of(s.bodies, s.row(id)).pending_impact();
 }
 
 TEST(ImpactsWithFluid, ReverseWhatMovesWithTheBodies) {
@@ -109,7 +109,7 @@ rigid::BodySet struck(const Vec3& pending) {
   bodies.owned = 1, bodies.copies = 1;
   for (std::size_t row = 0; row < 2; ++row) {
     bodies.weight_in_fluid[row] = 1 - 1 / density;
-    pending_impact(bodies, row) = pending;
+    coupling_of(bodies, row).pending_impact() = pending;
   }
   return bodies;
 }
@@ -120,7 +120,7 @@ TEST(EntrainedFluid, FollowsWithTheSpeedOfSound) {
   for (int t = 1; t <= 60; ++t) {
     give_pending_impacts(bodies);
     const double left = std::exp(-t / std::sqrt(3.0) / radius);
-    EXPECT_LT((pending_impact(bodies, 0) - left * impact).norm(), 1e-14) << t;
+    EXPECT_LT((coupling_of(bodies, 0).pending_impact() - left * impact).norm(), 1e-14) << t;
     EXPECT_LT((bodies.force[0].value() - (1 - left) * impact).norm(), 1e-13) << t;
   }
 }
@@ -128,14 +128,14 @@ TEST(EntrainedFluid, FollowsWithTheSpeedOfSound) {
 TEST(EntrainedFluid, IsPassedOnWholeInTheEnd) {
   rigid::BodySet bodies = struck(impact);
   for (int t = 0; t < 400; ++t) give_pending_impacts(bodies);
-  EXPECT_EQ(pending_impact(bodies, 0), Vec3::Zero());
+  EXPECT_EQ(coupling_of(bodies, 0).pending_impact(), Vec3::Zero());
   EXPECT_LT((bodies.force[0].value() - impact).norm(), 1e-13);
 }
 
 TEST(EntrainedFluid, OfCopiesIsLeftToTheirOwners) {
   rigid::BodySet bodies = struck(impact);
   give_pending_impacts(bodies);
-  EXPECT_EQ(pending_impact(bodies, 1), impact);
+  EXPECT_EQ(coupling_of(bodies, 1).pending_impact(), impact);
   EXPECT_EQ(bodies.force[1].value(), Vec3::Zero());
 }
 

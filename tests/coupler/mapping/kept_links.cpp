@@ -16,6 +16,7 @@
 #include "coupler/mapping/side_columns.hpp"
 #include "silt/simulation.hpp"
 #include "tests/coupler/coupled_scenes.hpp"
+#include "tests/ray_distance.hpp"
 #include "tests/shape_rows.hpp"
 
 namespace silt::coupler::testing {
@@ -236,7 +237,7 @@ std::optional<double> distance(const rigid::Shape& shape, const rigid::Pose& pos
                                const Vec3& c) {
   constexpr double past = 0.25;
   const Vec3 along = pose.orientation.conjugate() * c, from = pose.to_body(x) - past * along;
-  const double found = rigid::ray_distance(shape, from, along, 1 + 2 * past);
+  const double found = tests::ray_distance(shape, from, along, 1 + 2 * past);
   if (rigid::contains(shape, from) || found >= 1 + 2 * past) return {};
   return found - past;
 }
@@ -258,7 +259,7 @@ Errors errors(const std::string& type, const std::string& sizes, const Vec3& vel
   const double fastest = velocity.norm() + s.scene().world.bounding_radii[s.bodies().shape[0]] * spin.norm();
   const double scale = way / (fastest * (mapped_steps - 1) / 2);
   MappedMotion mapped{s.bodies().pose(0), scale * velocity, scale * spin, 100, 100 + mapped_steps};
-  set_mapped_motion(s.bodies(), 0, mapped);
+  coupling_of(s.bodies(), 0).mapped = mapped;
   const lbm::CellBox box{{0, 0, 0}, {32, 32, 32}};
   MapBodies map(s.scene().flow->fields().domain(), s.scene().world, std::span(&box, 1), 2);
   map(s.bodies());
@@ -273,7 +274,7 @@ Errors errors(const std::string& type, const std::string& sizes, const Vec3& vel
       const Int3 cell = g.corner + lbm::place_cell(links.place[l]),
                  c = lbm::c[lbm::place_direction(links.place[l])];
       const Vec3 x(cell.x + 0.5, cell.y + 0.5, cell.z + 0.5), along(c.x, c.y, c.z);
-      const std::optional<double> middle = distance(shape, mapped.pose, x, along);
+      const std::optional<double> middle = distance(shape, mapped.pose(), x, along);
       if (!middle || std::abs(*middle - links.q[l]) > 1e-4) continue;  // beside an edge
       for (double age = -(mapped_steps - 1) / 2; age <= (mapped_steps - 1) / 2; ++age) {
         const std::optional<double> exact = distance(shape, mapped.pose_after(age), x, along);
@@ -353,7 +354,7 @@ TEST(FollowingDistances, NoneOfABodyAtRestOrMappedForOneStep) {
   const lbm::Domain& domain = s.scene().flow->fields().domain();
   const lbm::CellBox box{{0, 0, 0}, domain.cells()};
   const auto built = [&](const MappedMotion& mapped) {
-    set_mapped_motion(s.bodies(), 0, mapped);
+    coupling_of(s.bodies(), 0).mapped = mapped;
     MapBodies map(domain, s.scene().world, std::span(&box, 1), 2);
     map(s.bodies());
     std::vector<SurfaceLinks<float>> surfaces;

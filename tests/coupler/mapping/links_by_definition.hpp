@@ -16,6 +16,7 @@
 #include "rigid/shapes/shape.hpp"
 #include "silt/simulation.hpp"
 #include "tests/coupler/mapping/edges_by_definition.hpp"
+#include "tests/ray_distance.hpp"
 
 namespace silt::coupler::testing {
 
@@ -43,11 +44,11 @@ class Geometry {
   /// 1: the link does not meet the body.
   double distance(std::size_t row, Int3 cell, int i) const {
     return on_link(row, cell, i,
-                   [&](const Vec3& x, const Vec3& c) { return rigid::ray_distance(shape(row), x, c, 1.0); });
+                   [&](const Vec3& x, const Vec3& c) { return tests::ray_distance(shape(row), x, c, 1.0); });
   }
   double distance_under_lip(std::size_t row, Int3 cell, int i) const {
     return on_link(row, cell, i, [&](const Vec3& x, const Vec3& c) {
-      return under_lip(shape(row), x, c, rigid::ray_distance(shape(row), x, c, 1.0));
+      return under_lip(shape(row), x, c, tests::ray_distance(shape(row), x, c, 1.0));
     });
   }
   /// The body that a link between two fluid cells crosses, -1: none.

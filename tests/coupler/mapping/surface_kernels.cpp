@@ -5,10 +5,12 @@
 #include <algorithm>
 #include <random>
 
-#include "coupler/mapping/bit_kernels.hpp"
-#include "coupler/mapping/surface_parts.hpp"
+#include "coupler/mapping/bit_kernel.hpp"
+#include "coupler/mapping/surface_distance.hpp"
 #include "cpu/isa.hpp"
+#include "rigid/shapes/surface_parts.hpp"
 #include "tests/coupler/mapping/edges_by_definition.hpp"
+#include "tests/ray_distance.hpp"
 #include "tests/shape_rows.hpp"
 
 namespace silt::coupler {
@@ -46,7 +48,7 @@ const lbm::SurfaceFrame frame{{8, 8, 4}, {0.137, -0.411, 0.279}, 16, true};
 
 template <class T, class Kernel>
 std::vector<T> distances(const rigid::Shape& shape, const Kernel& kernel, T past = 0) {
-  SurfaceParts<T> parts;
+  rigid::SurfaceParts<T> parts;
   parts.reset(shape, oblique);
   const auto places = random_links();
   std::vector<T> q(places.size());
@@ -56,7 +58,7 @@ std::vector<T> distances(const rigid::Shape& shape, const Kernel& kernel, T past
 
 template <class Kernel>
 BitWindow cells(const rigid::Shape& shape, const Kernel& kernel) {
-  SurfaceParts<double> parts;
+  rigid::SurfaceParts<double> parts;
   parts.reset(shape, oblique);
   BitWindow window;
   window.reset(BitFrame({-12, -12, -12}, {25, 25, 25}));
@@ -81,7 +83,7 @@ TEST(SurfaceKernels, AgreeWithTheShapesThemselves) {
       const Vec3 r = oblique.conjugate() * (Vec3(cell.x, cell.y, cell.z) + Vec3(frame.offset)),
                  c = oblique.conjugate() * Vec3(i.x, i.y, i.z);
       if (!rigid::contains(shape, r)) {
-        const double hit = rigid::ray_distance(shape, r, c, 1);
+        const double hit = tests::ray_distance(shape, r, c, 1);
         EXPECT_NEAR(q[l], coupler::testing::under_lip(shape, r, c, hit), 1e-8);
       }
     }
@@ -103,7 +105,7 @@ TEST(SurfaceKernels, FindSurfacesPastTheEndsOfLinks) {
       const Vec3 c = oblique.conjugate() * Vec3(i.x, i.y, i.z),
                  r = oblique.conjugate() * (Vec3(cell.x, cell.y, cell.z) + Vec3(frame.offset)) - past * c;
       if (rigid::contains(shape, r)) continue;
-      const double hit = rigid::ray_distance(shape, r, c, 1 + 2 * past) - past;
+      const double hit = tests::ray_distance(shape, r, c, 1 + 2 * past) - past;
       if (hit > 0 && hit < 1) {
         EXPECT_EQ(q[l], within[l]);
         continue;

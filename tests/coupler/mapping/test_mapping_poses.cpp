@@ -59,13 +59,13 @@ struct Passage {
     for (; steps < n; ++steps) {
       const Pose before = mapping_pose(bodies, 0);
       renew_mapping_poses(bodies, world, coupling, steps);
-      const MappedMotion mapped = mapped_motion(bodies, 0);
+      const MappedMotion& mapped = coupling_of(bodies, 0).mapped;
       const Pose now = bodies.pose(0);
-      mappings += mapped.pose != before;
-      furthest_off = std::max(furthest_off, furthest(now, mapped.pose));
+      mappings += mapped.pose() != before;
+      furthest_off = std::max(furthest_off, furthest(now, mapped.pose()));
       furthest_from_foreseen =
           std::max(furthest_from_foreseen, furthest(now, mapped.pose_after(steps - mapped.middle())));
-      mean_off += (bodies.position[0] - mapped.pose.position) / n;
+      mean_off += (bodies.position[0] - mapped.position()) / n;
       rigid::drift(bodies, bodies.owned, 1);
     }
   }
@@ -131,7 +131,7 @@ TEST(MappingPoses, ABodyThatStopsIsMappedWhereItRests) {
   p.bodies.set_velocity(0, {0, 0, 0}, {0, 0, 0});
   p.run(60);
   EXPECT_EQ(furthest(p.bodies.pose(0), mapping_pose(p.bodies, 0)), 0);
-  EXPECT_TRUE(mapped_motion(p.bodies, 0).is_at_rest());
+  EXPECT_TRUE(coupling_of(p.bodies, 0).mapped.is_at_rest());
   const int before = p.mappings;
   p.run(1000);
   EXPECT_EQ(p.mappings, before);

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <random>
 
-#include "rigid/collision/hollow_contacts.hpp"
+#include "rigid/collision/tube_contacts.hpp"
 #include "rigid/shapes/shape.hpp"
 #include "silt/case/case.hpp"
 #include "silt/case/case_check.hpp"
@@ -186,8 +186,8 @@ TEST(Fill, StaysInATube) {
   const auto bodies = bodies_of(setup);
   ASSERT_EQ(bodies.size(), 16u);
   for (const BodySpec& body : bodies)
-    EXPECT_GE(rigid::gap_in_hollow(setup.shapes[body.shape], body.pose, rigid::Tube{14},
-                                   setup.walls[0].hollow()->pose()),
+    EXPECT_GE(rigid::gap_in_tube(setup.shapes[body.shape], body.pose, rigid::Tube{14},
+                                 setup.walls[0].tube()->pose()),
               0);
 }
 

@@ -7,6 +7,7 @@
 
 #include "rigid/bodies/walls.hpp"
 #include "rigid/shapes/shape.hpp"
+#include "tests/ray_distance.hpp"
 #include "tests/rigid/scene.hpp"
 
 namespace silt::rigid::testing {
@@ -269,7 +270,7 @@ TEST(Films, WithoutALawNothingIsSeenFromAfar) {
 double fall_of(const ConvexShape& shape, const Vec3& x, const Vec3& n, const Vec3& aside) {
   const double far = 1;
   const Shape any = std::visit([](const auto& s) -> Shape { return s; }, shape);
-  return ray_distance(any, x + far * n + aside, -n, 2 * far) - far;
+  return tests::ray_distance(any, x + far * n + aside, -n, 2 * far) - far;
 }
 
 TEST(Curvature, IsThatOfTheSurface) {

@@ -7,6 +7,7 @@
 #include "rigid/math/types.hpp"
 #include "rigid/shapes/cone.hpp"
 #include "rigid/shapes/shape.hpp"
+#include "tests/ray_distance.hpp"
 #include "tests/rigid/random.hpp"
 #include "tests/shape_rows.hpp"
 
@@ -21,6 +22,7 @@ Vec3 random_vector(double size) {
 }
 
 using tests::all_solids;
+using tests::ray_distance;
 
 TEST(Shape, HasARowOfTheTestsTable) {
   const auto expect_rows = []<class... S>(const std::variant<S...>*) {

@@ -10,6 +10,7 @@
 
 #include "rigid/math/types.hpp"
 #include "rigid/shapes/shape.hpp"
+#include "tests/ray_distance.hpp"
 #include "tests/rigid/random.hpp"
 #include "tests/rigid/shapes/meshes.hpp"
 
@@ -257,8 +258,8 @@ TEST(TriangleMesh, AShapeSaysWhatItsMeshDoes) {
   EXPECT_LT((box.upper - Vec3(1.25, 3.25, 4.25)).norm(), 1e-12);
   const Shape moved = recentred(torus, {1, 0, 0});
   EXPECT_LT((mass_properties(moved).centre - Vec3(-1, 0, 0)).norm(), 1e-13);
-  EXPECT_NEAR(ray_distance(torus, {-3, 0, 0}, {2, 0, 0}, 10), 0.875, 1e-12);
-  EXPECT_EQ(ray_distance(torus, {-3, 0, 1}, {2, 0, 0}, 10), 10);
+  EXPECT_NEAR(tests::ray_distance(torus, {-3, 0, 0}, {2, 0, 0}, 10), 0.875, 1e-12);
+  EXPECT_EQ(tests::ray_distance(torus, {-3, 0, 1}, {2, 0, 0}, 10), 10);
 }
 
 }  // namespace

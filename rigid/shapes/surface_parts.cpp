@@ -1,13 +1,10 @@
-#include "coupler/mapping/surface_parts.hpp"
+#include "rigid/shapes/surface_parts.hpp"
 
 #include <algorithm>
 
 #include "rigid/shapes/shape.hpp"
 
-namespace silt::coupler {
-
-using rigid::Mat3;
-using rigid::Vec3;
+namespace silt::rigid {
 
 namespace {
 
@@ -15,38 +12,37 @@ namespace {
 template <class T>
 class Preparation {
  public:
-  using Kind = PartKind;
-
   /// Prepares the parts of a body at this orientation.
-  Preparation(const rigid::Quat& orientation, std::vector<SurfacePart<T>>& parts,
-              std::vector<Plane<T>>& planes)
+  Preparation(const Quat& orientation, std::vector<SurfacePart<T>>& parts, std::vector<Plane<T>>& planes)
       : to_body_(orientation.toRotationMatrix().transpose()), parts_(parts), planes_(planes) {}
 
-  void operator()(const rigid::Compound& c) {
-    for (const rigid::Part& part : c.parts) {
+  void operator()(const Compound& c) {
+    for (const Part& part : c.parts) {
       part_ = part.pose;
       std::visit([&](const auto& shape) { shape.surface(*this); }, part.shape);
     }
   }
-  void operator()(const rigid::Mesh&) {}  // its triangles are no parts: placed_mesh.hpp
+  void operator()(const Mesh&) {}  // its triangles are no parts
   template <class S>
   void operator()(const S& shape) {
     shape.surface(*this);
   }
 
   /// Adds a part of this size within a box of half edges `extent`, which is the size where none is given.
-  void add(Kind kind, const Vec3& size) { add(kind, size, size); }
-  void add(Kind kind, const Vec3& size, const Vec3& extent) { add(kind, axes(), centre(), size, extent); }
+  void add(SurfaceKind kind, const Vec3& size) { add(kind, size, size); }
+  void add(SurfaceKind kind, const Vec3& size, const Vec3& extent) {
+    add(kind, axes(), centre(), size, extent);
+  }
   /// About a point of the shape's frame.
-  void add_shifted(Kind kind, const Vec3& at, const Vec3& size) {
+  void add_shifted(SurfaceKind kind, const Vec3& at, const Vec3& size) {
     add(kind, axes(), centre() + at, size, size);
   }
   /// It looks alike from all sides: the axes stay those of the world.
-  void add_unturned(Kind kind, const Vec3& size) {
+  void add_unturned(SurfaceKind kind, const Vec3& size) {
     add(kind, Mat3::Identity(), to_body_.transpose() * part_.position, size, size);
   }
   /// Adds a part whose size is 1 in coordinates that are `scale` times as large along its axes.
-  void add_scaled(Kind kind, const Vec3& scale) {
+  void add_scaled(SurfaceKind kind, const Vec3& scale) {
     add(kind, scale.asDiagonal() * axes(), scale.asDiagonal() * centre(), Vec3::Ones(), Vec3::Ones());
   }
   /// Adds a plane to the part that was added last.
@@ -60,7 +56,7 @@ class Preparation {
   Mat3 axes() const { return to_part() * to_body_; }
   Vec3 centre() const { return to_part() * part_.position; }
 
-  void add(Kind kind, const Mat3& axes, const Vec3& centre, const Vec3& size, const Vec3& extent) {
+  void add(SurfaceKind kind, const Mat3& axes, const Vec3& centre, const Vec3& size, const Vec3& extent) {
     SurfacePart<T> part{};
     part.kind = kind;
     part.first_plane = std::uint32_t(planes_.size());
@@ -74,7 +70,7 @@ class Preparation {
   }
 
   Mat3 to_body_;
-  rigid::Pose part_;  // to the body
+  Pose part_;  // to the body
   std::vector<SurfacePart<T>>& parts_;
   std::vector<Plane<T>>& planes_;
 };
@@ -82,7 +78,7 @@ class Preparation {
 }  // namespace
 
 template <class T>
-void SurfaceParts<T>::reset(const rigid::Shape& shape, const rigid::Quat& orientation) {
+void SurfaceParts<T>::reset(const Shape& shape, const Quat& orientation) {
   parts_.clear();
   planes_.clear();
   std::visit(Preparation<T>(orientation, parts_, planes_), shape);
@@ -91,12 +87,11 @@ void SurfaceParts<T>::reset(const rigid::Shape& shape, const rigid::Quat& orient
 template <class T>
 bool SurfaceParts<T>::has_edges() const {
   return std::any_of(parts_.begin(), parts_.end(), [](const SurfacePart<T>& part) {
-    using enum PartKind;
-    return part.kind == box || part.kind == cylinder || part.kind == cone || part.planes > 1;
+    return rigid::has_edges(part.kind) && part.planes != 1;
   });
 }
 
 template class SurfaceParts<float>;
 template class SurfaceParts<double>;
 
-}  // namespace silt::coupler
+}  // namespace silt::rigid

@@ -1,18 +1,18 @@
 #pragma once
-// The parts of a body's surface for the kernels of object mapping, made once a mapping of the body.
+// The parts of a body's surface for kernels, made once for an orientation.
 #include <vector>
 
-#include "coupler/mapping/surface_primitives.hpp"
 #include "rigid/math/types.hpp"
 #include "rigid/shapes/shape_fwd.hpp"
+#include "rigid/shapes/surface_kinds.hpp"
 
-namespace silt::coupler {
+namespace silt::rigid {
 
 template <class T>
 class SurfaceParts {
  public:
   /// Keeps nothing of what it was made of before but the memory.
-  void reset(const rigid::Shape&, const rigid::Quat& orientation);
+  void reset(const Shape&, const Quat& orientation);
   /// Returns whether some part has convex edges.
   bool has_edges() const;
   SurfaceView<T> view() const { return {parts_.data(), int(parts_.size()), planes_.data()}; }
@@ -22,4 +22,4 @@ class SurfaceParts {
   std::vector<Plane<T>> planes_;
 };
 
-}  // namespace silt::coupler
+}  // namespace silt::rigid

@@ -1,21 +1,20 @@
 #pragma once
-// Surfaces as the kernels of object mapping see them: the convex parts of a body, turned as the body is, in
-// the precision of the kernel, each one of few kinds. And, for kernels that are built once an instruction
-// set, where straight lines are inside a part: one interval each, one lane a line.
-// rigid/shapes/solid.hpp is the same for one line, in double and with care for lines from afar; here
-// lines start within a few cells of the part, and every branch is a selection.
+// The kinds of surface that a convex part of a body can have, as kernels see it: turned as the body is, in
+// the precision of the kernel. And, for kernels that are built once an instruction set, all that they ask of
+// a kind: where straight lines are inside (one interval each, one lane a line), and the nearest edge. Lines
+// start within a few cells of the part, and every branch is a selection; the line_interval of a shape
+// (solid.hpp) is the same for one line, in double and with care for lines from afar.
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <type_traits>
 
 #include "cpu/device_code.hpp"
-#include "cpu/isa.hpp"
-#include "lbm/walls/cut_links.hpp"
 #ifdef SILT_ISA
 #include "cpu/lanes.hpp"
 #endif
 
-namespace silt::coupler {
+namespace silt::rigid {
 
 /// normal . x <= offset inside.
 template <class T>
@@ -24,17 +23,18 @@ struct Plane {
 };
 
 /// `sphere`: its axes are those of the world. `planes`: what lies behind all of them.
-/// `hollow`: the cylinder without end that is the hole of a tube.
-enum class PartKind : std::uint8_t { sphere, ellipsoid, box, capsule, cylinder, cone, planes, hollow };
-/// Returns whether the inside of the part is a hole and all else is solid.
-constexpr bool is_hollow(PartKind kind) {
-  return kind == PartKind::hollow;
+/// `tube`: its hole, a cylinder without end; all else is solid.
+enum class SurfaceKind : std::uint8_t { sphere, ellipsoid, box, capsule, cylinder, cone, planes, tube };
+/// Returns whether the part has convex edges; of `planes` it has unless there is one alone.
+constexpr bool has_edges(SurfaceKind kind) {
+  using enum SurfaceKind;
+  return kind == box || kind == cylinder || kind == cone || kind == planes;
 }
 
 /// Lengths in cells, along the part's own axes; for an ellipsoid in its half axes, so that it is a ball.
 template <class T>
 struct SurfacePart {
-  PartKind kind;
+  SurfaceKind kind;
   T axes[3][3];  // rows: the part's axes in the world
   T centre[3];   // from the body's reference point
   T size[3];     // half edges; or radius, radius, half length (of a cone's base, half height)
@@ -50,29 +50,10 @@ struct SurfaceView {
   const Plane<T>* planes;
 };
 
-/// Links whose wall distances are wanted, whole vectors of them: places that count from a cell.
-struct PlacedLinks {
-  const std::uint32_t* place;
-  int padded;
-  lbm::Int3 corner;
-};
-/// Sets the wall distances of links, with the lip of bodies of one part (edge_lip.hpp). They are found up to
-/// `past` before and after the link, in units of it, of a surface that has moved past one of the link's ends;
-/// 1 + past for a line that does not meet it there.
-template <class Real, class T>
-using SurfaceDistances = void (*)(const PlacedLinks&, const lbm::SurfaceFrame&, const SurfaceView<Real>&,
-                                  Real past, T* q);
-SILT_BUILDS(template <class Real, class T> SurfaceDistances<Real, T> surface_distances();)
-/// The build that runs here.
-template <class Real, class T>
-SurfaceDistances<Real, T> distance_kernel() {
-  return SILT_CHOSEN(surface_distances<Real, T>)();
-}
-
-}  // namespace silt::coupler
+}  // namespace silt::rigid
 
 #ifdef SILT_ISA
-namespace silt::coupler::SILT_ISA {
+namespace silt::rigid::SILT_ISA {
 
 /// Parameters along the lines; enter > leave: the line misses.
 template <class T>
@@ -96,7 +77,7 @@ struct IntervalLanes {
 };
 
 /// Lines o + t d in the axes of a part, from its centre.
-template <class T, PartKind kind>
+template <class T, SurfaceKind kind>
 class LineLanes {
  public:
   using L = Lanes<T>;
@@ -107,7 +88,7 @@ class LineLanes {
   /// r and c: the same in the axes of the world, from the body's reference point.
   SILT_DEVICE LineLanes(const Part& part, const V (&r)[3], const V (&c)[3]) {
     for (int k = 0; k < 3; ++k)
-      if constexpr (kind == PartKind::sphere) {
+      if constexpr (kind == SurfaceKind::sphere) {
         o_[k] = r[k] - part.centre[k], d_[k] = c[k];
       } else {
         const T *const axis = part.axes[k], centre = part.centre[k];
@@ -132,23 +113,23 @@ class LineLanes {
 
   SILT_DEVICE Interval inside(const Part& part, const Plane<T>* planes) const {
     const T* const size = part.size;
-    if constexpr (kind == PartKind::sphere || kind == PartKind::ellipsoid) {
+    if constexpr (kind == SurfaceKind::sphere || kind == SurfaceKind::ellipsoid) {
       return ball(T(0), size[0]);
-    } else if constexpr (kind == PartKind::box) {
+    } else if constexpr (kind == SurfaceKind::box) {
       return slab(0, size[0]).within(slab(1, size[1])).within(slab(2, size[2]));
-    } else if constexpr (kind == PartKind::capsule) {
+    } else if constexpr (kind == SurfaceKind::capsule) {
       return barrel(size[0])
           .within(slab(2, size[2]))
           .joined(ball(size[2], size[0]))
           .joined(ball(-size[2], size[0]));
-    } else if constexpr (kind == PartKind::cylinder) {
+    } else if constexpr (kind == SurfaceKind::cylinder) {
       return barrel(size[0]).within(slab(2, size[2]));
-    } else if constexpr (kind == PartKind::cone) {
+    } else if constexpr (kind == SurfaceKind::cone) {
       return tapered(size[0], size[2]).within(slab(2, size[2]));
-    } else if constexpr (kind == PartKind::planes) {
+    } else if constexpr (kind == SurfaceKind::planes) {
       return clipped(planes + part.first_plane, part.planes);
     } else {
-      static_assert(kind == PartKind::hollow);
+      static_assert(kind == SurfaceKind::tube);
       return barrel(size[0]);
     }
   }
@@ -159,7 +140,7 @@ class LineLanes {
   /// a t^2 + 2 b t + c <= 0, a >= 0.
   SILT_DEVICE static Interval between_roots(const V& a, const V& b, const V& c) {
     const V discriminant = b * b - a * c, s = L::root(discriminant < T(0) ? V{} : discriminant);
-    const auto outside = is_hollow(kind) ? c >= T(0) : c > T(0);                     // the surface is solid
+    const auto outside = kind == SurfaceKind::tube ? c >= T(0) : c > T(0);           // the surface is solid
     const V parallel = outside ? V{} + infinity : V{} - infinity, per_a = T(1) / a;  // a may be 0
     const V enter = a > T(0) ? (-b - s) * per_a : parallel, leave = a > T(0) ? (s - b) * per_a : -parallel;
     return {discriminant < T(0) ? V{} + infinity : enter, discriminant < T(0) ? V{} - infinity : leave};
@@ -218,29 +199,99 @@ class LineLanes {
   V o_[3], d_[3];
 };
 
-/// Calls use(std::integral_constant<PartKind, kind>{}).
+/// The neighbourhood of the point where a line meets a surface: the distance along the surface to the nearest
+/// edge; |n.d|, with d the line's direction; and the edge's share, sin^2 of the angle it turns by (1 from a
+/// right angle on).
+template <class T>
+struct NearestEdge {
+  using L = Lanes<T>;
+  using V = typename L::Real;
+  V distance = V{} + std::numeric_limits<T>::infinity(), slope{}, share = V{} + T(1);
+
+  /// p is a point on the part, in its axes from its centre.
+  template <SurfaceKind kind>
+  SILT_DEVICE NearestEdge(std::integral_constant<SurfaceKind, kind>, const V (&p)[3], const V (&d)[3],
+                          const SurfacePart<T>& part, const Plane<T>* planes) {
+    static_assert(has_edges(kind));
+    if constexpr (kind == SurfaceKind::box)
+      of_box(p, d, part);
+    else if constexpr (kind == SurfaceKind::planes)
+      of_planes(p, d, planes + part.first_plane, planes + part.first_plane + part.planes);
+    else
+      of_rim(p, d, part, kind == SurfaceKind::cone);
+  }
+
+ private:
+  SILT_DEVICE void of_box(const V (&p)[3], const V (&d)[3], const SurfacePart<T>& part) {
+    V depth{};
+    for (int k = 0; k < 3; ++k) {
+      const V other = part.size[k] - L::magnitude(p[k]);
+      const auto nearer = k == 0 ? other == other : other < depth;
+      if (k > 0) {
+        const V second = nearer ? depth : other;
+        distance = second < distance ? second : distance;
+      }
+      depth = nearer ? other : depth, slope = nearer ? L::magnitude(d[k]) : slope;
+    }
+  }
+  /// Takes the rim at either end of a cylinder, or at the base of a cone, whose apex is up.
+  SILT_DEVICE void of_rim(const V (&p)[3], const V (&d)[3], const SurfacePart<T>& part, bool tapers) {
+    const T taper = tapers ? part.size[0] / (2 * part.size[2]) : T(0), slant = std::sqrt(1 + taper * taper);
+    const V r = L::root(p[0] * p[0] + p[1] * p[1]), z = tapers ? -p[2] : L::magnitude(p[2]);
+    const V end = part.size[2] - z;
+    const V side = (tapers ? taper * (part.size[2] + z) : V{} + part.size[0]) - r;
+    const auto on_end = end < side;
+    const V outwards = (d[0] * p[0] + d[1] * p[1]) / r;
+    distance = on_end ? part.size[0] - r : end * slant;
+    slope = L::magnitude(on_end ? d[2] : (outwards + taper * d[2]) / slant);
+  }
+  /// The face is the plane that the point is next to; each other plane cuts it off somewhere.
+  SILT_DEVICE void of_planes(const V (&p)[3], const V (&d)[3], const Plane<T>* first, const Plane<T>* end) {
+    V least = distance, n[3] = {};
+    const auto depth_under = [&](const T* m, T offset) {
+      return offset - (m[0] * p[0] + m[1] * p[1] + m[2] * p[2]);
+    };
+    for (const Plane<T>* plane = first; plane < end; ++plane) {
+      const V depth = depth_under(plane->normal, plane->offset);
+      const auto nearer = depth < least;
+      least = nearer ? depth : least;
+      for (int k = 0; k < 3; ++k) n[k] = nearer ? V{} + plane->normal[k] : n[k];
+    }
+    slope = L::magnitude(n[0] * d[0] + n[1] * d[1] + n[2] * d[2]);
+    for (const Plane<T>* plane = first; plane < end; ++plane) {
+      const T* const m = plane->normal;
+      const V cosine = n[0] * m[0] + n[1] * m[1] + n[2] * m[2], square = T(1) - cosine * cosine;
+      const V found = depth_under(m, plane->offset) / L::root(square < T(0) ? V{} : square);
+      const auto nearer = (square > T(1e-6)) & (found < distance);
+      distance = nearer ? found : distance;
+      share = nearer ? cosine > T(0) ? square : V{} + T(1) : share;
+    }
+  }
+};
+
+/// Calls use(std::integral_constant<SurfaceKind, kind>{}).
 template <class F>
-SILT_DEVICE void with_kind(PartKind kind, F&& use) {
-  using enum PartKind;
+SILT_DEVICE void with_kind(SurfaceKind kind, F&& use) {
+  using enum SurfaceKind;
   switch (kind) {
     case sphere:
-      return use(std::integral_constant<PartKind, sphere>{});
+      return use(std::integral_constant<SurfaceKind, sphere>{});
     case ellipsoid:
-      return use(std::integral_constant<PartKind, ellipsoid>{});
+      return use(std::integral_constant<SurfaceKind, ellipsoid>{});
     case box:
-      return use(std::integral_constant<PartKind, box>{});
+      return use(std::integral_constant<SurfaceKind, box>{});
     case capsule:
-      return use(std::integral_constant<PartKind, capsule>{});
+      return use(std::integral_constant<SurfaceKind, capsule>{});
     case cylinder:
-      return use(std::integral_constant<PartKind, cylinder>{});
+      return use(std::integral_constant<SurfaceKind, cylinder>{});
     case cone:
-      return use(std::integral_constant<PartKind, cone>{});
+      return use(std::integral_constant<SurfaceKind, cone>{});
     case planes:
-      return use(std::integral_constant<PartKind, planes>{});
-    case hollow:
-      return use(std::integral_constant<PartKind, hollow>{});
+      return use(std::integral_constant<SurfaceKind, planes>{});
+    case tube:
+      return use(std::integral_constant<SurfaceKind, tube>{});
   }
 }
 
-}  // namespace silt::coupler::SILT_ISA
+}  // namespace silt::rigid::SILT_ISA
 #endif

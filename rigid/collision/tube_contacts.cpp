@@ -1,4 +1,4 @@
-#include "rigid/collision/hollow_contacts.hpp"
+#include "rigid/collision/tube_contacts.hpp"
 
 #include <algorithm>
 #include <array>
@@ -14,30 +14,10 @@ namespace {
 
 using Vec2 = Eigen::Vector2d;
 
-/// A hollow at a pose, by its own members. World frame.
-template <class Hollow>
-class Placed {
- public:
-  static constexpr bool is_round = false;
-  Placed(const Hollow& hollow, const Pose& pose) : hollow_(hollow), pose_(pose) {}
-  double gap(const Vec3& x) const { return hollow_.gap(pose_, x); }
-  Vec3 outward(const Vec3& x) const { return hollow_.outward(pose_, x); }
-  /// A direction at an angle about the axis.
-  Vec3 around(double angle) const {
-    return pose_.orientation * Vec3(elementary::cos(angle), elementary::sin(angle), 0);
-  }
-
- private:
-  const Hollow& hollow_;
-  const Pose& pose_;
-};
-
 /// A tube is looked at along its axis: x and y of its frame, from the axis.
-template <>
-class Placed<Tube> {
+class PlacedTube {
  public:
-  static constexpr bool is_round = true;
-  Placed(const Tube& tube, const Pose& pose)
+  PlacedTube(const Tube& tube, const Pose& pose)
       : radius_(tube.radius), position_(pose.position), turn_(pose.orientation.toRotationMatrix()) {}
   Vec2 of_point(const Vec3& x_W) const { return of_direction(x_W - position_); }
   Vec2 of_direction(const Vec3& v_W) const { return {turn_.col(0).dot(v_W), turn_.col(1).dot(v_W)}; }
@@ -48,7 +28,6 @@ class Placed<Tube> {
     const double distance = from_axis.norm();
     return to_world(distance > 0 ? Vec2(from_axis / distance) : Vec2(Vec2::UnitX()));
   }
-  Vec3 around(double angle) const { return to_world({elementary::cos(angle), elementary::sin(angle)}); }
 
  private:
   double radius_;
@@ -121,24 +100,13 @@ FurthestOnEllipse furthest_on_ellipse(const Vec2& centre, const Eigen::Matrix2d&
   return found;
 }
 
-/// Calls use(centre, radius, feature) for balls or points of a body, the nearest to the wall among them. The
-/// body says which balls, discs and ellipsoids it is the hull of (`extremes`); one that does not is searched.
-template <class Wall, class Use>
+/// Calls use(centre, radius, feature) for balls or points of a body, the nearest to the wall among them:
+/// those of the balls, discs and ellipsoids that the body is the hull of (`extremes` of its shape).
+template <class Use>
 class ExtremePoints {
  public:
-  ExtremePoints(const Pose& body, const Wall& wall, Use& use) : pose_(body), wall_(wall), use_(use) {}
-
-  template <class S>
-  void operator()(const S& shape) const {
-    if constexpr (requires { shape.extremes(*this); }) {
-      shape.extremes(*this);
-    } else {
-      const Mat3 turn = pose_.orientation.toRotationMatrix();
-      search(0, [&](const Vec3& n) -> Vec3 {
-        return pose_.position + turn * shape.support(turn.transpose() * n);
-      });
-    }
-  }
+  ExtremePoints(const Pose& body, const PlacedTube& wall, const Use& use)
+      : pose_(body), wall_(wall), use_(use) {}
 
   void ball(const Vec3& centre_B, double radius, std::uint32_t feature) const {
     use_(pose_.to_world(centre_B), radius, feature);
@@ -147,11 +115,8 @@ class ExtremePoints {
   void disc(double z, double radius, std::uint32_t first_feature) const {
     const Mat3 turn = pose_.orientation.toRotationMatrix();
     const Vec3 centre = pose_.to_world({0, 0, z});
-    const auto spread = [&](const auto& tube) -> Eigen::Matrix2d {
-      const Vec2 u = radius * tube.of_direction(turn.col(0)), v = radius * tube.of_direction(turn.col(1));
-      return u * u.transpose() + v * v.transpose();
-    };
-    for_nearest(centre, spread, first_feature, [&](const Vec3& n) -> Vec3 {
+    const Vec2 u = radius * wall_.of_direction(turn.col(0)), v = radius * wall_.of_direction(turn.col(1));
+    for_nearest(centre, u * u.transpose() + v * v.transpose(), first_feature, [&](const Vec3& n) -> Vec3 {
       const double x = turn.col(0).dot(n), y = turn.col(1).dot(n), across = elementary::hypot(x, y);
       if (!(across > 0)) return centre;  // the whole rim is equally far
       return centre + radius / across * (x * turn.col(0) + y * turn.col(1));
@@ -159,90 +124,57 @@ class ExtremePoints {
   }
   void ellipsoid(const Vec3& half_axes, std::uint32_t first_feature) const {
     const Mat3 axes = pose_.orientation.toRotationMatrix() * half_axes.asDiagonal();
-    const auto spread = [&](const auto& tube) -> Eigen::Matrix2d {
-      Eigen::Matrix<double, 2, 3> shadow;
-      for (int k = 0; k < 3; ++k) shadow.col(k) = tube.of_direction(axes.col(k));
-      return shadow * shadow.transpose();
-    };
-    for_nearest(pose_.position, spread, first_feature, [&](const Vec3& n) -> Vec3 {
+    Eigen::Matrix<double, 2, 3> shadow;
+    for (int k = 0; k < 3; ++k) shadow.col(k) = wall_.of_direction(axes.col(k));
+    for_nearest(pose_.position, shadow * shadow.transpose(), first_feature, [&](const Vec3& n) -> Vec3 {
       return pose_.position + axes * (axes.transpose() * n).normalized();
     });
   }
 
  private:
-  /// support(n): the point of a disc or ellipsoid furthest along n. Its shadow along the axis of a tube is an
-  /// ellipse, of this spread; where that is furthest from the axis, n points from the axis to it.
-  template <class Spread, class Support>
-  void for_nearest(const Vec3& centre, Spread&& spread, std::uint32_t first_feature,
-                   Support&& support) const {
-    if constexpr (Wall::is_round) {
-      const FurthestOnEllipse found = furthest_on_ellipse(wall_.of_point(centre), spread(wall_));
-      const bool ordered = found.count < 2 || found.end[0] == 0;
-      for (int k = 0; k < found.count; ++k) {
-        const int which = ordered ? k : 1 - k;
-        use_(support(wall_.to_world(found.direction[which])), 0, first_feature + found.end[which]);
-      }
-    } else {
-      search(first_feature, support);
-    }
-  }
-
-  /// Searches from directions all round: the point furthest along the way from the last one to the wall is
-  /// nearer still.
+  /// support(n): the point of a disc or ellipsoid furthest along n. Its shadow along the axis of the tube is
+  /// an ellipse, of this spread; where that is furthest from the axis, n points from the axis to it.
   template <class Support>
-  void search(std::uint32_t first_feature, Support&& support) const {
-    constexpr int directions = 8, steps = 100;
-    for (int k = 0; k < directions; ++k) {
-      Vec3 n = wall_.around(2 * std::numbers::pi * k / directions), x = pose_.position;
-      for (int step = 0; step < steps; ++step) {
-        x = support(n);
-        const Vec3 next = wall_.outward(x);
-        if (next == n) break;
-        n = next;
-      }
-      use_(x, 0, first_feature * directions + std::uint32_t(k));
+  void for_nearest(const Vec3& centre, const Eigen::Matrix2d& spread, std::uint32_t first_feature,
+                   Support&& support) const {
+    const FurthestOnEllipse found = furthest_on_ellipse(wall_.of_point(centre), spread);
+    const bool ordered = found.count < 2 || found.end[0] == 0;
+    for (int k = 0; k < found.count; ++k) {
+      const int which = ordered ? k : 1 - k;
+      use_(support(wall_.to_world(found.direction[which])), 0, first_feature + found.end[which]);
     }
   }
 
   const Pose& pose_;
-  const Wall& wall_;
-  Use& use_;
+  const PlacedTube& wall_;
+  const Use& use_;
 };
 
-/// Calls use(wall, centre, radius, feature) for the extreme points of a body in a hollow.
 template <class Use>
-void for_extreme_points(const ConvexShape& body, const Pose& pose, const HollowShape& hollow,
-                        const Pose& pose_of_hollow, Use&& use) {
-  std::visit(
-      [&](const auto& shape) {
-        const Placed wall(shape, pose_of_hollow);
-        const auto of_wall = [&](const Vec3& centre, double radius, std::uint32_t feature) {
-          use(wall, centre, radius, feature);
-        };
-        std::visit(ExtremePoints(pose, wall, of_wall), body);
-      },
-      hollow);
+void for_extreme_points(const ConvexShape& body, const Pose& pose, const PlacedTube& wall, Use&& use) {
+  const ExtremePoints points(pose, wall, use);
+  std::visit([&](const auto& shape) { shape.extremes(points); }, body);
 }
 
 }  // namespace
 
-void append_hollow_contacts(const ConvexShape& body, const Pose& pose, const HollowShape& hollow,
-                            const Pose& pose_of_hollow, double tolerance, std::vector<ContactPoint>& out) {
-  for_extreme_points(body, pose, hollow, pose_of_hollow,
-                     [&](const auto& wall, const Vec3& centre, double radius, std::uint32_t feature) {
-                       const double gap = wall.gap(centre) - radius;
-                       if (gap > tolerance) return;
-                       const Vec3 normal = wall.outward(centre), on_body = centre + radius * normal;
-                       out.push_back({on_body, on_body + gap * normal, normal, gap, feature});
-                     });
+void append_tube_contacts(const ConvexShape& body, const Pose& pose, const Tube& tube,
+                          const Pose& pose_of_tube, double tolerance, std::vector<ContactPoint>& out) {
+  const PlacedTube wall(tube, pose_of_tube);
+  for_extreme_points(body, pose, wall, [&](const Vec3& centre, double radius, std::uint32_t feature) {
+    const double gap = wall.gap(centre) - radius;
+    if (gap > tolerance) return;
+    const Vec3 normal = wall.outward(centre), on_body = centre + radius * normal;
+    out.push_back({on_body, on_body + gap * normal, normal, gap, feature});
+  });
 }
 
-double gap_in_hollow(const Shape& shape, const Pose& pose, const HollowShape& hollow,
-                     const Pose& pose_of_hollow) {
+double gap_in_tube(const Shape& shape, const Pose& pose, const Tube& tube, const Pose& pose_of_tube) {
+  const PlacedTube wall(tube, pose_of_tube);
   double gap = std::numeric_limits<double>::infinity();
   for (const Part& part : convex_parts(shape))
-    for_extreme_points(part.shape, pose * part.pose, hollow, pose_of_hollow,
-                       [&](const auto& wall, const Vec3& centre, double radius, std::uint32_t) {
+    for_extreme_points(part.shape, pose * part.pose, wall,
+                       [&](const Vec3& centre, double radius, std::uint32_t) {
                          gap = std::min(gap, wall.gap(centre) - radius);
                        });
   return gap;

@@ -5,8 +5,8 @@
 
 #include "coupler/mapping/bit_window.hpp"
 #include "coupler/mapping/cell_bits.hpp"
-#include "coupler/mapping/surface_primitives.hpp"
 #include "cpu/isa.hpp"
+#include "rigid/shapes/surface_kinds.hpp"
 
 namespace silt::coupler {
 
@@ -38,7 +38,8 @@ struct FrameRows {
 struct BitKernels {
   /// Sets the bits of the cells inside a ball, or inside any part of a surface.
   void (*mark_sphere)(const BitFrame&, const PointInFrame&, double radius, std::uint64_t* words);
-  void (*mark_parts)(const BitFrame&, const PointInFrame&, const SurfaceView<double>&, std::uint64_t* words);
+  void (*mark_parts)(const BitFrame&, const PointInFrame&, const rigid::SurfaceView<double>&,
+                     std::uint64_t* words);
   /// Lists the links of some rows. Both lists need link_lanes of room more than they get.
   LinkCounts (*list_links)(const BitFrame&, const FrameRows&, const LinkBits&, std::uint32_t* place,
                            std::uint32_t* single_cell);
