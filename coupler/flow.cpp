@@ -29,11 +29,12 @@ using rigid::Vec3;
 namespace {
 
 lbm::CollisionSpec collision_of(const FluidSpec& f) {
+  constexpr double smagorinsky = 0.1;  // of `regularised`: no cell is less viscous than an eddy of its size
   return {f.relaxation_time,
           f.magic,
           f.collision,
           {f.body_force[0], f.body_force[1], f.body_force[2]},
-          f.smagorinsky};
+          smagorinsky};
 }
 
 template <class T>
@@ -222,7 +223,7 @@ class FlowOf final : public Flow {
   void remap(const rigid::BodySet& bodies, const BodyChanges& changes) {
     const ChangedCells cells = changed_cells(map_.blocks());
     take_cells(+1, cells.covered, bodies, changes);
-    refill(fluid_, map_.blocks(), cells, bodies, changes.gone, coupling_.refill, uncovered_);
+    refill(fluid_, map_.blocks(), cells, bodies, changes.gone, uncovered_);
     take_cells(-1, cells.uncovered, bodies, changes);
     passed_ = pass_on_mass(fluid_, map_.blocks(), cells);
     account_.take_mass(passed_.left);

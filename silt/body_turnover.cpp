@@ -73,8 +73,6 @@ std::optional<int> side_behind(const Case& setup, const rigid::Vec3& x, double r
 std::string outside_text(const Case& setup, rigid::BodyId id, bool free, int side, std::int64_t step) {
   const std::string found =
       fmt::format("step {}: body {} has left the domain past {}", step, id, way_text(side));
-  if (setup.boundary[side].lets_bodies_pass())
-    return found + ", where leaving is \"stop\": with \"remove\" it would be taken out";
   if (!free)
     return found +
            ", a wall, as its motion is prescribed: end the run before, or set solid_for_bodies = false "

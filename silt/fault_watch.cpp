@@ -74,12 +74,7 @@ void put_to_rest(BodySet& bodies, std::size_t row) {
 }  // namespace
 
 FaultWatch::FaultWatch(const Case& setup)
-    : limits_(setup),
-      sides_stop_(std::ranges::any_of(setup.boundary,
-                                      [](const coupler::BoundarySpec& side) {
-                                        return side.lets_bodies_pass() && !side.removes_bodies();
-                                      })),
-      energy_{.watched = !setup.fluid && !is_driven(setup), .here = {}} {}
+    : limits_(setup), energy_{.watched = !setup.fluid && !is_driven(setup), .here = {}} {}
 
 double FaultWatch::hold_runaways(const Case& setup, BodySet& bodies, std::int64_t step) {
   constexpr std::size_t at_once = 256;
@@ -117,7 +112,7 @@ void FaultWatch::note(Kind kind, double severity, std::uint64_t key, Text&& text
 
 void FaultWatch::see_outside(const Scene& scene, std::int64_t step, bool now) {
   constexpr std::int64_t walls_interval = 64;
-  if (!scene.anything_moves || !(now || sides_stop_ || step % walls_interval == 0)) return;
+  if (!scene.anything_moves || !(now || step % walls_interval == 0)) return;
   const BodySet& bodies = scene.bodies;
   if (scene.setup.periodic(0) && scene.setup.periodic(1) && scene.setup.periodic(2)) return;
   for (std::size_t row = 0; row < bodies.owned; ++row) {

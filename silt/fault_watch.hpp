@@ -106,7 +106,6 @@ class FaultWatch {
   void hold_rows(const Case&, rigid::BodySet&, std::size_t begin, std::size_t end, std::int64_t step);
 
   MotionLimits limits_;
-  bool sides_stop_;  // some open one, what leaves by it
   std::array<std::optional<Fault>, kinds> seen_;
   std::uint64_t moment_ = 0;
   Energy energy_;

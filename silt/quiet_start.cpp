@@ -26,7 +26,7 @@ class HeldScene final : rigid::StepObserver {
     if (scene_.rigid_step) {
       const ContactSpec& contacts = scene_.setup.contacts;
       rigid_step_.emplace(scene_.world, *scene_.contacts.backend, *scene_.contacts.resolver, *scene_.exchange,
-                          adapters::make_broad_phase(contacts.broad_phase, contacts.backend));
+                          adapters::make_broad_phase("auto", contacts.backend));
       rigid_step_->hold_poses();
       rigid_step_->set_observer(*this);
     }

@@ -103,9 +103,9 @@ Scene::Scene(Case given, MPI_Comm communicator, const coupler::SavedBodies* save
     rigid::set_materials(settings, world);
     if (setup.fluid) settings.impacts = std::make_shared<coupler::EntrainedFluid>();
     contacts.resolver = rigid::make_resolver(setup.contacts.resolver, settings);
-    rigid_step = std::make_unique<rigid::RigidStep>(
-        world, *contacts.backend, *contacts.resolver, *exchange,
-        adapters::make_broad_phase(setup.contacts.broad_phase, setup.contacts.backend));
+    rigid_step =
+        std::make_unique<rigid::RigidStep>(world, *contacts.backend, *contacts.resolver, *exchange,
+                                           adapters::make_broad_phase("auto", setup.contacts.backend));
   }
   if (!setup.springs.empty()) {
     std::vector<rigid::Motion> motions;

@@ -60,7 +60,7 @@ inline std::vector<ShapeRow> shape_rows() {
   using namespace rigid;
   namespace t = rigid::testing;
   const auto none = [](const ConvexShape&, Kinks&) {};
-  const auto axis = [](const ConvexShape&, Kinks& k) { k.circles.push_back({Vec3::UnitZ()}); };
+  const auto axis = [](const ConvexShape&, Kinks& k) { k.circles.push_back(Vec3::UnitZ()); };
   return {
       {"sphere",
        {Sphere{1.3}},
@@ -75,7 +75,7 @@ inline std::vector<ShapeRow> shape_rows() {
        [](const Sizes& s) -> ConvexShape { return Box{s.three()}; },
        [](const ConvexShape&, Kinks& k) {
          for (int d = 0; d < 3; ++d) {
-           k.circles.push_back({Vec3::Unit(d)});
+           k.circles.push_back(Vec3::Unit(d));
            k.faces.push_back(Vec3::Unit(d));
          }
        }},
@@ -95,7 +95,7 @@ inline std::vector<ShapeRow> shape_rows() {
          return Cylinder{s(), s()};
        },
        [](const ConvexShape&, Kinks& k) {
-         k.circles.push_back({Vec3::UnitZ()});
+         k.circles.push_back(Vec3::UnitZ());
          k.faces.push_back(Vec3::UnitZ());
        }},
       {"ellipsoid",
@@ -114,20 +114,8 @@ inline std::vector<ShapeRow> shape_rows() {
        [](const ConvexShape& shape, Kinks& k) {
          const auto& mesh = *std::get<Polyhedron>(shape).mesh;
          for (const auto& e : mesh.edges)
-           k.circles.push_back({(mesh.vertices[e.corners[1]] - mesh.vertices[e.corners[0]]).normalized()});
+           k.circles.push_back((mesh.vertices[e.corners[1]] - mesh.vertices[e.corners[0]]).normalized());
          for (const auto& f : mesh.faces) k.faces.push_back(f.normal);
-       }},
-      {"cone",
-       {Cone{0.8, 1.5}, Cone{1.5, 0.1}, Cone{0.05, 2}},
-       Cone{3.4, 5.9},
-       "radius = 3.6\nheight = 6.7",
-       [](const Sizes& s) -> ConvexShape {
-         return Cone{s(), s()};
-       },
-       [](const ConvexShape& shape, Kinks& k) {
-         const auto& cone = std::get<Cone>(shape);
-         k.circles.push_back({Vec3::UnitZ(), cone.radius / std::hypot(cone.radius, cone.height)});
-         k.faces.push_back(-Vec3::UnitZ());
        }},
   };
 }

@@ -1,14 +1,11 @@
 #include "adapters/hdf5/field_file.hpp"
 
-#include <zlib.h>
-
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <bit>
 #include <cerrno>
 #include <fstream>
-#include <new>
 #include <optional>
 #include <span>
 
@@ -27,21 +24,19 @@ using hdf5::SlabExchange;
 
 constexpr std::uint64_t box_bytes = 6 * sizeof(std::int32_t);
 
-/// The datasets of one group: quantities of the cells of these boxes, of this shape, in chunks if packed.
+/// The datasets of one group: quantities of the cells of these boxes, of this shape.
 struct Group {
   std::string name;
   const std::vector<CellBox>& boxes;
   const std::vector<FieldQuantity>& quantities;
-  hdf5::Shape shape, chunk;
+  hdf5::Shape shape;
   int width = 0;  // of the cells of a level of several
   std::uint64_t boxes_of_all = 0;
 
   std::string dataset(const FieldQuantity& q) const { return name + q.name; }
-  /// How many cells are stored: whole chunks.
   std::uint64_t cells() const {
     std::uint64_t n = 1;
-    for (std::size_t d = 0; d < shape.size(); ++d)
-      n *= chunk.empty() ? shape[d] : (shape[d] + chunk[d] - 1) / chunk[d] * chunk[d];
+    for (const hsize_t length : shape) n *= length;
     return n;
   }
 };
@@ -50,24 +45,13 @@ std::size_t cell_bytes(const FieldQuantity& q) {
   return q.components * H5Tget_size(hdf5::type_of(q.storage));
 }
 
-/// How many pieces of so many cells share a packed chunk of at most a megabyte; its last one is stored as
-/// large as the others. All quantities have the same.
-hsize_t pieces_of_a_chunk(const std::vector<FieldQuantity>& quantities, hsize_t cells, hsize_t pieces) {
-  hsize_t bytes = 1;
-  for (const FieldQuantity& q : quantities) bytes = std::max<hsize_t>(bytes, cells * cell_bytes(q));
-  const hsize_t most = std::clamp<hsize_t>((1 << 20) / bytes, 1, pieces), chunks = (pieces + most - 1) / most;
-  return (pieces + chunks - 1) / chunks;
-}
-
 Group image_group(const FieldSnapshot& snapshot, const std::vector<CellBox>& boxes) {
   const auto& [x, y, z] = snapshot.grid.cells;
-  Group image{"/VTKHDF/PointData/", boxes, snapshot.quantities, {hsize_t(z), hsize_t(y), hsize_t(x)}, {}};
-  if (snapshot.compression > 0) image.chunk = {1, pieces_of_a_chunk(image.quantities, x, y), hsize_t(x)};
-  return image;
+  return {"/VTKHDF/PointData/", boxes, snapshot.quantities, {hsize_t(z), hsize_t(y), hsize_t(x)}};
 }
 
 /// Collective. Returns the levels that have a cell on any rank, in VTK's order, the coarsest first.
-std::vector<Group> level_groups(MPI_Comm comm, const std::vector<FieldLevel>& levels, int compression) {
+std::vector<Group> level_groups(MPI_Comm comm, const std::vector<FieldLevel>& levels) {
   std::vector<Group> groups;
   for (auto level = levels.rbegin(); level != levels.rend(); ++level) {
     struct {
@@ -76,14 +60,12 @@ std::vector<Group> level_groups(MPI_Comm comm, const std::vector<FieldLevel>& le
     for (const CellBox& box : level->boxes) sums.cells += box.cells();
     sums = parallel::sum_over_ranks(comm, sums);
     if (sums.cells == 0) continue;
-    Group& group = groups.emplace_back(Group{"/VTKHDF/Level" + std::to_string(groups.size()) + "/CellData/",
-                                             level->boxes,
-                                             level->quantities,
-                                             {sums.cells},
-                                             {},
-                                             level->width,
-                                             sums.boxes});
-    if (compression > 0) group.chunk = {pieces_of_a_chunk(group.quantities, 1, sums.cells)};
+    groups.push_back({"/VTKHDF/Level" + std::to_string(groups.size()) + "/CellData/",
+                      level->boxes,
+                      level->quantities,
+                      {sums.cells},
+                      level->width,
+                      sums.boxes});
   }
   return groups;
 }
@@ -130,8 +112,8 @@ std::uint64_t create_level(File& file, const FieldSnapshot& snapshot, const Grou
   return file.place_of(file.create_dataset(name + "AMRBox", H5T_NATIVE_INT32, {level.boxes_of_all, 6}));
 }
 
-/// Creates the file with everything but the values. Returns where in it those of each quantity begin, unless
-/// they are packed; of a level before them where the list of its boxes does. Only rank 0 calls it.
+/// Creates the file with everything but the values. Returns where in it those of each quantity begin; of a
+/// level before them where the list of its boxes does. Only rank 0 calls it.
 std::vector<std::uint64_t> create_file(const Path& path, const FieldSnapshot& snapshot,
                                        const std::vector<Group>& groups, const Provenance& provenance) {
   File file = File::create(path, hdf5::Format::classic);
@@ -143,13 +125,11 @@ std::vector<std::uint64_t> create_file(const Path& path, const FieldSnapshot& sn
     else
       file.create_group(group.name);
     for (const FieldQuantity& q : group.quantities) {
-      hdf5::Shape shape = group.shape, chunk = group.chunk;
+      hdf5::Shape shape = group.shape;
       if (q.components > 1) shape.push_back(q.components);
-      if (q.components > 1 && !chunk.empty()) chunk.push_back(q.components);
-      const Handle data = file.create_dataset(group.dataset(q), hdf5::type_of(q.storage), shape,
-                                              {chunk, false, snapshot.compression});
+      const Handle data = file.create_dataset(group.dataset(q), hdf5::type_of(q.storage), shape);
       file.attribute(data, "unit", q.unit);
-      places.push_back(chunk.empty() ? file.place_of(data) : 0);
+      places.push_back(file.place_of(data));
     }
   }
   write_head(file, snapshot, groups, provenance);
@@ -161,17 +141,15 @@ std::uint64_t expected_size(const std::vector<Group>& groups, const Provenance& 
   std::uint64_t bytes = provenance.case_text.size() + 4096;
   for (const Group& group : groups) {
     bytes += group.boxes_of_all * box_bytes;
-    for (const FieldQuantity& q : group.quantities)
-      bytes += group.cells() * cell_bytes(q) + (group.chunk.empty() ? 0 : hdf5::metadata_room);
+    for (const FieldQuantity& q : group.quantities) bytes += group.cells() * cell_bytes(q);
   }
   return bytes;
 }
 
 SlabExchange exchange_of(MPI_Comm comm, const Group& group) {
-  const hsize_t grain = group.chunk.empty() ? 1 : group.chunk[group.width > 0 ? 0 : 1];
-  if (group.width > 0) return SlabExchange(comm, group.boxes, grain);
+  if (group.width > 0) return SlabExchange(comm, group.boxes);
   const auto& n = group.shape;
-  return SlabExchange(comm, {int(n[2]), int(n[1]), int(n[0])}, group.boxes, int(grain));
+  return SlabExchange(comm, {int(n[2]), int(n[1]), int(n[0])}, group.boxes);
 }
 
 /// Narrows some planes at a time, while they are still in cache.
@@ -217,10 +195,6 @@ void write_values(MPI_Comm comm, const Path& path, const std::vector<Group>& gro
   auto place = places.begin();
   for (const Group& group : groups) {
     if (group.width > 0) write_boxes(comm, *file, group.boxes, *place++);
-    if (!group.chunk.empty()) {
-      place += std::ptrdiff_t(group.quantities.size());
-      continue;
-    }
     const SlabExchange slabs = exchange_of(comm, group);
     for (const FieldQuantity& q : group.quantities) {
       std::vector<std::byte> values;
@@ -231,57 +205,6 @@ void write_values(MPI_Comm comm, const Path& path, const std::vector<Group>& gro
     }
   }
   parallel::together(comm, [&] { file->close(); });
-}
-
-// ---- packed values ----
-
-/// Returns a chunk as HDF5's filters "shuffle" and "deflate" make it: bytes of values sorted by place,
-/// packed.
-std::vector<std::byte> packed_chunk(std::span<const std::byte> values, std::size_t value_bytes, int level) {
-  const std::size_t n = values.size() / value_bytes;
-  std::vector<std::byte> shuffled(values.size()), packed(compressBound(values.size()));
-  for (std::size_t b = 0; b < value_bytes; ++b)
-    for (std::size_t i = 0; i < n; ++i) shuffled[b * n + i] = values[i * value_bytes + b];
-  uLongf size = packed.size();
-  if (compress2(reinterpret_cast<Bytef*>(packed.data()), &size,
-                reinterpret_cast<const Bytef*>(shuffled.data()), shuffled.size(), level) != Z_OK)
-    throw std::bad_alloc();  // there is no other reason
-  packed.resize(size);
-  return packed;
-}
-
-/// Each rank packs the chunks of its slab, and rank 0 writes them: HDF5's own way for several ranks leaves
-/// all of them waiting where one fails.
-void write_packed_values(MPI_Comm comm, std::optional<File>& file, const Group& group, int level) {
-  const SlabExchange slabs = exchange_of(comm, group);
-  std::size_t chunk_cells = 1;
-  for (const hsize_t cells : group.chunk) chunk_cells *= cells;
-  for (const FieldQuantity& q : group.quantities) {
-    std::vector<std::byte> slab;
-    std::vector<std::vector<std::byte>> chunks;
-    parallel::together(comm, [&] { slab = values_here(slabs, q); });
-    slab = slabs.slices().to_slice(cell_bytes(q), std::move(slab));
-    const std::size_t chunk_bytes = chunk_cells * cell_bytes(q);
-    Handle dataset;
-    parallel::together(comm, [&] {
-      for (std::size_t first = 0; first < slab.size(); first += chunk_bytes)
-        chunks.push_back(
-            packed_chunk(std::span(slab).subspan(first, chunk_bytes), cell_bytes(q) / q.components, level));
-      std::vector<std::byte>().swap(slab);
-      if (file) dataset = file->dataset(group.dataset(q));
-    });
-    hsize_t at[4] = {};  // of the chunk that comes next, the last axis first
-    hdf5::hand_to_rank_0(
-        slabs.slices().comm(), chunks, compressBound(chunk_bytes), [&](std::span<const std::byte> chunk) {
-          file->check(H5Dwrite_chunk(dataset, H5P_DEFAULT, 0, at, chunk.size(), chunk.data()),
-                      "cannot write (is the disk full?)");
-          for (std::size_t d = group.chunk.size(); d-- > 0;) {
-            at[d] += group.chunk[d];
-            if (at[d] < group.shape[d] || d == 0) break;
-            at[d] = 0;
-          }
-        });
-  }
 }
 
 // ---- the list of times ----
@@ -320,24 +243,13 @@ void write_groups(MPI_Comm comm, const Path& path, const std::vector<Group>& gro
   std::size_t datasets = 0;
   for (const Group& group : groups) datasets += group.quantities.size() + (group.width > 0);
   std::vector<std::uint64_t> places(datasets);
-  const bool packed = snapshot.compression > 0;
   parallel::on_rank_0(comm, [&] {
     hdf5::reserve(part.path(), expected_size(groups, provenance));
     places = create_file(part.path(), snapshot, groups, provenance);
-    hdf5::reserve(part.path(),
-                  packed ? expected_size(groups, provenance) : std::filesystem::file_size(part.path()));
+    hdf5::reserve(part.path(), std::filesystem::file_size(part.path()));
   });
   parallel::broadcast(comm, std::span(places));
   write_values(comm, part.path(), groups, places);
-  if (packed) {
-    std::optional<File> file;
-    parallel::on_rank_0(comm, [&] { file.emplace(File::open(part.path(), true)); });
-    for (const Group& group : groups) write_packed_values(comm, file, group, snapshot.compression);
-    parallel::on_rank_0(comm, [&] {
-      file->close();
-      hdf5::sync_to_disk(part.path());
-    });
-  }
   parallel::on_rank_0(comm, [&] {
     part.rename_to(path);
     update_series(path, snapshot.time);
@@ -353,7 +265,7 @@ void write_fields(MPI_Comm comm, const Path& path, const std::vector<CellBox>& b
 
 void write_fields(MPI_Comm comm, const Path& path, const std::vector<FieldLevel>& levels,
                   const FieldSnapshot& snapshot, const Provenance& provenance) {
-  write_groups(comm, path, level_groups(comm, levels, snapshot.compression), snapshot, provenance);
+  write_groups(comm, path, level_groups(comm, levels), snapshot, provenance);
 }
 
 }  // namespace silt::adapters

@@ -37,7 +37,6 @@ struct FieldSnapshot {
   std::vector<FieldQuantity> quantities;
   double time = 0;  // in the unit of the grid
   std::int64_t step = 0;
-  int compression = 0;  // level of gzip, to 9, after a shuffle of bytes; 0: none
 };
 
 /// FieldLevel is the cells of one of several widths; their boxes count from the grid's origin in cells of

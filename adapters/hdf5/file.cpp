@@ -163,10 +163,6 @@ Handle File::create_dataset(const std::string& name, hid_t type, const Shape& sh
   if (!layout.chunk.empty()) H5Pset_chunk(list, rank, layout.chunk.data());
   if (layout.chunk.empty() || layout.grows) H5Pset_alloc_time(list, H5D_ALLOC_TIME_EARLY);
   H5Pset_fill_time(list, H5D_FILL_TIME_NEVER);
-  if (layout.level > 0) {
-    H5Pset_shuffle(list);
-    H5Pset_deflate(list, static_cast<unsigned>(layout.level));
-  }
   return {H5Dcreate2(handle_, name.c_str(), type, space, H5P_DEFAULT, list, H5P_DEFAULT), H5Dclose, path_,
           "cannot create dataset " + name};
 }

@@ -55,12 +55,11 @@ inline Shape table_shape(hsize_t rows, hsize_t columns) {
 }
 
 /// The layout of a dataset: in one piece, whose space is taken at once and not filled (a fresh file reads as
-/// zeros), or in chunks, packed by gzip of a level after a shuffle of bytes. A dataset that grows along its
+/// zeros), or in chunks. A dataset that grows along its
 /// first axis has a single chunk, whose space is taken at once too.
 struct Layout {
   Shape chunk = {};
   bool grows = false;
-  int level = 0;
 };
 
 /// The place in its file of the values of a dataset in one piece.

@@ -10,25 +10,21 @@
 
 namespace silt::adapters::hdf5 {
 
-SlabExchange::SlabExchange(MPI_Comm comm, std::array<int, 3> cells, std::vector<CellBox> boxes,
-                           int group_rows)
-    : lattice_(cells),
-      plane_rows_((cells[1] + group_rows - 1) / group_rows * group_rows),
-      boxes_(std::move(boxes)) {
+SlabExchange::SlabExchange(MPI_Comm comm, std::array<int, 3> cells, std::vector<CellBox> boxes)
+    : lattice_(cells), boxes_(std::move(boxes)) {
   std::vector<SliceExchange::Run> mine;
   parallel::together(comm, [&] { mine = list_rows(); });
   const std::uint64_t row = lattice_[0];
-  slices_.emplace(comm, row * plane_rows_ * lattice_[2], mine, row * group_rows);
+  slices_.emplace(comm, row * lattice_[1] * lattice_[2], mine, row);
 }
 
-SlabExchange::SlabExchange(MPI_Comm comm, std::vector<CellBox> boxes, std::uint64_t group_cells)
-    : boxes_(std::move(boxes)) {
+SlabExchange::SlabExchange(MPI_Comm comm, std::vector<CellBox> boxes) : boxes_(std::move(boxes)) {
   for (const CellBox& box : boxes_) cells_ += box.cells();
   const std::uint64_t first = parallel::sum_of_ranks_before(comm, std::uint64_t(cells_)),
                       all = parallel::sum_over_ranks(comm, std::uint64_t(cells_));
   std::vector<SliceExchange::Run> mine;
   if (cells_ > 0) mine.push_back({first, cells_});
-  slices_.emplace(comm, (all + group_cells - 1) / group_cells * group_cells, mine, group_cells);
+  slices_.emplace(comm, all, mine);
 }
 
 /// Lists the rows of the boxes in file order; returns where they are among all of the lattice.
@@ -54,7 +50,7 @@ std::vector<SliceExchange::Run> SlabExchange::list_rows() {
   });
   std::vector<SliceExchange::Run> runs;
   for (const Row& row : rows_)
-    append_run(runs, {(std::uint64_t(row.first.z) * plane_rows_ + row.first.y) * lattice_[0] + row.first.x,
+    append_run(runs, {(std::uint64_t(row.first.z) * lattice_[1] + row.first.y) * lattice_[0] + row.first.x,
                       row.length});
   return runs;
 }

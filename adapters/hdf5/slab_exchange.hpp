@@ -19,12 +19,11 @@ namespace silt::adapters::hdf5 {
 
 class SlabExchange {
  public:
-  /// Plans the exchange; collective. `cells` are those of the whole lattice. Slabs are cut between groups of
-  /// rows of a plane; zeros fill the last group of a plane. A box outside the lattice throws on every rank.
-  SlabExchange(MPI_Comm, std::array<int, 3> cells, std::vector<CellBox> boxes, int group_rows = 1);
-  /// Plans the exchange of a list: the boxes of the ranks one after the other, in slabs of whole groups of
-  /// cells.
-  SlabExchange(MPI_Comm, std::vector<CellBox> boxes, std::uint64_t group_cells);
+  /// Plans the exchange; collective. `cells` are those of the whole lattice. A box outside the lattice throws
+  /// on every rank.
+  SlabExchange(MPI_Comm, std::array<int, 3> cells, std::vector<CellBox> boxes);
+  /// Plans the exchange of a list: the boxes of the ranks one after the other.
+  SlabExchange(MPI_Comm, std::vector<CellBox> boxes);
 
   const std::vector<CellBox>& boxes() const { return boxes_; }
 
@@ -35,8 +34,8 @@ class SlabExchange {
   void unpack(const std::vector<std::byte>& packed, std::size_t element,
               const std::function<void(std::size_t, const void*)>& take) const;
 
-  /// Returns the exchange of the packed cells. A slice is a slab, whole groups of rows; zero where no rank
-  /// holds a cell.
+  /// Returns the exchange of the packed cells. A slice is a slab, whole rows; zero where no rank holds a
+  /// cell.
   const SliceExchange& slices() const { return *slices_; }
 
  private:
@@ -47,7 +46,6 @@ class SlabExchange {
   std::vector<SliceExchange::Run> list_rows();
 
   std::array<int, 3> lattice_{};
-  int plane_rows_ = 0;  // of a plane with its last group filled up
   std::vector<CellBox> boxes_;
   std::vector<Row> rows_;  // by z, y, x; none of a list
   std::size_t cells_ = 0;

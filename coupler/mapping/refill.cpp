@@ -142,8 +142,7 @@ std::vector<lbm::LocalCell> places(const std::vector<CoveredCell>& cells) {
 
 template <class T>
 void refill(lbm::Fluid<T>& fluid, const std::vector<BlockMap>& maps, const ChangedCells& cells,
-            const rigid::BodySet& bodies, const rigid::BodySet& gone, Refill scheme,
-            UncoveredCells& uncovered) {
+            const rigid::BodySet& bodies, const rigid::BodySet& gone, UncoveredCells& uncovered) {
   const auto& domain = fluid.domain();
   const auto& force = fluid.spec().force;
   list_uncovered(fluid, maps, cells, uncovered);
@@ -158,15 +157,15 @@ void refill(lbm::Fluid<T>& fluid, const std::vector<BlockMap>& maps, const Chang
     }
   }
   const RefillCells<T> pass{fluid.listed(places(cells.uncovered)), uncovered.cells.send(),
-                            uncovered.told.send(), force, scheme == Refill::grad};
+                            uncovered.told.send(), force};
   if (fluid.device() == Device::cpu) return pass.run_here();
   SILT_ON(fluid.device(), refill_cells<T>)(pass);
 }
 
 template void refill(lbm::Fluid<float>&, const std::vector<BlockMap>&, const ChangedCells&,
-                     const rigid::BodySet&, const rigid::BodySet&, Refill, UncoveredCells&);
+                     const rigid::BodySet&, const rigid::BodySet&, UncoveredCells&);
 template void refill(lbm::Fluid<double>&, const std::vector<BlockMap>&, const ChangedCells&,
-                     const rigid::BodySet&, const rigid::BodySet&, Refill, UncoveredCells&);
+                     const rigid::BodySet&, const rigid::BodySet&, UncoveredCells&);
 
 namespace {
 

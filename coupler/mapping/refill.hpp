@@ -44,13 +44,13 @@ struct UncoveredCells {
   explicit UncoveredCells(Device device) : cells(device), told(device) {}
 };
 
-/// `equilibrium` (the paper): mean density of the neighbours, the body's velocity at the cell. `grad`: also
-/// their mean non-equilibrium momentum flux, g_i = g_i^eq + 9/2 w_i (c.Pi.c - tr Pi/3). Collective over the
-/// ranks of neighbouring blocks. The fluid that takes the place of a body which has gone moves as it did;
+/// Gives uncovered cells the mean density of their neighbours, the body's velocity at the cell and the
+/// neighbours' mean non-equilibrium momentum flux, g_i = g_i^eq + 9/2 w_i (c.Pi.c - tr Pi/3). Collective over
+/// the ranks of neighbouring blocks. The fluid that takes the place of a body which has gone moves as it did;
 /// where no neighbour was fluid it has the reference density.
 template <class T>
 void refill(lbm::Fluid<T>&, const std::vector<BlockMap>&, const ChangedCells&, const rigid::BodySet&,
-            const rigid::BodySet& gone, Refill, UncoveredCells&);
+            const rigid::BodySet& gone, UncoveredCells&);
 
 /// The mass that cells of this rank get from their neighbours which changed sides, in quanta of
 /// lbm/blocks/excess.hpp. They get it after they have collided: before that they would have to give up their

@@ -55,7 +55,6 @@ struct RefillCells {
   const UncoveredCell* uncovered;
   const lbm::Moments* told;
   std::array<double, 3> force;
-  bool by_grad;
 
   void run_here() const {
     const std::span all(listed.cells, std::size_t(listed.count));
@@ -88,8 +87,8 @@ struct RefillCells {
     means.finish();
     lbm::for_directions<0>([&](auto i) {
       constexpr lbm::Int3 c = lbm::c[i()];
-      double arriving = lbm::equilibrium(c, lbm::w(i()), means.density, cell.momentum);
-      if (by_grad) arriving += means.grad_part(c, lbm::w(i()));
+      const double arriving =
+          lbm::equilibrium(c, lbm::w(i()), means.density, cell.momentum) + means.grad_part(c, lbm::w(i()));
       at.data[block.arriving[i()]] = T(arriving);
     });
     if (excess) *excess = 0;

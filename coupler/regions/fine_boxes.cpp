@@ -111,11 +111,6 @@ void FineBoxes::add(CellBox box, int level, std::vector<LevelBox>& boxes) const 
 }
 
 void FineBoxes::add_named(std::vector<LevelBox>& boxes) const {
-  for (int side = 0; side < 6; ++side) {
-    rigid::BoundingBox face = box_of(flow_);
-    (side % 2 ? face.lower : face.upper)[side / 2] = side % 2 ? cells_[side / 2] : 0;
-    if (spec_.fine_sides[side]) add(around(face), 0, boxes);
-  }
   for (const rigid::BoundingBox& box : entrances_) add(around(box), 0, boxes);
   for (const auto& [box, level] : spec_.fine)
     add(rounded(floor_of(box.lower), ceil_of(box.upper), tile(level)), level, boxes);

@@ -31,7 +31,7 @@ class FineBoxes {
 
   /// Appends a box of cells and those of the next levels around it, as they lie in the domain.
   void add(lbm::CellBox, int level, std::vector<lbm::LevelBox>&) const;
-  /// Appends the fine sides, the entrances and the given boxes.
+  /// Appends the entrances and the given boxes.
   void add_named(std::vector<lbm::LevelBox>&) const;
   /// Appends what a curved wall at its pose asks for in a part of the domain.
   void add_wall(const rigid::Shape&, const rigid::Pose&, const lbm::CellBox& part,

@@ -22,8 +22,7 @@ struct CoarseningSpec {
   static constexpr int most_levels = 4;
   static_assert(regrid_interval % (1 << most_levels) == 0);
   int levels = 1;       // besides the finest, 0
-  double distance = 0;  // cells: from bodies, curved walls and fine sides up to which cells are finest
-  std::array<bool, 6> fine_sides{};  // by Side
+  double distance = 0;  // cells: from bodies and curved walls up to which cells are finest
   std::vector<FineBox> fine;
 
   /// Finest cells, and steps, of which sizes of the domain and intervals of a run are whole multiples.

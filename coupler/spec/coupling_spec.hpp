@@ -12,16 +12,12 @@ inline constexpr NameTable<WallScheme, lbm::wall_scheme_names.size()> wall_schem
 enum class TimeCoupling { explicit_, implicit_ };
 inline constexpr auto time_coupling_names = names_of<TimeCoupling>("explicit", "implicit");
 
-enum class Refill { equilibrium, grad };
-inline constexpr auto refill_names = names_of<Refill>("equilibrium", "grad");
-
 using lbm::ForceForm;
 inline constexpr NameTable<ForceForm, lbm::force_form_names.size()> force_form_names{lbm::force_form_names};
 
 struct CouplingSpec {
   WallScheme wall_scheme = WallScheme::multireflection;
   TimeCoupling time = TimeCoupling::implicit_;
-  Refill refill = Refill::grad;
   ForceForm force = ForceForm::galilean;
   /// A surface may be this far, in cells, from where its cells were found; mapping/mapping_poses.hpp. At most
   /// 0.4: holders of a body that is more than 1/2 from there might not know of it (exchange/holders.hpp).

@@ -42,7 +42,6 @@ struct FluidSpec {
   lbm::Collision collision = lbm::Collision::trt;
   bool collision_by_scene = false;  // "auto": chosen once the scene is known
   double magic = 1. / 6;            // Lambda; with bodies or [[walls]] best_magic of the wall scheme
-  double smagorinsky = 0.1;         // least viscosity of a cell, of collision models that have one
   Precision precision = Precision::single_;
   rigid::Vec3 body_force = rigid::Vec3::Zero();  // acceleration of the fluid
   rigid::OverTime body_force_over_time;

@@ -13,22 +13,17 @@ enum class BoundaryKind { periodic, no_slip, moving, free_slip, velocity_inlet, 
 inline constexpr auto boundary_names =
     names_of<BoundaryKind>("periodic", "no-slip", "moving", "free-slip", "velocity-inlet", "pressure-outlet");
 
-/// A body beyond a side that is open to bodies is taken out, or the run stops.
-enum class Leaving { remove, stop };
-inline constexpr auto leaving_names = names_of<Leaving>("remove", "stop");
-
 struct BoundarySpec {
   BoundaryKind kind = BoundaryKind::periodic;
   rigid::Vec3 velocity = rigid::Vec3::Zero();  // moving walls and inlets
   rigid::OverTime over_time;                   // of the velocity
   double density = 1;                          // outlets
   bool solid_for_bodies = true;                // a half-space for bodies (every kind but periodic)
-  Leaving leaving = Leaving::remove;           // of a side that is not solid for them
   rigid::Vec3 velocity_at(double time) const { return over_time.at(time) * velocity; }
   double largest_speed() const { return over_time.most() * velocity.norm(); }
   bool has_velocity() const { return kind == BoundaryKind::moving || kind == BoundaryKind::velocity_inlet; }
-  bool lets_bodies_pass() const { return kind != BoundaryKind::periodic && !solid_for_bodies; }
-  bool removes_bodies() const { return lets_bodies_pass() && leaving == Leaving::remove; }
+  /// Bodies beyond it are taken out.
+  bool removes_bodies() const { return kind != BoundaryKind::periodic && !solid_for_bodies; }
 };
 
 }  // namespace silt::coupler

@@ -23,7 +23,7 @@ struct CollisionModel {
   OddRate odd;
   double lasts_to;  // u / nu of a cell up to which five small scenes last (scripts/bench stability)
   constexpr bool has_magic() const { return odd != OddRate::as_even; }
-  /// Returns whether `smagorinsky` is free to choose.
+  /// Returns whether `smagorinsky` counts.
   constexpr bool has_eddies() const { return odd == OddRate::by_magic_if_stable; }
 };
 /// The models in the order of the enumerators.

@@ -11,8 +11,6 @@
 namespace silt::rigid {
 namespace {
 
-constexpr double period_of_sine = 2 * std::numbers::pi;
-
 double in_table(const std::vector<OverTime::Row>& table, double time) {
   if (time <= table.front().time) return table.front().share;
   const auto next = std::upper_bound(table.begin(), table.end(), time,
@@ -20,16 +18,6 @@ double in_table(const std::vector<OverTime::Row>& table, double time) {
   if (next == table.end()) return table.back().share;
   const auto& [t0, s0] = *(next - 1);
   return s0 + (time - t0) / (next->time - t0) * (next->share - s0);
-}
-
-/// The integral of the table from its first row on; the trapezoidal rule is exact between rows.
-double from_first_row(const std::vector<OverTime::Row>& table, double time) {
-  double sum = std::min(time - table.front().time, 0.) * table.front().share;
-  for (std::size_t k = 0; k < table.size() && table[k].time < time; ++k) {
-    const double end = k + 1 < table.size() ? std::min(time, table[k + 1].time) : time;
-    sum += (end - table[k].time) * 0.5 * (table[k].share + in_table(table, end));
-  }
-  return sum;
 }
 
 constexpr double full_turn = 2 * std::numbers::pi;
@@ -98,16 +86,7 @@ Vec3 angular_velocity_of(const Vec3& rotation, const Vec3& rate) {
 
 double OverTime::at(double time) const {
   const double share = table.empty() ? 1 : in_table(table, time);
-  return amplitude == 0 ? share
-                        : share + amplitude * elementary::sin(period_of_sine * frequency * time + phase);
-}
-
-double OverTime::integral(double time) const {
-  const double sum = table.empty() ? time : from_first_row(table, time) - from_first_row(table, 0);
-  if (amplitude == 0) return sum;
-  const double swing = period_of_sine * frequency;
-  if (swing == 0) return sum + amplitude * elementary::sin(phase) * time;
-  return sum + amplitude / swing * (elementary::cos(phase) - elementary::cos(swing * time + phase));
+  return amplitude == 0 ? share : share + amplitude * elementary::sin(full_turn * frequency * time);
 }
 
 double OverTime::most() const {
@@ -123,18 +102,17 @@ bool PrescribedMotion::moves() const {
 
 Pose PrescribedMotion::pose(const Pose& start, double time) const {
   const Interpolated moved = at(table, time);
-  const Vec3 to = velocity * over_time.integral(time) +
-                  amplitude * elementary::sin(full_turn * frequency * time + phase) + moved.displacement;
-  const Vec3 turned = angular_velocity * over_time.integral(time) + moved.rotation;
+  const Vec3 to =
+      velocity * time + amplitude * elementary::sin(full_turn * frequency * time) + moved.displacement;
+  const Vec3 turned = angular_velocity * time + moved.rotation;
   return {start.position + to, (rotation_by(turned) * start.orientation).normalized()};
 }
 
 PrescribedMotion::Velocity PrescribedMotion::velocity_at(double time) const {
   const Interpolated moved = at(table, time);
   const double swing = full_turn * frequency;
-  const double share = over_time.at(time);
-  return {share * velocity + amplitude * (swing * elementary::cos(swing * time + phase)) + moved.velocity,
-          share * angular_velocity + angular_velocity_of(moved.rotation, moved.rate)};
+  return {velocity + amplitude * (swing * elementary::cos(swing * time)) + moved.velocity,
+          angular_velocity + angular_velocity_of(moved.rotation, moved.rate)};
 }
 
 PrescribedMotion::Velocity PrescribedMotion::over_step(double time) const {
@@ -149,7 +127,7 @@ double PrescribedMotion::speed_bound(double radius) const {
   for (std::size_t k = 0; k + 1 < table.size(); ++k)
     along_table = std::max(along_table, slope_bound(table, k, &MotionRow::displacement) +
                                             radius * slope_bound(table, k, &MotionRow::rotation));
-  return over_time.most() * (velocity.norm() + radius * angular_velocity.norm()) +
+  return velocity.norm() + radius * angular_velocity.norm() +
          full_turn * std::abs(frequency) * amplitude.norm() + along_table;
 }
 

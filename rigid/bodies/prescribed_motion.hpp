@@ -8,18 +8,16 @@
 namespace silt::rigid {
 
 /// The share of something that acts at a time: straight lines between the rows of a table, and an oscillation
-/// that is added to them. A function of time alone, as the motion of a wall.
+/// that is added to them. A function of time alone.
 struct OverTime {
   struct Row {
     double time, share;
   };
   std::vector<Row> table = {};  // times grow; constant before and after it; without rows the share is 1
-  double amplitude = 0, frequency = 0, phase = 0;  // 1 / step; radian at time 0
+  double amplitude = 0, frequency = 0;  // 1 / step
 
   bool varies() const { return !table.empty() || amplitude != 0; }
   double at(double time) const;
-  /// Returns the integral from time 0 on: the time itself where nothing varies.
-  double integral(double time) const;
   /// Returns what the size of the share never exceeds.
   double most() const;
 };
@@ -34,14 +32,13 @@ struct MotionRow {
 /// added up, but a turn at a constant rate and one of a table exclude each other. Lattice units.
 struct PrescribedMotion {
   Vec3 velocity = Vec3::Zero(), angular_velocity = Vec3::Zero();
-  OverTime over_time = {};            // of both
   Vec3 amplitude = Vec3::Zero();      // the reference point oscillates about where it would be without
-  double frequency = 0, phase = 0;    // 1 / step; radian at time 0
+  double frequency = 0;               // 1 / step
   std::vector<MotionRow> table = {};  // times grow; before and after it the wall rests
 
   bool moves() const;
-  /// Returns the pose of a wall that was at `start` at time 0, but for the displacement that the phase or the
-  /// table give it then.
+  /// Returns the pose of a wall that was at `start` at time 0, but for the displacement that the
+  /// table gives it then.
   Pose pose(const Pose& start, double time) const;
   struct Velocity {
     Vec3 linear = Vec3::Zero(), angular = Vec3::Zero();

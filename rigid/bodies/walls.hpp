@@ -23,18 +23,17 @@ struct WallSpec {
 /// to the world, and reindexes. Call once. std::invalid_argument for a velocity across the wall.
 void add_walls(BodySet&, World&, const Extent&, const std::array<WallSpec, 6>&);
 
-/// A tube in a solid that fills the rest of the domain. It turns about its axis and slides along it: its
-/// surface stays where it is.
+/// A tube in a solid that fills the rest of the domain. It turns about its axis: its surface stays where
+/// it is.
 struct TubeWallSpec {
   Tube tube{};
   Vec3 point = Vec3::Zero(), axis = Vec3::UnitZ();  // origin and z axis of the tube; axis: unit
   int material = 0;
   double angular_velocity = 0;  // about the axis, right-handed
-  double velocity = 0;          // along the axis
 
-  bool moves() const { return angular_velocity != 0 || velocity != 0; }
+  bool moves() const { return angular_velocity != 0; }
   Pose pose(double time = 0) const;
-  PrescribedMotion::Velocity velocity_at(double) const { return {velocity * axis, angular_velocity * axis}; }
+  PrescribedMotion::Velocity velocity_at(double) const { return {Vec3::Zero(), angular_velocity * axis}; }
 };
 
 /// A wall of triangles. What moves as prescribed, and turns about itself, is its reference point, which may

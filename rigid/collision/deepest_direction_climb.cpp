@@ -124,36 +124,22 @@ constexpr double last_step = 1e-22, small_step = 1e-12;
 constexpr int most_steps = 30;
 constexpr double least_share = 0.125;  // of a step that would lead downhill
 
-/// A track holds the directions that a search may take: all of them, or those on a circle.
+/// A track holds the directions that a search may take: all of them, or those normal to an axis.
 struct Track {
-  const Kinks::Circle* circle = nullptr;
+  const Vec3* axis = nullptr;
 
-  /// The part of v across the circle's axis.
-  Vec3 across(const Vec3& v) const { return circle ? Vec3(v - v.dot(circle->axis) * circle->axis) : v; }
-  /// The direction on the circle on the side of unit e, across its axis.
-  Vec3 direction(const Vec3& e) const {
-    if (!circle || circle->c == 0) return e;
-    return circle->c * circle->axis + std::sqrt(1 - circle->c * circle->c) * e;
-  }
+  /// The part of v across the axis.
+  Vec3 across(const Vec3& v) const { return axis ? Vec3(v - v.dot(*axis) * *axis) : v; }
 };
 
 /// The step of Newton's method in the tangent plane at n; nothing where the height is not curved downwards.
-/// On a circle n = c a + s e, s^2 = 1 - c^2, with the tangent t = a x e: along t by x, s (s t.K t + e.D) x =
-/// s t.D.
 std::optional<Vec3> newton_step(const Vec3& n, const Vec3& d, const Mat3& k, const Track& track) {
   const double height = n.dot(d);
-  if (track.circle && track.circle->c == 0) {
-    const Vec3 t = track.circle->axis.cross(n);
+  if (track.axis) {
+    const Vec3 t = track.axis->cross(n);
     const double slope_change = t.dot(k * t) + height;
     if (!(slope_change > 0)) return {};
     return t * (t.dot(d) / slope_change);
-  }
-  if (track.circle) {
-    const Vec3 e = track.across(n).normalized(), t = track.circle->axis.cross(e);
-    const double s = std::sqrt(1 - track.circle->c * track.circle->c);
-    const double slope_change = s * t.dot(k * t) + e.dot(d);
-    if (!(slope_change > 0)) return {};
-    return t * (s * t.dot(d) / slope_change);
   }
   const Vec3 t = n.unitOrthogonal(), u = n.cross(t);
   const double tt = t.dot(k * t) + height, tu = t.dot(k * u), uu = u.dot(k * u) + height;
@@ -169,14 +155,13 @@ std::optional<Vec3> climb_smooth(const ConvexCore& a, const ConvexCore& b, const
   Vec3 n = track.across(from);
   const double length = n.norm();
   if (!(length > 0.1)) return {};
-  n = track.direction(n / length);
+  n = n / length;
   Vec3 d = b.support(-n) - a.support(n);
   if (!a.curved() && !b.curved()) {  // the nearest points are vertices, or on the edge
     const Vec3 within = track.across(d);
     const double distance = within.norm();
     if (!(within.dot(n) > 0)) return {};
-    return track.direction(
-        track.across(within / distance).normalized());  // again: of a small remainder little is left normal
+    return track.across(within / distance).normalized();  // again: of a small remainder little is left normal
   }
   double moved = std::numeric_limits<double>::infinity();
   for (int i = 0; i < most_steps; ++i) {
@@ -184,9 +169,7 @@ std::optional<Vec3> climb_smooth(const ConvexCore& a, const ConvexCore& b, const
     if (!step) return {};
     const double height = n.dot(d), before = std::exchange(moved, step->squaredNorm());
     const bool is_last = moved < last_step || (moved < small_step && moved > before / 4);
-    const auto after = [&](double share) -> Vec3 {
-      return track.direction(track.across(n + share * *step).normalized());
-    };
+    const auto after = [&](double share) -> Vec3 { return track.across(n + share * *step).normalized(); };
     if (is_last) return after(1);
     Vec3 next;
     for (double share = 1;; share /= 2) {
@@ -212,20 +195,13 @@ struct Best {
   }
 };
 
-/// Returns the direction on both circles that is nearer to n; nothing where the axes are parallel or the
-/// circles do not cross.
-std::optional<Vec3> on_both(const Kinks::Circle& u, const Kinks::Circle& v, const Vec3& n) {
-  const Vec3 cross = u.axis.cross(v.axis);
+/// Returns the direction on the circles of both axes that is nearer to n; nothing where the axes are
+/// parallel.
+std::optional<Vec3> on_both(const Vec3& u, const Vec3& v, const Vec3& n) {
+  const Vec3 cross = u.cross(v);
   const double sine = cross.norm();
   if (!(sine > parallel_sine)) return {};
-  if (u.c == 0 && v.c == 0) return cross.dot(n) < 0 ? Vec3(-cross / sine) : Vec3(cross / sine);
-  const double cosine = u.axis.dot(v.axis), square = sine * sine;
-  const Vec3 within =
-      ((u.c - v.c * cosine) * u.axis + (v.c - u.c * cosine) * v.axis) / square;  // in the plane of the axes
-  const double rest = 1 - within.squaredNorm();
-  if (!(rest >= 0)) return {};
-  const Vec3 out = std::sqrt(rest) / sine * cross;
-  return Vec3(within + (cross.dot(n) < 0 ? -1 : 1) * out).normalized();
+  return cross.dot(n) < 0 ? Vec3(-cross / sine) : Vec3(cross / sine);
 }
 
 /// The highest direction that the features near n allow.
@@ -238,13 +214,12 @@ Peak step_up(const ConvexCore& a, const ConvexCore& b, const Vec3& n, double ang
   Best best{a, b, handicap};
   for (const Vec3& face : of_a.faces) best.take(face);
   for (const Vec3& face : of_b.faces) best.take(-face);
-  for (Kinks::Circle& circle : of_b.circles) circle.c = -circle.c;  // of b they are those of -n
-  for (const Kinks::Circle& u : of_a.circles)
-    for (const Kinks::Circle& v : of_b.circles)
+  for (const Vec3& u : of_a.circles)
+    for (const Vec3& v : of_b.circles)
       if (const auto crossing = on_both(u, v, n)) best.take(*crossing);
   for (const Kinks* kinks : {&of_a, &of_b})
-    for (const Kinks::Circle& circle : kinks->circles)
-      if (const auto on_circle = climb_smooth(a, b, n, {&circle}, handicap)) best.take(*on_circle);
+    for (const Vec3& axis : kinks->circles)
+      if (const auto on_circle = climb_smooth(a, b, n, {&axis}, handicap)) best.take(*on_circle);
   if (const auto smooth = climb_smooth(a, b, n, {}, handicap)) best.take(*smooth);
   return best.peak;
 }

@@ -20,8 +20,8 @@ Made make_sffd(const ResolverSettings& settings) {
 }
 
 constexpr ResolverModel models[] = {
-    {"sffd", true, true, false, true, false, true, make_sffd},
-    {"ffd", false, false, true, false, true, false,
+    {"sffd", true, true, true, false, true, make_sffd},
+    {"ffd", false, false, false, true, false,
      [](const ResolverSettings& settings) -> Made { return std::make_unique<FfdResolver>(settings); }},
 };
 

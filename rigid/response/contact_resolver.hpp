@@ -44,7 +44,6 @@ struct ResolverSettings {
   // of pairs, as those of the World; empty: no pair resists rolling or pulls (sffd)
   std::vector<Material> materials;
   int material_count = 0;
-  bool half_force = true;  // ffd only: a body in contact misses its second half kick, as in the paper
 };
 
 /// Gives a resolver the materials that have more than restitution and friction.
@@ -118,7 +117,7 @@ class ContactResolver {
 /// contact_resolver.cpp.
 struct ResolverModel {
   std::string_view name;
-  bool lubricates, has_impact_phase, has_half_force;
+  bool lubricates, has_impact_phase;
   bool resists_rolling_and_pulls;
   bool makes_energy;  // contacts of several bodies may leave more than there was
   bool sweeps;        // over the contacts, again and again

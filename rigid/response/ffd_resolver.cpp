@@ -238,7 +238,7 @@ ResolverStatistics FfdResolver::resolve(BodySet& bodies, const std::vector<Conta
   for (std::size_t row = 0; row < bodies.owned; ++row) {
     if (constraints_[row].empty()) continue;
     respond(bodies, row, velocities, statistics);
-    velocities.misses_kick[row] = settings_.half_force;
+    velocities.misses_kick[row] = true;  // the half of it after the contacts
   }
   statistics.sweeps = 1;
   return statistics;

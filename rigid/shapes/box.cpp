@@ -53,7 +53,7 @@ std::optional<Mat3> Box::curvature(const Vec3&, const Vec3& n) const {
 void Box::kinks(const Placement& at, const Vec3& n_B, double angle, Kinks& out) const {
   const double sine = elementary::sin(angle), cosine = elementary::cos(angle);
   for (int k = 0; k < 3; ++k) {
-    if (half_edges[k] > 0 && std::abs(n_B[k]) <= sine) out.circles.push_back({at.axes.col(k)});
+    if (half_edges[k] > 0 && std::abs(n_B[k]) <= sine) out.circles.push_back(at.axes.col(k));
     if (half_edges[(k + 1) % 3] > 0 && half_edges[(k + 2) % 3] > 0 && std::abs(n_B[k]) >= cosine)
       out.faces.push_back(std::copysign(1.0, n_B[k]) * at.axes.col(k));
   }

@@ -4,7 +4,6 @@
 
 #include "rigid/shapes/box.hpp"
 #include "rigid/shapes/capsule.hpp"
-#include "rigid/shapes/cone.hpp"
 #include "rigid/shapes/cylinder.hpp"
 #include "rigid/shapes/ellipsoid.hpp"
 #include "rigid/shapes/half_space.hpp"
@@ -17,7 +16,7 @@ namespace silt::rigid {
 template <ConvexSolid... S>
 using ConvexShapes = std::variant<S...>;
 
-struct ConvexShape : ConvexShapes<Sphere, Box, Capsule, Cylinder, Ellipsoid, Polyhedron, Cone, HalfSpace> {
+struct ConvexShape : ConvexShapes<Sphere, Box, Capsule, Cylinder, Ellipsoid, Polyhedron, HalfSpace> {
   using variant::variant;
 };
 

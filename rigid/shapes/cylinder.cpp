@@ -61,7 +61,7 @@ std::optional<Mat3> Cylinder::curvature(const Vec3&, const Vec3& n) const {
 }
 
 void Cylinder::kinks(const Placement& at, const Vec3& n_B, double angle, Kinks& out) const {
-  if (std::abs(n_B.z()) <= elementary::sin(angle)) out.circles.push_back({at.axes.col(2)});
+  if (std::abs(n_B.z()) <= elementary::sin(angle)) out.circles.push_back(at.axes.col(2));
   if (std::abs(n_B.z()) >= elementary::cos(angle))
     out.faces.push_back(std::copysign(1.0, n_B.z()) * at.axes.col(2));
 }

@@ -20,10 +20,10 @@ struct Disc {
   static constexpr double flat_sine = 0.1;
 
   // Codes of a shape of revolution: 0 unused, then the rim points of either end, the chords between them, the
-  // ends, the side, the points where an end's rim is furthest along the normal, and an apex.
+  // ends, the side, and the points where an end's rim is furthest along the normal.
   static constexpr std::uint32_t first_rim = 1, first_chord = first_rim + 2 * rim_points,
                                  first_end = first_chord + 2 * rim_points, side_code = first_end + 2,
-                                 first_lowest = side_code + 1, apex_code = first_lowest + 2;
+                                 first_lowest = side_code + 1;
 
   bool is_flat_against(const Vec3& n_B) const {
     return (n_B.z() < 0) == (side < 0) && elementary::hypot(n_B.x(), n_B.y()) <= flat_sine;

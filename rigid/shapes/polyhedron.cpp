@@ -133,7 +133,7 @@ void Polyhedron::kinks(const Placement& at, const Vec3& n_B, double angle, Kinks
   const int v = support_vertex(n_B);
   for (const int u : mesh->neighbours[v]) {
     const Vec3 along = (mesh->vertices[u] - mesh->vertices[v]).normalized();
-    if (std::abs(along.dot(n_B)) <= sine) out.circles.push_back({at.axes * along});
+    if (std::abs(along.dot(n_B)) <= sine) out.circles.push_back(at.axes * along);
   }
   for (const auto& face : mesh->faces)
     if (face.normal.dot(n_B) >= cosine) out.faces.push_back(at.axes * face.normal);

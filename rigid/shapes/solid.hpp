@@ -28,13 +28,9 @@ struct Placement {
 
 /// Directions in which the boundary of a core is not smooth, near a given one; world frame, unit vectors.
 struct Kinks {
-  /// The directions n with n . axis = c. A straight edge (or a line of a cylinder's side) is normal to those
-  /// with c = 0; where a cone's side meets its apex and its rim, c is the sine of its slope.
-  struct Circle {
-    Vec3 axis;
-    double c = 0;
-  };
-  std::vector<Circle> circles;
+  /// Axes of circles, of the directions normal to them: along a straight edge, or a line of a cylinder's
+  /// side.
+  std::vector<Vec3> circles;
   std::vector<Vec3> faces;  // outward normals
   void clear() {
     circles.clear();

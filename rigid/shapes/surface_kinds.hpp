@@ -24,11 +24,11 @@ struct Plane {
 
 /// `sphere`: its axes are those of the world. `planes`: what lies behind all of them.
 /// `tube`: its hole, a cylinder without end; all else is solid.
-enum class SurfaceKind : std::uint8_t { sphere, ellipsoid, box, capsule, cylinder, cone, planes, tube };
+enum class SurfaceKind : std::uint8_t { sphere, ellipsoid, box, capsule, cylinder, planes, tube };
 /// Returns whether the part has convex edges; of `planes` it has unless there is one alone.
 constexpr bool has_edges(SurfaceKind kind) {
   using enum SurfaceKind;
-  return kind == box || kind == cylinder || kind == cone || kind == planes;
+  return kind == box || kind == cylinder || kind == planes;
 }
 
 /// Lengths in cells, along the part's own axes; for an ellipsoid in its half axes, so that it is a ball.
@@ -37,7 +37,7 @@ struct SurfacePart {
   SurfaceKind kind;
   T axes[3][3];  // rows: the part's axes in the world
   T centre[3];   // from the body's reference point
-  T size[3];     // half edges; or radius, radius, half length (of a cone's base, half height)
+  T size[3];     // half edges; or radius, radius, half length
   T extent[3];   // half edges of a box around it
   std::uint32_t first_plane, planes;
 };
@@ -124,8 +124,6 @@ class LineLanes {
           .joined(ball(-size[2], size[0]));
     } else if constexpr (kind == SurfaceKind::cylinder) {
       return barrel(size[0]).within(slab(2, size[2]));
-    } else if constexpr (kind == SurfaceKind::cone) {
-      return tapered(size[0], size[2]).within(slab(2, size[2]));
     } else if constexpr (kind == SurfaceKind::planes) {
       return clipped(planes + part.first_plane, part.planes);
     } else {
@@ -156,25 +154,6 @@ class LineLanes {
   SILT_DEVICE Interval barrel(T radius) const {
     return between_roots(d_[0] * d_[0] + d_[1] * d_[1], o_[0] * d_[0] + o_[1] * d_[1],
                          (o_[0] * o_[0] + o_[1] * o_[1]) - radius * radius);
-  }
-  /// Returns the part of the line in the double cone about the third axis, with its apex at `half` and this
-  /// radius at -half, on the side of the apex where the radius is: a line steeper than the cone is inside
-  /// before one root and after the other. The formula avoids cancellation, for a may be 0.
-  SILT_DEVICE Interval tapered(T radius, T half) const {
-    const T k = radius / (2 * half);
-    const V w = half - o_[2], a = (d_[0] * d_[0] + d_[1] * d_[1]) - k * k * (d_[2] * d_[2]);
-    const V b = (o_[0] * d_[0] + o_[1] * d_[1]) + k * k * (w * d_[2]);
-    const V c = (o_[0] * o_[0] + o_[1] * o_[1]) - k * k * (w * w);
-    const V discriminant = b * b - a * c, s = L::root(discriminant < T(0) ? V{} : discriminant);
-    const V q = b < T(0) ? s - b : -b - s, t = q / a, u = q == T(0) ? t : c / q;
-    const V low = Interval::smaller(t, u), high = Interval::larger(t, u);
-    Interval in{a < T(0) ? d_[2] < T(0) ? high : V{} - infinity : low,
-                a < T(0) ? d_[2] < T(0) ? V{} + infinity : low : high};
-    const auto along = (a == T(0)) & (b == T(0)), misses = (a > T(0)) & (discriminant < T(0));
-    in.enter = along ? V{} - infinity : in.enter;
-    in.leave = along ? V{} + infinity : in.leave;
-    in.leave = misses | (along & (c > T(0))) ? V{} - infinity : in.leave;
-    return in;
   }
   /// Between two planes across axis k.
   SILT_DEVICE Interval slab(int k, T half_width) const {
@@ -218,7 +197,7 @@ struct NearestEdge {
     else if constexpr (kind == SurfaceKind::planes)
       of_planes(p, d, planes + part.first_plane, planes + part.first_plane + part.planes);
     else
-      of_rim(p, d, part, kind == SurfaceKind::cone);
+      of_rim(p, d, part);
   }
 
  private:
@@ -234,16 +213,14 @@ struct NearestEdge {
       depth = nearer ? other : depth, slope = nearer ? L::magnitude(d[k]) : slope;
     }
   }
-  /// Takes the rim at either end of a cylinder, or at the base of a cone, whose apex is up.
-  SILT_DEVICE void of_rim(const V (&p)[3], const V (&d)[3], const SurfacePart<T>& part, bool tapers) {
-    const T taper = tapers ? part.size[0] / (2 * part.size[2]) : T(0), slant = std::sqrt(1 + taper * taper);
-    const V r = L::root(p[0] * p[0] + p[1] * p[1]), z = tapers ? -p[2] : L::magnitude(p[2]);
-    const V end = part.size[2] - z;
-    const V side = (tapers ? taper * (part.size[2] + z) : V{} + part.size[0]) - r;
+  /// Takes the rim at either end of a cylinder.
+  SILT_DEVICE void of_rim(const V (&p)[3], const V (&d)[3], const SurfacePart<T>& part) {
+    const V r = L::root(p[0] * p[0] + p[1] * p[1]);
+    const V end = part.size[2] - L::magnitude(p[2]), side = part.size[0] - r;
     const auto on_end = end < side;
     const V outwards = (d[0] * p[0] + d[1] * p[1]) / r;
-    distance = on_end ? part.size[0] - r : end * slant;
-    slope = L::magnitude(on_end ? d[2] : (outwards + taper * d[2]) / slant);
+    distance = on_end ? part.size[0] - r : end;
+    slope = L::magnitude(on_end ? d[2] : outwards);
   }
   /// The face is the plane that the point is next to; each other plane cuts it off somewhere.
   SILT_DEVICE void of_planes(const V (&p)[3], const V (&d)[3], const Plane<T>* first, const Plane<T>* end) {
@@ -284,8 +261,6 @@ SILT_DEVICE void with_kind(SurfaceKind kind, F&& use) {
       return use(std::integral_constant<SurfaceKind, capsule>{});
     case cylinder:
       return use(std::integral_constant<SurfaceKind, cylinder>{});
-    case cone:
-      return use(std::integral_constant<SurfaceKind, cone>{});
     case planes:
       return use(std::integral_constant<SurfaceKind, planes>{});
     case tube:

@@ -69,7 +69,7 @@ def a_run(setup, cells, number, offset):
     text = f'type = "box"\nedges = {scene.vector((size,) * 3)}' if body == "cube" else \
         f'type = "cylinder"\ndiameter = {size}\nlength = {size}'
     place = cells // 2 + np.array(offset)
-    turned = {"axis_angle": f"{{ axis = {scene.vector(axis)}, degrees = {degrees} }}"}
+    turned = {"orientation": f"{{ axis = {scene.vector(axis)}, degrees = {degrees} }}"}
     if flow == "drag":
         factor = scene.references("cube")[setup]["K"]
         slowest = cells**3 / (6 * math.pi * scene.VISCOSITY * a * factor)  # steps in which the mean velocity settles

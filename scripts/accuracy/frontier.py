@@ -33,7 +33,7 @@ GOALS = [Goal("frontier.one_percent.speedup", 1e9, low=20),
 SHORT_GOALS = [Goal("frontier.peers.d8.magic0.1875.error", 0.28)]
 
 PAPER_FLUID = dict(collision="bgk", precision="double")
-PAPER_COUPLING = dict(wall_scheme="bounce-back", refill="equilibrium", time="explicit")
+PAPER_COUPLING = dict(wall_scheme="bounce-back", time="explicit")
 
 
 def default_run(D, position):

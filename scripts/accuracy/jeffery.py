@@ -48,7 +48,7 @@ def run_of(shape, reynolds, minor):
         shapes=[dict(name="spheroid", type="ellipsoid",
                      diameters=[minor, minor, long] if ratio > 1 else [long, long, minor])],
         bodies=[dict(shape="spheroid", density=1, position=[box[0] / 2 + 0.17, box[1] / 2, box[2] / 2 + 0.29],
-                     axis=[math.sin(0.3), math.cos(0.3), 0])],
+                     orientation=[math.sin(0.3), math.cos(0.3), 0])],
         run=dict(steps=steps), output=dict(bodies=dict(every=every)))
     return Run(f"{shape}.d{minor}.re{reynolds:g}", text, dict(shape=shape, D=minor, Re=reynolds, start=start))
 

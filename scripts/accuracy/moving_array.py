@@ -22,7 +22,7 @@ BOOST = 0.05
 TRAVEL = 4               # cells
 POSITION = (0.13, 0.31, 0.87)
 DIRECTIONS = {"axis": (1, 0, 0), "oblique": (1, 0.6, 0.35)}
-METHODS = {"default": {}, "bounce-back": dict(wall_scheme="bounce-back"), "equilibrium": dict(refill="equilibrium"),
+METHODS = {"default": {}, "bounce-back": dict(wall_scheme="bounce-back"),
            "exact": dict(force="exact"), "double": {}}
 FLUID = {"double": dict(precision="double")}
 SIZES = (6, 8, 12)

@@ -61,7 +61,7 @@ def a_run(setup, diameter, number, offset, factor):
     text = scene.case(
         f"Spheroid, {setup}, {diameter} cells across", (edge,) * 3,
         f'type = "ellipsoid"\ndiameters = {scene.vector((equatorial, equatorial, polar))}',
-        [scene.body("body", edge // 2 + np.array(offset), axis_angle=f"{{ axis = {scene.vector(axis)}, degrees = {degrees} }}")],
+        [scene.body("body", edge // 2 + np.array(offset), orientation=f"{{ axis = {scene.vector(axis)}, degrees = {degrees} }}")],
         round(13 * slowest),
         fluid=f"body_force = {scene.vector(U / slowest * direction)}\n"
               f'initial = {{ type = "uniform", velocity = {scene.vector(U * direction)} }}', quantities="xyz")

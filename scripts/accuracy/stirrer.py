@@ -70,7 +70,7 @@ def a_run(setup, cells, number, offset):
             f'[domain]\nsize = {scene.vector((cells,) * 3)}\nboundary = "periodic"\n'
             f"[fluid]\nrelaxation_time = {scene.RELAXATION_TIME}\n"
             f'[[walls]]\nname = "stirrer"\ntype = "mesh"\nfile = "stirrer.obj"\nsolid = "inside"\nscale = {a}\n'
-            f"position = {scene.vector(cells // 2 + np.array(offset))}\naxis = {axis}\n"
+            f"position = {scene.vector(cells // 2 + np.array(offset))}\norientation = {axis}\n"
             f"motion = {{ angular_velocity = {turn!r}, axis = {axis} }}\n"
             f"[run]\nsteps = {steps}\n"
             f'[[quantities]]\nname = "power"\ntype = "wall-power"\ntime = {start}\n')

@@ -59,7 +59,7 @@ def a_run(setup, diameter, number, offset, factor):
     slowest = edge**3 / (6 * math.pi * scene.VISCOSITY * RADIUS * tube * factor)  # steps in which the mean velocity settles
     text = scene.case(
         f"Torus, {setup}, {diameter} cells across the tube", (edge,) * 3, f'type = "mesh"\nfile = "torus.obj"\nscale = {tube}',
-        [scene.body("body", edge // 2 + np.array(offset), axis_angle=f"{{ axis = {scene.vector(axis)}, degrees = {degrees} }}")],
+        [scene.body("body", edge // 2 + np.array(offset), orientation=f"{{ axis = {scene.vector(axis)}, degrees = {degrees} }}")],
         round(22 * slowest),
         fluid=f"body_force = {scene.vector(U / slowest * direction)}\n"
               f'initial = {{ type = "uniform", velocity = {scene.vector(U * direction)} }}', quantities="xyz")

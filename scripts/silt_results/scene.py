@@ -30,7 +30,7 @@ class Wall:
         self.vertices, self.triangles, self.table = group["vertices"][:], group["triangles"][:].astype(int), group["table"][:]
         self.orientation, self.velocity, self.angular_velocity, self.amplitude = (
             group.attrs[name] for name in ("orientation", "velocity", "angular_velocity", "amplitude"))
-        self.frequency, self.phase = float(group.attrs["frequency"]), float(group.attrs["phase"])
+        self.frequency = float(group.attrs["frequency"])
 
     @property
     def moves(self):
@@ -55,7 +55,7 @@ class Wall:
     def points(self, time):
         """Returns where the vertices of a mesh are at a time."""
         displacement, rotation = self.from_table(time)
-        to = self.position + self.velocity * time + self.amplitude * np.sin(2 * np.pi * self.frequency * time + self.phase) + displacement
+        to = self.position + self.velocity * time + self.amplitude * np.sin(2 * np.pi * self.frequency * time) + displacement
         spin = self.angular_velocity * time + rotation
         angle = np.linalg.norm(spin)
         turn = np.append(np.cos(angle / 2), np.sin(angle / 2) * spin / (angle or 1))

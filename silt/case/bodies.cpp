@@ -19,7 +19,7 @@ constexpr std::tuple shape_name_keys{
     HandKey{"shape", "string", "", required, "the name of one of [[shapes]]"}};
 /// These keys are those of entries of [[bodies]] and of [[fill]].
 constexpr std::tuple entry_keys{
-    HandKey{"material", "string", "", "\"default\"", "name of one of [[materials]]"},
+    HandKey{"material", "string", "", "\"default\"", "one that [[material_pairs]] names"},
     HandKey{"name", "string", "", "the shape's",
             "kind of the bodies in output; entries of one name make one kind and have one shape"},
     Key{"density", &EntrySpec::density, Number{dimension::density, range::above(0)},
@@ -45,10 +45,7 @@ constexpr std::tuple body_keys{
 
 constexpr std::tuple start_keys{
     Key{"from", &StartSpec::from, Text{},
-        "folder of another run's results, of which the newest checkpoint counts, or a checkpoint", required},
-    Key{"random_velocity", &StartSpec::random_velocity, Number{dimension::velocity, range::at_least(0)},
-        "largest component of a random velocity that each free body gets besides, the same on any number of "
-        "ranks"}};
+        "folder of another run's results, of which the newest checkpoint counts, or a checkpoint", required}};
 
 constexpr std::tuple fill_keys{
     Key{"arrangement", &FillSpec::arrangement, Choice{arrangement_names}, "where the bodies are"},
@@ -69,9 +66,7 @@ constexpr std::tuple fill_keys{
     Key{"velocity", &EntrySpec::velocity, Vector{dimension::velocity},
         "velocity of the bodies when they are placed"},
     Key{"every", &FillSpec::every, Whole{1, Whole{}.high, "steps"},
-        "steps between two applications; box must then be given", "none"},
-    Key{"until", &FillSpec::until, Number{dimension::time, range::at_least(0)},
-        "time after which it is not applied again", "the end"}};
+        "steps between two applications; box must then be given", "none"}};
 
 constexpr std::tuple outflow_keys{
     Key{"box", &OutflowSpec::box, Corners{}, "where bodies are taken out: two corners", required}};
@@ -114,7 +109,7 @@ void check_contents(TableReader& table, const BodySpec& body, const std::string&
         table.fail(key, "{} is given, and '{}' has columns of it: remove one of the two", table.path(key),
                    name);
   };
-  refuse_twice(in.orientation, {"orientation", "axis_angle", "axis"});
+  refuse_twice(in.orientation, {"orientation"});
   refuse_twice(in.velocity, {"velocity"});
   refuse_twice(in.angular_velocity, {"angular_velocity"});
   if (body.motion == rigid::Motion::fixed && in.fastest != FiledPose{})
@@ -191,7 +186,6 @@ void read_body_motion(TableReader& table, BodySpec& body, Case& setup) {
                    motion.path());
     const rigid::PrescribedMotion& read = setup.kind_motions[body.kind] = read_motion(motion).motion;
     if (read.angular_velocity.isZero(0)) motion.idle("axis", "the body turns about no axis; remove it");
-    if (read.frequency == 0) motion.idle("oscillation", "its frequency is 0; give one, or remove it");
   }
   const auto other = std::ranges::find_if(setup.bodies, [&](const BodySpec& b) {
     return b.kind == body.kind && b.motion == rigid::Motion::prescribed;
@@ -224,7 +218,7 @@ void read_given_bodies(TableReader& root, Case& setup) {
       continue;
     }
     if (setup.start && !table.has("position") && !table.has("positions")) {
-      for (const char* key : {"velocity", "angular_velocity", "orientation", "axis_angle", "axis", "origin"})
+      for (const char* key : {"velocity", "angular_velocity", "orientation", "origin"})
         if (table.has(key))
           table.fail(
               key,
@@ -250,18 +244,15 @@ void judge_fill(TableReader& table, const FillSpec& fill) {
   for (const char* key : {"spacing", "shift"})
     if (random && table.has(key))
       table.fail(key,
-                 "{} is for sites, but {} is \"random\"; set it to \"simple-cubic\", \"hexagonal\" or "
-                 "\"layers\", or remove the key",
+                 "{} is for sites, but {} is \"random\"; set it to \"simple-cubic\" or "
+                 "\"hexagonal\", or remove the key",
                  table.path(key), table.path("arrangement"));
   if (!random && table.has("diameter"))
     table.fail("diameter", "{} is for bodies at random places, but {} is \"{}\"; remove one of the two",
                table.path("diameter"), table.path("arrangement"), arrangement_names[fill.arrangement]);
-  if (!random && fill.arrangement != Arrangement::layers && fill.aligned && fill.shift == 0)
+  if (!random && fill.aligned && fill.shift == 0)
     table.idle("seed", "nothing of the fill is random; remove it");
   if (table.has("every")) table.need("box", "where the bodies come in: two corners");
-  if (table.has("until") && !table.has("every"))
-    table.fail("until", "{} is for a fill that is applied again and again; give {}, or remove the key",
-               table.path("until"), table.path("every"));
 }
 
 bool meet(const rigid::BoundingBox& a, const rigid::BoundingBox& b) {
@@ -388,10 +379,9 @@ void find_turnover_faults(const Case& setup, Diagnostics& findings) {
     check_sizes(setup, findings, i);
     const std::string key = fmt::format("fill[{}].every", i);
     if (fill.every == 0) continue;
-    if (fill.every >= setup.steps || static_cast<double>(fill.every) > fill.until)
-      findings.warning(key, "{} is {}, of {} steps in all{}: bodies come at the start only", key, fill.every,
-                       setup.steps,
-                       static_cast<double>(fill.every) > fill.until ? " and before `until`" : "");
+    if (fill.every >= setup.steps)
+      findings.warning(key, "{} is {}, of {} steps in all: bodies come at the start only", key, fill.every,
+                       setup.steps);
   }
 }
 

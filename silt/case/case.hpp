@@ -61,9 +61,9 @@ struct FiledBodies {
   PositionContents contents;
 };
 
-enum class Arrangement { random, simple_cubic, hexagonal, layers };
+enum class Arrangement { random, simple_cubic, hexagonal };
 inline constexpr auto arrangement_names =
-    coupler::names_of<Arrangement>("random", "simple-cubic", "hexagonal", "layers");
+    coupler::names_of<Arrangement>("random", "simple-cubic", "hexagonal");
 
 /// A size of a fill's bodies.
 struct FillSize {
@@ -82,11 +82,10 @@ struct FillSpec : EntrySpec {   // the shape is that of the largest
   rigid::BoundingBox box{rigid::Vec3::Zero(), rigid::Vec3::Zero()};
   std::uint64_t seed = 1;
   std::int64_t every = 0;  // steps between two applications; 0: at the start only
-  double until = std::numeric_limits<double>::infinity();  // no application after this step
 
   /// Says whether the fill is applied again before the step that follows so many.
   bool applies_after(std::int64_t steps_done) const {
-    return every > 0 && steps_done > 0 && steps_done % every == 0 && static_cast<double>(steps_done) <= until;
+    return every > 0 && steps_done > 0 && steps_done % every == 0;
   }
 };
 
@@ -98,7 +97,6 @@ struct OutflowSpec {
 /// The run begins with the end of another one.
 struct StartSpec {
   std::string from;  // a folder of results, or a checkpoint; from the folder of the case
-  double random_velocity = 0;
 };
 
 // The sides of the domain and the curved walls in it: domain.boundary and [[walls]].
@@ -134,7 +132,7 @@ struct CurvedWall {
 
 /// The table [contacts] says how bodies collide.
 struct ContactSpec {
-  std::string backend = "auto", broad_phase = "auto", resolver = "sffd";
+  std::string backend = "auto", resolver = "sffd";
   rigid::ResolverSettings resolver_settings;
   int substeps = 1;
   double margin = 1.0;

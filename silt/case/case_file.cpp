@@ -118,7 +118,6 @@ constexpr std::tuple top_keys{
     HandKey{"coupling", "table", "", "defaults", "how fluid and bodies are coupled"},
     HandKey{"contacts", "table", "", "defaults", "how bodies collide"},
     HandKey{"output", "table", "", "none", "what is written"},
-    HandKey{"materials", "list of tables", "", "none", "of bodies and walls"},
     HandKey{"material_pairs", "list of tables", "", "none", "how two materials touch"},
     HandKey{"walls", "list of tables", "", "none", "curved walls"},
     HandKey{"shapes", "list of tables", "", "none", "of bodies"},
@@ -199,6 +198,10 @@ std::vector<KeySection> case_keys() {
   return all;
 }
 
+namespace {
+
+/// Returns the index of a name in a list; reports "unknown <what> '<name>'; did you mean ..." and gives -1 if
+/// it is not there.
 int index_of(TableReader& reader, std::string_view key, const std::string& name,
              const std::vector<std::string>& names, std::string_view what) {
   const auto found = std::ranges::find(names, name);
@@ -206,6 +209,8 @@ int index_of(TableReader& reader, std::string_view key, const std::string& name,
   reader.fail(key, "{}: unknown {} '{}'{}", reader.path(key), what, name, suggestion(name, names));
   return -1;
 }
+
+}  // namespace
 
 std::vector<int> read_names(TableReader& reader, const char* key, const std::vector<std::string>& known,
                             std::string_view what) {

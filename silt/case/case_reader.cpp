@@ -148,13 +148,14 @@ std::vector<rigid::Vec3> TableReader::points(std::string_view key, std::size_t l
   return points;
 }
 
-std::optional<rigid::BoundingBox> TableReader::box(std::string_view key) {
+std::optional<rigid::BoundingBox> TableReader::box(std::string_view key, bool may_be_flat) {
   const Node* node = find(key);
   const bool more = node && node->kind == Node::Kind::array && node->children.size() > 2;
   const auto corners =
       points(key, more ? node->children.size() + 1 : 2, "two corners, [[x, y, z], [x, y, z]]");
   if (corners.size() != 2) return {};
-  if ((corners[1] - corners[0]).minCoeff() > 0) return rigid::BoundingBox{corners[0], corners[1]};
+  const double least = (corners[1] - corners[0]).minCoeff();
+  if (least > 0 || (may_be_flat && least == 0)) return rigid::BoundingBox{corners[0], corners[1]};
   refuse(key, "two corners, [lower, upper], the upper above the lower in each direction");
   return {};
 }

@@ -83,8 +83,8 @@ class TableReader {
   /// Returns the number in lattice units; it stands, as does its range, in the units of the case.
   std::optional<double> quantity(std::string_view key, Dimension, const Range&);
   std::optional<rigid::Vec3> vector(std::string_view key, Dimension = dimension::none);
-  /// Returns a box by its lower and upper corner.
-  std::optional<rigid::BoundingBox> box(std::string_view key);
+  /// Returns a box by its lower and upper corner, which are equal along an axis only if it may be flat.
+  std::optional<rigid::BoundingBox> box(std::string_view key, bool may_be_flat = false);
   /// Returns a list of points in lattice units; none (reported) if one is wrong or there are fewer than that.
   std::vector<rigid::Vec3> points(std::string_view key, std::size_t least, std::string_view must);
   std::optional<std::int64_t> integer(std::string_view key, std::int64_t low,

@@ -29,7 +29,7 @@ rigid::OverTime read_over_time(TableReader& parent, const char* key);
 
 // contacts.cpp
 std::vector<KeySection> contact_sections();
-void read_contacts(TableReader& root, Case&);  // [contacts], [[materials]], [[material_pairs]]
+void read_contacts(TableReader& root, Case&);  // [contacts], [[material_pairs]]
 /// Warns of pairs of materials of which no two things meet; after the bodies and walls.
 void look_for_idle_pairs(TableReader& root, const Case&);
 
@@ -52,13 +52,11 @@ std::shared_ptr<const rigid::PolyhedronMesh> read_polyhedron_file(TableReader&);
 // shapes.cpp
 std::vector<KeySection> shape_sections();
 void read_shapes(TableReader& root, Case&);  // [[shapes]]
-inline constexpr std::tuple orientation_keys{
-    HandKey{"orientation", "[w, x, y, z]", "1", "one of three",
-            "quaternion from the frame of the shape or file to that around it"},
-    HandKey{"axis_angle", "table", "", "one of three", "rotation by an angle about an axis, see below"},
-    HandKey{"axis", "[x, y, z]", "1", "one of three", "direction of the z axis of the shape or file"}};
-/// Reads one of orientation = [w, x, y, z], axis_angle = { axis, degrees }, axis = where the shape's z axis
-/// points.
+inline constexpr std::tuple orientation_keys{HandKey{
+    "orientation", "[x, y, z], [w, x, y, z], table", "1", "none",
+    "from the frame of the shape or file to that around it: where its z axis points, a quaternion, or a "
+    "turn, see below"}};
+/// Reads orientation = [x, y, z], where the shape's z axis points, [w, x, y, z] or { axis, degrees }.
 rigid::Quat read_orientation(TableReader&);
 /// Reads the radius of a tube.
 rigid::Tube read_tube(TableReader&);
@@ -95,11 +93,6 @@ void read_coarsening(TableReader& root, Case&);  // [coarsening]; after the bodi
 std::vector<KeySection> output_sections(), quantity_sections();
 void read_output(TableReader& root, Case&);      // [run], [output]
 void read_quantities(TableReader& root, Case&);  // [[quantities]]; last: they name bodies and walls
-
-/// Returns the index of a name in a list; reports "unknown <what> '<name>'; did you mean ..." and gives -1 if
-/// it is not there.
-int index_of(TableReader&, std::string_view key, const std::string& name,
-             const std::vector<std::string>& names, std::string_view what);
 
 /// Returns the indices of the names that a key lists, of those that are known.
 std::vector<int> read_names(TableReader&, const char* key, const std::vector<std::string>& known,

@@ -19,11 +19,9 @@ constexpr std::tuple coarsening_keys{
         "as long",
         required},
     Key{"distance", &coupler::CoarseningSpec::distance, Number{dimension::length, range::above(0)},
-        "from bodies, curved walls and fine sides up to which cells are finest; those of level 1 reach twice "
+        "from bodies and curved walls up to which cells are finest; those of level 1 reach twice "
         "that further, and so on",
         "half the largest body, at least 8 cells"},
-    HandKey{"fine_sides", "list of sides", "", "none",
-            "sides of the domain at which cells are finest as at bodies, as in [\"z-low\"]"},
     HandKey{"fine", "list of tables", "", "none", "boxes of fine cells"}};
 constexpr std::tuple fine_keys{
     Key{"box", &coupler::FineBox::box, Corners{},
@@ -157,8 +155,6 @@ void read_coarsening(TableReader& root, Case& setup) {
   coupler::CoarseningSpec& spec = setup.coarsening.emplace();
   spec.distance = default_distance(setup);
   read_keys(table, spec, coarsening_keys);
-  for (const int side : read_names(table, "fine_sides", coupler::side_names.list(), "side"))
-    spec.fine_sides[side] = true;
   for (TableReader& fine : table.tables("fine")) read_keys(fine, spec.fine.emplace_back(), fine_keys);
 }
 
@@ -177,12 +173,6 @@ void find_coarsening_faults(const Case& setup, Diagnostics& findings) {
         "coarsening.distance",
         "coarsening.distance is {}; it must be at least {}, so that no surface meets coarser cells",
         cells_text(setup, spec.distance), cells_text(setup, least));
-  for (int side = 0; side < 6; ++side)
-    if (spec.fine_sides[side] && setup.periodic(side / 2))
-      findings.error("coarsening.fine_sides",
-                     "coarsening.fine_sides has \"{}\", but the domain is periodic along "
-                     "{} and has no such side",
-                     coupler::side_names[coupler::Side(side)], "xyz"[side / 2]);
   check_size(findings);
   check_intervals(findings);
   check_fine_boxes(findings);

@@ -1,4 +1,4 @@
-// [contacts], [[materials]] and [[material_pairs]]: how bodies touch, and what may be wrong with it.
+// [contacts] and [[material_pairs]]: how bodies touch, and what may be wrong with it.
 
 #include <algorithm>
 #include <numbers>
@@ -16,9 +16,6 @@ constexpr auto unit_interval = range::between(0, 1);
 constexpr std::tuple contact_keys{
     HandKey{"backend", "\"auto\", \"analytic\", \"bullet\", \"fcl\"", "", "\"auto\"",
             "who finds contacts of a pair of shapes; \"auto\": the best answer pair by pair"},
-    HandKey{"broad_phase", "\"auto\", \"grid\", \"bullet\", \"fcl\"", "", "\"auto\"",
-            "who finds close pairs, bitwise the same ones; \"auto\": the tree of the backend if it has "
-            "one, else the grid"},
     HandKey{"resolver", "\"sffd\", \"ffd\"", "", "\"sffd\"", "contact resolver"},
     Key{"substeps", &ContactSpec::substeps, Whole{1, 100000},
         "sub-steps of the bodies in a step of the fluid"},
@@ -46,22 +43,17 @@ constexpr std::tuple material_keys{
         "with hamaker"}};
 
 constexpr std::tuple resolver_keys{
-    Key{"half_force", &rigid::ResolverSettings::half_force, Flag{},
-        "with ffd: a body in contact feels half of the fluid's force, as in the paper"},
     Key{"sweeps", &rigid::ResolverSettings::max_sweeps, Whole{1, 100000},
         "sweeps over the contacts in a sub-step, at most; more for heavy bodies that fall on stacks: a run "
         "warns where they end far from rest"},
-    Key{"correction", &rigid::ResolverSettings::correction, Number{dimension::none, unit_interval},
-        "share of an overlap taken back in a step"},
     Key{"impact_sweeps", &rigid::ResolverSettings::impact_sweeps, Whole{0, 100000},
         "sffd: rounds of collisions through touching bodies before contacts, and sweeps of each, at most, as "
         "in Newton's cradle (0: none)",
         "0; dry pairs of restitution 1: 1000"}};
 
-constexpr std::tuple name_keys{
-    HandKey{"name", "string", "", required, "what bodies and pairs call the material"}};
 constexpr std::tuple between_keys{
-    HandKey{"between", "[\"a\", \"b\"]", "", required, "the names of two materials"}};
+    HandKey{"between", "[\"a\", \"b\"]", "", required,
+            "two materials, as bodies and walls call theirs; \"default\" is that of all others"}};
 
 /// One of those that this build has; of one that it was configured without that is said.
 std::optional<std::string> read_engine(TableReader& table, const char* key,
@@ -91,35 +83,44 @@ void read_material(TableReader& table, rigid::Material& material, const ContactS
   }
 }
 
-void read_material_pairs(TableReader& root, Case& setup) {
-  const int count = static_cast<int>(setup.material_names.size());
-  for (TableReader& pair : root.tables("material_pairs")) {
-    rigid::Material unused;
-    read_keys(pair, unused, between_keys);
-    const Node* between = pair.find("between");
-    const auto names = between ? between->strings() : std::nullopt;
-    int index[2] = {-1, -1};
-    if (names && names->size() == 2)
-      for (int k = 0; k < 2; ++k)
-        index[k] = index_of(pair, "between", (*names)[k], setup.material_names, "material");
-    else if (between)
-      pair.refuse("between", "the names of two materials, [\"a\", \"b\"]");
-    const bool known = index[0] >= 0 && index[1] >= 0;
-    rigid::Material& material = known ? setup.pair_materials[index[0] * count + index[1]] : unused;
-    read_material(pair, material, setup.contacts);
-    if (material.hamaker == 0) pair.idle("hamaker_gap", "there is no hamaker; give it, or remove the gap");
-    if (known) setup.pair_materials[index[1] * count + index[0]] = material;
-  }
+/// Returns the names of two materials; none (reported) where there are others.
+std::vector<std::string> read_between(TableReader& pair) {
+  rigid::Material unused;
+  read_keys(pair, unused, between_keys);
+  const Node* between = pair.find("between");
+  const auto names = between ? between->strings() : std::nullopt;
+  if (names && names->size() == 2) return *names;
+  if (between) pair.refuse("between", "the names of two materials, [\"a\", \"b\"]");
+  return {};
 }
 
+std::size_t index_of_material(const Case& setup, const std::string& name) {
+  return std::size_t(std::ranges::find(setup.material_names, name) - setup.material_names.begin());
+}
+
+/// The materials are those that pairs name, in their order after "default".
 void read_materials(TableReader& root, const rigid::Material& standard, Case& setup) {
   setup.material_names = {"default"};
-  for (TableReader& entry : root.tables("materials")) {
-    read_keys(entry, setup, name_keys);
-    read_new_name(entry, setup.material_names, "material");
+  std::vector<TableReader> pairs = root.tables("material_pairs");
+  std::vector<std::vector<std::string>> names;
+  for (TableReader& pair : pairs)
+    for (const std::string& name : names.emplace_back(read_between(pair)))
+      if (index_of_material(setup, name) == setup.material_names.size()) setup.material_names.push_back(name);
+  const std::size_t count = setup.material_names.size();
+  setup.pair_materials.assign(count * count, standard);
+  for (std::size_t k = 0; k < pairs.size(); ++k) {
+    rigid::Material unused;
+    if (names[k].empty()) {
+      read_material(pairs[k], unused, setup.contacts);
+      continue;
+    }
+    const std::size_t a = index_of_material(setup, names[k][0]), b = index_of_material(setup, names[k][1]);
+    rigid::Material& material = setup.pair_materials[a * count + b];
+    read_material(pairs[k], material, setup.contacts);
+    if (material.hamaker == 0)
+      pairs[k].idle("hamaker_gap", "there is no hamaker; give it, or remove the gap");
+    setup.pair_materials[b * count + a] = material;
   }
-  setup.pair_materials.assign(setup.material_names.size() * setup.material_names.size(), standard);
-  read_material_pairs(root, setup);
 }
 
 /// Pairs that lose nothing collide one after the other, where no fluid takes part: all at once, one of three
@@ -137,15 +138,11 @@ void collide_without_loss(Case& setup) {
 void require_resolver(TableReader& table, const ContactSpec& contacts) {
   const rigid::ResolverModel& resolver = rigid::resolver_model(contacts.resolver);
   const int impact_sweeps = contacts.resolver_settings.impact_sweeps;
-  const auto refuse = [&](const char* key, const std::string& is, const char* which, const char* other) {
-    table.fail(
-        key, "{} is {}, but contacts.resolver is '{}', {}; set contacts.resolver = \"{}\", or remove the key",
-        table.path(key), is, contacts.resolver, which, other);
-  };
   if (impact_sweeps > 0 && !resolver.has_impact_phase)
-    refuse("impact_sweeps", std::to_string(impact_sweeps), "which has no impact phase", "sffd");
-  if (table.has("half_force") && !resolver.has_half_force)
-    refuse("half_force", "for the classic resolver", "where all of a force acts before the contacts", "ffd");
+    table.fail("impact_sweeps",
+               "{} is {}, but contacts.resolver is '{}', which has no impact phase; set contacts.resolver = "
+               "\"sffd\", or remove the key",
+               table.path("impact_sweeps"), impact_sweeps, contacts.resolver);
   if (!resolver.sweeps)
     table.idle("sweeps", fmt::format("contacts.resolver is '{}', which makes none; set contacts.resolver = "
                                      "\"sffd\", or remove the key",
@@ -226,8 +223,7 @@ std::vector<KeySection> contact_sections() {
   KeySection pairs = section_of("material_pairs", between_keys, material_keys);
   for (KeyText& key : pairs.keys)
     if (key.fallback == "0") key.fallback = "of [contacts]";
-  return {section_of("contacts", contact_keys, material_keys, resolver_keys),
-          section_of("materials", name_keys), pairs};
+  return {section_of("contacts", contact_keys, material_keys, resolver_keys), pairs};
 }
 
 void read_contacts(TableReader& root, Case& setup) {
@@ -237,7 +233,6 @@ void read_contacts(TableReader& root, Case& setup) {
   read_keys(table, c, contact_keys);
   read_keys(table, c.resolver_settings, resolver_keys);
   c.backend = read_engine(table, "backend", adapters::backend_names()).value_or(c.backend);
-  c.broad_phase = read_engine(table, "broad_phase", adapters::broad_phase_names()).value_or(c.broad_phase);
   std::vector<std::string> resolvers;
   for (const rigid::ResolverModel& model : rigid::resolver_models()) resolvers.emplace_back(model.name);
   c.resolver = table.choice("resolver", resolvers).value_or(c.resolver);
@@ -269,10 +264,8 @@ void look_for_idle_pairs(TableReader& root, const Case& setup) {
   const auto meet = [&](std::size_t a, std::size_t b) { return free[a] > 0 && all[b] > (a == b ? 1u : 0u); };
   for (TableReader& pair : root.tables("material_pairs")) {
     const auto names = pair.find("between")->strings().value();
-    const auto index = [&](const std::string& name) {
-      return std::size_t(std::ranges::find(setup.material_names, name) - setup.material_names.begin());
-    };
-    if (const std::size_t a = index(names[0]), b = index(names[1]); !meet(a, b) && !meet(b, a))
+    if (const std::size_t a = index_of_material(setup, names[0]), b = index_of_material(setup, names[1]);
+        !meet(a, b) && !meet(b, a))
       pair.warn("between",
                 "{} has no effect: no body meets another, or a wall, of these materials; remove it",
                 pair.path());

@@ -56,8 +56,7 @@ std::string three(const std::array<int, 3>& n, double scale = 1) {
 }
 
 std::string side_text(const coupler::BoundarySpec& side) {
-  const char* leaving = side.removes_bodies() ? " (bodies leave)" : " (stops where a body leaves)";
-  return std::string(coupler::boundary_names[side.kind]) + (side.lets_bodies_pass() ? leaving : "");
+  return std::string(coupler::boundary_names[side.kind]) + (side.removes_bodies() ? " (bodies leave)" : "");
 }
 
 /// Returns how many lines of a CSV file were taken for numbers, and how many not.
@@ -131,7 +130,6 @@ void add_fluid(const Case& setup, Table& table) {
   if (setup.coarsening) add_levels(setup, table);
   const lbm::CollisionModel& model = lbm::model_of(fluid.collision);
   std::string of = model.has_magic() ? ", Lambda = " + shown(fluid.magic) : "";
-  if (model.has_eddies()) of += ", Smagorinsky constant " + shown(fluid.smagorinsky);
   if (fluid.collision_by_scene) of += " (" + collision_reason(setup) + ")";
   table.line("collision", std::string(model.name) + of);
   table.line("storage", std::string(coupler::precision_names[fluid.precision]));
@@ -191,8 +189,7 @@ void add_room(const Case& setup, Table& table, std::size_t fill) {
 /// Adds how often a fill is applied again, and how many bodies come if there is always room.
 void add_inflow(const Case& setup, Table& table, const FillSpec& fill, double count) {
   if (fill.every == 0) return;
-  const double last = std::min(fill.until, static_cast<double>(setup.steps - 1));
-  const auto again = static_cast<std::int64_t>(last / static_cast<double>(fill.every));
+  const std::int64_t again = std::max<std::int64_t>(setup.steps - 1, 0) / fill.every;
   table.line("  again", fmt::format("every {} steps, {} time{}", fill.every, again, again == 1 ? "" : "s"));
   const double a_step = count / static_cast<double>(fill.every);
   const double mass = a_step * fill.density * mean_volume(setup, fill);
@@ -250,7 +247,6 @@ void add_bodies(const Case& setup, Table& table) {
     table.line(fmt::format("outflow[{}]", i), shown_box(setup, setup.outflows[i].box));
   table.line("volume fraction", fmt::format("{:.2f} %", 100 * volume / setup.volume()));
   table.line("collision backend", setup.contacts.backend);
-  table.line("broad phase", setup.contacts.broad_phase);
   table.line("contact resolver", setup.contacts.resolver);
   if (setup.fluid) table.line("lubrication", setup.has_lubrication() ? "on" : "off");
 }

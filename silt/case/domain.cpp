@@ -18,15 +18,13 @@ constexpr double most_cells_an_axis = 1 << 20;
 constexpr std::tuple system_keys{
     HandKey{"system", "\"si\", \"lattice\"", "", required,
             "\"si\" or \"lattice\": system of units of the whole file; the other keys are for \"si\""}};
-constexpr std::tuple si_keys{
-    Key{"cell_size", &Units::cell_size, Number{dimension::length, range::above(0)},
-        "the length of a cell in m", required},
-    HandKey{"time_step", "number", "s", "one of three", "length of a step"},
-    HandKey{"relaxation_time", "number", "1", "one of three",
-            "a step as long as gives the fluid's viscosity this relaxation time"},
-    HandKey{"max_velocity", "number", "m/s", "one of three",
-            "a step as long as makes this velocity 0.05 cells a step"},
-    HandKey{"density", "number", "kg/m³", "1000", "the scale of mass of a case without a fluid"}};
+constexpr std::tuple si_keys{Key{"cell_size", &Units::cell_size, Number{dimension::length, range::above(0)},
+                                 "the length of a cell in m", required},
+                             HandKey{"time_step", "number", "s", "one of three", "length of a step"},
+                             HandKey{"relaxation_time", "number", "1", "one of three",
+                                     "a step as long as gives the fluid's viscosity this relaxation time"},
+                             HandKey{"max_velocity", "number", "m/s", "one of three",
+                                     "a step as long as makes this velocity 0.05 cells a step"}};
 
 constexpr std::tuple domain_keys{
     HandKey{"size", "[x, y, z]", "m", required,
@@ -45,9 +43,7 @@ constexpr std::tuple axis_keys{HandKey{"x", two_sides, "", required, kinds_of_si
 constexpr std::tuple side_keys{
     Key{"type", &coupler::BoundarySpec::kind, Choice{coupler::boundary_names}, "kind of side", required},
     Key{"solid_for_bodies", &coupler::BoundarySpec::solid_for_bodies, Flag{},
-        "whether the side is a wall for bodies too"},
-    Key{"leaving", &coupler::BoundarySpec::leaving, Choice{coupler::leaving_names},
-        "of a side that is none: bodies beyond it are taken out, or the run stops"}};
+        "whether the side is a wall for bodies too; bodies beyond one that is none are taken out"}};
 constexpr std::tuple velocity_keys{
     Key{"velocity", &coupler::BoundarySpec::velocity, Vector{dimension::velocity},
         "velocity of a moving wall or of the incoming fluid, [x, y, z]; only for those two", required},
@@ -77,16 +73,14 @@ double read_time_step(TableReader& units, TableReader& fluid, double cell_size) 
 }
 
 Units read_si_scales(TableReader& units, TableReader& fluid) {
-  constexpr double water = 1000;  // kg/m3
+  constexpr double dry_scale = 1000;  // kg/m3: of mass, where there is no fluid
   Units u{.cell_size = 0, .si = true};
   read_keys(units, u, si_keys);
   u.time_step = read_time_step(units, fluid, u.cell_size);
   if (!fluid.present()) {
-    u.density = units.has("density") ? units.number("density", range::above(0)).value_or(0) : water;
+    u.density = dry_scale;
     return u;
   }
-  if (units.has("density"))
-    units.fail("density", "units.density is only for cases without [fluid]; it is fluid.density");
   fluid.need("density", "the density of the fluid in kg/m3");
   u.density = fluid.number("density", range::above(0)).value_or(0);
   return u;
@@ -136,10 +130,6 @@ void read_side_table(TableReader table, coupler::BoundarySpec& side) {
   if (side.kind == coupler::BoundaryKind::periodic)
     table.idle("solid_for_bodies", "a periodic axis has no sides; remove it");
   if (side.kind == coupler::BoundaryKind::pressure_outlet) read_keys(table, side, density_keys);
-  if (table.has("leaving") && !side.lets_bodies_pass())
-    table.fail("leaving",
-               "{} is of a side that bodies leave by; set solid_for_bodies = false, or remove the key",
-               table.path("leaving"));
 }
 
 // One side: a name, or a table with a type and what goes with it; none if it has errors.

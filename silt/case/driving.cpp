@@ -22,11 +22,9 @@ constexpr std::tuple over_time_keys{
     HandKey{"table", "[[time, share], …]", "s, 1", "1",
             "what it is multiplied with at some times, straight in between, constant before and after"},
     Key{"amplitude", &OverTime::amplitude, Number{},
-        "of what is added to that: amplitude × sin(2π frequency t + phase)"},
+        "of what is added to that: amplitude × sin(2π frequency t)"},
     Key{"frequency", &OverTime::frequency, Number{dimension::angular_velocity, range::at_least(0)},
-        "oscillations in a unit of time", "with amplitude"},
-    Key{"phase", &OverTime::phase, Number{dimension::none, range::any, "degrees"},
-        "of the sine at the start"}};
+        "oscillations in a unit of time", "with amplitude"}};
 
 constexpr double endless = std::numeric_limits<double>::infinity();
 constexpr double least_exponent = 2.4;                     // of Richardson and Zaki, at high Reynolds numbers
@@ -291,12 +289,10 @@ OverTime read_over_time(TableReader& parent, const char* key) {
   TableReader table = parent.table(key);
   if (!table.present()) return over_time;
   read_keys(table, over_time, over_time_keys);
-  over_time.phase *= std::numbers::pi / 180;
   if (over_time.amplitude != 0) table.need("frequency", "oscillations in a unit of time");
-  for (const char* of_oscillation : {"frequency", "phase"})
-    if (over_time.amplitude == 0) table.idle(of_oscillation, "the amplitude is 0; give one, or remove it");
-  if (table.has("frequency") && over_time.frequency == 0 && over_time.phase == 0 && over_time.amplitude != 0)
-    table.idle("amplitude", "the frequency and the phase are 0; give one of them");
+  if (over_time.amplitude == 0) table.idle("frequency", "the amplitude is 0; give one, or remove it");
+  if (table.has("frequency") && over_time.frequency == 0 && over_time.amplitude != 0)
+    table.idle("amplitude", "the frequency is 0; give one");
   const Node* list = table.find("table");
   if (!list) return over_time;
   const double step = table.context().units.time_step;

@@ -107,8 +107,8 @@ rigid::BoundingBox room_for_centres(const Case& setup, std::size_t index, double
 }
 
 Lattice::Lattice(const rigid::BoundingBox& room, const rigid::Extent& extent, Arrangement arrangement,
-                 double spacing, std::uint64_t key)
-    : arrangement_(arrangement), room_(room), key_(key) {
+                 double spacing)
+    : closest_(arrangement == Arrangement::hexagonal), room_(room) {
   const Pattern pattern = pattern_of(arrangement);
   const double factors[3] = {1, pattern.rows, pattern.layers};
   for (int d = 0; d < 3; ++d) {
@@ -119,23 +119,14 @@ Lattice::Lattice(const rigid::BoundingBox& room, const rigid::Extent& extent, Ar
     count_[d] = round_[d] ? fit / repeat * repeat : fit + 1;
     step_[d] = round_[d] && count_[d] > 0 ? length / static_cast<double>(count_[d]) : least;
     const double used = static_cast<double>(count_[d] - 1) * step_[d];
-    const bool shifted = arrangement == Arrangement::layers && d < 2;
-    first_[d] = room.lower[d] + (round_[d] ? step_[d] / 2 : shifted ? 0 : (length - used) / 2);
+    first_[d] = room.lower[d] + (round_[d] ? step_[d] / 2 : (length - used) / 2);
   }
 }
 
-/// The shift of a layer along x and y.
-std::array<double, 2> Lattice::layer_offset(std::int64_t layer) const {
-  if (arrangement_ == Arrangement::hexagonal && layer % 2 != 0) return {step_[0] / 2, step_[1] / 3};
-  if (arrangement_ != Arrangement::layers) return {0, 0};
-  coupler::CounterRandom random(coupler::mixed(key_ ^ coupler::mixed(static_cast<std::uint64_t>(layer))));
-  const double x = random.uniform(), y = random.uniform();
-  return {x * step_[0], y * step_[1]};
-}
-
 rigid::Vec3 Lattice::site(const Index& i) const {
-  const auto [x, y] = layer_offset(i[2]);
-  const double row = arrangement_ == Arrangement::hexagonal && i[1] % 2 != 0 ? step_[0] / 2 : 0;
+  const bool odd_layer = closest_ && i[2] % 2 != 0, odd_row = closest_ && i[1] % 2 != 0;
+  const double x = odd_layer ? step_[0] / 2 : 0, y = odd_layer ? step_[1] / 3 : 0;
+  const double row = odd_row ? step_[0] / 2 : 0;
   rigid::Vec3 site;
   for (int d = 0; d < 3; ++d) site[d] = first_[d] + static_cast<double>(i[d]) * step_[d];
   return site + rigid::Vec3(x + row, y, 0);
@@ -165,7 +156,7 @@ Lattice lattice_of(const Case& setup, FillApplication application, double radius
     room.lower[d] += fill.shift;
     room.upper[d] -= fill.shift;
   }
-  return Lattice(room, extent, fill.arrangement, spacing, application.key(fill));
+  return Lattice(room, extent, fill.arrangement, spacing);
 }
 
 }  // namespace silt

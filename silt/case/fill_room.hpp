@@ -12,6 +12,7 @@
 #include "rigid/shapes/shape_fwd.hpp"
 #include "rigid/shapes/triangle_mesh.hpp"
 #include "rigid/shapes/tube.hpp"
+#include "silt/case/case.hpp"
 
 namespace silt {
 
@@ -65,15 +66,14 @@ class Lattice {
  public:
   using Index = std::array<std::int64_t, 3>;
   /// spacing: distance of neighbours, at least. room: for sites.
-  Lattice(const rigid::BoundingBox& room, const rigid::Extent&, Arrangement, double spacing,
-          std::uint64_t key);
+  Lattice(const rigid::BoundingBox& room, const rigid::Extent&, Arrangement, double spacing);
 
   const Index& sites() const { return count_; }
   std::uint64_t total() const { return static_cast<std::uint64_t>(count_[0] * count_[1] * count_[2]); }
   std::uint64_t number(const Index& i) const {
     return static_cast<std::uint64_t>((i[2] * count_[1] + i[1]) * count_[0] + i[0]);
   }
-  /// Returns the place of a site, unwrapped. Sites of layers or rows that are shifted may lie outside the
+  /// Returns the place of a site, unwrapped. Those of rows and layers that are shifted may lie outside the
   /// room.
   rigid::Vec3 site(const Index&) const;
   bool in_room(const rigid::Vec3& site) const;
@@ -83,11 +83,8 @@ class Lattice {
   double first(int axis) const { return first_[axis]; }
 
  private:
-  std::array<double, 2> layer_offset(std::int64_t layer) const;
-
-  Arrangement arrangement_;
+  bool closest_;  // packing: every other row and layer is shifted
   rigid::BoundingBox room_;
-  std::uint64_t key_;
   Index count_{};
   std::array<double, 3> first_{}, step_{};
   std::array<bool, 3> round_{};

@@ -14,73 +14,25 @@ namespace {
 
 constexpr int strips = 32, most_rows = 64;
 
-enum class Distribution { lognormal, normal, uniform, table };
-constexpr auto distribution_names =
-    coupler::names_of<Distribution>("lognormal", "normal", "uniform", "table");
-
 struct DiameterSpec {
-  Distribution distribution = Distribution::uniform;
-  double mean = 0, deviation = 0, smallest = 0, largest = 0;
+  double smallest = 0, largest = 0;
   bool by_mass = false;
-
-  /// A multiple of the density of the distribution, with respect to the diameter.
-  double density(double d) const {
-    const double ratio = deviation / mean;
-    switch (distribution) {
-      case Distribution::lognormal: {
-        const double variance = rigid::elementary::log(1 + ratio * ratio);
-        const double x = rigid::elementary::log(d / mean) + variance / 2;
-        return rigid::elementary::exp(-x * x / (2 * variance)) / d;
-      }
-      case Distribution::normal: {
-        const double x = (d - mean) / deviation;
-        return rigid::elementary::exp(-x * x / 2);
-      }
-      default:
-        return 1;
-    }
-  }
 };
 
 constexpr Number positive_length{dimension::length, range::above(0)};
+constexpr std::tuple range_keys{
+    Key{"smallest", &DiameterSpec::smallest, positive_length,
+        "the smallest diameter; up to the largest all are equally frequent", "one of two"},
+    Key{"largest", &DiameterSpec::largest, positive_length, "the largest diameter; not beside a table",
+        required}};
 constexpr std::tuple diameter_keys{
-    Key{"distribution", &DiameterSpec::distribution, Choice{distribution_names},
-        "how diameters are distributed", required},
-    Key{"mean", &DiameterSpec::mean, positive_length,
-        "of \"lognormal\" and \"normal\": the mean diameter, before it is cut off", required},
-    Key{"deviation", &DiameterSpec::deviation, positive_length, "of the same: the standard deviation",
-        required},
-    Key{"smallest", &DiameterSpec::smallest, positive_length, "the smallest diameter; not for a \"table\"",
-        required},
-    Key{"largest", &DiameterSpec::largest, positive_length, "the largest diameter; not for a \"table\"",
-        required},
     Key{"by", &DiameterSpec::by_mass, Choice{coupler::names_of<bool>("number", "mass")},
         "whether it is the number of bodies that is so distributed, or their mass"},
-    HandKey{"table", "[[diameter, share], …]", "m, 1", required,
-            "of a \"table\": the diameters, in growing order, and the share that each has of all"}};
+    HandKey{"table", "[[diameter, share], …]", "m, 1", "one of two",
+            "the diameters, in growing order, and the share that each has of all"}};
 
-/// Reads those of the keys that the distribution has; others are refused.
-void read_diameter(TableReader& table, DiameterSpec& spec) {
-  const auto known = table.choice("distribution", distribution_names);
-  table.need("distribution", "how diameters are distributed");
-  if (known) spec.distribution = *known;
-  const bool is_table = spec.distribution == Distribution::table;
-  const bool has_mean =
-      spec.distribution == Distribution::lognormal || spec.distribution == Distribution::normal;
-  const auto read = [&](const auto& key) {
-    const std::string_view name = key.name;
-    if (!table.has(name) && !known) return;
-    if (name == "distribution") return;
-    const bool belongs = name == "by"                            ? true
-                         : name == "mean" || name == "deviation" ? has_mean
-                                                                 : is_table == (name == "table");
-    if (belongs)
-      read_key(table, spec, key);
-    else if (known && table.has(name))
-      table.fail(name, "{} is given, but {} is \"{}\", which does not take it; remove the key",
-                 table.path(name), table.path("distribution"), distribution_names[spec.distribution]);
-  };
-  std::apply([&](const auto&... key) { (read(key), ...); }, diameter_keys);
+void read_range(TableReader& table, DiameterSpec& spec) {
+  read_keys(table, spec, range_keys);
   if (spec.smallest > 0 && spec.largest > 0 && !(spec.smallest < spec.largest))
     table.refuse("largest", "above " + table.path("smallest"));
 }
@@ -106,7 +58,8 @@ std::vector<SizeShare> rows_of(TableReader& table) {
   return rows;
 }
 
-/// Integrals over a strip of the density, and of that times the cube of the diameter, by Simpson's rule.
+/// Integrals over a strip of 1, and of the cube of the diameter, by Simpson's rule; by mass of what has that
+/// mass.
 SizeShare strip_of(const DiameterSpec& spec, double low, double high) {
   constexpr int intervals = 64;
   const double width = (high - low) / intervals;
@@ -114,7 +67,7 @@ SizeShare strip_of(const DiameterSpec& spec, double low, double high) {
   for (int i = 0; i <= intervals; ++i) {
     const double d = low + i * width, cube = d * d * d;
     const double weight = i == 0 || i == intervals ? 1 : i % 2 ? 4 : 2;
-    const double density = weight * width / 3 * spec.density(d);
+    const double density = weight * width / 3;
     number += spec.by_mass ? density / cube : density;
     volume += spec.by_mass ? density : density * cube;
   }
@@ -155,7 +108,7 @@ void add_shapes(Case& setup, FillSpec& fill, const std::vector<SizeShare>& sizes
 }  // namespace
 
 KeySection fill_size_section() {
-  return section_of("fill.diameter", diameter_keys);
+  return section_of("fill.diameter", range_keys, diameter_keys);
 }
 
 std::vector<SizeShare> read_fill_sizes(TableReader& fill) {
@@ -163,9 +116,14 @@ std::vector<SizeShare> read_fill_sizes(TableReader& fill) {
   if (!table.present()) return {};
   DiameterSpec spec;
   const std::size_t errors = table.context().errors.size();
-  read_diameter(table, spec);
+  read_keys(table, spec, diameter_keys);
+  const std::string given = table.one_of({"smallest", "table"}, true, "the sizes of the bodies");
+  if (given == "smallest") read_range(table, spec);
+  if (given == "table" && table.has("largest"))
+    table.fail("largest", "{} goes with {}; a table has its sizes, remove the key", table.path("largest"),
+               table.path("smallest"));
   std::vector<SizeShare> sizes;
-  if (spec.distribution == Distribution::table) {
+  if (given == "table") {
     sizes = rows_of(table);
     for (SizeShare& size : sizes)
       if (spec.by_mass) size.share /= rigid::elementary::power(size.diameter, 3);
@@ -174,10 +132,6 @@ std::vector<SizeShare> read_fill_sizes(TableReader& fill) {
   }
   double all = 0;
   for (const SizeShare& size : sizes) all += size.share;
-  if (!sizes.empty() && !(all > 0))
-    table.fail("mean", "{}: the distribution has no body between {} and {}", table.path(),
-               table.path("smallest"), table.path("largest"));
-  if (!(all > 0)) return {};
   for (SizeShare& size : sizes) size.share /= all;
   return sizes;
 }

@@ -47,9 +47,6 @@ constexpr std::tuple fluid_keys{
     HandKey{"collision", "\"trt\", \"bgk\", \"regularised\", \"auto\"", "", "\"trt\"",
             "collision model: two relaxation times, one, or for high cell Reynolds numbers; \"auto\": "
             "\"trt\" where it lasts at the largest speed given"},
-    Key{"smagorinsky", &coupler::FluidSpec::smagorinsky, Number{dimension::none, range::between(0, 1)},
-        "of \"regularised\": no cell is less viscous than an eddy of its size, C²|S|; resolved flow never "
-        "is; 0: none"},
     HandKey{"magic", "number", "1", "1/6",
             "Λ = (τ − 1/2)(τ_odd − 1/2) of trt; with bodies or [[walls]] by default 1/16 under "
             "\"parabolic\", 2/15 under \"multireflection\" (up to 1/6 below τ = 0.77)"},
@@ -100,8 +97,6 @@ constexpr std::tuple coupling_keys{
         "boundary condition on the cut links of bodies and [[walls]]"},
     Key{"time", &coupler::CouplingSpec::time, Choice{coupler::time_coupling_names},
         "whether the drag of a step acts on the velocities at its end or at its start"},
-    Key{"refill", &coupler::CouplingSpec::refill, Choice{coupler::refill_names},
-        "populations of cells that a body uncovers"},
     Key{"force", &coupler::CouplingSpec::force, Choice{coupler::force_form_names},
         "momentum exchange; \"exact\" conserves momentum: comparison"},
     Key{"remap_tolerance", &coupler::CouplingSpec::remap_tolerance,
@@ -156,8 +151,6 @@ void read_collision(TableReader& fluid, coupler::FluidSpec& spec) {
   const auto place = std::ranges::find(names, chosen.value_or("trt")) - names.begin();
   if (!spec.collision_by_scene) spec.collision = static_cast<lbm::Collision>(place);
   const lbm::CollisionModel& model = lbm::model_of(spec.collision);
-  if (fluid.has("smagorinsky") && !model.has_eddies() && !spec.collision_by_scene)
-    fluid.fail("smagorinsky", "fluid.smagorinsky is of regularised; {} has none, remove it", model.name);
   if (fluid.has("magic") && !model.has_magic())
     fluid.fail("magic", "fluid.magic is Lambda of trt and regularised; {} has none, remove it", model.name);
 }

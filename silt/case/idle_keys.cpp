@@ -24,16 +24,9 @@ void find_idle_keys_of_fluid(const Case& setup, Diagnostics& findings) {
   if (!setup.fluid) {
     if (setup.device != Device::cpu)
       findings.idle("run.device", "the case has no [fluid], whose passes it is about; remove it");
-    if (setup.springs.empty())
-      findings.idle("contacts.half_force", "there is no [fluid] whose force it halves");
     return;
   }
   const coupler::FluidSpec& fluid = *setup.fluid;
-  if (fluid.collision_by_scene && !lbm::model_of(fluid.collision).has_eddies())
-    findings.idle("fluid.smagorinsky",
-                  fmt::format("fluid.collision is \"auto\", which is {} here; remove it, or set "
-                              "fluid.collision = \"regularised\"",
-                              lbm::model_of(fluid.collision).name));
   if (fluid.quiet_start && quiet_start_steps(setup) == 0)
     findings.idle("fluid.quiet_start",
                   begins_at_rest(setup)
@@ -48,8 +41,7 @@ void find_idle_keys_of_coupling(const Case& setup, Diagnostics& findings) {
   if (!setup.has_surfaces())
     return findings.idle("coupling", "there are no bodies and no [[walls]] in the fluid; remove it");
   if (!has_moving_surfaces(setup))
-    for (const char* key : {"coupling.refill", "coupling.remap_tolerance"})
-      findings.idle(key, "no body and no mesh of [[walls]] moves; remove it");
+    findings.idle("coupling.remap_tolerance", "no body and no mesh of [[walls]] moves; remove it");
   if (setup.has_free_bodies()) return;
   for (const char* key : {"coupling.time", "coupling.lubrication", "coupling.lubrication_min_gap"})
     findings.idle(key, no_free_bodies);
@@ -65,15 +57,13 @@ void find_idle_keys_of_bodies(const Case& setup, Diagnostics& findings) {
                                  : "it acts on free bodies, and the case has none; a pressure "
                                    "gradient is fluid.body_force");
   if (setup.has_free_bodies()) return;
-  for (const char* key : {"contacts", "materials", "material_pairs"})
+  for (const char* key : {"contacts", "material_pairs"})
     findings.idle(key, "contacts move free bodies, and the case has none; remove it");
   for (const auto& [path, place] : setup.places)
     if (path.ends_with(".material")) findings.idle(path, no_free_bodies);
-  if (setup.start) findings.idle("initial.random_velocity", no_free_bodies);
   if (setup.has_bodies()) return;
   for (const auto& [path, place] : setup.places)
-    if (path.starts_with("domain.boundary") &&
-        (path.ends_with(".solid_for_bodies") || path.ends_with(".leaving")))
+    if (path.starts_with("domain.boundary") && path.ends_with(".solid_for_bodies"))
       findings.idle(path, "the case has no bodies; remove it");
 }
 
@@ -97,24 +87,15 @@ void find_idle_keys_of_walls(const Case& setup, Diagnostics& findings) {
 void find_idle_keys_of_run(const Case& setup, Diagnostics& findings) {
   if (setup.balance_every > 0 && setup.block_cells)
     findings.idle("run.balance", "domain.blocks says how the domain is cut; remove one of them");
-  if (!setup.coarsening) {
-    if (setup.output.fields.finest)
-      findings.idle("output.fields.finest", "there is no [coarsening], and all cells are finest");
-    for (std::size_t i = 0; i < setup.output.slices.size(); ++i)
-      if (setup.output.slices[i].finest)
-        findings.idle(fmt::format("output.slices[{}].finest", i),
-                      "there is no [coarsening], and all cells are finest");
-    return;
-  }
+  if (!setup.coarsening) return;
   const auto covers_all = [&](const coupler::FineBox& fine) {
     return fine.level == 0 && fine.box.lower.maxCoeff() <= 0 &&
            (fine.box.upper - extent_of(setup).size).minCoeff() >= 0;
   };
   if (std::ranges::any_of(setup.coarsening->fine, covers_all))
     return findings.idle("coarsening", "a box of coarsening.fine keeps all cells finest; remove one of them");
-  const bool any_fine_side = std::ranges::count(setup.coarsening->fine_sides, true) > 0;
-  if (!setup.has_surfaces() && !any_fine_side)
-    findings.idle("coarsening.distance", "there are no bodies, [[walls]] or fine_sides that it is from");
+  if (!setup.has_surfaces() && (setup.coarsening->levels == 1 || setup.coarsening->fine.empty()))
+    findings.idle("coarsening.distance", "there are no bodies and no [[walls]] that it is from");
 }
 
 }  // namespace

@@ -51,16 +51,11 @@ constexpr std::tuple field_keys{
             "\"velocity\", \"density\", \"pressure\", \"shear-rate\", \"vorticity\", \"body-id\"; \"solid\" "
             "comes by itself: OUTPUT.md"},
     Key{"precision", &FieldsSpec::double_precision, Choice{coupler::names_of<bool>("single", "double")},
-        "of the numbers in the files"},
-    Key{"compression", &FieldsSpec::compression, Whole{0, 9},
-        "level of gzip, 1 to 9, after a shuffle of bytes; 0: none"},
-    Key{"finest", &FieldsSpec::finest, Flag{},
-        "whether all is written on the finest lattice, where [coarsening] makes cells of several levels"}};
+        "of the numbers in the files"}};
 constexpr std::tuple slice_keys{
     HandKey{"name", "string", "", required, "of its files, slice_NAME_*.hdf"},
-    HandKey{"axis", "\"x\", \"y\", \"z\"", "", "one of two", "axis that the plane is across"},
-    HandKey{"box", "[[x, y, z], [x, y, z]]", "m", "one of two", "lower and upper corner"}};
-constexpr std::tuple plane_keys{HandKey{"at", "number", "m", required, "where the plane is along the axis"}};
+    HandKey{"box", "[[x, y, z], [x, y, z]]", "m", required,
+            "lower and upper corner, equal along the axis that a plane is across"}};
 constexpr std::tuple columns_keys{
     HandKey{"name", "string", "", required, "of its file, series_NAME.csv"},
     Key{"every", &SeriesSpec::every, Whole{.low = 1, .unit = "steps"}, "the number of steps between two rows",
@@ -104,32 +99,30 @@ void read_fields(TableReader& table, FieldsSpec& fields) {
   if (!table.present()) return;
   read_keys(table, fields, series_keys);
   read_keys(table, fields, field_keys);
-  look_for_idle_keys(table, fields, {"quantities", "precision", "compression", "finest"});
+  look_for_idle_keys(table, fields, {"quantities", "precision"});
   read_field_names(table, field_names.list(), fields.quantities);
 }
 
 // VTK 9.1 and ParaView 5.11 end with SIGABRT on an image one point thick.
 constexpr int least_layers = 2;
 
-/// The two layers of cells between whose centres a plane lies; at a side of the domain the two beside it.
-void read_plane(TableReader& table, FieldsSpec& slice) {
-  const int axis = table.choice("axis", {"x", "y", "z"}).value_or("x")[0] - 'x';
-  read_keys(table, slice, plane_keys);
-  const double at = table.quantity("at", dimension::length, range::any).value_or(0);
-  const int cells = slice.upper[axis];
-  if (!(at >= 0 && at <= cells)) return table.refuse("at", "within the domain");
-  if (cells < least_layers) return;
-  slice.lower[axis] = std::clamp(int(std::floor(at - 0.5)), 0, cells - least_layers);
-  slice.upper[axis] = slice.lower[axis] + least_layers;
-}
-
-/// The cells whose centres are in a box.
+/// The cells whose centres are in a box; of one that is flat along an axis the two layers between whose
+/// centres it lies, at a side of the domain the two beside it.
 void read_cells(TableReader& table, FieldsSpec& slice) {
-  const auto box = table.box("box");
+  const auto box = table.box("box", true);
   for (int d = 0; box && d < 3; ++d) {
-    const double cells = slice.upper[d];
-    slice.lower[d] = int(std::ceil(std::clamp(box->lower[d], 0., cells) - 0.5));
-    slice.upper[d] = int(std::floor(std::clamp(box->upper[d], 0., cells) - 0.5)) + 1;
+    const double cells = slice.upper[d], low = box->lower[d], high = box->upper[d];
+    const int most_lower = slice.upper[d] - least_layers;
+    if (low == high && !(low >= 0 && low <= cells))
+      return table.refuse("box", "within the domain where it is flat");
+    if (low == high && most_lower < 0) continue;
+    if (low == high) {
+      slice.lower[d] = std::clamp(int(std::floor(low - 0.5)), 0, most_lower);
+      slice.upper[d] = slice.lower[d] + least_layers;
+      continue;
+    }
+    slice.lower[d] = int(std::ceil(std::clamp(low, 0., cells) - 0.5));
+    slice.upper[d] = int(std::floor(std::clamp(high, 0., cells) - 0.5)) + 1;
     if (slice.upper[d] - slice.lower[d] < std::min<double>(least_layers, cells))
       return table.refuse("box", "one that holds the centres of two cells along each axis or more");
   }
@@ -157,11 +150,7 @@ void read_slices(TableReader& output, const std::array<int, 3>& cells, std::vect
     slice.name = read_file_name(table, names, "slice");
     slice.upper = cells;
     read_fields(table, slice);
-    if (table.has("axis") && table.has("box")) table.fail("box", "a slice has a plane (axis, at) or a box");
-    if (table.has("axis"))
-      read_plane(table, slice);
-    else
-      read_cells(table, slice);
+    read_cells(table, slice);
     slices.push_back(slice);
   }
 }
@@ -314,7 +303,7 @@ std::vector<KeySection> output_sections() {
           section_of("run.balance", balance_keys),
           section_of("output", output_keys),
           section_of("output.fields", series_keys, field_keys),
-          section_of("output.slices", slice_keys, plane_keys, series_keys, field_keys),
+          section_of("output.slices", slice_keys, series_keys, field_keys),
           section_of("output.series", columns_keys),
           section_of("output.probes", probe_keys),
           section_of("output.mean", mean_keys),

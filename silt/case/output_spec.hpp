@@ -31,8 +31,6 @@ struct FieldsSpec : SeriesSpec {
   std::vector<Field> quantities = {Field::velocity, Field::density};
   std::array<int, 3> lower{}, upper{};
   bool double_precision = false;
-  int compression = 0;  // level of gzip; 0: none
-  bool finest = false;  // cells of several levels as finest ones
 };
 
 /// Values of [[quantities]] over time, a row of a CSV file every so many steps.

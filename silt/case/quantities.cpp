@@ -30,11 +30,11 @@ constexpr std::tuple type_keys{
                                                "kind of bodies: name of a [[bodies]] or [[fill]] entry"}},
     KeyOf{Q::axis, Key{"axis", &QuantitySpec::axis, Choice{axis_names},
                        "axis along which the quantity is taken", "\"z\""}},
-    KeyOf{Q::time, Key{"time", &QuantitySpec::time, Number{dimension::time, range::at_least(0)},
-                       "time from which on the quantity looks at the run", required}},
-    KeyOf{Q::instant,
+    KeyOf{Q::Key(Q::time | Q::instant),
           Key{"time", &QuantitySpec::time, Number{dimension::time, range::at_least(0)},
-              "of kinetic-energy and dissipation: when the quantity looks at the run", "the end"}},
+              "time from which on the quantity looks at the run; of kinetic-energy and dissipation: when it "
+              "does",
+              "–, the end"}},
     KeyOf{Q::height, Key{"height", &QuantitySpec::height, Number{dimension::length},
                          "coordinate along the axis that bodies are to pass", required}},
     KeyOf{Q::centre, Key{"centre", &QuantitySpec::centre, Vector{dimension::length},
@@ -42,15 +42,14 @@ constexpr std::tuple type_keys{
     KeyOf{Q::box, Key{"box", &QuantitySpec::box, Corners{}, "two corners", "the domain"}},
     KeyOf{Q::component, Key{"component", &QuantitySpec::component, Choice{component_names},
                             "component of the stress", required}},
-    KeyOf{Q::side, Key{"side", &QuantitySpec::side, Choice{coupler::side_names},
-                       "side of the domain, \"z-low\" for one", required}},
+    KeyOf{Q::Key(Q::side | Q::side_bears),
+          Key{"side", &QuantitySpec::side, Choice{coupler::side_names},
+              "side of the domain, \"z-low\" for one; of forces in the place of body", "–, none"}},
     KeyOf{Q::at, Key{"at", &QuantitySpec::height, Number{dimension::length},
                      "where the plane is along the axis", required}},
-    KeyOf{Q::wall, HandKey{"wall", "string", "", "the only one", "name of one of [[walls]]"}},
-    KeyOf{Q::bearer, HandKey{"wall", "string", "", "none",
-                             "of forces and torques, in the place of body: name of one of [[walls]]"}},
-    KeyOf{Q::side_bears, Key{"side", &QuantitySpec::side, Choice{coupler::side_names},
-                             "of forces, in the place of body: side of the domain", "none"}}};
+    KeyOf{Q::Key(Q::wall | Q::bearer),
+          HandKey{"wall", "string", "", "the only one, none",
+                  "name of one of [[walls]]; of forces and torques in the place of body"}}};
 
 void read_wall(TableReader& table, QuantitySpec& quantity, const Case& setup) {
   std::vector<std::string> names;
@@ -84,6 +83,8 @@ void read_quantity_keys(TableReader& table, const QuantityType& type, QuantitySp
     if (type.takes(row.taken)) read_key(table, quantity, row.key);
   };
   std::apply([&](const auto&... row) { (read(row), ...); }, type_keys);
+  if (type.takes(Q::time)) table.need("time", "time from which on the quantity looks at the run");
+  if (type.takes(Q::side)) table.need("side", "side of the domain, \"z-low\" for one");
   if (type.takes(Q::Key(Q::body | Q::bearer)))
     quantity.kind = read_name(table, "body", setup.kind_names, "name of [[bodies]] or [[fill]]").value_or(-1);
   if (type.takes(Q::wall)) read_wall(table, quantity, setup);

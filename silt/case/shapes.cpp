@@ -25,9 +25,6 @@ constexpr std::tuple shape_keys{
     HandKey{"diameter", "number", "m", "one of two", "size of what is round"},
     HandKey{"length", "number", "m", required,
             "of a cylinder from end to end; of a capsule between the centres of its ends; along z"},
-    HandKey{"height", "number", "m", required,
-            "of a cone from its base to its apex, along z; its origin is its centre of mass, a quarter of "
-            "the height above the base"},
     HandKey{"edges", "[x, y, z]", "m", required, "edges of a box"},
     HandKey{"diameters", "[x, y, z]", "m", required, "of an ellipsoid, along its axes"},
     HandKey{"vertices", "[[x, y, z], …]", "m", "one of two", "corners of a convex body, in any order"},
@@ -148,7 +145,7 @@ std::vector<std::string> shape_types() {
 
 rigid::Compound read_compound(TableReader& table) {
   rigid::Compound compound;
-  table.need("parts", "a list of tables, { type = \"capsule\", ..., axis = [1, 0, 0] }");
+  table.need("parts", "a list of tables, { type = \"capsule\", ..., orientation = [1, 0, 0] }");
   for (TableReader& part : table.tables("parts")) {
     part.need("type", "one of " + joined(convex_names()));
     const auto type = part.choice("type", convex_names());
@@ -174,7 +171,7 @@ rigid::Shape read_shape(TableReader& table, const std::string& type) {
 
 std::vector<KeySection> shape_sections() {
   return {section_of("shapes", shape_keys), section_of("shapes.parts", part_keys, orientation_keys),
-          section_of("bodies.axis_angle", turn_keys)};
+          section_of("bodies.orientation", turn_keys)};
 }
 
 rigid::Tube read_tube(TableReader& table) {
@@ -182,14 +179,11 @@ rigid::Tube read_tube(TableReader& table) {
 }
 
 Quat read_orientation(TableReader& table) {
-  const std::string given = table.one_of({"orientation", "axis_angle", "axis"}, false, "");
-  if (given == "orientation") {
-    const auto q = table.find(given)->numbers(4).value_or(std::vector<double>(4));
-    const Quat orientation(q[0], q[1], q[2], q[3]);
-    if (orientation.norm() > 0) return orientation.normalized();
-    table.refuse(given, "a quaternion of four numbers, [w, x, y, z], not all 0");
-  } else if (given == "axis_angle") {
-    TableReader turn = table.table(given);
+  const char* const key = "orientation";
+  const Node* node = table.find(key);
+  if (!node) return Quat::Identity();
+  if (node->kind == Node::Kind::table) {
+    TableReader turn = table.table(key);
     Turn about;
     read_keys(turn, about, turn_keys);
     if (turn.has("axis") && about.axis.norm() == 0) turn.refuse("axis", "a direction, not all 0");
@@ -198,10 +192,19 @@ Quat read_orientation(TableReader& table) {
       const Vec3 v = rigid::elementary::sin(half) * about.axis.normalized();
       return Quat(rigid::elementary::cos(half), v[0], v[1], v[2]).normalized();
     }
-  } else if (given == "axis") {
-    const auto axis = table.vector(given);
-    if (axis && axis->norm() > 0) return rigid::rotation_between(Vec3::UnitZ(), *axis).normalized();
-    if (axis) table.refuse(given, "a direction, not all 0");
+  } else if (const auto q = node->numbers(4)) {
+    const Quat orientation((*q)[0], (*q)[1], (*q)[2], (*q)[3]);
+    if (orientation.norm() > 0) return orientation.normalized();
+    table.refuse(key, "a quaternion, [w, x, y, z], not all 0");
+  } else if (const auto x = node->numbers(3)) {
+    const Vec3 axis((*x)[0], (*x)[1], (*x)[2]);
+    if (axis.norm() > 0) return rigid::rotation_between(Vec3::UnitZ(), axis).normalized();
+    table.refuse(key, "a direction of the z axis, [x, y, z], not all 0");
+  } else {
+    table.refuse(
+        key,
+        "a direction of the z axis, [x, y, z], a quaternion, [w, x, y, z], or a turn, { axis = [x, y, "
+        "z], degrees = ... }");
   }
   return Quat::Identity();
 }

@@ -161,7 +161,6 @@ void check_tube(const Case& setup, Diagnostics& findings, std::size_t index,
                    "change its axis or radius",
                    index);
   if (!setup.fluid) return;
-  check_speed(findings, wall_key(index, "velocity"), std::abs(wall.velocity));
   check_speed(findings, wall_key(index, "angular_velocity"),
               std::abs(wall.angular_velocity) * wall.tube.radius);
 }

@@ -59,7 +59,7 @@ std::string contents_of(const adapters::ReadMesh& read) {
 constexpr std::tuple wall_keys{
     HandKey{"type", "\"tube\", \"mesh\"", "", required, "kind of wall: \"tube\" or \"mesh\""},
     HandKey{"name", "string", "", "its path", "what quantities call the wall"},
-    HandKey{"material", "string", "", "\"default\"", "name of one of [[materials]]"}};
+    HandKey{"material", "string", "", "\"default\"", "one that [[material_pairs]] names"}};
 constexpr std::tuple tube_keys{
     HandKey{"radius", "number", "m", "one of two", "of a tube: its size"},
     HandKey{"diameter", "number", "m", "one of two", "of a tube: its size"},
@@ -68,9 +68,7 @@ constexpr std::tuple tube_keys{
     Key{"point", &TubeWallSpec::point, Vector{dimension::length}, "a point of the tube's axis, [x, y, z]",
         required},
     Key{"angular_velocity", &TubeWallSpec::angular_velocity, Number{dimension::angular_velocity},
-        "rotation of the tube about the axis (a drum)"},
-    Key{"velocity", &TubeWallSpec::velocity, Number{dimension::velocity},
-        "velocity of the tube along the axis"}};
+        "rotation of the tube about the axis (a drum)"}};
 constexpr std::tuple mesh_file_keys{HandKey{
     "file", "string", "", required, "the name of an STL, OBJ or PLY file in the directory of the case"}};
 constexpr std::tuple mesh_keys{
@@ -83,22 +81,15 @@ constexpr std::tuple motion_keys{
     Key{"velocity", &rigid::PrescribedMotion::velocity, Vector{dimension::velocity}, "velocity of the point"},
     HandKey{"angular_velocity", "number", "1/s", "0",
             "rotation about the axis through the point, which goes along"},
-    HandKey{"over_time", "table", "", "steady", "how both change: see gravity.over_time"},
     HandKey{"axis", "\"x\", \"y\", \"z\", [x, y, z]", "", "z at rest", "of the rotation, and of wall-torque"},
     HandKey{"point", "[x, y, z]", "m", "position",
             "of the axis of a wall, at the start; wall-torque is about it"},
-    HandKey{"oscillation", "table", "", "none", "of the point, see below"},
-    HandKey{"table", "string", "", "none", "CSV file of a motion, instead of angular_velocity"}};
-constexpr std::tuple oscillation_keys{
     Key{"amplitude", &rigid::PrescribedMotion::amplitude, Vector{dimension::length},
-        "how far the wall goes to either side: the displacement is the amplitude times sin(2π frequency t + "
-        "phase)",
-        required},
+        "of an oscillation of the point: how far it goes to either side, by amplitude × sin(2π frequency t)"},
     Key{"frequency", &rigid::PrescribedMotion::frequency,
-        Number{dimension::angular_velocity, range::at_least(0)}, "oscillations in a unit of time", required},
-    Key{"phase", &rigid::PrescribedMotion::phase, Number{dimension::none, range::any, "degrees"},
-        "of the sine at the start"}};
-
+        Number{dimension::angular_velocity, range::at_least(0)}, "oscillations in a unit of time",
+        "with amplitude"},
+    HandKey{"table", "string", "", "none", "CSV file of a motion, instead of angular_velocity"}};
 /// Calls use(surface, name) for the surface in `file`, read by read(name, bytes, lattice units in one of the
 /// file's) and warns of one whose numbers do not keep it: its origin is far away.
 template <class Read, class Use>
@@ -174,24 +165,15 @@ ReadMotion read_motion(TableReader& table) {
   if (!table.present()) return read;
   rigid::PrescribedMotion& motion = read.motion;
   read_keys(table, motion, motion_keys);
-  motion.over_time = read_over_time(table, "over_time");
   const std::string turn = table.one_of({"angular_velocity", "table"}, false, "");
   if (turn == "angular_velocity" || table.has("axis"))
     read.axis = read_direction(table, "about which it turns");
   motion.angular_velocity =
       table.quantity("angular_velocity", dimension::angular_velocity, range::any).value_or(0) * read.axis;
-  TableReader oscillation = table.table("oscillation");
-  read_keys(oscillation, motion, oscillation_keys);
-  motion.phase = motion.phase * std::numbers::pi / 180;
-  if (motion.velocity.isZero(0) && motion.angular_velocity.isZero(0))
-    table.idle("over_time", "velocity and angular_velocity are 0; give one, or remove it");
-  if (oscillation.has("frequency") && motion.frequency == 0 && motion.phase == 0)
-    oscillation.idle("amplitude", "the frequency and the phase are 0; give one of them");
-  if (oscillation.has("amplitude") && motion.amplitude.isZero(0))
-    for (const char* key : {"frequency", "phase"}) oscillation.idle(key, "the amplitude is 0; give one");
-  if (turn == "table" && motion.over_time.varies())
-    table.fail("over_time", "{} and {} are both given; let the table say all of the motion",
-               table.path("over_time"), table.path("table"));
+  if (!motion.amplitude.isZero(0)) table.need("frequency", "oscillations in a unit of time");
+  if (motion.amplitude.isZero(0)) table.idle("frequency", "the amplitude is 0; give one");
+  if (table.has("frequency") && motion.frequency == 0 && !motion.amplitude.isZero(0))
+    table.idle("amplitude", "the frequency is 0; give one");
   if (turn == "table")
     with_file(table, "table", false, [&](const std::string& name, const AttachedFile& file) {
       MotionFile rows = read_motion_file(file.bytes, table.context().units);
@@ -222,7 +204,7 @@ std::shared_ptr<const rigid::PolyhedronMesh> read_polyhedron_file(TableReader& t
 
 std::vector<KeySection> wall_sections() {
   return {section_of("walls", wall_keys, tube_keys, mesh_file_keys, mesh_keys, orientation_keys),
-          section_of("walls.motion", motion_keys), section_of("walls.motion.oscillation", oscillation_keys)};
+          section_of("walls.motion", motion_keys)};
 }
 
 void read_walls(TableReader& root, Case& setup) {

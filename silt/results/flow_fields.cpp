@@ -287,7 +287,6 @@ adapters::FieldSnapshot snapshot_of(const Simulation& simulation, const FieldsSp
   }
   snapshot.grid.length_unit = units.unit_text(dimension::length);
   snapshot.grid.time_unit = units.unit_text(dimension::time);
-  snapshot.compression = spec.compression;
   snapshot.step = simulation.steps_done();
   snapshot.time = double(snapshot.step) * units.time_step;
   return snapshot;
@@ -296,7 +295,7 @@ adapters::FieldSnapshot snapshot_of(const Simulation& simulation, const FieldsSp
 void write_flow_fields(const Simulation& simulation, const FieldsSpec& spec,
                        const std::filesystem::path& folder, const adapters::Provenance& provenance) {
   const int levels = simulation.scene().flow->levels(), widest = 1 << (levels - 1);
-  const bool by_level = levels > 1 && !spec.finest;
+  const bool by_level = levels > 1;
   const Int3 lower = int3(spec.lower);
   CellBox within{lower, int3(spec.upper) - lower};
   if (by_level) within = in_cells_of(1, in_cells_of(widest, within, 1), widest);

@@ -36,8 +36,8 @@ adapters::FieldSnapshot snapshot_of(const Simulation&, const FieldsSpec&, bool b
 
 /// Writes the fields that a part of [output] asks for, in its box, in the units of the case. A solid cell has
 /// the velocity, the vorticity and the id of its body (in a wall: none), the reference density, no pressure
-/// and no shear; `solid` is 1 in bodies and 2 in walls. Cells of several levels are written as such, or on
-/// the finest lattice where the case asks for it. Collective; std::runtime_error on every rank.
+/// and no shear; `solid` is 1 in bodies and 2 in walls. Cells of several levels are written as such.
+/// Collective; std::runtime_error on every rank.
 void write_flow_fields(const Simulation&, const FieldsSpec&, const std::filesystem::path& folder,
                        const adapters::Provenance&);
 

@@ -145,7 +145,6 @@ void add_scene(const Simulation& simulation, Json& report) {
     report["precision"] = std::string(coupler::precision_names[c.fluid->precision]);
     report["wall_scheme"] = std::string(coupler::wall_scheme_names[c.coupling.wall_scheme]);
     report["time_coupling"] = std::string(coupler::time_coupling_names[c.coupling.time]);
-    report["refill"] = std::string(coupler::refill_names[c.coupling.refill]);
     report["lubrication"] = nullptr;
     if (const auto& films = scene.world.lubrication)
       report["lubrication"] = {{"reach_cells", films->reach()}, {"shapes_without", unlubricated_shapes(c)}};

@@ -28,27 +28,26 @@ void add_row(double time, const Vec3& displacement, const Vec3& turn, const InCa
   wall.table.push_back({physical(time, dimension::time), to[0], to[1], to[2], turn[0], turn[1], turn[2]});
 }
 
-void describe(const rigid::TubeWallSpec& tube, double, const InCaseUnits& physical, SceneGroup& wall) {
-  add(wall, {{"type", std::string(rigid::Tube::name)},
-             {"position", physical(tube.point, dimension::length)},
-             {"axis", physical(tube.axis, dimension::none)},
-             {"radius", physical(tube.tube.radius, dimension::length)}});
+void describe(const rigid::TubeWallSpec& hollow, const InCaseUnits& physical, SceneGroup& wall) {
+  add(wall, {{"type", std::string(hollow.shape.name())},
+             {"position", physical(hollow.point, dimension::length)},
+             {"axis", physical(hollow.axis, dimension::none)}});
+  hollow.shape.for_sizes([&](const char* key, double size) {
+    wall.attributes.emplace_back(key, physical(size, dimension::length));
+  });
 }
 
-/// A motion that changes over time becomes a table, which has the velocities too.
-void describe(const MeshWall& mesh, double steps, const InCaseUnits& physical, SceneGroup& wall) {
+void describe(const MeshWall& mesh, const InCaseUnits& physical, SceneGroup& wall) {
   const rigid::PrescribedMotion& motion = mesh.motion;
   const rigid::Quat& q = mesh.start.orientation;
-  const bool varies = motion.over_time.varies();
   add(wall, {{"type", std::string(rigid::Mesh::name)},
              {"position", physical(mesh.start.position, dimension::length)},
              {"solid", std::string(mesh.mesh.hollow ? "outside" : "inside")},
              {"orientation", std::vector{q.w(), q.x(), q.y(), q.z()}},
-             {"velocity", physical(!varies * motion.velocity, dimension::velocity)},
-             {"angular_velocity", physical(!varies * motion.angular_velocity, dimension::angular_velocity)},
+             {"velocity", physical(motion.velocity, dimension::velocity)},
+             {"angular_velocity", physical(motion.angular_velocity, dimension::angular_velocity)},
              {"amplitude", physical(motion.amplitude, dimension::length)},
-             {"frequency", physical(motion.frequency, dimension::angular_velocity)},
-             {"phase", motion.phase}});
+             {"frequency", physical(motion.frequency, dimension::angular_velocity)}});
   for (const Vec3& x : mesh.mesh.surface->vertices()) {
     const std::vector<double> vertex = physical(Vec3(mesh.arm + x), dimension::length);
     wall.vertices.push_back({vertex[0], vertex[1], vertex[2]});
@@ -57,11 +56,6 @@ void describe(const MeshWall& mesh, double steps, const InCaseUnits& physical, S
   wall.triangles.assign(triangles.begin(), triangles.end());
   for (const rigid::MotionRow& row : motion.table)
     add_row(row.time, row.displacement, row.rotation, physical, wall);
-  constexpr int rows = 1000;
-  for (int k = 0; varies && k <= rows; ++k) {
-    const double time = steps * k / rows, so_far = motion.over_time.integral(time);
-    add_row(time, motion.velocity * so_far, motion.angular_velocity * so_far, physical, wall);
-  }
 }
 
 /// The names of the kinds that hold a body whose motion is given, each once.
@@ -96,8 +90,7 @@ void write_scene_file(const Case& setup, const std::filesystem::path& folder) {
   for (const CurvedWall& curved : setup.walls) {
     SceneGroup& wall = walls.emplace_back();
     add(wall, {{"name", curved.name}});
-    std::visit([&](const auto& surface) { describe(surface, double(setup.steps), physical, wall); },
-               curved.surface);
+    std::visit([&](const auto& surface) { describe(surface, physical, wall); }, curved.surface);
   }
   adapters::write_scene(folder / "scene.h5", scene, walls);
 }

@@ -79,8 +79,7 @@ BodyRecord body_from(const BodyRecord& was, BodySpec body, const CentredShape& s
   body.pose = {Vec3(was.position), {q[0], q[1], q[2], q[3]}};
   body.unit = true;
   if (body.motion == rigid::Motion::free) {
-    const Vec3 random = 2 * coupler::CounterRandom(coupler::mixed(was.id)).point() - Vec3::Ones();
-    body.velocity = scales.step * Vec3(was.velocity) + setup.start->random_velocity * random;
+    body.velocity = scales.step * Vec3(was.velocity);
     body.angular_velocity = scales.step * Vec3(was.angular_velocity);
   }
   BodyRecord r = body_record(was.id, body, shape, setup.fluid.has_value());

@@ -39,7 +39,7 @@ void require_buildable(const Case& setup, int ranks) {
               "or smaller domain.blocks",
               domain.block(b).box.cells(), lbm::most_cells_with_links));
   adapters::make_backend(setup.contacts.backend);
-  adapters::make_broad_phase(setup.contacts.broad_phase, setup.contacts.backend);
+  adapters::make_broad_phase("auto", setup.contacts.backend);
 }
 
 /// Collective. Returns the memory of the machines of the ranks, in bytes.

@@ -39,9 +39,9 @@ constexpr double multireflection_link = 1.27;  // over one of the other schemes
 // is a derivative, packing one and a level of it; a population in a checkpoint with its checksum, a body
 // there, a row of bodies.h5; a cell of a report's pass over the fluid, of a quantity that looks at the flow
 // by itself, of the hash at the end; a byte touched for the first time.
-constexpr double of_a_field_cell = 2.5, of_a_number = 1.8, of_a_derivative = 5.6, of_packing = 12,
-                 of_a_level = 3, of_a_population = 5, of_a_saved_body = 600, of_a_row = 300,
-                 of_a_report_cell = 1.2, of_a_flow_cell = 3, of_a_hashed_cell = 6, of_a_new_byte = 0.07;
+constexpr double of_a_field_cell = 2.5, of_a_number = 1.8, of_a_derivative = 5.6, of_a_population = 5,
+                 of_a_saved_body = 600, of_a_row = 300, of_a_report_cell = 1.2, of_a_flow_cell = 3,
+                 of_a_hashed_cell = 6, of_a_new_byte = 0.07;
 // Costs in seconds, the last two of a body in a report and in each of its quantities, and of a sampled one.
 constexpr double seconds_of_a_start = 0.1, seconds_of_a_report = 0.1e-3, seconds_of_a_file = 2e-3,
                  seconds_of_all_rows = 1e-3, seconds_of_a_checkpoint = 20e-3;
@@ -168,10 +168,9 @@ double bytes_of_fields(const FieldsSpec& fields) {
 
 double seconds_of_fields(const FieldsSpec& fields, double cell) {
   double steps = 0;
-  const double packing = fields.compression > 0 ? of_packing + fields.compression * of_a_level : 0;
   for (const Field field : fields.quantities)
-    steps += of_a_field_cell +
-             numbers_of(field) * ((field == Field::vorticity ? of_a_derivative : of_a_number) + packing);
+    steps +=
+        of_a_field_cell + numbers_of(field) * (field == Field::vorticity ? of_a_derivative : of_a_number);
   return seconds_of_a_file + cells_of(fields) * steps * cell;
 }
 
@@ -245,10 +244,9 @@ std::vector<Diagnostic> border_warnings(const Case& setup, const lbm::CutTree& l
       warnings.push_back(
           {Diagnostic::Severity::warning, setup.place("coarsening"),
            fmt::format("coarsening: cells of {} are from {} to {} finest cells wide at the start, and what "
-                       "comes in or goes out is disturbed where they change: add \"{}\" to "
-                       "coarsening.fine_sides, or leave more room before it",
-                       side_key(side), 1 << finest, 1 << coarsest,
-                       coupler::side_names[coupler::Side(side)])});
+                       "comes in or goes out is disturbed where they change: give "
+                       "coarsening.fine a box along it, or leave more room before it",
+                       side_key(side), 1 << finest, 1 << coarsest)});
   }
   return warnings;
 }

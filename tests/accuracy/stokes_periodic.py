@@ -112,7 +112,7 @@ class Cases(unittest.TestCase):
         case = tomllib.loads((folder / "case.toml").read_text())
         reference = {q["name"]: q["value"] for q in tomllib.loads((folder / "reference.toml").read_text())["quantity"]}
         edge, tube, ring = case["domain"]["size"][0], 4, 12
-        turn = case["bodies"][0]["axis_angle"]
+        turn = case["bodies"][0]["orientation"]
         body = torus_points(ORIGIN, ring, tube, stokes_scene.rotation_about(turn["axis"], turn["degrees"]), 500)
         flows = solve(PeriodicBox((edge,) * 3), [body], [uniform((1, 0, 0)), uniform((0, 0, 1))], Mirrors(ORIGIN, (0, 1, 0)))
         resistance = np.stack([flow.force(0)[[0, 2]] for flow in flows], -1) * (case["fluid"]["relaxation_time"] - 0.5) / 3

@@ -15,7 +15,7 @@ using std::numbers::pi;
 rigid::Kinks kinks_of(const ConvexShape& shape, const Pose& pose) {
   rigid::Kinks kinks;
   row_of(rigid::shape_name(shape)).kinks(shape, kinks);
-  for (auto& circle : kinks.circles) circle.axis = pose.orientation * circle.axis;
+  for (Vec3& axis : kinks.circles) axis = pose.orientation * axis;
   for (Vec3& face : kinks.faces) face = pose.orientation * face;
   return kinks;
 }
@@ -35,24 +35,16 @@ class Gap {
   }
   void take_both(const Vec3& axis) { take(axis), take(-axis); }
 
-  /// The two directions on both circles.
-  void take_crossings(const rigid::Kinks::Circle& u, const rigid::Kinks::Circle& v) {
-    const Vec3 cross = u.axis.cross(v.axis);
-    if (!(cross.norm() > 1e-9)) return;
-    Mat3 rows;
-    rows << u.axis.transpose(), v.axis.transpose(), cross.transpose();
-    const Vec3 between = rows.inverse() * Vec3(u.c, v.c, 0);
-    if (between.squaredNorm() > 1) return;
-    const Vec3 aside = std::sqrt(1 - between.squaredNorm()) * cross.normalized();
-    take((between + aside).normalized());
-    take((between - aside).normalized());
+  /// The two directions normal to both axes.
+  void take_crossings(const Vec3& u, const Vec3& v) {
+    const Vec3 cross = u.cross(v);
+    if (cross.norm() > 1e-9) take_both(cross.normalized());
   }
 
-  void on_circle(const rigid::Kinks::Circle& circle) {
+  void on_circle(const Vec3& axis) {
     constexpr int samples = 120;
-    const Vec3 u = circle.axis.unitOrthogonal(), v = circle.axis.cross(u), middle = circle.c * circle.axis;
-    const double radius = std::sqrt(1 - circle.c * circle.c);
-    auto direction = [&](double t) { return Vec3(middle + radius * (std::cos(t) * u + std::sin(t) * v)); };
+    const Vec3 u = axis.unitOrthogonal(), v = axis.cross(u);
+    auto direction = [&](double t) { return Vec3(std::cos(t) * u + std::sin(t) * v); };
     std::array<double, samples> gap;
     for (int i = 0; i < samples; ++i) gap[i] = at(direction(2 * pi * i / samples));
     std::vector<std::pair<double, int>> peaks;
@@ -148,14 +140,13 @@ ReferenceGap search_gap(const Pair& p) {
   }
   Gap gap(p);
   rigid::Kinks a = kinks_of(p.a, p.pose_a), b = kinks_of(p.b, p.pose_b);
-  for (auto& circle : b.circles) circle.c = -circle.c;  // of b's support along -n
   for (const rigid::Kinks* kinks : {&a, &b})
     for (const Vec3& n : kinks->faces) gap.take_both(n);
-  for (const auto& u : a.circles)
-    for (const auto& v : b.circles) gap.take_crossings(u, v);
+  for (const Vec3& u : a.circles)
+    for (const Vec3& v : b.circles) gap.take_crossings(u, v);
   gap.over_the_sphere();
   for (const rigid::Kinks* kinks : {&a, &b})
-    for (const auto& circle : kinks->circles) gap.on_circle(circle);
+    for (const Vec3& axis : kinks->circles) gap.on_circle(axis);
   return gap.best;
 }
 

@@ -24,14 +24,15 @@ inline constexpr LayerBody layer_bodies[] = {
     {"d10", 10, "type = \"sphere\"\ndiameter = 10\n", ""},
     {"d20", 20, "type = \"sphere\"\ndiameter = 20\n", ""},
     {"box", 10, "type = \"box\"\nedges = [8.06, 8.06, 8.06]\n",
-     "axis_angle = { axis = [1, 2, 3], degrees = 10 }\n"},
-    {"capsule", 10, "type = \"capsule\"\nradius = 3.684\nlength = 7.368\n", "axis = [1, 1, 0.2]\n"},
+     "orientation = { axis = [1, 2, 3], degrees = 10 }\n"},
+    {"capsule", 10, "type = \"capsule\"\nradius = 3.684\nlength = 7.368\n", "orientation = [1, 1, 0.2]\n"},
     // three capsules crossed at right angles, standing on three of their ends
     {"star", 10,
-     "type = \"compound\"\nparts = [{ type = \"capsule\", radius = 2.48, length = 8.69, axis = [1, 0, 0] }, "
-     "{ type = \"capsule\", radius = 2.48, length = 8.69, axis = [0, 1, 0] }, "
-     "{ type = \"capsule\", radius = 2.48, length = 8.69, axis = [0, 0, 1] }]\n",
-     "axis_angle = { axis = [1, -1, 0], degrees = 54.7356 }\n"}};
+     "type = \"compound\"\nparts = [{ type = \"capsule\", radius = 2.48, length = 8.69, orientation = [1, 0, "
+     "0] }, "
+     "{ type = \"capsule\", radius = 2.48, length = 8.69, orientation = [0, 1, 0] }, "
+     "{ type = \"capsule\", radius = 2.48, length = 8.69, orientation = [0, 0, 1] }]\n",
+     "orientation = { axis = [1, -1, 0], degrees = 54.7356 }\n"}};
 
 inline const LayerBody& layer_body(const std::string& name) {
   for (const LayerBody& body : layer_bodies)

@@ -32,7 +32,7 @@ type = "mesh"
 file = "rotor.stl"
 solid = "inside"
 position = [{middle}, {middle}, {middle}]
-axis = [0.1, 0.2, 1]
+orientation = [0.1, 0.2, 1]
 motion = {{ angular_velocity = {spin}, axis = [0.1, 0.2, 1] }}
 """
 ENVIRONMENT = dict(os.environ, SILT_PLAIN="1")

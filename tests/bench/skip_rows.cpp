@@ -201,7 +201,7 @@ Row no_other_shapes() {
   SceneText text, analytic;
   text.fluid = analytic.fluid = "";
   text.bodies = analytic.bodies = spheres(100, "[[0, 0, 0], [48, 48, 48]]");
-  analytic.rest = "[contacts]\nbackend = \"analytic\"\nbroad_phase = \"grid\"";
+  analytic.rest = "[contacts]\nbackend = \"analytic\"";
   auto passes = std::make_shared<Passes>(analytic);
   return row("non_spheres", "other shapes: closed forms called directly", text,
              [passes] { passes->rigid_step(); });

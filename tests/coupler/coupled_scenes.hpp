@@ -17,9 +17,9 @@ friction = 0.3
 )";
   c.shapes = sphere_of("sphere", 6) +
              shape_of("star", "compound",
-                      "parts = [ { type = \"capsule\", radius = 1.4, length = 4, axis = [1, 0, 0] },\n"
-                      "{ type = \"capsule\", radius = 1.4, length = 4, axis = [0, 1, 0] },\n"
-                      "{ type = \"capsule\", radius = 1.4, length = 4, axis = [0, 0, 1] } ]") +
+                      "parts = [ { type = \"capsule\", radius = 1.4, length = 4, orientation = [1, 0, 0] },\n"
+                      "{ type = \"capsule\", radius = 1.4, length = 4, orientation = [0, 1, 0] },\n"
+                      "{ type = \"capsule\", radius = 1.4, length = 4, orientation = [0, 0, 1] } ]") +
              shape_of("box", "box", "edges = [5, 6, 4]");
   c.bodies = fill_of("sphere", 0.7, 6, "seed = 1") + fill_of("star", 3, 4, "seed = 2") +
              fill_of("box", 4, 4, "seed = 3");

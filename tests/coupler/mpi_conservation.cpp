@@ -50,7 +50,7 @@ CaseText passing_bodies() {
   c.bodies =
       body_of("rod", 2, R"(motion = "prescribed"
 position = [14.1, 13.2, 6.3]
-axis_angle = { axis = [0, 1, 0], degrees = 90 }
+orientation = { axis = [0, 1, 0], degrees = 90 }
 angular_velocity = [0, 0, 0.008])") +
       body_of("ball", 2, "motion = \"prescribed\"\nposition = [4.1, 4.2, 6.3]\nvelocity = [0.05, 0, 0]") +
       body_of("ball", 2,
@@ -116,8 +116,8 @@ CaseText star_in_the_stream() {
   c.domain = domain_of({20, 18, 16});
   c.fluid += "precision = \"double\"\ninitial = { type = \"uniform\", velocity = [0.05, 0.03, -0.02] }\n";
   c.shapes = shape_of("star", "compound",
-                      "parts = [ { type = \"capsule\", radius = 2, length = 6, axis = [1, 0.2, 0] },\n"
-                      "{ type = \"capsule\", radius = 2, length = 6, axis = [0, 1, 0.3] } ]");
+                      "parts = [ { type = \"capsule\", radius = 2, length = 6, orientation = [1, 0.2, 0] },\n"
+                      "{ type = \"capsule\", radius = 2, length = 6, orientation = [0, 1, 0.3] } ]");
   c.bodies = body_of("star", 1, R"(motion = "prescribed"
 velocity = [0.05, 0.03, -0.02]
 position = [8.2, 7.7, 8.4])");

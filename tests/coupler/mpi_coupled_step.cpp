@@ -181,12 +181,6 @@ TEST(CoupledStep, SameBitsWithEitherSchedule) {
   }
 }
 
-TEST(CoupledStep, SameBitsWithAnyBroadPhase) {
-  for (const char* name : {"bullet", "fcl"})
-    EXPECT_EQ(run_crowd({std::string("contacts.broad_phase=") + name}, MPI_COMM_WORLD).hash, reference_hash())
-        << name;
-}
-
 // One link skipped once, on one rank: the population that should have come back from the surface does not.
 TEST(CoupledStep, OneSkippedLinkChangesTheHash) {
   int skipped = 0;

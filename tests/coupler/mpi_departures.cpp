@@ -21,8 +21,8 @@ using rigid::Vec3;
 using tests::alone;
 
 /// A side that bodies leave by.
-std::string open_side(const std::string& leaving = "remove", const std::string& type = "no-slip") {
-  return "{ type = \"" + type + "\", solid_for_bodies = false, leaving = \"" + leaving + "\" }";
+std::string open_side(const std::string& type = "no-slip") {
+  return "{ type = \"" + type + "\", solid_for_bodies = false }";
 }
 
 /// Two balls of radius 2 on their way to the upper side of z at a quarter of a cell a step, from 20 of 24:
@@ -64,15 +64,6 @@ std::string stop_of(const CaseText& c, int steps, std::int64_t& at) {
   });
   at = s.steps_done();
   return text;
-}
-
-TEST(Departures, StopARunWhereThatIsTheRule) {
-  std::int64_t at = 0;
-  EXPECT_EQ(
-      stop_of(on_the_way_out(open_side("stop")), 60, at),
-      "step 25: body 1 has left the domain past z-high, where leaving is \"stop\": with \"remove\" it would "
-      "be taken out");
-  EXPECT_LE(at, 25 + 2 * dry_watch_interval);
 }
 
 TEST(Departures, ABodyThatIsMovedThroughAWallStopsARun) {
@@ -142,7 +133,7 @@ TEST(Departures, DryNoBodyLivesOnOutside) {
 }
 
 TEST(Departures, NorDoesOneThroughOutletsOfAFluid) {
-  const CaseText c = burst("[fluid]\nrelaxation_time = 0.8\n", open_side("remove", "pressure-outlet"));
+  const CaseText c = burst("[fluid]\nrelaxation_time = 0.8\n", open_side("pressure-outlet"));
   const std::uint64_t one = alone([&] { return burst_hash(c, MPI_COMM_SELF); });
   EXPECT_EQ(burst_hash(c, MPI_COMM_WORLD), one);
 }

@@ -300,17 +300,6 @@ TEST(Driving, TheSameBitsOnADevice) {
   }
 }
 
-TEST(OverTime, TheIntegralIsThatOfTheShare) {
-  const rigid::OverTime over_time{{{10, 0.5}, {20, 2}, {50, -1}}, 0.3, 0.01, 0.7};
-  EXPECT_EQ(over_time.integral(0), 0);
-  for (const double t : {4., 13., 20., 47., 80.}) {
-    double sum = 0;
-    for (int i = 0; i < 8000; ++i) sum += t / 8000 * over_time.at((i + 0.5) * t / 8000);
-    EXPECT_NEAR(over_time.integral(t), sum, 1e-6) << t;
-  }
-  EXPECT_EQ(over_time.most(), 2.3);
-}
-
 TEST(Driving, SameBitsForAnyBlocksAndRanks) {
   expect_one_hash(driven_crowd(), 70, {"[12, 10, 14]", "[24, 10, 7]"});
 }

@@ -27,11 +27,10 @@ TEST(PrescribedBodies, AnOscillatingSphereFeelsDragAndAddedMassAsTheorySays) {
   c.domain = domain_of({56, 56, 56}, "\"no-slip\"");
   c.fluid = "[fluid]\nkinematic_viscosity = 0.05\n";
   c.shapes = sphere_of("ball", 2 * a);
-  c.bodies =
-      body_of("ball", 1,
-              fmt::format("position = [28, 28, 28]\nmotion = {{ oscillation = {{ amplitude = [{}, 0, 0], "
-                          "frequency = {:.17g} }} }}",
-                          amplitude, w / (2 * pi)));
+  c.bodies = body_of("ball", 1,
+                     fmt::format("position = [28, 28, 28]\nmotion = {{ amplitude = [{}, 0, 0], "
+                                 "frequency = {:.17g} }}",
+                                 amplitude, w / (2 * pi)));
   Simulation simulation = c.start(MPI_COMM_WORLD);
   const int period = int(std::lround(2 * pi / w));
   simulation.run(period + period / 2);
@@ -57,8 +56,7 @@ CaseText stirred_crowd() {
   c.bodies +=
       body_of("box", 2,
               "name = \"paddle\"\nposition = [12, 10, 14]\nmotion = { angular_velocity = 0.004, axis = [0, "
-              "1, 2], over_time = { table = "
-              "[[0, 0], [40, 1]] }, oscillation = { amplitude = [0, 0, 1], frequency = 0.01, phase = 30 } }");
+              "1, 2], amplitude = [0, 0, 1], frequency = 0.01 }");
   return c;
 }
 

@@ -124,15 +124,15 @@ TEST(WallQuantities, DistanceFromTheAxis) {
 CaseText rotor_case(const std::string& motion) {
   CaseText c =
       mesh_case("gear.ply",
-                "scale = 9\nsolid = \"inside\"\nposition = [15.7, 16.2, 16.4]\naxis = [0.2, 0.1, 1]\n"
+                "scale = 9\nsolid = \"inside\"\nposition = [15.7, 16.2, 16.4]\norientation = [0.2, 0.1, 1]\n"
                 "motion = " +
                     motion);
   c.fluid = "[fluid]\nrelaxation_time = 0.7\n";
   return c;
 }
 const std::string turning =
-    "{ angular_velocity = 0.004, axis = [0.2, 0.1, 1], oscillation = { amplitude = [0.5, 0, 0.3], frequency "
-    "= 0.01 } }";
+    "{ angular_velocity = 0.004, axis = [0.2, 0.1, 1], amplitude = [0.5, 0, 0.3], frequency "
+    "= 0.01 }";
 
 Files gear() {
   return {{"gear.ply", ply_of(rigid::testing::gear_mesh(7, 3))}};

@@ -30,7 +30,7 @@ CaseText scene(const std::string& shape, double density, double tau, std::string
       tau, collision);
   c.shapes = "[[shapes]]\nname = \"body\"\n" + shape;
   c.bodies = body_of("body", density > 0 ? density : 1,
-                     std::string("position = [6.13, 5.71, 6.37]\naxis_angle = "
+                     std::string("position = [6.13, 5.71, 6.37]\norientation = "
                                  "{ axis = [3, 1, -2], degrees = 67 }\n") +
                          (density > 0 ? "" : "motion = \"fixed\"\n"));
   return c;
@@ -92,7 +92,7 @@ CaseText spinning_cube(double tau, std::string_view wall_scheme) {
   c.rest = fmt::format("[coupling]\nwall_scheme = \"{}\"\n", wall_scheme);
   c.shapes = shape_of("cube", "box", "edges = [6.2, 6.2, 6.2]");
   c.bodies = body_of("cube", 30,
-                     "position = [9.13, 8.71, 9.37]\naxis_angle = { axis = [3, "
+                     "position = [9.13, 8.71, 9.37]\norientation = { axis = [3, "
                      "1, -2], degrees = 67 }\n"
                      "angular_velocity = [0.012, -0.006, 0.009]\n");
   return c;

@@ -172,7 +172,6 @@ std::vector<ConvexShape> convex_solids() {
           Cylinder{0.6, 0.9},
           Cylinder{1.5, 0.05},
           Cylinder{0.05, 1.7},
-          Cone{0.7, 1.2},
           Ellipsoid{{1.4, 0.5, 0.9}},
           Ellipsoid{{1.5, 1.5, 0.015}},
           Ellipsoid{{0.02, 0.02, 2}},
@@ -267,13 +266,13 @@ TEST(TubeContacts, BodiesAcrossTheTubeTouchAtBothEnds) {
 
 /// A tube along y with its lowest line at z = 0, and one body in it.
 Scene in_tube(double radius, double friction, const Shape& shape, const Vec3& x, const Quat& q,
-              double spin = 0, double slide = 0) {
+              double spin = 0) {
   Scene s(0, friction);
   s.world.gravity = {0, 0, -g};
   s.append(0, s.shape(shape), x, q);
   s.bodies.reindex();
   s.bodies.set_velocity(0, Vec3::Zero(), Vec3::Zero());
-  add_wall(s.bodies, s.world, {Tube{radius}, {0, 0, radius}, Vec3::UnitY(), 0, spin, slide});
+  add_wall(s.bodies, s.world, {Tube{radius}, {0, 0, radius}, Vec3::UnitY(), 0, spin});
   s.start();
   return s;
 }
@@ -300,22 +299,6 @@ TEST(Tube, BallSpinsOnATurningDrum) {
   EXPECT_NEAR(s.w(0)[1] * r, omega * R, 1e-9);
 }
 
-/// The box's two lower edges press with m g / cos b in all, leaning by b to either side.
-TEST(Tube, TubeThatSlidesAlongItsAxisCarriesABox) {
-  const double R = 2, half = 0.3, mu = 0.2, speed = 1, b = std::asin(half / R);
-  Scene s =
-      in_tube(R, mu, Box{{half, 0.3, 0.1}}, {0, 10, R - R * std::cos(b) + 0.1}, Quat::Identity(), 0, speed);
-  const double rate = mu * g / std::cos(b);
-  for (int i = 1; i <= 1000; ++i) {
-    s.run(1);
-    if (rate * 1e-3 * (i + 1) < speed) {
-      ASSERT_NEAR(s.v(0)[1], rate * 1e-3 * i, 2e-3 * speed) << i;
-    }
-  }
-  EXPECT_NEAR(s.v(0)[1], speed, 1e-9);
-  EXPECT_NEAR(s.x(0)[0], 0, 1e-9);
-}
-
 /// Dropped at a slant, each stays in the tube and gains no energy; those that cannot roll come to rest.
 TEST(Tube, EveryShapeSettles) {
   const double R = 4;
@@ -340,8 +323,8 @@ TEST(Tube, EveryShapeSettles) {
 TEST(Walls, RowsOfTubes) {
   Scene s(0, 0);
   s.floor();
-  add_wall(s.bodies, s.world, {Tube{3}, {1, 2, 3}, Vec3::UnitX(), 0, 0.5, 0});
-  add_wall(s.bodies, s.world, {Tube{4}, {1, 2, 3}, Vec3::UnitY(), 0, 0, 0});
+  add_wall(s.bodies, s.world, {Tube{3}, {1, 2, 3}, Vec3::UnitX(), 0, 0.5});
+  add_wall(s.bodies, s.world, {Tube{4}, {1, 2, 3}, Vec3::UnitY(), 0, 0});
   EXPECT_EQ(s.bodies.walls, 3u);
   EXPECT_EQ(s.bodies.id, (std::vector<BodyId>{first_wall_id + 4, first_tube_id, first_tube_id + 1}));
   EXPECT_EQ(s.bodies.angular_velocity[1], Vec3(0.5, 0, 0));

@@ -47,9 +47,11 @@ Compound two_boxes(const Vec3& half) {
 /// All of a width of 0.2 along x, and with their lowest points 0.1 below the origin.
 std::vector<Mover> movers() {
   const Vec3 half = Vec3::Constant(0.1);
-  return {{"cube", Box{half}},      {"cylinder", Cylinder{0.1, 0.1}},
-          {"cone", Cone{0.1, 0.4}}, {"polyhedron", cuboid(half)},
-          {"mesh", block(half)},    {"compound", two_boxes(half)}};
+  return {{"cube", Box{half}},
+          {"cylinder", Cylinder{0.1, 0.1}},
+          {"polyhedron", cuboid(half)},
+          {"mesh", block(half)},
+          {"compound", two_boxes(half)}};
 }
 
 /// Makes a body that stays where it is.
@@ -201,7 +203,7 @@ TEST_P(PassingBodies, WhatSlidesFeelsNoBorderAndNoParts) {
 /// in which the load finds its way.
 TEST_P(PassingBodies, WhatSlidesUnderALoadFeelsNoSeam) {
   for (const Mover& mover : movers()) {
-    if (mover.name == "cone" || (mover.name != "cube" && std::string_view(GetParam()) != "auto")) continue;
+    if (mover.name != "cube" && std::string_view(GetParam()) != "auto") continue;
     const auto lost = [&](int pieces) {
       Scene s(0, 0.3);
       s.settings.max_sweeps = 400;

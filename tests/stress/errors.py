@@ -23,7 +23,7 @@ CASE = (domain_of([40, 24, 24]) + "blocks = [10, 12, 24]\n[fluid]\nrelaxation_ti
         "[output]\nfields = { every = 10 }\nbodies = { every = 5 }\n" +
         "checkpoint = { every = 10, keep = 2 }\nreport = { every = 5 }\n" +
         '[[output.slices]]\nname = "middle"\nbox = [[0, 8, 0], [40, 14, 24]]\nevery = 5\n' +
-        'compression = 4\n[[quantities]]\nname = "height"\ntype = "mean-height"\n')
+        '[[quantities]]\nname = "height"\ntype = "mean-height"\n')
 
 ERRORS = [errno.ENOSPC, errno.EIO, errno.EDQUOT, errno.EFBIG, errno.EROFS]
 SMALLEST = 4096  # bytes of an allocation that fails; smaller ones are those of anything

@@ -33,8 +33,8 @@ class TimeOfOutput(SiltTest):
                    .replace("fields = { every = 20 }\nbodies = { every = 7 }\ncheckpoint = { every = 25, keep = 3 }\n", ""))
         start = self.processor_time("--steps", 1)
         in_steps = self.processor_time() - start
-        for output in ("report = { every = 1 }", "fields = { every = 3 }", "fields = { every = 10, compression = 6, quantities = ['vorticity'] }",
-                       "checkpoint = { every = 10 }", "slices = [{ name = 'a', every = 1, axis = 'y', at = 40 }]"):
+        for output in ("report = { every = 1 }", "fields = { every = 3 }", "fields = { every = 10, quantities = ['vorticity'] }",
+                       "checkpoint = { every = 10 }", "slices = [{ name = 'a', every = 1, box = [[0, 40, 0], [1e4, 40, 1e4]] }]"):
             key, value = output.split(" = ", 1)
             of_output = self.processor_time("--set", f"output.{key}={value}") - start - in_steps
             said = self.silt("check", self.case, "--set", f"output.{key}={value}").stdout
@@ -48,9 +48,9 @@ class TimeOfOutput(SiltTest):
     # steps, and what is written
     CASES = {
         "segregation": (1000, "report = { every = 5 }", "fields = { every = 50 }", "bodies = { every = 5 }", "checkpoint = { every = 200, keep = 2 }"),
-        "fluidised-bed": (800, "report = { every = 2 }", "bodies = { every = 10 }", "fields = { every = 100, compression = 4 }"),
+        "fluidised-bed": (800, "report = { every = 2 }", "bodies = { every = 10 }", "fields = { every = 100 }"),
         "packing": (1000, "report = { every = 1 }", "bodies = { every = 2 }", "checkpoint = { every = 100, keep = 2 }"),
-        "porous-bed": (400, "report = { every = 1 }", "fields = { every = 20 }", "slices = [{ name = 'mid', every = 2, axis = 'y', at = 16 }]"),
+        "porous-bed": (400, "report = { every = 1 }", "fields = { every = 20 }", "slices = [{ name = 'mid', every = 2, box = [[0, 16, 0], [1e4, 16, 1e4]] }]"),
         "stirred-tank": (600, "report = { every = 2 }", "fields = { every = 25, quantities = ['velocity', 'vorticity'] }",
                          "checkpoint = { every = 100, keep = 2 }"),
         "sheared-suspension": (600, "report = { every = 1 }", "bodies = { every = 1 }", "fields = { every = 20 }"),

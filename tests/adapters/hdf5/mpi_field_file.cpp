@@ -52,24 +52,23 @@ std::vector<FieldQuantity> quantities(const std::vector<CellBox>& boxes) {
 }
 
 void write(MPI_Comm comm, const std::filesystem::path& path, const std::vector<CellBox>& boxes,
-           double time = 1.5, int compression = 0) {
-  adapters::write_fields(comm, path, boxes, {grid, quantities(boxes), time, 100, compression}, provenance);
+           double time = 1.5) {
+  adapters::write_fields(comm, path, boxes, {grid, quantities(boxes), time, 100}, provenance);
 }
 
 TEST(FieldFile, is_the_same_on_any_number_of_ranks) {
   const Scratch scratch;
-  for (const int compression : {0, 4})
-    for (const bool in_turn : {true, false})
-      for (const bool idle : {true, false}) {
-        write(MPI_COMM_WORLD, scratch / "many.hdf",
-              blocks_of(rank(), ranks(), grid_cells, {4, 8, 5}, in_turn, idle), 1.5, compression);
-        if (rank() == 0) {
-          write(MPI_COMM_SELF, scratch / "one.hdf", {{{0, 0, 0}, {13, 8, 21}}}, 1.5, compression);
-          const std::string one = content(scratch / "one.hdf"), many = content(scratch / "many.hdf");
-          EXPECT_GT(one.size(), compression > 0 ? 1000u : 13u * 8 * 21 * (4 + 12 + 8 + 1));
-          EXPECT_TRUE(one == many);
-        }
+  for (const bool in_turn : {true, false})
+    for (const bool idle : {true, false}) {
+      write(MPI_COMM_WORLD, scratch / "many.hdf",
+            blocks_of(rank(), ranks(), grid_cells, {4, 8, 5}, in_turn, idle));
+      if (rank() == 0) {
+        write(MPI_COMM_SELF, scratch / "one.hdf", {{{0, 0, 0}, {13, 8, 21}}});
+        const std::string one = content(scratch / "one.hdf"), many = content(scratch / "many.hdf");
+        EXPECT_GT(one.size(), 13u * 8 * 21 * (4 + 12 + 8 + 1));
+        EXPECT_TRUE(one == many);
       }
+    }
 }
 
 TEST(FieldFile, cells_no_rank_holds_are_zero) {
@@ -106,7 +105,7 @@ TEST(FieldFile, every_rank_is_told_of_one_ranks_error) {
 }
 
 /// Cells of three widths: those below z = 8 are two wide, above they are one wide, and none is four wide.
-void write_levels(MPI_Comm comm, const std::filesystem::path& path, int compression) {
+void write_levels(MPI_Comm comm, const std::filesystem::path& path) {
   std::vector<CellBox> fine = blocks_of(rank(), ranks(), {12, 8, 21}, {4, 8, 5}),
                        coarse = blocks_of(rank(), ranks(), {6, 4, 4}, {3, 3, 4}, false, true);
   std::erase_if(fine, [](CellBox& box) {
@@ -115,7 +114,7 @@ void write_levels(MPI_Comm comm, const std::filesystem::path& path, int compress
   });
   adapters::write_fields(
       comm, path, {{1, fine, quantities(fine)}, {2, coarse, quantities(coarse)}, {4, {}, quantities({})}},
-      {grid, {}, 1.5, 100, compression}, provenance);
+      {grid, {}, 1.5, 100}, provenance);
 }
 
 // The writer for reads_in_vtk.py, which sets the variable.
@@ -125,8 +124,7 @@ const Act write_fields("write_fields", [] {
     const auto boxes = blocks_of(rank(), ranks(), grid_cells, {4, 8, 5}, step == 0, true);
     write(MPI_COMM_WORLD, adapters::step_path(folder, "fields", step, ".hdf"), boxes, 0.01 * step);
   }
-  for (const int compression : {0, 4})
-    write_levels(MPI_COMM_WORLD, folder / ("levels" + std::to_string(compression) + ".hdf"), compression);
+  write_levels(MPI_COMM_WORLD, folder / "levels.hdf");
 });
 
 /// Cuts [0, n) into runs of odd lengths, deals them to the ranks at random, and leaves every fifth to nobody.

@@ -81,8 +81,7 @@ for ranks in (1, 4):
         with open(folder + "/fields.hdf.series") as f:
             series = json.load(f)["files"]
         assert [entry["time"] for entry in series] == [0, 0.5]
-        for compression in (0, 4):
-            check_levels(f"{folder}/levels{compression}.hdf")
+        check_levels(f"{folder}/levels.hdf")
         for entry in series:
             check_in_vtk(f"{folder}/{entry['name']}")
             check_in_h5py(f"{folder}/{entry['name']}")

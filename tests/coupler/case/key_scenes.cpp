@@ -52,42 +52,34 @@ axis = "x"
       {"fluid.initial.steepness",
        "20",
        {"fluid.initial={ type = \"shear-layer\", velocity = [0.02, 0, 0] }"}},
-      {"fluid.smagorinsky", "0.9", {"fluid.collision=regularised", "fluid.relaxation_time=0.5005"}},
       {"gravity.over_time", "{ amplitude = 1, frequency = 0.1 }"},
       {"gravity.over_time.table", "[[0, 0], [10, 1]]"},
       {"gravity.over_time.amplitude", "1", {"gravity.over_time.frequency=0.1"}},
       {"gravity.over_time.frequency", "0.1", {"gravity.over_time.amplitude=1"}},
-      {"gravity.over_time.phase", "90", {"gravity.over_time={ amplitude = 1, frequency = 0.1 }"}},
       {"coupling.wall_scheme", "bounce-back"},
       {"coupling.time", "explicit"},
-      {"coupling.refill", "equilibrium"},
       {"coupling.force", "exact"},
       {"coupling.remap_tolerance", "0.3"},
       {"coupling.lubrication", "false"},
       {"coupling.lubrication_min_gap", "0.5"},
       {"contacts.resolver", "ffd"},
       {"contacts.substeps", "3"},
-      {"contacts.half_force", "false", {"contacts.resolver=ffd", "bodies[1].position=[10.99, 6, 3.3]"}},
       {lid + ".over_time", "{ table = [[0, 0], [10, 1]] }"},
       {"domain.boundary.z[0].solid_for_bodies", "false"},
       {"bodies[0].motion", "fixed", {"bodies[0].velocity="}},
       {"bodies[0].motion", "{ velocity = [0.02, 0, 0] }", {"bodies[0].velocity="}},
-      {"bodies[0].motion.over_time",
-       "{ table = [[0, 0], [10, 1]] }",
-       {"bodies[0].velocity=", "bodies[0].motion={ velocity = [0.02, 0, 0] }"}},
       {"bodies[0].motion.axis",
        "x",
        {"bodies[0].velocity=", "bodies[0].motion={ angular_velocity = 0.01, axis = \"z\" }"}},
-      {"bodies[0].motion.oscillation",
-       "{ amplitude = [0.1, 0, 0], frequency = 0.05 }",
-       {"bodies[0].velocity=", "bodies[0].motion={}"}},
-      {"bodies[0].motion.oscillation.phase",
-       "90",
-       {"bodies[0].velocity=",
-        "bodies[0].motion={ oscillation = { amplitude = [0.1, 0, 0], frequency = 0.05 } }"}},
+      {"bodies[0].motion.amplitude",
+       "[0.1, 0, 0]",
+       {"bodies[0].velocity=", "bodies[0].motion={ frequency = 0.05 }"}},
+      {"bodies[0].motion.frequency",
+       "0.05",
+       {"bodies[0].velocity=", "bodies[0].motion={ amplitude = [0.1, 0, 0] }"}},
       {"bodies[0].locked", "[\"x\", \"y\", \"z\"]"},
       {"bodies[0].angular_velocity", "[0, 0, 0.01]"},
-      {"bodies[0].axis", "[1, 0, 0]"},
+      {"bodies[0].orientation", "[1, 0, 0]"},
       {"springs", "[{ body = \"one\", to = \"two\", stiffness = 1e-3, length = 5 }]"},
       {"springs[0].damping",
        "0.1",
@@ -114,14 +106,13 @@ axis = "x"
                     "gravity.over_time.frequency=0",
                     "bodies[0].motion.velocity=[0, 0, 0]",
                     "bodies[0].motion.angular_velocity=0",
-                    "bodies[0].motion.oscillation.amplitude=[0, 0, 0]",
-                    "bodies[0].motion.oscillation.frequency=0",
+                    "bodies[0].motion.amplitude=[0, 0, 0]",
+                    "bodies[0].motion.frequency=0",
                     "springs[0].stiffness=0"};
-  // ffd has no films; nothing else touches; what is pushed is in no contact
+  // ffd has no films; nothing else touches
   scene.coincide = {{"coupling.lubrication", "contacts.resolver"},
                     {"domain.boundary.z[0].solid_for_bodies", "coupling.lubrication"},
-                    {"domain.boundary.z[0].solid_for_bodies", "contacts.resolver"},
-                    {"contacts.half_force", "bodies[0].motion"}};
+                    {"domain.boundary.z[0].solid_for_bodies", "contacts.resolver"}};
   return scene;
 }
 
@@ -137,20 +128,26 @@ relaxation_time = 0.8
 body_force = [1e-5, 0, 0]
 [coarsening]
 levels = 1
-fine_sides = ["z-low"]
+[[shapes]]
+name = "ball"
+type = "sphere"
+radius = 3
+[[bodies]]
+shape = "ball"
+density = 1
+motion = "fixed"
+position = [24, 8, 8]
 [run]
 steps = 8
 )";
   scene.samples = {
       {"coarsening.distance", "12"},
-      {"coarsening.fine_sides", "[\"z-high\"]"},
       {"coarsening.fine", "[{ box = [[8, 0, 20], [24, 16, 40]] }]"},
       {"coarsening.fine[0].level",
        "1",
        {"coarsening.levels=2", "coarsening.fine=[{ box = [[8, 0, 20], [24, 16, 40]] }]"}},
   };
-  scene.switches = {"coarsening.fine_sides=", "coarsening.fine_sides=[]",
-                    "coarsening.fine=[{ box = [[0, 0, 0], [48, 16, 48]] }]"};
+  scene.switches = {"bodies=", "coarsening.fine=[{ box = [[0, 0, 0], [48, 16, 48]] }]"};
   return scene;
 }
 
@@ -166,8 +163,6 @@ relaxation_time = 0.8
 body_force = [1e-5, 0, 0]
 [gravity]
 acceleration = [0, 0, -2e-3]
-[[materials]]
-name = "glass"
 [[material_pairs]]
 between = ["default", "glass"]
 friction = 0.3
@@ -188,7 +183,7 @@ radius = 3
 [[shapes]]
 name = "pair"
 type = "compound"
-parts = [{ type = "sphere", radius = 2 }, { type = "sphere", radius = 1.5 }]
+parts = [{ type = "sphere", radius = 2 }, { type = "capsule", radius = 1.5, length = 2 }]
 [[shapes]]
 name = "piece"
 type = "mesh"
@@ -212,39 +207,36 @@ steps = 16
   scene.files = {{"block.ply", ply_of(rigid::testing::cuboid_mesh({-1.5, -1.5, -1.5}, {1.5, 1.5, 2}))},
                  {"path.csv", "0, 0, 0, 0, 0, 0, 0\n8, 0.1, 0, 0, 0, 0, 0.1\n16, 0.2, 0, 0, 0, 0, 0.1\n"}};
   const std::string motion = "walls[1].motion";
-  const Overrides turns = {motion + "={ angular_velocity = 0.01, axis = \"z\" }"},
-                  moves = {motion + "={ velocity = [0.02, 0, 0] }"},
-                  swings = {motion + "={ oscillation = { amplitude = [0.3, 0, 0], frequency = 0.05 } }"};
+  const Overrides turns = {motion + "={ angular_velocity = 0.01, axis = \"z\" }"};
   scene.samples = {
       {"walls[0].angular_velocity", "0.005"},
-      {"walls[0].velocity", "0.02"},
       {"walls[0].material", "glass", {"contacts.friction=0.01"}},
       {"walls[1].scale", "0.9"},
       {"walls[1].position", "[10, 13, 8]"},
-      {"walls[1].axis", "[1, 0, 0]"},
+      {"walls[1].orientation", "[1, 0, 0]"},
       {motion, "{ velocity = [0.02, 0, 0] }"},
       {motion + ".velocity", "[0.03, 0, 0]", turns},
       {motion + ".angular_velocity", "0.02", {motion + "={ axis = \"z\" }"}},
       {motion + ".axis", "x", turns},
       {motion + ".point", "[10, 12, 8]", turns},
       {motion + ".table", "path.csv", {motion + "={}"}},
-      {motion + ".over_time", "{ table = [[0, 0], [10, 1]] }", moves},
-      {motion + ".oscillation", "{ amplitude = [0.2, 0, 0], frequency = 0.05 }", moves},
-      {motion + ".oscillation.phase", "90", swings},
+      {motion + ".amplitude", "[0.2, 0, 0]", {motion + "={ frequency = 0.05 }"}},
+      {motion + ".frequency", "0.05", {motion + "={ amplitude = [0.2, 0, 0] }"}},
       {"shapes[1].parts[1].position", "[0, 0, 2]"},
+      {"shapes[1].parts[1].orientation", "[1, 0, 0]"},
       {"shapes[2].scale", "0.9"},
       {"domain.boundary.z[1].density", "1.001"},
       {"coupling.wall_scheme", "bounce-back"},
-      {"coupling.refill", "equilibrium"},
   };
   scene.switches = {"bodies=",
                     motion + ".angular_velocity=0",
                     motion + ".velocity=[0, 0, 0]",
-                    motion + ".oscillation.amplitude=[0, 0, 0]",
-                    motion + ".oscillation.frequency=0",
+                    motion + ".amplitude=[0, 0, 0]",
+                    motion + ".frequency=0",
                     "walls[1]=",
                     "domain.boundary.z=\"no-slip\""};
   scene.coincide = {{"shapes[1].parts[1].position", "bodies"},
+                    {"shapes[1].parts[1].orientation", "bodies"},
                     {"shapes[2].scale", "bodies"}};  // nobody has the shape
   return scene;
 }

@@ -61,9 +61,6 @@ acceleration = [0, 0, -9.81]
 [contacts]
 restitution = 0.5
 
-[[materials]]
-name = "glass"
-
 [[material_pairs]]
 between = ["glass", "glass"]
 friction = 0.2
@@ -143,7 +140,7 @@ angular_velocity = 0.6
 shape = "brick"
 density = 2500
 position = [0.078, 0.015, 0.078]
-axis_angle = { axis = [0, 1, 0], degrees = 30 }
+orientation = { axis = [0, 1, 0], degrees = 30 }
 
 [[bodies]]
 shape = "ball"

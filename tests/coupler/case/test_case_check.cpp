@@ -70,9 +70,7 @@ TEST(CaseCheck, WarnsOfSizesThatAreMostOfTheMassAndOfNoBody) {
     CaseText c;
     c.domain = domain_of({200, 200, 200});
     c.rest = gravity;
-    c.bodies =
-        fill_of("ball", 1.2, count,
-                "diameter = { distribution = \"table\", by = \"mass\", table = [[6, 0.5], [24, 0.5]] }");
+    c.bodies = fill_of("ball", 1.2, count, "diameter = { by = \"mass\", table = [[6, 0.5], [24, 0.5]] }");
     return warnings(c);
   };
   // one in 65 bodies is a large one
@@ -112,9 +110,7 @@ TEST(CaseCheck, WarnsOfBodiesThatDoNotComeOrGo) {
   const std::string fixed = c.bodies + "motion = \"fixed\"\n";
   c.bodies = fill_of("ball", 1.2, 2, "every = 100\nbox = [[0, 0, 16], [32, 32, 32]]");
   EXPECT_TEXT(warnings(c), "fill[0].every is 100, of 100 steps in all: bodies come");
-  c.bodies = fill_of("ball", 1.2, 2, "every = 10\nuntil = 9\nbox = [[0, 0, 16], [32, 32, 32]]");
-  EXPECT_TEXT(warnings(c), "and before `until`: bodies come at the start only");
-  c.bodies = fill_of("ball", 1.2, 2, "every = 10\nuntil = 10\nbox = [[0, 0, 16], [32, 32, 32]]");
+  c.bodies = fill_of("ball", 1.2, 2, "every = 10\nbox = [[0, 0, 16], [32, 32, 32]]");
   EXPECT_EQ(warnings(c), "");
   c.bodies = fixed;
   c.rest = "[[outflow]]\nbox = [[0, 0, 0], [32, 32, 4]]\n";

@@ -51,7 +51,6 @@ std::string choices(const std::string& text) {
 std::string filled_in(std::string text) {
   const std::string shape = "[[shapes]]\nname = \"a\"\ntype = \"?\"\n";
   std::map<std::string, std::string> lists = {{"{backends}", joined_views(adapters::backend_names())},
-                                              {"{broad phases}", joined_views(adapters::broad_phase_names())},
                                               {"{quantity types}", quantity_type_names()},
                                               {"{collision models}", joined(collision_names.list())},
                                               {"{shape types}", choices(shape)}};

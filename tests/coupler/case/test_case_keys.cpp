@@ -119,12 +119,11 @@ gravity = { zzz = 1, over_time = { zzz = 1 } }
 initial = { zzz = 1 }
 coupling = { zzz = 1 }
 contacts = { zzz = 1 }
-materials = [{ name = "steel", zzz = 1 }]
 material_pairs = [{ between = ["steel", "steel"], zzz = 1 }]
-walls = [{ type = "tube", zzz = 1 }, { type = "mesh", zzz = 1, motion = { zzz = 1, oscillation = { zzz = 1 } } }]
+walls = [{ type = "tube", zzz = 1 }, { type = "mesh", zzz = 1, motion = { zzz = 1 } }]
 shapes = []
-bodies = [{ zzz = 1, axis_angle = { zzz = 1 } }]
-fill = [{ zzz = 1, diameter = { zzz = 1 } }]
+bodies = [{ zzz = 1, orientation = { zzz = 1 } }]
+fill = [{ zzz = 1, diameter = { smallest = 1, zzz = 1 } }]
 springs = [{ zzz = 1 }]
 outflow = [{ zzz = 1 }]
 run = { zzz = 1, steady = { zzz = 1 }, balance = { zzz = 1 } }
@@ -132,7 +131,7 @@ quantities = []
 [output]
 zzz = 1
 fields = { zzz = 1 }
-slices = [{ axis = "x", zzz = 1 }]
+slices = [{ zzz = 1 }]
 series = [{ zzz = 1 }]
 probes = [{ line = [], zzz = 1 }]
 mean = { zzz = 1 }

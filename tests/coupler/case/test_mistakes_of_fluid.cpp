@@ -139,11 +139,6 @@ const std::vector<Mistake> mistakes_of_fluid = {
      "contacts",
      {"contacts.hamaker_gap is missing"}},
     {"ResolverUnknown", "[contacts]", "[contacts]\nresolver = \"pgs\"", "resolver", {"must be one of"}},
-    {"MaterialOfAPairUnknown",
-     "[\"glass\", \"glass\"]",
-     "[\"glass\", \"steel\"]",
-     "",
-     {"unknown material 'steel'", "known: default, glass"}},
 };
 
 class OfFluid : public ::testing::TestWithParam<Mistake> {};

@@ -237,7 +237,7 @@ TEST(Springs, TwoOfNoLengthAreAHinge) {
         y, 0.02 * mass);
   CaseText c =
       dry(body_of("rod", 2,
-                  fmt::format("position = [{}, {}, {}]\naxis_angle = {{ axis = [0, 1, 0], degrees = {} }}",
+                  fmt::format("position = [{}, {}, {}]\norientation = {{ axis = [0, 1, 0], degrees = {} }}",
                               centre[0], centre[1], centre[2], -start * 180 / std::numbers::pi)),
           springs);
   c.shapes = shape_of("rod", "box", "edges = [4, 4, 16]");

@@ -68,8 +68,6 @@ inline NearestEdge nearest_edge(const rigid::Shape& shape, const Vec3& x) {
     for (const Edge& e : edges_of(*polyhedron)) nearest.meet(distance_to(e, x), e.share);
   if (const auto* cylinder = std::get_if<rigid::Cylinder>(&shape))
     for (const int side : {-1, 1}) nearest.meet_circle(x, cylinder->radius, side * cylinder->half_length);
-  if (const auto* cone = std::get_if<rigid::Cone>(&shape))
-    nearest.meet_circle(x, cone->radius, -0.25 * cone->height);
   return nearest;
 }
 

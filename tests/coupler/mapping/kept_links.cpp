@@ -129,7 +129,7 @@ void check_body(const std::string& shape, const char* blocks, WallScheme scheme)
   c.shapes = sphere_of("ball", 3.3) + shape;
   c.bodies =
       body_of("ball", 1, "position = [2.5, 11, 11]") +
-      body_of("other", 1, "position = [13.8, 13.1, 12.7]\naxis_angle = { axis = [1, 2, 3], degrees = 40 }");
+      body_of("other", 1, "position = [13.8, 13.1, 12.7]\norientation = { axis = [1, 2, 3], degrees = 40 }");
   Simulation s = c.start(MPI_COMM_SELF, {blocks});
   LastingAndFresh both(s, scheme);
   for (int n = 0; n < 26; ++n) {
@@ -308,9 +308,10 @@ TEST(FollowingDistances, OfEveryShape) {
     expect_following<double>(std::string(row.name), row.sizes);
     expect_following<float>(std::string(row.name), row.sizes);
   }
-  expect_following<float>("compound",
-                          "parts = [ { type = \"capsule\", radius = 1.6, length = 6, axis = [1, 0, 0] },\n"
-                          "{ type = \"capsule\", radius = 1.6, length = 6, axis = [0, 1, 0] } ]");
+  expect_following<float>(
+      "compound",
+      "parts = [ { type = \"capsule\", radius = 1.6, length = 6, orientation = [1, 0, 0] },\n"
+      "{ type = \"capsule\", radius = 1.6, length = 6, orientation = [0, 1, 0] } ]");
 }
 
 /// The forces on a small sphere in nine steps at 0.01 cells; none if some cell changed sides.

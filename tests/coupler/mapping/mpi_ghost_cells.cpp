@@ -87,8 +87,7 @@ Files vessel_file(double low, double high) {
 
 TEST(GhostCells, OfVesselsAreTheOwners) {
   check(vessel(""), vessel_file(-25, 28));
-  check(vessel("motion = { oscillation = { amplitude = [3, 0.2, 0], frequency = 0.003 } }"),
-        vessel_file(-25, 28));
+  check(vessel("motion = { amplitude = [3, 0.2, 0], frequency = 0.003 }"), vessel_file(-25, 28));
 }
 
 /// The vessel reaches on one side of the period less far than it has to; not what the check lets pass, but no

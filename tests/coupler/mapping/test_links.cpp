@@ -148,16 +148,17 @@ CaseText one_of_each() {
     shapes.push_back({std::string(row.name), row.sizes});
   }
   shapes.push_back({"compound",
-                    "parts = [ { type = \"capsule\", radius = 1.6, length = 6, axis = [1, 0, 0] },\n"
-                    "{ type = \"capsule\", radius = 1.6, length = 6, axis = [0, 1, 0] },\n"
-                    "{ type = \"capsule\", radius = 1.6, length = 6, axis = [0, 0, 1] } ]"});
-  shapes.push_back({"compound",
-                    "parts = [ { type = \"sphere\", radius = 2.2, position = [3, 1, 0] },\n"
-                    "{ type = \"box\", edges = [4, 3, 2.5], position = [-2, 0, 1], axis = [1, 2, 3] },\n"
-                    "{ type = \"cylinder\", radius = 1.1, length = 7, axis = [0, 1, 1] },\n"
-                    "{ type = \"ellipsoid\", diameters = [3, 4, 5], position = [0, -2, -1] },\n"
-                    "{ type = \"polyhedron\", position = [0, 1, 1], " +
-                        tests::row_of("polyhedron").sizes + " } ]"});
+                    "parts = [ { type = \"capsule\", radius = 1.6, length = 6, orientation = [1, 0, 0] },\n"
+                    "{ type = \"capsule\", radius = 1.6, length = 6, orientation = [0, 1, 0] },\n"
+                    "{ type = \"capsule\", radius = 1.6, length = 6, orientation = [0, 0, 1] } ]"});
+  shapes.push_back(
+      {"compound",
+       "parts = [ { type = \"sphere\", radius = 2.2, position = [3, 1, 0] },\n"
+       "{ type = \"box\", edges = [4, 3, 2.5], position = [-2, 0, 1], orientation = [1, 2, 3] },\n"
+       "{ type = \"cylinder\", radius = 1.1, length = 7, orientation = [0, 1, 1] },\n"
+       "{ type = \"ellipsoid\", diameters = [3, 4, 5], position = [0, -2, -1] },\n"
+       "{ type = \"polyhedron\", position = [0, 1, 1], " +
+           tests::row_of("polyhedron").sizes + " } ]"});
   int n = 0;
   for (const auto& [type, sizes] : shapes) {
     const std::string name = type + std::to_string(n / 2);

@@ -87,28 +87,8 @@ TEST(LatticeFill, HexagonalIsTheClosestPacking) {
   EXPECT_NEAR(filled, std::numbers::pi / std::sqrt(18), 1e-3);
 }
 
-TEST(LatticeFill, LayersAreShiftedEachAsAWhole) {
-  const CaseText c = sites("arrangement = \"layers\"\nspacing = 5\n");
-  const auto centres = centres_of(c);
-  ASSERT_EQ(centres.size(), 512u);
-  std::set<double> offsets;
-  for (std::size_t layer = 0; layer < 8; ++layer) {
-    const Vec3& first = centres[64 * layer];
-    for (std::size_t i = 64 * layer; i < 64 * (layer + 1); ++i) {
-      EXPECT_NEAR(centres[i][2], 2.5 + 5. * layer, 1e-12);
-      for (int d = 0; d < 2; ++d) {
-        const double steps = (centres[i][d] - first[d]) / 5;
-        EXPECT_NEAR(steps, std::round(steps), 1e-12);
-      }
-    }
-    offsets.insert(std::fmod(first[0], 5));
-  }
-  EXPECT_EQ(offsets.size(), 8u);
-  EXPECT_NE(centres, centres_of(c, {"fill[0].seed=2"}));
-}
-
 TEST(LatticeFill, ShiftedBodiesKeepTheGap) {
-  for (const char* arrangement : {"simple-cubic", "hexagonal", "layers"})
+  for (const char* arrangement : {"simple-cubic", "hexagonal"})
     for (const char* boundary : {"\"periodic\"", "\"no-slip\""}) {
       const CaseText c =
           sites(std::string("arrangement = \"") + arrangement + "\"\ngap = 0.5\nshift = 0.7\n", boundary);

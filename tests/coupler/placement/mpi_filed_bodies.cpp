@@ -118,7 +118,7 @@ TEST(FiledBodies, ArePlacedByTheirOriginOrCentre) {
   for (const bool centre : {false, true})
     for (const char* position : {"positions = \"cloud.csv\"", "position = [8, 9, 10]"}) {
       text.bodies = body_of("off", 1,
-                            std::string(position) + "\naxis_angle = { axis = [0, 0, 1], degrees = 90 }" +
+                            std::string(position) + "\norientation = { axis = [0, 0, 1], degrees = 90 }" +
                                 (centre ? "\norigin = \"centre\"" : ""));
       const Case setup = read(scratch, text);
       place(setup, MPI_COMM_WORLD).for_each([&](rigid::BodyId, const BodySpec& body) {

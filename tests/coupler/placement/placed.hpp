@@ -16,8 +16,8 @@ inline CaseText with_fills() {
 name = "star"
 type = "compound"
 parts = [
-  { type = "capsule", radius = 1, length = 4, axis = [1, 0, 0], position = [1, 0, 0] },
-  { type = "capsule", radius = 1, length = 4, axis = [0, 1, 0] },
+  { type = "capsule", radius = 1, length = 4, orientation = [1, 0, 0], position = [1, 0, 0] },
+  { type = "capsule", radius = 1, length = 4, orientation = [0, 1, 0] },
 ]
 )";
   c.bodies = R"([[bodies]]

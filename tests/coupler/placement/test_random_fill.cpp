@@ -96,24 +96,11 @@ double share_up_to(double d, const Case& setup) {
 TEST(Fill, SizesFollowTheirDistributionToABody) {
   constexpr double one = 1. / 200 + 1e-9;
   const auto border = [](int strip) { return 2 * std::pow(4., strip / 32.); };  // of 32 from 2 to 8
-  const Case uniform = with_sizes(R"(distribution = "uniform", smallest = 2, largest = 8)"),
-             normal = with_sizes(
-                 R"(distribution = "normal", mean = 5, deviation = 1.5, smallest = 2, largest = 8)"),
-             lognormal = with_sizes(
-                 R"(distribution = "lognormal", mean = 4, deviation = 2, smallest = 2, largest = 8)"),
-             mass = with_sizes(R"(distribution = "uniform", by = "mass", smallest = 2, largest = 8)");
-  const auto normal_up_to = [](double x) { return std::erfc(-x / std::numbers::sqrt2) / 2; };
-  const double variance = std::log(1.25), median = 4 / std::sqrt(1.25);
-  const auto of_normal = [&](double d) { return normal_up_to((d - 5) / 1.5); };
-  const auto of_lognormal = [&](double d) {
-    return normal_up_to(std::log(d / median) / std::sqrt(variance));
-  };
-  const auto cut_off = [&](const auto& of, double d) { return (of(d) - of(2)) / (of(8) - of(2)); };
+  const Case uniform = with_sizes("smallest = 2, largest = 8"),
+             mass = with_sizes(R"(by = "mass", smallest = 2, largest = 8)");
   for (const int strip : {3, 8, 16, 24, 31}) {
     const double d = border(strip);
     EXPECT_NEAR(share_up_to(d, uniform), (d - 2) / 6, one) << d;
-    EXPECT_NEAR(share_up_to(d, normal), cut_off(of_normal, d), one) << d;
-    EXPECT_NEAR(share_up_to(d, lognormal), cut_off(of_lognormal, d), one) << d;
     // number = mass / d^3
     EXPECT_NEAR(share_up_to(d, mass), (1. / 4 - 1 / (d * d)) / (1. / 4 - 1. / 64), one) << d;
   }
@@ -127,8 +114,7 @@ TEST(Fill, SizesFollowTheirDistributionToABody) {
 
 TEST(Fill, SizesOfATableAreThoseAndDoNotOverlap) {
   for (const char* by : {"number", "mass"}) {
-    const Case setup = with_sizes(
-        std::string(R"(distribution = "table", table = [[3, 0.8], [6, 0.8]], by = ")") + by + '"', 90);
+    const Case setup = with_sizes(std::string(R"(table = [[3, 0.8], [6, 0.8]], by = ")") + by + '"', 90);
     const double small = by == std::string("mass") ? 80 : 45;
     EXPECT_NEAR(share_up_to(5, setup) * 90, small, 1 + 1e-9);
     const auto bodies = bodies_of(setup);
@@ -146,7 +132,7 @@ TEST(Fill, SizesOfATableAreThoseAndDoNotOverlap) {
 
 /// One body at a time: all sizes come, as often as they should.
 TEST(Fill, SizesOfManySmallApplicationsFollowTheDistributionToo) {
-  const Case setup = with_sizes(R"(distribution = "table", table = [[3, 0.25], [6, 0.75]])", 1);
+  const Case setup = with_sizes(R"(table = [[3, 0.25], [6, 0.75]])", 1);
   int small = 0;
   constexpr int times = 4000;
   for (int number = 1; number <= times; ++number) {

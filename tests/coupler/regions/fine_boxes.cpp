@@ -85,14 +85,14 @@ TEST(FineBoxes, BodiesAreAmongFinestCells) {
     }
 }
 
-TEST(FineBoxes, ACaseNamesSidesAndBoxes) {
+TEST(FineBoxes, ACaseNamesBoxes) {
   CaseText c;
   c.domain =
       domain_of({64, 64, 96}, "{ x = \"periodic\", y = \"periodic\", z = [\"no-slip\", \"no-slip\"] }");
   c.shapes = c.bodies = "";
   c.rest =
-      "[coarsening]\nlevels = 2\nfine_sides = [\"z-high\"]\ndistance = 7\n"
-      "fine = [{ box = [[30, 30, 5], [33, 33, 17]], level = 1 }]\n";
+      "[coarsening]\nlevels = 2\ndistance = 7\n"
+      "fine = [{ box = [[0, 0, 89], [64, 64, 96]] }, { box = [[30, 30, 5], [33, 33, 17]], level = 1 }]\n";
   const LevelScene scene(c.text());
   LevelField field(scene.levels());
   expect_gentle(scene.setup, field);

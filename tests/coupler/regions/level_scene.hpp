@@ -65,7 +65,7 @@ inline std::string many_bodies(int levels, const std::string& boundary) {
   c.rest = "[coarsening]\nlevels = " + std::to_string(levels) + "\ndistance = 6\n";
   c.shapes = sphere_of("ball", 6) + shape_of("brick", "box", "edges = [12, 4, 4]");
   c.bodies = body_of("ball", 1, "positions = [[1, 1, 1], [40, 50, 30], [52, 53, 35], [83.5, 20, 79]]") +
-             body_of("brick", 1, "position = [20, 80, 60]\naxis_angle = { axis = [1, 1, 0], degrees = 50 }");
+             body_of("brick", 1, "position = [20, 80, 60]\norientation = { axis = [1, 1, 0], degrees = 50 }");
   return c.text();
 }
 

@@ -61,7 +61,10 @@ TEST(Stress, AUniformShearHasTheSameStressInAnyBox) {
     CaseText c = shear(48, quantities, 4000);
     c.domain.replace(c.domain.find("20, 20"), 6, "16, 16");
     c.fluid.replace(c.fluid.find("0.8"), 3, "2.0");
-    if (levels) c.rest = "[coarsening]\nlevels = 1\ndistance = 8\nfine_sides = [\"z-low\", \"z-high\"]\n";
+    if (levels)
+      c.rest =
+          "[coarsening]\nlevels = 1\ndistance = 8\nfine = [{ box = [[0, 0, 0], [16, 16, 8]] }, { box = [[0, "
+          "0, 40], [16, 16, 48]] }]\n";
     const auto values = c.values(MPI_COMM_WORLD);
     const double theory = 0.5 * 0.04 / 48;
     for (std::size_t k = 0; k < boxes.size(); ++k) {

@@ -53,7 +53,7 @@ std::vector<ConvexShape> slender_solids() {
       const double along = side == 1 ? thin : 1;  // a needle or a disc
       all.insert(all.end(),
                  {rigid::Ellipsoid{{side, side, along}}, rigid::Ellipsoid{{side, std::sqrt(thin), along}},
-                  rigid::Cylinder{side, along}, rigid::Cone{side, along}, rigid::Box{{side, side, along}},
+                  rigid::Cylinder{side, along}, rigid::Box{{side, side, along}},
                   rigid::testing::octahedron({side, side, along})});
       if (along == 1) all.push_back(rigid::Capsule{side, along});
     }
@@ -242,7 +242,6 @@ std::vector<Slender> solids(double across, double along) {
       {"ellipsoid", fmt::format("diameters = [{}, {}, {}]", across, middle, along),
        pi / 6 * across * middle * along},
       {"cylinder", rod("length"), disc * along},
-      {"cone", rod("height"), disc * along / 3},
       {"box", fmt::format("edges = [{0}, {0}, {1}]", across, along), across * across * along},
       {"polyhedron", prism(across / 2, along, 12), 6 * std::sin(pi / 6) * across * across / 4 * along},
       {"polyhedron", prism(across / 2, along, 200), 100 * std::sin(pi / 100) * across * across / 4 * along},

@@ -8,7 +8,7 @@ from silt_runs import body_of, domain_of, shape_of  # on the path by silt_test
 
 # Three balls fly out: at 0.25 cells a step from 20, radius 2, one is wholly beyond 24 after 25 steps; one a
 # step later; one into the outflow.
-CASE = (domain_of([24, 24, 24], '{ x = "periodic", y = ["no-slip", { type = "no-slip", solid_for_bodies = false }], z = ["no-slip", { type = "no-slip", solid_for_bodies = false, leaving = "LEAVING" }] }') +
+CASE = (domain_of([24, 24, 24], '{ x = "periodic", y = ["no-slip", { type = "no-slip", solid_for_bodies = false }], z = ["no-slip", { type = "no-slip", solid_for_bodies = false }] }') +
         "[[outflow]]\nbox = [[0, 0, 0], [24, 24, 4]]\n" + shape_of("ball", "sphere", "radius = 2") +
         body_of("ball", 2, "position = [6, 6, 20]", "velocity = [0, 0, 0.25]") +
         body_of("ball", 2, "position = [6, 19.75, 12]", "velocity = [0, 0.25, 0]") +
@@ -21,7 +21,7 @@ class Departures(SiltTest):
     def test_all_files_tell(self):
         files = []
         for ranks in (1, 2, 3):
-            self.write(CASE.replace("LEAVING", "remove"))
+            self.write(CASE)
             self.silt("run", self.case, "--overwrite", ranks=ranks)
             self.assertEqual([[row["step"], row["id"], row["by"]] for row in self.rows("departures.csv")], LINES)
             self.assertEqual(float(self.rows("departures.csv")[0]["z"]), 26.25)
@@ -34,7 +34,7 @@ class Departures(SiltTest):
         self.assertEqual([row["bodies_left_by.z-high"] for row in self.rows("series.csv")], ["0", "0", "1", "1"])
 
     def test_a_run_that_goes_on_tells_once(self):
-        self.write(CASE.replace("LEAVING", "remove"))
+        self.write(CASE)
         self.silt("run", self.case)
         whole = (self.out / "departures.csv").read_bytes()
         for path in self.out.glob("checkpoint_*60.h5"):
@@ -42,12 +42,6 @@ class Departures(SiltTest):
         self.silt("resume", self.case, ranks=2)
         self.assertEqual((self.out / "departures.csv").read_bytes(), whole)
         self.assertEqual(self.report()["bodies_left_by"], {"y-high": 1, "z-high": 1, "outflow": 1})
-
-    def test_a_run_stops_where_that_is_the_rule(self):
-        self.write(CASE.replace("LEAVING", "stop"))
-        for ranks in (1, 2):
-            said = self.silt("run", self.case, "--overwrite", ranks=ranks, code=3).stderr
-            self.assertIn("step 25: body 1 has left the domain past z-high, where leaving is \"stop\"", said)
 
 
 if __name__ == "__main__":

@@ -68,7 +68,7 @@ steps = 4000
         """Whatever is written adds to what is foreseen."""
         self.write(self.LARGE.replace("fields = { every = 20 }\nbodies = { every = 7 }\ncheckpoint = { every = 25, keep = 3 }\n", ""))
         alone = number(self.silt("check", self.case).stdout, "  of it for output")
-        for output in ("report={ every = 1 }", "fields={ every = 3 }", "checkpoint={ every = 1 }", "slices=[{ name = 'a', every = 1, axis = 'y', at = 40 }]"):
+        for output in ("report={ every = 1 }", "fields={ every = 3 }", "checkpoint={ every = 1 }", "slices=[{ name = 'a', every = 1, box = [[0, 40, 0], [1e4, 40, 1e4]] }]"):
             said = self.silt("check", self.case, "--set", f"output.{output}").stdout
             self.assertGreater(number(said, "  of it for output"), alone, output)
 

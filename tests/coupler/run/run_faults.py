@@ -226,7 +226,7 @@ class Faults(SiltTest):
     def test_too_little_memory_ends_with_an_error(self):
         """The limits begin where the program's libraries are not even loaded to where it runs, in steps of 4
         MB: an error, no crash; but octomap, of FCL, takes memory and aborts without it before main()."""
-        self.write(CASE.replace("[gravity]", '[contacts]\nbackend = "bullet"\nbroad_phase = "bullet"\n[gravity]'))
+        self.write(CASE.replace("[gravity]", '[contacts]\nbackend = "bullet"\n[gravity]'))
         codes = set()
         for megabytes in range(40, 130, 4):
             def limit():

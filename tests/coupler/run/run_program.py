@@ -45,7 +45,7 @@ class Program(SiltTest):
         self.assertIn("has not the shape that the case gives 'ball'", fault("--set", "shapes[0].radius=2"))
         for option, what in (("domain.size=[24, 16, 24]", "its populations are of another lattice than the case's"), ("fluid.precision='double'", "its fluid is of single precision, that of the case of double")):
             self.assertRegex(fault("--set", option), f"the case cannot begin with the checkpoint .*: {what}; give the case what that run had, or let it begin with another run")
-        for key in ("velocity=[0.01,0,0]", "angular_velocity=[0,0,0.01]", "orientation=[0,1,0,0]", "axis=[1,0,0]", "origin='given'"):
+        for key in ("velocity=[0.01,0,0]", "angular_velocity=[0,0,0.01]", "orientation=[0,1,0,0]", "origin='given'"):
             self.assertIn(f"bodies[0].{key.split('=')[0]} has no effect: an entry without position names bodies of initial.from", fault("--set", "bodies[0]." + key))
         beside = "bodies=[{name='ball', shape='ball', density=2}, {name='new', shape='ball', density=2, position=[6.5, 8, 11]}]"
         self.assertRegex(fault("--set", beside), r"bodies\[1\].position: the body at .* overlaps body 1 \('ball'\) of initial.from, at .* by at least .* at the start; move it away")

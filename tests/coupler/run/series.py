@@ -250,7 +250,7 @@ class Series(SiltTest):
 
 # A fluid sheared between walls that slide against each other, with wide cells in the middle.
 COUETTE = (domain_of([16, 16, 48], '{ x = "periodic", y = "periodic", z = [{ type = "moving", velocity = [-0.024, 0, 0] }, { type = "moving", velocity = [0.024, 0, 0] }] }') +
-           '[coarsening]\nlevels = 1\ndistance = 8\nfine_sides = ["z-low", "z-high"]\n' +
+           '[coarsening]\nlevels = 1\ndistance = 8\nfine = [{ box = [[0, 0, 0], [16, 16, 8]] }, { box = [[0, 0, 40], [16, 16, 48]] }]\n' +
            '[fluid]\nrelaxation_time = 2\nprecision = "double"\n[run]\nsteps = 4000\n' +
            '[[output.probes]]\nname = "across"\nline = [[0, 3.1, 0], [16, 12.9, 48]]\ncount = 40\n' +
            'every = 100\nquantities = ["velocity", "shear-rate"]\n')

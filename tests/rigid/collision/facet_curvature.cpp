@@ -133,7 +133,7 @@ TEST(GapsAtMeshes, AreOneInAPipeOfFacetsAsInATube) {
     const Vec3 x = Vec3(50, 50, 50) + (radius - 1 - gap) * Vec3(std::cos(angle), std::sin(angle), 0.01);
     const auto of_facets = gaps_with(x, [&](Scene& s) { add_mesh(s, pipe, {50, 50, 50}); });
     const auto of_tube = gaps_with(x, [&](Scene& s) {
-      add_wall(s.bodies, s.world, {Tube{radius}, {50, 50, 50}, Vec3::UnitZ(), 0, 0, 0});
+      add_wall(s.bodies, s.world, {Tube{radius}, {50, 50, 50}, Vec3::UnitZ(), 0, 0});
     });
     ASSERT_EQ(of_facets.size(), 1u) << k;
     ASSERT_EQ(of_tube.size(), 1u) << k;

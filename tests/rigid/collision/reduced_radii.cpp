@@ -63,7 +63,6 @@ std::vector<Placed> plates() {
     all.push_back({cuboid(-half, half), below});
     all.push_back({solid_of(cuboid_mesh(-half, half)), below});
     all.push_back({Cylinder{5, thick / 2}, below});
-    all.push_back({Cone{5, thick}, {0.3, -0.2, -thick / 4}, upside_down});
   }
   return all;
 }
@@ -85,7 +84,7 @@ TEST(ReducedRadii, OfABallOnAFlatFaceAreTheBalls) {
   expect_radii(contacts_in(s), radius, radius, 0);
 }
 
-/// Of a ball beside an ellipsoid, a rod, a cone and in a drum; of two balls.
+/// Of a ball beside an ellipsoid, a rod and in a drum; of two balls.
 TEST(ReducedRadii, OfABallOnACurvedSurface) {
   constexpr double r = 0.7;
   const auto beside = [](double k) { return 1 / (1 / r + k); };
@@ -96,15 +95,10 @@ TEST(ReducedRadii, OfABallOnACurvedSurface) {
   // principal radii at the end of the axis c: a^2 / c, b^2 / c
   expect_radii(contacts_of({{Sphere{r}}, {Ellipsoid{{3, 1, 2}}, {0, 0, r + 2 + gap}}}), beside(2 / 1.),
                beside(2 / 9.), 1e-9);
-  // a cone of 45 degrees, met half-way up its side: the side's normal meets the axis after sqrt(2) radii
-  // there
-  const Vec3 normal = Vec3(1, 0, 1).normalized(), on_side = Vec3(2, 0, 1);  // centre of mass 1 above the base
-  expect_radii(contacts_of({{Sphere{r}, on_side + (r + gap) * normal}, {Cone{4, 4}}}),
-               beside(1 / (2 * std::sqrt(2.))), r, 1e-9);
   Scene s(0, 0);
   s.world.materials[0].rolling_friction = 0.1;
   s.add(s.shape(Sphere{r}), middle + Vec3(2 - r - gap, 0, 0));
-  add_wall(s.bodies, s.world, {Tube{2}, middle, Vec3::UnitZ(), 0, 0, 0});
+  add_wall(s.bodies, s.world, {Tube{2}, middle, Vec3::UnitZ(), 0, 0});
   expect_radii(contacts_in(s), r, beside(-0.5));
 }
 
@@ -153,13 +147,10 @@ TEST(ReducedRadii, AreNoneAtEdgesAndCorners) {
         EXPECT_EQ(c.radii.largest, 0) << shape_name(block);
       }
     }
-  for (const auto& [shape, at] :
-       {std::pair<Shape, Vec3>{Cylinder{1, 2}, {1, 0, 2}}, {Cone{1, 4}, {0, 0, 3}}}) {
-    const Vec3 n = at.normalized();
-    const auto contacts = contacts_of({{Sphere{0.7}, at + (0.7 + gap) * n}, {shape}});
-    ASSERT_EQ(contacts.size(), 1u);
-    EXPECT_EQ(contacts[0].radii.largest, 0) << shape_name(shape);
-  }
+  const Vec3 rim(1, 0, 2), n = rim.normalized();
+  const auto contacts = contacts_of({{Sphere{0.7}, rim + (0.7 + gap) * n}, {Cylinder{1, 2}}});
+  ASSERT_EQ(contacts.size(), 1u);
+  EXPECT_EQ(contacts[0].radii.largest, 0);
 }
 
 /// A mesh stands for the smooth surface that it is near to.

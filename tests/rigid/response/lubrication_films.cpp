@@ -114,7 +114,7 @@ TEST(Films, ABallCarriedByATurningDrumFeelsNone) {
   const double radius = 8, gap = 0.1, spin = 1e-3, dt = 1e-2, middle = radius - 1 - gap;
   Scene s = with_films(1, 0, 300, 200);
   const BodyId ball = s.add(s.shape(Sphere{1}), {50 + middle, 50, 50}, {0, spin * middle, 0}, {0, 0, spin});
-  add_wall(s.bodies, s.world, {Tube{radius}, {50, 50, 0}, Vec3::UnitZ(), 0, spin, 0});
+  add_wall(s.bodies, s.world, {Tube{radius}, {50, 50, 0}, Vec3::UnitZ(), 0, spin});
   s.start();
   s.run(5, dt);
   ASSERT_EQ(s.report.lubrication.with, 1u);
@@ -129,7 +129,7 @@ TEST(Films, ADrumThatTurnsResistsInItsFrame) {
     Scene s = with_films(1, 0, 3, 2);
     const BodyId ball = s.add(s.shape(Sphere{1}), {50 + middle, 50, 50}, {0, spin * middle + 1e-3, 2e-3},
                               {4e-3, -3e-3, spin + 2e-3});
-    add_wall(s.bodies, s.world, {Tube{radius}, {50, 50, 0}, Vec3::UnitZ(), 0, spin, 0});
+    add_wall(s.bodies, s.world, {Tube{radius}, {50, 50, 0}, Vec3::UnitZ(), 0, spin});
     s.start();
     s.run(1, dt);
     return std::array<double, 4>{s.v(ball)[1] - spin * middle, s.v(ball)[2], s.w(ball)[1],
@@ -274,7 +274,7 @@ double fall_of(const ConvexShape& shape, const Vec3& x, const Vec3& n, const Vec
 }
 
 TEST(Curvature, IsThatOfTheSurface) {
-  // of the cone, an end of the cylinder and the box at a point inside the side
+  // of an end of the cylinder and the box at a point inside the side
   const std::vector<std::tuple<ConvexShape, Vec3, std::optional<Vec3>>> cases = {
       {Sphere{2}, {1, 2, -0.5}, {}},
       {Ellipsoid{{3, 2, 1}}, {1, 2, 0.5}, {}},
@@ -283,7 +283,6 @@ TEST(Curvature, IsThatOfTheSurface) {
       {Capsule{1, 2}, {1, 1, 2}, {}},
       {Cylinder{1, 2}, {1, 2, 0}, {}},
       {Cylinder{2, 2}, {0, 0, -1}, Vec3(0.3, 0.2, -2)},
-      {Cone{3, 4}, {0.8, 0, 0.6}, Vec3(1.5, 0, 1)},
       {Box{{1, 1, 2}}, {0, 1, 0}, Vec3(0.1, 1, 0.3)}};
   for (const auto& [shape, direction, at] : cases) {
     Vec3 x = at.value_or(support(shape, direction));

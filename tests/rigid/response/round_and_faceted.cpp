@@ -52,7 +52,6 @@ void expect_rest(const Shape& shape, double height, const Quat& orientation = Qu
 
 TEST_P(RoundBodies, RestOnTheirEnds) {
   expect_rest(Cylinder{0.4, 0.5}, 0.5);
-  expect_rest(Cone{0.4, 0.8}, 0.2);  // a quarter of its height
   expect_rest(Ellipsoid{{0.6, 0.5, 0.3}}, 0.3);
 }
 
@@ -69,7 +68,6 @@ void expect_topples(const Shape& shape, double height, double edge,
 
 TEST_P(RoundBodies, ToppleAtTheRightAngle) {
   expect_topples(Cylinder{0.2, 0.5}, 0.5, 0.2);
-  expect_topples(Cone{0.1, 1}, 0.25, 0.1);
 }
 
 TEST_P(RoundBodies, CylinderOnAnInclineSticksOrSlides) {
@@ -123,43 +121,6 @@ TEST_P(RoundBodies, EllipsoidRocks) {
   Scene s = alone(Ellipsoid{{a, 0.5, c}}, 1, slope(0), height, Quat(Eigen::AngleAxisd(tilt, Vec3::UnitY())));
   const double period = 2 * M_PI * std::sqrt(((a * a + c * c) / 5 + c * c) / (g * (a * a / c - c)));
   EXPECT_NEAR(period_of(s, [&] { return s.w(0)[1]; }) / period, 1, 2e-3);  // amplitude: 1e-4, a step: 1e-3
-}
-
-TEST_P(RoundBodies, ConeFallsBackOnItsBase) {
-  Scene s = alone(Cone{0.4, 0.8}, 0.5, slope(0), 0.5, Quat(Eigen::AngleAxisd(0.3, Vec3::UnitY())));
-  s.run(5000);
-  EXPECT_NEAR(s.x(0)[2], 0.2, g * 1e-6);  // g dt^2, what gravity closes in a step
-  EXPECT_LT(s.v(0).norm() + s.w(0).norm(), 1e-6);
-}
-
-/// A cone on its side, the line it touches in at an angle from x.
-Scene lying_cone(const Cone& cone, const Vec3& gravity, double from_x) {
-  const double slant = std::hypot(cone.radius, cone.height);
-  const Vec3 side_normal(cone.height / slant, 0, cone.radius / slant);
-  const Quat down = rotation_between(side_normal, -Vec3::UnitZ());
-  const Vec3 axis = down * -Vec3::UnitZ();  // from the apex to the base
-  const double turn = from_x - std::atan2(axis[1], axis[0]);
-  return alone(cone, 2, gravity, 0.75 * cone.radius * cone.height / slant,
-               Quat(Eigen::AngleAxisd(turn, Vec3::UnitZ())) * down);
-}
-
-TEST_P(RoundBodies, ConeRestsOnItsSide) {
-  Scene s = lying_cone({0.4, 0.8}, slope(0), 0.7);
-  const Vec3 x = s.x(0);
-  s.run(3000);
-  EXPECT_LT((s.x(0) - x).norm(), 1e-6);
-  EXPECT_LT(s.v(0).norm() + s.w(0).norm(), 1e-6);
-}
-
-/// The cone rolls to and fro on an incline about its apex: with half the angle a at the apex
-/// omega^2 = 5 g sin(slope) cos a / (h (1 + 5 cos^2 a)), from the kinetic energy of a rolling cone (Landau
-/// and Lifshitz, Mechanics, paragraph 32, problem 7).
-TEST_P(RoundBodies, ConeOnItsSideSwingsAboutItsApex) {
-  const Cone cone{0.4, 0.8};
-  const double incline = 0.3, cosine = cone.height / std::hypot(cone.radius, cone.height);
-  const double square = 5 * g * std::sin(incline) * cosine / (cone.height * (1 + 5 * cosine * cosine));
-  Scene s = lying_cone(cone, slope(incline), 0.03);
-  EXPECT_NEAR(period_of(s, [&] { return s.v(0)[1]; }) / (2 * M_PI / std::sqrt(square)), 1, 1e-2);
 }
 
 Polyhedron octahedron() {

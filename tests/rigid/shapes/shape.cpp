@@ -5,7 +5,6 @@
 #include <numbers>
 
 #include "rigid/math/types.hpp"
-#include "rigid/shapes/cone.hpp"
 #include "rigid/shapes/shape.hpp"
 #include "tests/ray_distance.hpp"
 #include "tests/rigid/random.hpp"
@@ -64,14 +63,6 @@ TEST(Shape, ClosedForms) {
   EXPECT_DOUBLE_EQ(ray_distance(Cylinder{0.5, 1}, {0.2, 0, 4}, {0, 0, -2}, 10), 1.5);
   EXPECT_DOUBLE_EQ(ray_distance(Cylinder{0.5, 1}, {3, 0, 0.9}, {-1, 0, 0}, 10), 2.5);
   EXPECT_EQ(ray_distance(Cylinder{0.5, 1}, {3, 0, 1.1}, {-1, 0, 0}, 10), 10);
-  // of radius 3 and height 4: the base at z = -1, the apex at 3
-  EXPECT_DOUBLE_EQ(signed_distance(Cone{3, 4}, {0, 0, -3}), 2);
-  EXPECT_DOUBLE_EQ(signed_distance(Cone{3, 4}, {0, 0, 5}), 2);
-  EXPECT_DOUBLE_EQ(signed_distance(Cone{3, 4}, {6, 0, -5}), 5);
-  EXPECT_DOUBLE_EQ(signed_distance(Cone{3, 4}, {5.5, 0, 4}), 5);
-  EXPECT_DOUBLE_EQ((Cone{3, 4}.touching_ball({1, 0, -1}, -Vec3::UnitZ())), 1);  // up to the side
-  EXPECT_DOUBLE_EQ(ray_distance(Cone{3, 4}, {1.5, 0, -2}, {0, 0, 1}, 10), 1);
-  EXPECT_DOUBLE_EQ(ray_distance(Cone{3, 4}, {1.5, 0, 5}, {0, 0, -2}, 10), 2);
   EXPECT_DOUBLE_EQ(ray_distance(Ellipsoid{{1, 2, 3}}, {0, 0, 8}, {0, 0, -1}, 10), 5);
   EXPECT_DOUBLE_EQ(ray_distance(testing::octahedron({1, 1, 1}), {1, 1, 1}, {-1, -1, -1}, 10), 2.0 / 3);
   EXPECT_DOUBLE_EQ(ray_distance(Sphere{1}, {-3, 0, 0}, {2, 0, 0}, 10), 1);
@@ -286,36 +277,6 @@ TEST(Shape, InnerBallsLieInside) {
       for (const InnerBall& ball : balls)
         EXPECT_LE(signed_distance(part.shape, ball.centre) + ball.radius, 1e-12) << shape_name(part.shape);
     }
-}
-
-constexpr double radius = 0.7, height = 1.9;
-
-/// A direction away from the cone, `degrees` from the normal of its side at +x towards the axis.
-Vec3 leaning(double degrees) {
-  const double angle = std::atan2(radius, height) + degrees * M_PI / 180;
-  return {std::cos(angle), 0, std::sin(angle)};
-}
-
-// Up to 45 degrees from the side's normal a neighbour sees the whole line from the rim to the apex; beyond
-// that the point that is furthest.
-TEST(Cone, ShowsTheLineOfItsSideToNeighboursWithin45Degrees) {
-  const Cone cone{radius, height};
-  const Vec3 apex(0, 0, 0.75 * height);  // from the centre of mass
-  for (const double degrees : {-44.0, -10.0, 0.0, 10.0, 44.0}) {
-    ContactOutline outline;
-    cone.facing_outline({Vec3::Zero(), Mat3::Identity()}, leaning(degrees), outline);
-    ASSERT_EQ(outline.size(), 2u) << degrees;
-    const Vec3 along = outline.corners[1].x - outline.corners[0].x;
-    EXPECT_NEAR((outline.corners[1].x - apex).norm(), 0, 1e-14);
-    EXPECT_NEAR((outline.corners[0].x - (apex + Vec3(radius, 0, -height))).norm(), 0, 1e-14);
-    EXPECT_NEAR(along.norm(), std::hypot(radius, height), 1e-14);
-  }
-  for (const double degrees : {46.0, 60.0}) {
-    ContactOutline outline;
-    cone.facing_outline({Vec3::Zero(), Mat3::Identity()}, leaning(degrees), outline);
-    ASSERT_EQ(outline.size(), 1u) << degrees;
-    EXPECT_NEAR((outline.corners[0].x - apex).norm(), 0, 1e-14);
-  }
 }
 
 }  // namespace
