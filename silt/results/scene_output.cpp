@@ -28,13 +28,11 @@ void add_row(double time, const Vec3& displacement, const Vec3& turn, const InCa
   wall.table.push_back({physical(time, dimension::time), to[0], to[1], to[2], turn[0], turn[1], turn[2]});
 }
 
-void describe(const rigid::TubeWallSpec& hollow, const InCaseUnits& physical, SceneGroup& wall) {
-  add(wall, {{"type", std::string(hollow.shape.name())},
-             {"position", physical(hollow.point, dimension::length)},
-             {"axis", physical(hollow.axis, dimension::none)}});
-  hollow.shape.for_sizes([&](const char* key, double size) {
-    wall.attributes.emplace_back(key, physical(size, dimension::length));
-  });
+void describe(const rigid::TubeWallSpec& tube, const InCaseUnits& physical, SceneGroup& wall) {
+  add(wall, {{"type", std::string(rigid::Tube::name)},
+             {"position", physical(tube.point, dimension::length)},
+             {"axis", physical(tube.axis, dimension::none)},
+             {"radius", physical(tube.tube.radius, dimension::length)}});
 }
 
 void describe(const MeshWall& mesh, const InCaseUnits& physical, SceneGroup& wall) {
