@@ -69,7 +69,7 @@ def places(kind, aspect, size):
 def heap(kind, aspect, size, restitution, friction, step):
     large, small, extent = places(kind, aspect, size)
     shapes = [dict(name="large", **shape(kind, WIDTH, aspect)[0]), dict(name="small", **shape(kind, WIDTH / size, aspect)[0])]
-    turned = dict(density=1, axis=[0.5, 0.3, 0.8], angular_velocity=[0, 0.1 * step, 0])
+    turned = dict(density=1, orientation=[0.5, 0.3, 0.8], angular_velocity=[0, 0.1 * step, 0])
     bodies = [dict(name=f"{s['name']}s", shape=s["name"], positions=p, **turned) for s, p in zip(shapes, (large, small)) if p]
     gravity = WIDTH * step**2
     steps = math.ceil(LASTS / step)

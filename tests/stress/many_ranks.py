@@ -41,7 +41,7 @@ class ManyRanks(unittest.TestCase):
                          fluid=dict(relaxation_time=0.8), gravity=dict(acceleration=[0, 0, -1e-5]),
                          shapes=[dict(name="rod", type="capsule", radius=3, length=40)],
                          bodies=[dict(shape="rod", density=3, position=[30, 6, 9], orientation=[1, 0.05, 0.02], velocity=[0.02, 0, 0.01]),
-                                 dict(shape="rod", density=3, motion="fixed", position=[30, 13, 3.5], axis=[1, 0, 0])],
+                                 dict(shape="rod", density=3, motion="fixed", position=[30, 13, 3.5], orientation=[1, 0, 0])],
                          run=dict(steps=40))
         self.same(text, 27)
 

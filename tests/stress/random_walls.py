@@ -50,7 +50,7 @@ def obstacles(seed):
     for i, (at, radius) in enumerate(placed):
         edges = [radius * f for f in (1.3, 1.1, 1.0)]  # half their diagonal: 0.986 of the radius
         shapes.append(dict(name=f"s{i}", **(dict(type="sphere", radius=radius) if i % 2 else dict(type="box", edges=edges))))
-        bodies.append(dict(shape=f"s{i}", density=1, motion="fixed", position=at, axis=[chance.gauss(0, 1) for _ in range(3)]))
+        bodies.append(dict(shape=f"s{i}", density=1, motion="fixed", position=at, orientation=[chance.gauss(0, 1) for _ in range(3)]))
     return dict(shapes=shapes, bodies=bodies)
 
 

@@ -60,7 +60,7 @@ shape = "rock"
 name = "rocks, \\"small\\""
 density = 2000
 positions = [[0.01, 0.02, 0.02], [0.05, 0.02, 0.02], [0.06, 0.06, 0.02]]
-axis = [1, 1, 3]""", "CLUBS": "positions = [[0.01, 0.03, 0.08], [0.04, 0.07, 0.06]]\nangular_velocity = [1, 2, 3]",
+orientation = [1, 1, 3]""", "CLUBS": "positions = [[0.01, 0.03, 0.08], [0.04, 0.07, 0.06]]\nangular_velocity = [1, 2, 3]",
           "BALLS": "positions = [[0.02, 0.08, 0.02], [0.07, 0.05, 0.05], [0.08, 0.08, 0.09]]\nvelocity = [0.1, 0.07, 0]"}
 
 

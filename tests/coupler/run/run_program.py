@@ -344,7 +344,7 @@ class Launcher(unittest.TestCase):
     def setUp(self):
         self.scratch = tempfile.TemporaryDirectory(prefix="silt-launch-")
         self.root = pathlib.Path(self.scratch.name)
-        for folder in ("scripts", "cases/two-balls", "build/release/coupler", "elsewhere"):
+        for folder in ("scripts", "cases/two-balls", "build/release/bin", "elsewhere"):
             (self.root / folder).mkdir(parents=True)
         shutil.copy(SCRIPTS / "run", self.root / "scripts/run")
         self.program("scripts/build", "exit 0")

@@ -29,7 +29,7 @@ class Tutorial(unittest.TestCase):
         self.addCleanup(scratch.cleanup)
         self.folder = pathlib.Path(scratch.name)
         (self.folder / "scripts").symlink_to(ROOT / "scripts")
-        (self.folder / "build/release/coupler").mkdir(parents=True)
+        (self.folder / "build/release/bin").mkdir(parents=True)
         (self.folder / "build/release/bin/silt").symlink_to(SILT)
         if MODULE:
             (self.folder / "build/release/python").symlink_to(MODULE)

@@ -231,8 +231,8 @@ TEST(Shape, ReachIsThatOfTheFurthestPoint) {
                       {i % 4 ? random_vector(2) : Vec3(0, 0, 0), i % 3 ? random_turn() : Quat(1, 0, 0, 0)}};
       double furthest = 0;
       Vec3 n = random_vector(1);
-      for (int start = 0; start < 30; ++start, n = random_vector(1))
-        for (int k = 0; k < 100; ++k) {  // the point furthest along the way to the last one is further still
+      for (int start = 0; start < 300; ++start, n = random_vector(1))
+        for (int k = 0; k < 20; ++k) {  // the point furthest along the way to the last one is further still
           const Vec3 x = part.pose.to_world(support(shape, part.pose.orientation.conjugate() * n));
           furthest = std::max(furthest, x.norm());
           n = x;
