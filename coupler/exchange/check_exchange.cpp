@@ -27,6 +27,7 @@ std::uint64_t hash_of_id(rigid::BodyId id) {
 /// Returns the bytes that a copy shares with its owner's body: all but those that the owner keeps to itself.
 parallel::Bytes shared_bytes(const rigid::BodyRecord& r) {
   parallel::Bytes bytes;
+  bytes.reserve(sizeof r);
   visit_columns(r, [&](const rigid::BodyColumn&, auto numbers) { parallel::put(bytes, numbers); });
   visit_columns(coupling_of(r.holder_state), [&](const CouplingColumn& c, auto numbers) {
     if (c.copied) parallel::put(bytes, numbers);
