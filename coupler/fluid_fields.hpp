@@ -133,7 +133,7 @@ void for_each_fluid_cell(const FluidFields& fields, Visit&& visit) {
   for_each_fluid_cell(fields, {{}, fields.domain().cells()}, visit);
 }
 
-/// Puts the fluid of a level of a case into its initial state, `fluid.initial`; it must be fresh, at rest
+/// Puts the fluid of a level into its initial state (InitialSpec); it must be fresh, at rest
 /// (initial_flow.cpp).
 void set_initial_flow(const FlowSpec&, FluidFields&);
 

@@ -13,8 +13,8 @@
 
 namespace silt::coupler {
 
-/// The rules by which the links of a block are built: the case, the fluid that they stand in, and the pass
-/// they wait for.
+/// The rules by which the links of a block are built: the coupling, the fluid that they stand in, and the
+/// pass they wait for.
 template <class T>
 struct LinkRules {
   const CouplingSpec& coupling;
