@@ -53,8 +53,8 @@ class FieldsOf final : public FluidFields {
         std::int64_t cell;
         T g[20];  // one is spare, so that neither precision has padding bytes
       } record{(std::int64_t(g.z) * n.y + g.y) * n.x + g.x, {}};
-      record.g[lbm::directions] = T(level());
-      for (int i = 0; i < lbm::directions; ++i) record.g[i] = fluid_.arriving(b, x, i);
+      record.g[lbm::D3Q19::directions] = T(level());
+      for (int i = 0; i < lbm::D3Q19::directions; ++i) record.g[i] = fluid_.arriving(b, x, i);
       sum += XXH3_64bits(&record, sizeof record);
     });
     return sum;
@@ -63,8 +63,8 @@ class FieldsOf final : public FluidFields {
     std::array<rigid::FixedSum, 3> sums{};
     if (!reverses(domain(), axis, upper)) return sums;
     std::vector<int> across;
-    for (int i = 1; i < lbm::directions; ++i)
-      if (lbm::c[i][axis] == (upper ? 1 : -1)) across.push_back(i);
+    for (int i = 1; i < lbm::D3Q19::directions; ++i)
+      if (lbm::D3Q19::c[i][axis] == (upper ? 1 : -1)) across.push_back(i);
     for_layer(axis, upper ? domain().cells()[axis] - 1 : 0, [&](int b, Int3 low, Int3 high) {
       add_exchanged(across, b, low, high, width() * width(), sums);
       for (const int i : across) take_from_other_sides(axis, i, b, low, high, sums);
@@ -75,8 +75,8 @@ class FieldsOf final : public FluidFields {
     const Int3 low = cells.lower, high = low + cells.size;
     const lbm::Block<T>& block = fluid_.blocks()[b];
     const T *along[5], *against[5];
-    for (int i = 1, k = 0; i < lbm::directions; ++i) {
-      if (lbm::c[i][axis] != 1) continue;
+    for (int i = 1, k = 0; i < lbm::D3Q19::directions; ++i) {
+      if (lbm::D3Q19::c[i][axis] != 1) continue;
       along[k] = block.data() + block.arriving(i, fluid_.parity());
       against[k++] = block.data() + block.arriving(lbm::opposite(i), fluid_.parity());
     }
@@ -133,11 +133,11 @@ class FieldsOf final : public FluidFields {
     rigid::FixedSum sum = 0;
     for_cells(low, high, [&](Int3 x) {
       if (solid(b).test(x)) return;
-      for (int i = 1; i < lbm::directions; ++i) {
-        const Int3 y = x + lbm::c[i];
-        if (lbm::c[i][axis] == 0 || !solid(b).test(y) || maps()[b].walls.test(y)) continue;
+      for (int i = 1; i < lbm::D3Q19::directions; ++i) {
+        const Int3 y = x + lbm::D3Q19::c[i];
+        if (lbm::D3Q19::c[i][axis] == 0 || !solid(b).test(y) || maps()[b].walls.test(y)) continue;
         const double out = fluid_.leaving(b, x, i), back = came_back(b, x, i);
-        sum += lbm::c[i][axis] * std::llrint(share * 0.5 * (out - back) / flow_quantum);
+        sum += lbm::D3Q19::c[i][axis] * std::llrint(share * 0.5 * (out - back) / flow_quantum);
       }
     });
     return sum;
@@ -163,7 +163,7 @@ class FieldsOf final : public FluidFields {
       }
     });
     for (std::size_t k = 0; k < across.size(); ++k)
-      for (int d = 0; d < 3; ++d) sums[d] += times * lbm::c[across[k]][d] * exchanged[k];
+      for (int d = 0; d < 3; ++d) sums[d] += times * lbm::D3Q19::c[across[k]][d] * exchanged[k];
   }
   /// A link along i that leaves the domain across several sides belongs to the first of them, in the order of
   /// the axes, that reverses, as in the halo: takes it off the sums of a later one.
@@ -171,7 +171,7 @@ class FieldsOf final : public FluidFields {
                              std::array<rigid::FixedSum, 3>& sums) const {
     const lbm::CellBox& box = block(b);
     for (int d = 0; d < axis; ++d) {
-      const int along = lbm::c[i][d];
+      const int along = lbm::D3Q19::c[i][d];
       if (along == 0 || !reverses(domain(), d, along > 0)) continue;
       if (along < 0)
         high[d] = box.lower[d] == 0 ? 1 : 0;

@@ -142,7 +142,7 @@ void change_populations(FluidFields& fields, AtCell&& local, Change&& change) {
       std::vector<decltype(local(block.lower))> here;
       const lbm::Int3 first = block.lower + plane.lower;
       for_cells(first, first + plane.size, [&](lbm::Int3 cell) { here.push_back(local(cell)); });
-      for (int i = 0; i < lbm::directions; ++i) {
+      for (int i = 0; i < lbm::D3Q19::directions; ++i) {
         fields.read(b, plane, i, g.data());
         for (std::size_t k = 0; k < g.size(); ++k) g[k] = change(i, g[k], here[k]);
         fields.write(b, plane, i, g.data());
@@ -161,11 +161,11 @@ void set(const FlowSpec& spec, FluidFields& fields) {
     return lbm::equilibrium(i, l.density_deviation, l.velocity.data());
   });
   change_populations(fields, local, [&](int i, double g, const Local& l) {
-    const lbm::Int3 v = lbm::c[i];
+    const lbm::Int3 v = lbm::D3Q19::c[i];
     const double strain = v.x * v.x * l.xx + v.y * v.y * l.yy + v.z * v.z * l.zz +
                           2 * (v.x * v.y * l.xy + v.x * v.z * l.xz + v.y * v.z * l.yz) -
                           (l.xx + l.yy + l.zz) / 3;
-    return i == 0 ? g : g - 3 * tau * lbm::w(i) * strain * fields.width();
+    return i == 0 ? g : g - 3 * tau * lbm::D3Q19::w(i) * strain * fields.width();
   });
 }
 
@@ -179,8 +179,8 @@ void add_noise(const FlowSpec& spec, FluidFields& fields) {
     return rigid::Vec3(noise * (2 * CounterRandom(mixed(place)).point() - rigid::Vec3::Ones()));
   };
   change_populations(fields, velocity, [&](int i, double g, const rigid::Vec3& u) {
-    const double along = lbm::c[i].x * u[0] + lbm::c[i].y * u[1] + lbm::c[i].z * u[2];
-    return i == 0 ? g : g + 3 * lbm::w(i) * along;
+    const double along = lbm::D3Q19::c[i].x * u[0] + lbm::D3Q19::c[i].y * u[1] + lbm::D3Q19::c[i].z * u[2];
+    return i == 0 ? g : g + 3 * lbm::D3Q19::w(i) * along;
   });
 }
 

@@ -74,7 +74,7 @@ std::vector<PassOrder> orders_of(const Domain& domain, MPI_Comm comm) {
 }  // namespace
 
 double half_push(const std::array<double, 3>& force, int i) {
-  return 1.5 * w(i) * (c[i].x * force[0] + c[i].y * force[1] + c[i].z * force[2]);
+  return 1.5 * D3Q19::w(i) * (D3Q19::c[i].x * force[0] + D3Q19::c[i].y * force[1] + D3Q19::c[i].z * force[2]);
 }
 
 template <class T>
@@ -215,15 +215,16 @@ template <class T>
 template <class Sum>
 auto Fluid<T>::for_arriving(int b, Int3 x, Sum&& sum) const {
   const Block<T>& block = blocks_[b];
-  const T* g[directions];
-  for (int i = 0; i < directions; ++i) g[i] = block.data() + block.arriving(i, parity_) + block.cell(x);
+  const T* g[D3Q19::directions];
+  for (int i = 0; i < D3Q19::directions; ++i)
+    g[i] = block.data() + block.arriving(i, parity_) + block.cell(x);
   return sum(g);
 }
 
 template <class T>
 Moments Fluid<T>::moments(int b, Int3 x) const {
   const ExcessQuanta<T>* const excess = blocks_[b].excess();
-  return for_arriving(b, x, [&](const T* const(&g)[directions]) {
+  return for_arriving(b, x, [&](const T* const(&g)[D3Q19::directions]) {
     return excess ? moments_of(g, 0, excess[blocks_[b].cell(x)], blocks_[b].stress_share())
                   : moments_of(g, 0);
   });
@@ -236,7 +237,7 @@ ListedCells<T> Fluid<T>::listed(std::span<const LocalCell> cells) {
     auto& listed = listed_blocks_.host()[b];
     listed.data = blocks_[b].data(), listed.excess = blocks_[b].excess();
     listed.stress_share = blocks_[b].stress_share();
-    for (int i = 0; i < directions; ++i)
+    for (int i = 0; i < D3Q19::directions; ++i)
       listed.arriving[i] = blocks_[b].arriving(i, parity_), listed.step[i] = blocks_[b].step(i);
   }
   for (std::size_t k = 0; k < cells.size(); ++k) {
@@ -282,13 +283,13 @@ void Fluid<T>::moments(int b, const CellBox& box, MomentArrays& moments) const {
   for (int z = 0; z < box.size.z; ++z)
     for (int y = 0; y < box.size.y; ++y, n += box.size.x)
       for_arriving(b, box.lower + Int3{0, y, z},
-                   [&](const T* const(&g)[directions]) { moments.sum(g, n, box.size.x); });
+                   [&](const T* const(&g)[D3Q19::directions]) { moments.sum(g, n, box.size.x); });
 }
 
 template <class T>
 CellTotals Fluid<T>::totals(int b, const LocalRows& of) const {
   const CellRows all{of.cells, of.rows, blocks_[b].row_stride()};
-  return for_arriving(b, of.first, [&](const T* const(&g)[directions]) {
+  return for_arriving(b, of.first, [&](const T* const(&g)[D3Q19::directions]) {
     return moments_kernels<T>().total(g, all, spec_.force);
   });
 }
@@ -318,13 +319,13 @@ void Fluid<T>::give_masses(std::span<const LocalCell> cells, std::span<const std
 
 template <class T>
 void Fluid<T>::prefetch(int b, Int3 x) const {
-  for (int i = 0; i < directions; ++i)
+  for (int i = 0; i < D3Q19::directions; ++i)
     prefetch_to_read(blocks_[b].data() + blocks_[b].arriving(i, parity_) + blocks_[b].cell(x));
 }
 
 template <class T>
 void Fluid<T>::set_equilibrium(int b, Int3 x, double rho, const std::array<double, 3>& u) {
-  for (int i = 0; i < directions; ++i) arriving(b, x, i) = T(equilibrium(i, rho, u.data()));
+  for (int i = 0; i < D3Q19::directions; ++i) arriving(b, x, i) = T(equilibrium(i, rho, u.data()));
 }
 
 template <class T>

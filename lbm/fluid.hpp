@@ -26,9 +26,14 @@ struct LocalCell {
   Int3 cell;
 };
 
+/// Returns half of what an acceleration adds to population i of fluid at rest, 3/2 w c.F (equation 6).
+double half_push(const std::array<double, 3>& force, int i);
+
 template <class T>
 class Fluid {
  public:
+  using Number = T;
+  using Lattice = D3Q19;
   /// Throws std::invalid_argument for a relaxation time of 1/2 or less.
   Fluid(const Domain&, const CollisionSpec&, MPI_Comm, Device = Device::cpu);
   ~Fluid();
@@ -122,6 +127,8 @@ class Fluid {
   std::array<double, 3> velocity(const Moments& m) const { return velocity_of(m, spec_.force); }
   void set_equilibrium(int b, Int3 local_cell, double density_deviation,
                        const std::array<double, 3>& velocity);
+  /// Half of what the force adds to population i of fluid at rest.
+  double half_push(int i) const { return lbm::half_push(spec_.force, i); }
   std::size_t bytes() const;
 
  private:
@@ -159,10 +166,7 @@ class Fluid {
 /// Collective. Gives every cell of `to` what arrives there in `from`, straight from rank to rank: two cuts of
 /// one domain for the same ranks. A direction at a time, so that messages hold a nineteenth of the
 /// populations (move_populations.cpp).
-template <class T>
-void move_populations(const Fluid<T>& from, Fluid<T>& to);
-
-/// Returns half of what an acceleration adds to population i of fluid at rest, 3/2 w c.F (equation 6).
-double half_push(const std::array<double, 3>& force, int i);
+template <class Field>
+void move_populations(const Field& from, Field& to);
 
 }  // namespace silt::lbm

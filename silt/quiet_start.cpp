@@ -79,13 +79,13 @@ class HeldScene final : rigid::StepObserver {
     const lbm::Int3 size = fields.block(b).size;
     for (lbm::CellBox plane{{}, {size.x, size.y, 1}}; plane.lower.z < size.z; ++plane.lower.z) {
       std::vector<double> density(std::size_t(plane.cells())), g(density.size());
-      for (int i = 0; i < lbm::directions; ++i) {
+      for (int i = 0; i < lbm::D3Q19::directions; ++i) {
         fields.read(b, plane, i, g.data());
         for (std::size_t k = 0; k < g.size(); ++k) density[k] += g[k];
       }
-      for (int i = 0; i < lbm::directions; ++i) {
+      for (int i = 0; i < lbm::D3Q19::directions; ++i) {
         const double push = lbm::half_push(fields.spec().force, i);
-        for (std::size_t k = 0; k < g.size(); ++k) g[k] = lbm::w(i) * density[k] - push;
+        for (std::size_t k = 0; k < g.size(); ++k) g[k] = lbm::D3Q19::w(i) * density[k] - push;
         fields.write(b, plane, i, g.data());
       }
     }

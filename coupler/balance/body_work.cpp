@@ -40,8 +40,8 @@ void for_pieces(const lbm::CellBox& block, Int3 first, int end, Visit&& visit) {
 int links_from(const BlockMap& map, Int3 x, int n) {
   const std::uint64_t fluid = first_cells(~map.solid.from(x.x, x.y, x.z), n);
   int links = 0;
-  for (int i = 1; i < lbm::directions; ++i) {
-    const Int3 y = x + lbm::c[i];
+  for (int i = 1; i < lbm::D3Q19::directions; ++i) {
+    const Int3 y = x + lbm::D3Q19::c[i];
     links += std::popcount(fluid & map.solid.from(y.x, y.y, y.z) & ~map.walls.from(y.x, y.y, y.z));
   }
   return links;

@@ -252,7 +252,7 @@ void mark_parts(const BitFrame& frame, const PointInFrame& centre, const rigid::
 
 /// How many bits of a frame's stream a step along c_i is.
 std::ptrdiff_t step_along(const BitFrame& frame, int i) {
-  const lbm::Int3 c = lbm::c[i];
+  const lbm::Int3 c = lbm::D3Q19::c[i];
   return c.x + std::ptrdiff_t(frame.pitch) * c.y + std::ptrdiff_t(frame.plane) * 64 * c.z;
 }
 
@@ -263,7 +263,7 @@ LinkCounts list_links(const BitFrame& frame, const FrameRows& wanted, const Link
     const PlaneWords plane(frame, first, wanted);
     const std::size_t at = std::size_t(wanted.z) * frame.plane + first;
     const Words open = load<Words>(bits.open + at) & load<Words>(plane.rows);
-    for (int i = 1; i < lbm::directions; ++i) {
+    for (int i = 1; i < lbm::D3Q19::directions; ++i) {
       const std::ptrdiff_t step = step_along(frame, i);
       const Words cut = moved(bits.body + at, step) & open;
       if (!filled(cut)) continue;
@@ -304,7 +304,7 @@ std::uint32_t list_beyond(const std::uint32_t* place, std::uint32_t n, lbm::Int3
                     ((at >> lbm::place_x_bits) & ((1 << lbm::place_y_bits) - 1)) + corner.y,
                     ((at >> lbm::place_z_shift) & ((1 << lbm::place_z_bits) - 1)) + corner.z};
     Whole listed{};
-    const Whole packed = Links::look_up(lbm::components.packed, direction);
+    const Whole packed = Links::look_up(lbm::components<lbm::D3Q19>.packed, direction);
     for (int d = 0; d < 3; ++d) {
       const Whole c = lbm::SILT_ISA::component(packed, d);
       far[d] -= c;
@@ -324,7 +324,7 @@ std::uint32_t list_beyond(const std::uint32_t* place, std::uint32_t n, lbm::Int3
 void widen(const BitFrame& frame, const std::uint64_t* from, std::uint64_t* to) {
   for (std::size_t at = 0; at < frame.words(); at += PlaneWords::most) {
     Words found{};
-    for (int i = 1; i < lbm::directions; ++i) found |= moved(from + at, step_along(frame, i));
+    for (int i = 1; i < lbm::D3Q19::directions; ++i) found |= moved(from + at, step_along(frame, i));
     const std::size_t left = std::min<std::size_t>(PlaneWords::most, frame.words() - at);
     __builtin_memcpy(to + at, &found, left * sizeof *to);
   }
@@ -337,7 +337,7 @@ std::uint32_t list_crossings(const BitFrame& frame, const FrameRows& wanted, con
     const PlaneWords plane(frame, first, wanted);
     const std::size_t at = std::size_t(wanted.z) * frame.plane + first;
     const Words begins = load<Words>(ends + at) & load<Words>(plane.rows);
-    for (int i = 1; i < lbm::directions; i += 2) {
+    for (int i = 1; i < lbm::D3Q19::directions; i += 2) {
       const std::ptrdiff_t step = step_along(frame, i);
       const Words in_block = load<Words>(own + at) | moved(own + at, step);
       const Words found = begins & moved(ends + at, step) & in_block;

@@ -36,10 +36,10 @@ void SingleCellGaps<T>::pair(const std::vector<SurfaceLinks<T>>& surfaces, const
       for (std::uint32_t l = 0; l < g.count; ++l) {
         const Int3 cell = g.corner + lbm::place_cell(place[l]);
         const int i = lbm::place_direction(place[l]);
-        const Int3 walls = domain.walls_met(box.lower + cell - lbm::c[i]);
+        const Int3 walls = domain.walls_met(box.lower + cell - lbm::D3Q19::c[i]);
         const bool at_side = walls != Int3{0, 0, 0};
         links_.push_back({key_of(cell, i), k, g.opposite + l, g.begin + l, i, cell, -1, at_side,
-                          at_side ? T(domain.wall_velocity_along(walls, i)) : T(0)});
+                          at_side ? T(domain.wall_velocity_along(walls, lbm::D3Q19::c[i])) : T(0)});
       }
     }
   }
@@ -105,7 +105,7 @@ void SingleCellGaps<T>::set_velocities(std::vector<SurfaceLinks<T>>& surfaces) c
     if (link.other < 0) continue;
     const SurfaceLinks<T>& other = surfaces[links_[link.other].surface];
     surfaces[link.surface].links.opposite_u[link.place] =
-        T(lbm::velocity_along(other.links.frame, other.motion, link.cell, lbm::c[link.direction]));
+        T(lbm::velocity_along(other.links.frame, other.motion, link.cell, lbm::D3Q19::c[link.direction]));
   }
   pad(surfaces, &lbm::CutLinks<T>::opposite_u);
 }

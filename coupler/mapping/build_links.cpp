@@ -153,7 +153,7 @@ class LinkWriter {
   /// The links of the open cells in rows [y0, y1) of some planes; `most`: of one direction.
   void group(Planes planes, int y0, int y1, const BitWindow& open, std::size_t most, int ready) {
     const Int3 corner = mask_->frame().low + Int3{0, 0, planes.z};
-    LinkList<T> list = groups_.list(corner, planes.count, ready, lbm::directions * most);
+    LinkList<T> list = groups_.list(corner, planes.count, ready, lbm::D3Q19::directions * most);
     const std::uint32_t clear = classify({planes.z, planes.count, y0, y1}, open, most, list);
     if (list.n == 0) return;
     surface_.measure(list);
@@ -168,7 +168,7 @@ class LinkWriter {
 
   /// Lists the links, those of single-cell gaps last. Returns how many are of none.
   std::uint32_t classify(const FrameRows& rows, const BitWindow& open, std::size_t most, LinkList<T>& list) {
-    const std::size_t room = lbm::directions * most + 3 * lbm::link_lanes;
+    const std::size_t room = lbm::D3Q19::directions * most + 3 * lbm::link_lanes;
     if (single_cell_.size() < room) single_cell_.resize(room);
     const LinkBits bits{mask_->bits.words(), solid_.words(), open.words(), lbm::reads_behind(scheme_)};
     const LinkCounts found =
@@ -188,7 +188,7 @@ class LinkWriter {
       const std::uint32_t k = beyond_[m];
       const Int3 cell = list.corner + lbm::place_cell(list.place[k]);
       const int i = lbm::place_direction(list.place[k]);
-      if (map_.solid.test(cell - lbm::c[i] - lbm::c[i]))
+      if (map_.solid.test(cell - lbm::D3Q19::c[i] - lbm::D3Q19::c[i]))
         groups_.defer(GapKind::two_cells, list, k);
       else
         groups_.defer(GapKind::across, list, k, places_across_(cell, i));
@@ -212,7 +212,7 @@ class LinkWriter {
   const lbm::PassOrder& sweep_;
   WallScheme scheme_;
   int reach_;  // of a link, in cells
-  lbm::PlacesAcross places_across_;
+  lbm::PlacesAcross<lbm::D3Q19> places_across_;
   const BodyMask* mask_ = nullptr;  // of the body at work
   DeviceMapping<T>* on_device_;
   MeasuredSurface<T> surface_;

@@ -33,7 +33,7 @@ void CrossingLinks<T>::list_candidates(int z) {
   std::size_t cells = 0;
   for (std::size_t k = std::size_t(z) * frame_.plane; k < std::size_t(z + count) * frame_.plane; ++k)
     cells += std::popcount(near_.words()[k]);
-  begin_.place.resize(cells * lbm::pairs + lbm::link_lanes);
+  begin_.place.resize(cells * lbm::D3Q19::pairs + lbm::link_lanes);
   const std::uint32_t found =
       cells == 0 ? 0
                  : bit_kernels().list_crossings(frame_, {z, count, 1, frame_.size.y - 1}, near_.words(),
@@ -67,9 +67,9 @@ void CrossingLinks<T>::list(int z, const lbm::SurfaceFrame& frame, const rigid::
   for (const std::uint32_t place : begin_.place) {
     const Int3 x = lbm::place_cell(place);
     const int i = lbm::place_direction(place), back = lbm::opposite(i);
-    end_.place.push_back(lbm::link_place(x + lbm::c[i], back));
+    end_.place.push_back(lbm::link_place(x + lbm::D3Q19::c[i], back));
     before_.place.push_back(lbm::link_place(x, back));
-    after_.place.push_back(lbm::link_place(x + lbm::c[i], i));
+    after_.place.push_back(lbm::link_place(x + lbm::D3Q19::c[i], i));
   }
   for (Ends* ends : {&end_, &before_, &after_}) measure(*ends, corner, frame, surface);
   const auto crosses = [&](std::size_t k) { return end_.q[k] < 1 && before_.q[k] == 1 && after_.q[k] == 1; };

@@ -96,7 +96,7 @@ struct LinksToMap {
   lbm::Int3 size;
   int solid_words;  // of a row
   lbm::WallScheme scheme;
-  lbm::Components directions = lbm::components;
+  lbm::Components directions = lbm::components<lbm::D3Q19>;
 };
 
 /// The mapping of one block on its device.

@@ -57,11 +57,11 @@ struct ListGroup {
     const int rows = listed.y1 - listed.y0, words = (surface.frame.size.x + 63) / 64;
     const int in_direction = listed.planes * rows * words;
     std::uint32_t n = 0;
-    for (int first = 0; first < in_direction * (lbm::directions - 1); first += member.size) {
+    for (int first = 0; first < in_direction * (lbm::D3Q19::directions - 1); first += member.size) {
       const int e = first + member.lane, direction = 1 + e / in_direction, in = e % in_direction;
       const lbm::Int3 at{in % words * 64, listed.y0 + in / words % rows, in / words / rows};
       std::uint64_t cells = 0;
-      if (direction < lbm::directions) {
+      if (direction < lbm::D3Q19::directions) {
         const std::int32_t packed = all.directions.packed[direction];
         const lbm::Int3 c{lbm::SILT_ISA::component(packed, 0), lbm::SILT_ISA::component(packed, 1),
                           lbm::SILT_ISA::component(packed, 2)};

@@ -33,7 +33,7 @@ void MeshDistances::find_near_cells() {
     before_[k] = count;
     count += std::uint32_t(std::popcount(near_.words()[k]));
   }
-  least_.assign(std::size_t(count) * lbm::directions, LinkDistances::none);
+  least_.assign(std::size_t(count) * lbm::D3Q19::directions, LinkDistances::none);
 }
 
 LinkDistances MeshDistances::view() {
@@ -57,7 +57,7 @@ double MeshDistances::by_nearest_points(Int3 cell, int direction) const {
     const Vec3 in_world = mask_->arm(map_->box.lower + x) + mask_->pose.position;
     return mesh_->surface->nearest(mask_->pose.to_body(in_world)).distance;
   };
-  const double near = from_surface(cell), far = from_surface(cell + lbm::c[direction]);
+  const double near = from_surface(cell), far = from_surface(cell + lbm::D3Q19::c[direction]);
   return near + far > 0 ? near / (near + far) : 0;
 }
 

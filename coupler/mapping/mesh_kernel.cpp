@@ -61,7 +61,7 @@ bool test(const std::uint64_t* words, std::size_t bit) {
 /// Returns the least distance found so far for a cell of `near`.
 std::uint32_t& least_of(const LinkDistances& links, std::size_t bit, int direction) {
   const std::uint64_t lower = links.near[bit >> 6] & ((std::uint64_t{1} << (bit & 63)) - 1);
-  return links.least[(links.before[bit >> 6] + std::size_t(std::popcount(lower))) * lbm::directions +
+  return links.least[(links.before[bit >> 6] + std::size_t(std::popcount(lower))) * lbm::D3Q19::directions +
                      std::size_t(direction)];
 }
 

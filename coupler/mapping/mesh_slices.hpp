@@ -42,12 +42,12 @@ template <int number_>
 struct Direction {
   static constexpr int number = number_, forward = 2 * number + 1, backward = forward + 1;
   static constexpr int plane = number == 0 ? 2 : number < 3 ? number - 1 : 2 - (number - 3) / 2;
-  static constexpr lbm::Int3 c = lbm::c[forward];
+  static constexpr lbm::Int3 c = lbm::D3Q19::c[forward];
   static constexpr int along = c[0] != 0   ? 0
                                : c[1] != 0 ? 1
                                            : 2,
                        across = 3 - plane - along, slope = c[across];
-  static_assert(c[along] == 1 && c[plane] == 0 && lbm::c[backward][along] == -1);
+  static_assert(c[along] == 1 && c[plane] == 0 && lbm::D3Q19::c[backward][along] == -1);
 };
 
 /// Calls use(Direction<number>()) for those whose lines are looked for in planes across an axis: one along an

@@ -51,8 +51,8 @@ std::vector<lbm::Moments> remote_moments(lbm::Fluid<T>& fluid, const std::vector
     for_ghosts(maps[b], uncovered_bits, [&](Int3 x) {
       const Int3 uncovered = maps[b].box.lower + x;
       const int rank = domain.rank_at(domain.wrapped(uncovered));
-      for (int k = 1; rank != here && k < lbm::directions; ++k) {
-        const Int3 y = x + lbm::c[k];
+      for (int k = 1; rank != here && k < lbm::D3Q19::directions; ++k) {
+        const Int3 y = x + lbm::D3Q19::c[k];
         if (!maps[b].has(y) || !maps[b].was_and_is_fluid(y)) continue;
         offers.add(rank, uncovered, k);
         offered.push_back({b, y});
@@ -60,9 +60,9 @@ std::vector<lbm::Moments> remote_moments(lbm::Fluid<T>& fluid, const std::vector
     });
   }
   for (const CoveredCell& u : cells.uncovered)
-    for (int k = 1; k < lbm::directions; ++k) {
+    for (int k = 1; k < lbm::D3Q19::directions; ++k) {
       const BlockMap& map = maps[u.block];
-      const Int3 y = u.cell + lbm::c[k];
+      const Int3 y = u.cell + lbm::D3Q19::c[k];
       if (map.has(y) || !map.was_and_is_fluid(y)) continue;
       const int rank = domain.rank_at(domain.wrapped(map.box.lower + y));
       if (rank != here) wants.add(rank, map.box.lower + u.cell, k);
@@ -83,8 +83,8 @@ void list_uncovered(lbm::Fluid<T>& fluid, const std::vector<BlockMap>& maps, con
     const BlockMap& map = maps[u.block];
     UncoveredCell cell;
     cell.first_told = std::uint32_t(is_remote.size());
-    for (int k = 1; k < lbm::directions; ++k) {
-      const Int3 y = u.cell + lbm::c[k];
+    for (int k = 1; k < lbm::D3Q19::directions; ++k) {
+      const Int3 y = u.cell + lbm::D3Q19::c[k];
       if (!map.was_and_is_fluid(y)) continue;
       cell.neighbours |= 1u << k;
       if (map.has(y)) continue;
@@ -184,9 +184,9 @@ class PassOn {
   /// quanta. Returns what is left, if there are none.
   std::int64_t share(const CoveredCell& c, std::int64_t mass) {
     const BlockMap& map = maps_[c.block];
-    int neighbours[lbm::directions], count = 0;
-    for (int k = 1; k < lbm::directions; ++k)
-      if (map.was_and_is_fluid(c.cell + lbm::c[k])) neighbours[count++] = k;
+    int neighbours[lbm::D3Q19::directions], count = 0;
+    for (int k = 1; k < lbm::D3Q19::directions; ++k)
+      if (map.was_and_is_fluid(c.cell + lbm::D3Q19::c[k])) neighbours[count++] = k;
     if (count == 0) return mass;
     for (int n = 0; n < count; ++n) {
       const std::int64_t part = mass / (count - n);
@@ -205,7 +205,7 @@ class PassOn {
  private:
   void give(const CoveredCell& c, int k, std::int64_t part) {
     const BlockMap& map = maps_[c.block];
-    const Int3 y = c.cell + lbm::c[k];
+    const Int3 y = c.cell + lbm::D3Q19::c[k];
     if (map.has(y)) return give({c.block, y}, part);
     const Int3 g = domain_.wrapped(map.box.lower + y);
     const lbm::BlockPlace there = domain_.block_at(g);
@@ -226,8 +226,8 @@ class PassOn {
       for_ghosts(map, changed_bits(map), [&](Int3 x) {
         const Int3 cell = map.box.lower + x;
         const int rank = domain_.rank_at(domain_.wrapped(cell));
-        for (int k = 1; rank != rank_ && k < lbm::directions; ++k) {
-          const Int3 y = x + lbm::c[k];
+        for (int k = 1; rank != rank_ && k < lbm::D3Q19::directions; ++k) {
+          const Int3 y = x + lbm::D3Q19::c[k];
           if (!map.has(y) || !map.was_and_is_fluid(y)) continue;
           wanted.add(rank, cell, k);
           all_.cells.push_back({b, y});

@@ -72,8 +72,8 @@ struct RefillCells {
     const auto& at = listed.cells[k];
     const auto& block = listed.blocks[at.block];
     const UncoveredCell& cell = uncovered[k];
-    const T* g[lbm::directions];
-    for (int i = 0; i < lbm::directions; ++i) g[i] = at.data + block.arriving[i];
+    const T* g[lbm::D3Q19::directions];
+    for (int i = 0; i < lbm::D3Q19::directions; ++i) g[i] = at.data + block.arriving[i];
     lbm::ExcessQuanta<T>* const excess = block.excess ? block.excess + (at.data - block.data) : nullptr;
     const auto moments_at = [&](std::ptrdiff_t step) {
       return excess ? lbm::moments_of<T>(g, step, excess[step], block.stress_share)
@@ -81,14 +81,14 @@ struct RefillCells {
     };
     const lbm::Moments* next = told + cell.first_told;
     NeighbourMeans means;
-    for (int i = 1; i < lbm::directions; ++i)
+    for (int i = 1; i < lbm::D3Q19::directions; ++i)
       if (cell.neighbours >> i & 1)
         means.add(cell.elsewhere >> i & 1 ? *next++ : moments_at(block.step[i]), force);
     means.finish();
-    lbm::for_directions<0>([&](auto i) {
-      constexpr lbm::Int3 c = lbm::c[i()];
-      const double arriving =
-          lbm::equilibrium(c, lbm::w(i()), means.density, cell.momentum) + means.grad_part(c, lbm::w(i()));
+    lbm::for_directions<lbm::D3Q19, 0>([&](auto i) {
+      constexpr lbm::Int3 c = lbm::D3Q19::c[i()];
+      const double arriving = lbm::equilibrium(c, lbm::D3Q19::w(i()), means.density, cell.momentum) +
+                              means.grad_part(c, lbm::D3Q19::w(i()));
       at.data[block.arriving[i()]] = T(arriving);
     });
     if (excess) *excess = 0;

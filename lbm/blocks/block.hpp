@@ -1,6 +1,6 @@
 #pragma once
-// The populations of one block of cells and its ghost layer: 19 arrays of deviations, x running fastest,
-// streamed in place (method.md, equations 1 and 8).
+// The populations of one block of cells and its ghost layer, streamed in place (method.md, equations 1 and
+// 8): an array of deviations for each direction of a lattice, x running fastest.
 //
 // A slot (x, i) is element i of cell x. Between two steps every population is arriving somewhere; where it is
 // stored depends on the parity of the steps done so far:
@@ -28,17 +28,17 @@ inline Parity flipped(Parity p) {
 }
 
 /// Calls visit(g, j) for every ghost slot of a block: g local to the block, g - c_j inside it.
-template <class Visit>
+template <class Lattice, class Visit>
 void for_ghost_slots(Int3 size, Visit&& visit) {
-  for (int j = 1; j < directions; ++j) {
-    Int3 lo = c[j], hi = size + c[j];
+  for (int j = 1; j < Lattice::directions; ++j) {
+    Int3 lo = Lattice::c[j], hi = size + Lattice::c[j];
     for (int z = lo.z; z < hi.z; ++z)
       for (int y = lo.y; y < hi.y; ++y) {
         const bool outside = y < 0 || z < 0 || y >= size.y || z >= size.z;
         if (outside)
           for (int x = lo.x; x < hi.x; ++x) visit(Int3{x, y, z}, j);
-        else if (c[j].x)
-          visit(Int3{c[j].x > 0 ? size.x : -1, y, z}, j);
+        else if (Lattice::c[j].x)
+          visit(Int3{Lattice::c[j].x > 0 ? size.x : -1, y, z}, j);
       }
   }
 }
@@ -57,9 +57,11 @@ struct RowEnd {
   T addend;
 };
 
-template <class T>
+template <class T, class Lattice = D3Q19>
 class Block {
  public:
+  static constexpr int directions = Lattice::directions;
+
   /// A row is one cell longer than the block, a plane one row: no direction crosses out on both sides, so the
   /// ghost after a row is also the one before the next. On the processor rows are not padded: a gap in a row
   /// costs the bandwidth of the cache lines it breaks, and more. On a graphics processor, whose threads read
@@ -71,7 +73,7 @@ class Block {
     plane_ = row_ * (box.size.y + 1);
     if (plane_ % page == 0) plane_ += 5 * line;  // planes must not share cache sets
     direction_ = plane_ * (box.size.z + 1) + line;
-    constexpr int skew = 27 * line;  // spreads 19 directions evenly over a page
+    constexpr int skew = 27 * line;  // spreads 19 directions evenly over a page, and fewer well enough
     direction_ += (skew - direction_ % page + page) % page;
     if (device != Device::cpu) direction_ = (direction_ + together - 1) / together * together;
     if (device == Device::gpu)
@@ -105,7 +107,7 @@ class Block {
   Int3 cell_at(std::ptrdiff_t offset) const {
     return {int(offset % plane_ % row_), int(offset % plane_ / row_), int(offset / plane_)};
   }
-  std::ptrdiff_t step(int i) const { return cell(c[i]); }
+  std::ptrdiff_t step(int i) const { return cell(Lattice::c[i]); }
   std::ptrdiff_t row_stride() const { return row_; }
   std::ptrdiff_t plane_stride() const { return plane_; }
 
@@ -113,7 +115,8 @@ class Block {
   /// something crosses into along i; no other ghost cell has a slot. A direction's array begins with the
   /// first.
   std::ptrdiff_t slot(int i) const {
-    return direction_ * i - cell(std::min(c[i].x, 0), std::min(c[i].y, 0), std::min(c[i].z, 0));
+    return direction_ * i -
+           cell(std::min(Lattice::c[i].x, 0), std::min(Lattice::c[i].y, 0), std::min(Lattice::c[i].z, 0));
   }
   /// The middle of the slots, from which offsets fit 32 bits.
   std::ptrdiff_t middle() const { return slot(directions / 2); }

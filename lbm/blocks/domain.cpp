@@ -64,14 +64,14 @@ Int3 Domain::walls_met(Int3 x) const {
   return walls;
 }
 
-double Domain::wall_velocity_along(Int3 walls, int j) const {
+double Domain::wall_velocity_along(Int3 walls, Int3 along) const {
   const bool edge = std::abs(walls.x) + std::abs(walls.y) + std::abs(walls.z) > 1;
   double cu = 0;
   for (int d = 0; d < 3; ++d) {
     if (walls[d] == 0) continue;
     const auto& u = side(d, walls[d] > 0).velocity;
     for (int e = 0; e < 3; ++e)
-      if (!edge || e == d) cu += c[j][e] * u[e];
+      if (!edge || e == d) cu += along[e] * u[e];
   }
   return cu;
 }

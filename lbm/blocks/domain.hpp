@@ -77,7 +77,7 @@ class Domain {
   /// c_j . u of what meets these walls (as from walls_met). Through an edge each counts only with its
   /// velocity across it: the walls that meet there leave a corner at rest. With the lid's alone, the jets of
   /// a lid-driven square at Reynolds number 1000, 65 cells, are a tenth too weak.
-  double wall_velocity_along(Int3 walls, int j) const;
+  double wall_velocity_along(Int3 walls, Int3 along) const;
   /// Calls visit(BlockPlace) for every block of the level that has a cell of a box, or in these runs, one an
   /// axis; more than once if runs go on at the beginning of an axis.
   template <class Visit>

@@ -28,11 +28,11 @@ struct GivenUp {
 template <class V, class Populations>
 SILT_DEVICE inline V bulk_stress(Populations&& g) {
   V off = -g(0), momentum[3]{};
-  for_directions<1>([&](auto i) __attribute__((always_inline)) {
+  for_directions<D3Q19, 1>([&](auto i) __attribute__((always_inline)) {
     if constexpr (i() % 2 == 1) {  // opposite ones follow each other
       const V a = g(i()), b = g(i() + 1), difference = a - b;
       if (i() >= 7) off += a + b;
-      constexpr Int3 v = c[i()];
+      constexpr Int3 v = D3Q19::c[i()];
       const auto push = [&](V & sum, int towards) __attribute__((always_inline)) {
         if (towards) sum = towards > 0 ? sum + difference : sum - difference;
       };
@@ -49,7 +49,8 @@ SILT_DEVICE inline V bulk_stress(Populations&& g) {
 template <class T, class V, class Populations>
 SILT_DEVICE inline GivenUp<V> given_up(const V& quanta, T stress_share, Populations&& g) {
   const V excess = quanta * T(excess_quantum<T>);
-  GivenUp<V> all{T(0.75 + w(0) / 4) * excess, T(w(1) / 4) * excess, T(w(7) / 4) * excess};
+  GivenUp<V> all{T(0.75 + D3Q19::w(0) / 4) * excess, T(D3Q19::w(1) / 4) * excess,
+                 T(D3Q19::w(7) / 4) * excess};
   if (stress_share == 0) return all;
   const V off = bulk_stress<V>([&](int i) { return all.left(i, g(i)); });
   const V taken = quanta != V{} ? V(stress_share * off) : V{};
@@ -62,7 +63,7 @@ template <class T, class Populations>
 SILT_DEVICE inline void take_excess(ExcessQuanta<T>& excess, T stress_share, Populations&& g) {
   if (excess == 0) return;
   const GivenUp<T> given = given_up<T>(T(excess), stress_share, g);
-  for (int i = 0; i < directions; ++i) g(i) = given.left(i, g(i));
+  for (int i = 0; i < D3Q19::directions; ++i) g(i) = given.left(i, g(i));
   excess = 0;
 }
 

@@ -17,19 +17,19 @@ class LaneTotals {
  public:
   /// Adds the cells from k on; the first `seen` of them have been added before, and add nothing.
   template <bool some_seen>
-  [[gnu::always_inline]] SILT_DEVICE void add(const T* const (&g)[directions], std::ptrdiff_t k,
+  [[gnu::always_inline]] SILT_DEVICE void add(const T* const (&g)[D3Q19::directions], std::ptrdiff_t k,
                                               const T (&half_force)[3], int seen = 0) {
     V deviation = load<V>(g[0] + k), momentum[3]{};
 #if !defined(SILT_SCALAR)
     constexpr int prefetch_bytes = 256;
 #pragma GCC unroll 19
-    for (int i = 0; i < directions; ++i) prefetch_to_read(g[i] + k + prefetch_bytes / sizeof(T));
+    for (int i = 0; i < D3Q19::directions; ++i) prefetch_to_read(g[i] + k + prefetch_bytes / sizeof(T));
 #endif
-    for_directions<1>([&](auto i) __attribute__((always_inline)) {
+    for_directions<D3Q19, 1>([&](auto i) __attribute__((always_inline)) {
       if constexpr (i() % 2 == 1) {  // opposite ones follow each other
         const V along = load<V>(g[i()] + k), against = load<V>(g[i() + 1] + k), difference = along - against;
         deviation += along + against;
-        constexpr Int3 v = c[i()];
+        constexpr Int3 v = D3Q19::c[i()];
         const auto push = [&](V & sum, int towards) __attribute__((always_inline)) {
           if (towards) sum = towards > 0 ? sum + difference : sum - difference;
         };

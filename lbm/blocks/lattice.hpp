@@ -1,6 +1,7 @@
 #pragma once
-// Cells and boxes of them, and the directions of D3Q19. Direction 0 rests; 2k+1 and 2k+2 are opposite: a
-// pair. Weights w, sound speed c_s^2 = 1/3.
+// Cells and boxes of them, and lattices: the vectors c_i along which populations go in a step, and their
+// weights w_i. Direction 0 rests; 2k+1 and 2k+2 are opposite: a pair. What moves or lists populations
+// (blocks, ghost layers, borders of levels, cut links) takes the lattice as a type.
 #include <algorithm>
 #include <array>
 #include <cstddef>
@@ -52,63 +53,77 @@ void for_cells(Int3 low, Int3 high, Visit&& visit) {
       for (int x = low.x; x < high.x; ++x) visit(Int3{x, y, z});
 }
 
-inline constexpr int directions = 19, pairs = 9;
-inline constexpr std::array<Int3, directions> c = {{{0, 0, 0},
-                                                    {1, 0, 0},
-                                                    {-1, 0, 0},
-                                                    {0, 1, 0},
-                                                    {0, -1, 0},
-                                                    {0, 0, 1},
-                                                    {0, 0, -1},
-                                                    {1, 1, 0},
-                                                    {-1, -1, 0},
-                                                    {1, -1, 0},
-                                                    {-1, 1, 0},
-                                                    {1, 0, 1},
-                                                    {-1, 0, -1},
-                                                    {1, 0, -1},
-                                                    {-1, 0, 1},
-                                                    {0, 1, 1},
-                                                    {0, -1, -1},
-                                                    {0, 1, -1},
-                                                    {0, -1, 1}}};
+/// The direction against i.
 inline constexpr int opposite(int i) {
   return i == 0 ? 0 : ((i - 1) ^ 1) + 1;
 }
-inline constexpr int norm2(int i) {
-  return c[i].x * c[i].x + c[i].y * c[i].y + c[i].z * c[i].z;
-}
-inline constexpr double w(int i) {
-  return i == 0 ? 1.0 / 3 : norm2(i) == 1 ? 1.0 / 18 : 1.0 / 36;
+inline constexpr int norm2(Int3 v) {
+  return v.x * v.x + v.y * v.y + v.z * v.z;
 }
 
-inline constexpr int direction_of(Int3 v) {
-  for (int i = 0; i < directions; ++i)
-    if (c[i] == v) return i;
+/// The lattice of the fluid.
+struct D3Q19 {
+  static constexpr int directions = 19, pairs = 9;
+  static constexpr std::array<Int3, directions> c = {{{0, 0, 0},
+                                                      {1, 0, 0},
+                                                      {-1, 0, 0},
+                                                      {0, 1, 0},
+                                                      {0, -1, 0},
+                                                      {0, 0, 1},
+                                                      {0, 0, -1},
+                                                      {1, 1, 0},
+                                                      {-1, -1, 0},
+                                                      {1, -1, 0},
+                                                      {-1, 1, 0},
+                                                      {1, 0, 1},
+                                                      {-1, 0, -1},
+                                                      {1, 0, -1},
+                                                      {-1, 0, 1},
+                                                      {0, 1, 1},
+                                                      {0, -1, -1},
+                                                      {0, 1, -1},
+                                                      {0, -1, 1}}};
+  static constexpr double w(int i) { return i == 0 ? 1.0 / 3 : norm2(c[i]) == 1 ? 1.0 / 18 : 1.0 / 36; }
+  static constexpr double sound_speed_squared = 1.0 / 3;
+};
+
+/// Returns the direction whose vector this is, or -1.
+template <class Lattice>
+constexpr int direction_of(Int3 v) {
+  for (int i = 0; i < Lattice::directions; ++i)
+    if (Lattice::c[i] == v) return i;
   return -1;
 }
 
 /// Calls f with the directions from `first` on, as constants of the type: the tables of directions exist only
 /// for the compiler where code is for a graphics processor.
-template <int first, class F>
+template <class Lattice, int first, class F>
 SILT_DEVICE [[gnu::always_inline]] inline void for_directions(F&& f) {
   [&]<int... k>(std::integer_sequence<int, k...>) __attribute__((always_inline)) {
     (f(std::integral_constant<int, first + k>()), ...);
   }
-  (std::make_integer_sequence<int, directions - first>());
+  (std::make_integer_sequence<int, Lattice::directions - first>());
 }
 
-namespace check {  // sum w = 1, sum w c c = 1/3 (in 36ths), opposites cancel
-constexpr bool moments() {
-  int mass = 0, xx = 0, xy = 0, x = 0;
-  for (int i = 0; i < directions; ++i) {
-    const int w36 = i == 0 ? 12 : norm2(i) == 1 ? 2 : 1;
-    mass += w36, x += w36 * c[i].x, xx += w36 * c[i].x * c[i].x, xy += w36 * c[i].x * c[i].y;
-    if (!(c[i] + c[opposite(i)] == Int3{})) return false;
+/// What every lattice must hold: sum w = 1, sum w c = 0, sum w c c = c_s^2, and opposites follow each other.
+template <class Lattice>
+constexpr bool is_isotropic() {
+  const auto is = [](double a, double b) { return a - b < 1e-15 && b - a < 1e-15; };
+  double mass = 0, momentum[3] = {}, flux[3][3] = {};
+  for (int i = 0; i < Lattice::directions; ++i) {
+    const double w = Lattice::w(i);
+    const Int3 c = Lattice::c[i];
+    if (!(c + Lattice::c[opposite(i)] == Int3{}) || w != Lattice::w(opposite(i))) return false;
+    mass += w;
+    for (int d = 0; d < 3; ++d) momentum[d] += w * c[d];
+    for (int d = 0; d < 9; ++d) flux[d / 3][d % 3] += w * c[d / 3] * c[d % 3];
   }
-  return mass == 36 && xx == 12 && xy == 0 && x == 0;
+  bool all = is(mass, 1);
+  for (int d = 0; d < 3; ++d) all &= is(momentum[d], 0);
+  for (int d = 0; d < 9; ++d)
+    all &= is(flux[d / 3][d % 3], d / 3 == d % 3 ? Lattice::sound_speed_squared : 0);
+  return all;
 }
-static_assert(moments());
-}  // namespace check
+static_assert(is_isotropic<D3Q19>());
 
 }  // namespace silt::lbm

@@ -30,7 +30,7 @@ SILT_DEVICE inline double equilibrium(Int3 c, double weight, double rho, const d
   return weight * (rho + 3 * cj + 4.5 * cj * cj - 1.5 * (j[0] * j[0] + j[1] * j[1] + j[2] * j[2]));
 }
 inline double equilibrium(int i, double density_deviation, const double momentum[3]) {
-  return equilibrium(c[i], w(i), density_deviation, {momentum[0], momentum[1], momentum[2]});
+  return equilibrium(D3Q19::c[i], D3Q19::w(i), density_deviation, {momentum[0], momentum[1], momentum[2]});
 }
 
 /// The quantum of sums of mass in lattice units.
@@ -70,9 +70,11 @@ struct CellRows {
 template <class T>
 struct MomentsKernels {
   /// Writes moment j of the k-th cell to moments[j * stride + k], in the order of MomentArrays.
-  void (*sum)(const T* const (&g)[directions], std::ptrdiff_t cells, std::ptrdiff_t stride, double* moments);
+  void (*sum)(const T* const (&g)[D3Q19::directions], std::ptrdiff_t cells, std::ptrdiff_t stride,
+              double* moments);
   /// Returns the totals of cells under a body force. A cell's are rounded as its populations are stored.
-  CellTotals (*total)(const T* const (&g)[directions], const CellRows&, const std::array<double, 3>& force);
+  CellTotals (*total)(const T* const (&g)[D3Q19::directions], const CellRows&,
+                      const std::array<double, 3>& force);
 };
 SILT_BUILDS(template <class T> MomentsKernels<T> moments_kernels();)
 template <class T>
@@ -91,7 +93,7 @@ class MomentArrays {
   }
   /// Takes the moments of cells that follow each other: g[i][k] is population i that arrives at the k-th.
   template <class T>
-  void sum(const T* const (&g)[directions], std::int64_t first, int cells) {
+  void sum(const T* const (&g)[D3Q19::directions], std::int64_t first, int cells) {
     moments_kernels<T>().sum(g, cells, cells_, values_.data() + first);
   }
 
@@ -128,9 +130,9 @@ template <class Populations>
   const auto add = [](double& sum, int factor, double value) {  // factor: -1, 0, 1, known to the compiler
     if (factor) sum += factor * value;
   };
-  for_directions<0>([&](auto i) __attribute__((always_inline)) {
+  for_directions<D3Q19, 0>([&](auto i) __attribute__((always_inline)) {
     const double value = g(i);
-    constexpr Int3 v = c[i()];
+    constexpr Int3 v = D3Q19::c[i()];
     m.density_deviation += value;
     add(m.momentum[0], v.x, value);
     add(m.momentum[1], v.y, value);
@@ -146,13 +148,13 @@ template <class Populations>
 }
 /// g[i][k] is the population i that arrives at the cell.
 template <class T>
-[[gnu::always_inline]] SILT_DEVICE inline Moments moments_of(const T* const (&g)[directions],
+[[gnu::always_inline]] SILT_DEVICE inline Moments moments_of(const T* const (&g)[D3Q19::directions],
                                                              std::ptrdiff_t k) {
   return moments_of([&](auto i) { return g[i()][k]; });
 }
 /// As they are when the cell has given up its excess.
 template <class T>
-SILT_DEVICE inline Moments moments_of(const T* const (&g)[directions], std::ptrdiff_t k,
+SILT_DEVICE inline Moments moments_of(const T* const (&g)[D3Q19::directions], std::ptrdiff_t k,
                                       ExcessQuanta<T> excess, T stress_share) {
   if (excess == 0) return moments_of(g, k);
   const GivenUp<T> given = given_up<T>(T(excess), stress_share, [&](int i) { return g[i][k]; });

@@ -5,7 +5,7 @@ namespace silt::lbm::SILT_ISA {
 namespace {
 
 template <class T>
-void sum_moments(const T* const (&g)[directions], std::ptrdiff_t cells, std::ptrdiff_t stride,
+void sum_moments(const T* const (&g)[D3Q19::directions], std::ptrdiff_t cells, std::ptrdiff_t stride,
                  double* moments) {
 #pragma GCC ivdep
   for (std::ptrdiff_t k = 0; k < cells; ++k) {
@@ -17,7 +17,8 @@ void sum_moments(const T* const (&g)[directions], std::ptrdiff_t cells, std::ptr
 }
 
 template <class T>
-CellTotals total(const T* const (&g)[directions], const CellRows& rows, const std::array<double, 3>& force) {
+CellTotals total(const T* const (&g)[D3Q19::directions], const CellRows& rows,
+                 const std::array<double, 3>& force) {
   constexpr int lanes = vector_bytes / int(sizeof(T));
   const T half_force[] = {T(0.5 * force[0]), T(0.5 * force[1]), T(0.5 * force[2])};
   CellTotals all;

@@ -31,7 +31,7 @@ class PassOrder {
   PassOrder() = default;
   PassOrder(Int3 size, std::size_t bytes_of_a_population, ShellFaces shell = {})
       : all_{0, size.y, 0, size.z} {
-    const std::size_t row = std::size_t(size.x) * directions * bytes_of_a_population;
+    const std::size_t row = std::size_t(size.x) * D3Q19::directions * bytes_of_a_population;
     const int fitting = std::max(8, int(cached_bytes / (3 * row)));
     const int strips = std::max(1, (size.y + fitting / 2) / fitting);
     rows_ = (size.y + strips - 1) / strips;

@@ -8,7 +8,7 @@ namespace silt::lbm::SILT_ISA {
 
 /// Sets the velocity from the differences along and against each pair's first direction, and half the force.
 template <bool source, class V, class T>
-[[gnu::always_inline]] SILT_DEVICE inline void set_velocity(const V (&difference)[pairs],
+[[gnu::always_inline]] SILT_DEVICE inline void set_velocity(const V (&difference)[D3Q19::pairs],
                                                             const CollisionRates<T>& r, V& ux, V& uy, V& uz) {
   const V* const d = difference;
   ux = d[0] + ((d[3] + d[4]) + (d[5] + d[6]));

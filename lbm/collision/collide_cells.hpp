@@ -19,11 +19,11 @@ namespace silt::lbm::SILT_ISA {
 
 template <class T>
 struct Slots {  // A and B of each pair, and the resting populations; a cell is Block::cell elements further
-  T* a[pairs];
-  T* b[pairs];
+  T* a[D3Q19::pairs];
+  T* b[D3Q19::pairs];
   T* rest;
   Slots(Block<T>& block, Parity parity) : rest(block.data() + block.slot(0)) {
-    for (int k = 0; k < pairs; ++k) {
+    for (int k = 0; k < D3Q19::pairs; ++k) {
       a[k] = block.data() + block.arriving(2 * k + 1, parity);
       b[k] = block.data() + block.arriving(2 * k + 2, parity);
     }
@@ -67,20 +67,20 @@ template <class Model, bool source, class V, class T, class Keep, class Watch, c
                                                        const CollisionRates<T>& r, const Keep& keep,
                                                        Watch& watch, const Given& given = {}) {
   constexpr Prefetch prefetch;
-  V sum[pairs + 1], difference[pairs];
+  V sum[D3Q19::pairs + 1], difference[D3Q19::pairs];
   const auto arriving = [&](int i, const T* from) __attribute__((always_inline)) {
     prefetch(from + x);
     return V(given.left(i, load<V>(from + x)));
   };
-  for (int k = 0; k < pairs; ++k) {
+  for (int k = 0; k < D3Q19::pairs; ++k) {
     const V a = arriving(2 * k + 1, slots.a[k]), b = arriving(2 * k + 2, slots.b[k]);
     sum[k] = a + b;
     difference[k] = a - b;
   }
-  sum[pairs] = arriving(0, slots.rest);
+  sum[D3Q19::pairs] = arriving(0, slots.rest);
 
   const auto set_rest = [&](const V& left) __attribute__((always_inline)) {
-    store(slots.rest + x, keep(left, sum[pairs]));
+    store(slots.rest + x, keep(left, sum[D3Q19::pairs]));
   };
   const auto set_pair = [&](int k, const V& p, const V& q) __attribute__((always_inline)) {
     store(slots.a[k] + x, keep(V(p - q), load<V>(slots.a[k] + x)));

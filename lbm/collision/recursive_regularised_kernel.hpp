@@ -27,13 +27,13 @@ struct RecursiveRegularised {
   /// Collides as TwoRelaxationTimes does: the same arguments. What is rounded on the way enters what leaves
   /// with both signs, so that mass and momentum are kept as sums are.
   template <bool source, class V, class T, class SetRest, class SetPair, class See>
-  [[gnu::always_inline]] SILT_DEVICE static void collide(const V (&sum)[pairs + 1],
-                                                         const V (&difference)[pairs],
+  [[gnu::always_inline]] SILT_DEVICE static void collide(const V (&sum)[D3Q19::pairs + 1],
+                                                         const V (&difference)[D3Q19::pairs],
                                                          const CollisionRates<T>& r, SetRest&& set_rest,
                                                          SetPair&& set_pair, See&& see) {
     const V *const s = sum, *const d = difference;
     const V in_xy = s[3] + s[4], in_xz = s[5] + s[6], in_yz = s[7] + s[8];
-    V rho = ((s[0] + s[1]) + (s[2] + sum[pairs])) + (in_xy + (in_xz + in_yz));
+    V rho = ((s[0] + s[1]) + (s[2] + sum[D3Q19::pairs])) + (in_xy + (in_xz + in_yz));
     V ux, uy, uz;
     set_velocity<source>(difference, r, ux, uy, uz);
 

@@ -85,7 +85,7 @@ void take_excess_of_block(Block<T>& block, Parity parity) {
         if (!any_lane(quanta != QuantaLanes<T>{})) continue;
         const auto g = [&](int i) { return load<V>(slots.arriving(i) + x); };
         const auto given = given_up<T>(V(__builtin_convertvector(quanta, V)), block.stress_share(), g);
-        for (int i = 0; i < directions; ++i) store(slots.arriving(i) + x, V(given.left(i, g(i))));
+        for (int i = 0; i < D3Q19::directions; ++i) store(slots.arriving(i) + x, V(given.left(i, g(i))));
         store(block.excess() + x, QuantaLanes<T>{});
       }
       for (; x < end; ++x) take_excess_of_cell(slots, x, block);

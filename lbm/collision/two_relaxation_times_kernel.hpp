@@ -11,12 +11,12 @@ struct TwoRelaxationTimes {
   /// q leaves along the first direction of pair k, p - q against it, and see(the squares of the speeds that
   /// the cells had, times square_scale).
   template <bool source, class V, class T, class SetRest, class SetPair, class See>
-  [[gnu::always_inline]] SILT_DEVICE static void collide(const V (&sum)[pairs + 1],
-                                                         const V (&difference)[pairs],
+  [[gnu::always_inline]] SILT_DEVICE static void collide(const V (&sum)[D3Q19::pairs + 1],
+                                                         const V (&difference)[D3Q19::pairs],
                                                          const CollisionRates<T>& r, SetRest&& set_rest,
                                                          SetPair&& set_pair, See&& see) {
     const V rho = ((sum[0] + sum[1]) + (sum[2] + sum[3])) + ((sum[4] + sum[5]) + (sum[6] + sum[7])) +
-                  (sum[8] + sum[pairs]);
+                  (sum[8] + sum[D3Q19::pairs]);
     V ux, uy, uz;
     set_velocity<source>(difference, r, ux, uy, uz);
     V kx = r.square * ux, ky = r.square * uy, kz = r.square * uz;
@@ -36,7 +36,7 @@ struct TwoRelaxationTimes {
       qz += r.odd_force[2];
     }
 
-    set_rest(V(r.keep_even_twice * sum[pairs] + T(12) * isotropic));
+    set_rest(V(r.keep_even_twice * sum[D3Q19::pairs] + T(12) * isotropic));
     const auto relax = [&](int k, const V& even, const V& odd) __attribute__((always_inline)) {
       set_pair(k, V(r.keep_even * sum[k] + even), V(r.keep_odd * difference[k] + odd));
     };

@@ -2,18 +2,19 @@
 
 namespace silt::lbm {
 
+template <class Lattice>
 Home home_of(const Domain& domain, Int3 g, int j) {
   if (domain.inside(g)) return {HomeKind::slot, g, j};
-  Int3 cell = g, direction = c[j];
+  Int3 cell = g, direction = Lattice::c[j];
   Home pressure{HomeKind::slot, {}, 0};
   for (int d = 0; d < 3; ++d) {
     if (domain.periodic(d) || (cell[d] >= 0 && cell[d] < domain.cells()[d])) continue;
     const bool upper = cell[d] >= domain.cells()[d];
     switch (domain.side(d, upper).kind) {
       case SideKind::bounce:
-        return {HomeKind::bounce, g - c[j], opposite(j), d, upper};
+        return {HomeKind::bounce, g - Lattice::c[j], opposite(j), d, upper};
       case SideKind::pressure:
-        pressure = {HomeKind::outlet, g - c[j], opposite(j), d, upper};
+        pressure = {HomeKind::outlet, g - Lattice::c[j], opposite(j), d, upper};
         break;
       case SideKind::periodic:  // has been left out
         break;
@@ -23,28 +24,36 @@ Home home_of(const Domain& domain, Int3 g, int j) {
     }
   }
   if (pressure.kind == HomeKind::outlet) return pressure;
-  return {HomeKind::slot, domain.wrapped(cell), direction_of(direction)};
+  return {HomeKind::slot, domain.wrapped(cell), direction_of<Lattice>(direction)};
 }
 
+template <class Lattice>
 double wall_addend(const Domain& domain, Int3 sides, int j) {
-  return -6 * w(j) * domain.wall_velocity_along(sides, j);
+  return -6 * Lattice::w(j) * domain.wall_velocity_along(sides, Lattice::c[j]);
 }
 
+template <class Lattice>
 Flight one_step(const Domain& fine, Flight p) {
-  const Int3 g = p.cell + c[p.direction];
-  const Home home = home_of(fine, g, p.direction);
-  if (home.kind == HomeKind::bounce) p.addend += wall_addend(fine, fine.walls_met(g), p.direction);
+  const Int3 g = p.cell + Lattice::c[p.direction];
+  const Home home = home_of<Lattice>(fine, g, p.direction);
+  if (home.kind == HomeKind::bounce) p.addend += wall_addend<Lattice>(fine, fine.walls_met(g), p.direction);
   p.by_outlet |= home.kind == HomeKind::outlet;
   p.cell = home.cell, p.direction = home.direction;
   return p;
 }
 
+template <class Lattice>
 Flight step_back(const Domain& fine, Flight p) {
   p.direction = opposite(p.direction);
-  p = one_step(fine, p);
+  p = one_step<Lattice>(fine, p);
   p.direction = opposite(p.direction);
   return p;
 }
+
+template Home home_of<D3Q19>(const Domain&, Int3, int);
+template double wall_addend<D3Q19>(const Domain&, Int3, int);
+template Flight one_step<D3Q19>(const Domain&, Flight);
+template Flight step_back<D3Q19>(const Domain&, Flight);
 
 const BlockPlace& Leaves::at(Int3 cell) {
   for (const BlockPlace& place : recent_)

@@ -19,9 +19,11 @@ struct Home {
 };
 
 /// Returns the home of the population that left along j into the ghost cell g (global, unwrapped).
+template <class Lattice>
 Home home_of(const Domain& domain, Int3 g, int j);
 
 /// Returns what moving walls add to the population that left along j and meets these sides.
+template <class Lattice>
 double wall_addend(const Domain& domain, Int3 sides, int j);
 
 /// Fine cells have coordinates of their own level, so a coarse cell has those of twice its own and the next.
@@ -40,8 +42,10 @@ struct Flight {
   bool by_outlet = false;  // it met one
 };
 
+template <class Lattice>
 Flight one_step(const Domain& fine, Flight);
 /// Every way can be gone back, walls and images included.
+template <class Lattice>
 Flight step_back(const Domain& fine, Flight);
 
 /// Leaves finds those of cells that lie near one another.

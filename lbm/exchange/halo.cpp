@@ -24,6 +24,7 @@ RowEndKind row_end_kind(const Domain& domain, const CellBox& box, bool upper) {
 
 /// Returns whether the dense pass moves this ghost slot (g local to the block) for good. At a wall it moves
 /// slots as the face does; edges that need another move are listed, and put right after the pass.
+template <class Lattice>
 bool is_row_end(const Domain& domain, const CellBox& box, Int3 g, int j) {
   if (g.x >= 0 && g.x < box.size.x) return false;
   const RowEndKind kind = row_end_kind(domain, box, g.x > 0);
@@ -31,8 +32,8 @@ bool is_row_end(const Domain& domain, const CellBox& box, Int3 g, int j) {
     const Int3 met = domain.walls_met(box.lower + g);
     bool varies = false;  // at an edge: what is alike now need not be so later
     for (int d = 0; d < 3; ++d) varies |= met[d] != 0 && domain.side(d, met[d] > 0).varies;
-    if (varies && met != Int3{c[j].x, 0, 0}) return false;
-    return wall_addend(domain, met, j) == wall_addend(domain, {c[j].x, 0, 0}, j);
+    if (varies && met != Int3{Lattice::c[j].x, 0, 0}) return false;
+    return wall_addend<Lattice>(domain, met, j) == wall_addend<Lattice>(domain, {Lattice::c[j].x, 0, 0}, j);
   }
   const bool own_row = g.y >= 0 && g.y < box.size.y && g.z >= 0 && g.z < box.size.z;
   return kind == RowEndKind::round && own_row;
@@ -40,22 +41,22 @@ bool is_row_end(const Domain& domain, const CellBox& box, Int3 g, int j) {
 
 /// Gives the block its row ends. An even pass has just written the homes of its row, an odd one the ghost
 /// slots that its row's last cell sends to.
-template <class T>
-void add_row_ends(const Domain& domain, Block<T>& block) {
+template <class T, class Lattice>
+void add_row_ends(const Domain& domain, Block<T, Lattice>& block) {
   const int nx = block.size().x;
-  for (int j = 1; j < directions; ++j) {
-    if (c[j].x == 0) continue;
-    const bool upper = c[j].x > 0;
+  for (int j = 1; j < Lattice::directions; ++j) {
+    if (Lattice::c[j].x == 0) continue;
+    const bool upper = Lattice::c[j].x > 0;
     const int ghost = upper ? nx : -1, near = upper ? nx - 1 : 0, far = upper ? 0 : nx - 1;
     const auto at = [&](int x, int i, bool sent) {
-      return block.slot(i) + block.cell(x, sent ? c[j].y : 0, sent ? c[j].z : 0);
+      return block.slot(i) + block.cell(x, sent ? Lattice::c[j].y : 0, sent ? Lattice::c[j].z : 0);
     };
     const RowEndKind kind = row_end_kind(domain, block.box(), upper);
     if (kind == RowEndKind::round) {
       block.add_row_end(Parity::settled, {at(far, j, false), at(ghost, j, false), false, T(0)});
       block.add_row_end(Parity::crossed, {at(ghost, j, true), at(far, j, true), false, T(0)});
     } else if (kind == RowEndKind::wall) {
-      const T addend = T(wall_addend(domain, {c[j].x, 0, 0}, j));
+      const T addend = T(wall_addend<Lattice>(domain, {Lattice::c[j].x, 0, 0}, j));
       block.add_row_end(Parity::settled, {at(near, opposite(j), false), at(ghost, j, true), true, addend});
       block.add_row_end(Parity::crossed, {at(ghost, j, true), at(near, opposite(j), false), true, addend});
     }
@@ -64,12 +65,12 @@ void add_row_ends(const Domain& domain, Block<T>& block) {
 
 }  // namespace
 
-template <class T>
-struct Halo<T>::Builder {
+template <class T, class Lattice>
+struct Halo<T, Lattice>::Builder {
   Halo& halo;
   const Domain& domain;
   int rank;
-  std::span<const Block<T>> blocks;
+  std::span<const Block> blocks;
   std::span<const PassOrder> orders;
   std::map<std::tuple<int, int, bool>, std::vector<std::pair<std::uint32_t, OutletLink>>> outlets = {};
   BlockPlace home_block{-1, {}, -1};  // of the last home: rows stay in one block; maybe of another level
@@ -82,16 +83,16 @@ struct Halo<T>::Builder {
   bool along_y = false;  // slots at a face across x follow one another along y
 
   SlotRun slot(int local_block, Int3 cell, int i) const {
-    const Block<T>& b = blocks[local_block];
+    const Block& b = blocks[local_block];
     return {std::uint32_t(local_block), std::uint32_t(b.slot(i) + b.cell(cell)),
             along_y ? std::int32_t(b.row_stride()) : 1};
   }
 
   void add(const BlockPlace& place, Int3 g, int j) {
     const int here = domain.local_index(place, rank);
-    if (is_row_end(domain, place.box, g, j)) return;
+    if (is_row_end<Lattice>(domain, place.box, g, j)) return;
     along_y = g.y >= 0 && g.y < place.box.size.y && g.z >= 0 && g.z < place.box.size.z;
-    const Home home = home_of(domain, place.box.lower + g, j);
+    const Home home = home_of<Lattice>(domain, place.box.lower + g, j);
     if (home.kind != HomeKind::slot) {
       if (here >= 0) add_wall(here, g, j, home, domain.walls_met(place.box.lower + g));
       return;
@@ -105,7 +106,9 @@ struct Halo<T>::Builder {
       if (blocks[there].data() + from.first != blocks[here].data() + to.first)
         halo.slots_.copied().add(from, to);
     } else if (here >= 0)
-      add_peer(home_place.rank, orders[here], g - c[j]).received(home_place.rank).add(slot(here, g, j));
+      add_peer(home_place.rank, orders[here], g - Lattice::c[j])
+          .received(home_place.rank)
+          .add(slot(here, g, j));
     else if (there >= 0)
       add_peer(place.rank, orders[there], cell).sent(place.rank).add(slot(there, cell, home.direction));
   }
@@ -117,10 +120,10 @@ struct Halo<T>::Builder {
   }
 
   void add_wall(int here, Int3 g, int j, const Home& home, Int3 sides) {
-    const SlotRun from = slot(here, g - c[j], opposite(j)), to = slot(here, g, j);
+    const SlotRun from = slot(here, g - Lattice::c[j], opposite(j)), to = slot(here, g, j);
     if (home.kind == HomeKind::bounce) {
       Walls& walls = halo.walls_;
-      const T addend = T(wall_addend(domain, sides, j));
+      const T addend = T(wall_addend<Lattice>(domain, sides, j));
       const std::pair met(sides, j);
       std::pmr::vector<T>& addends = walls.addends.host();
       const bool is_alike =
@@ -129,15 +132,16 @@ struct Halo<T>::Builder {
     } else {
       const auto part = [](int of) { return std::int8_t(of); };
       outlets[{here, home.axis, home.upper}].push_back(
-          {slot(here, g - c[j], 0).first,
-           {to.first, from.first, part(c[j].x), part(c[j].y), part(c[j].z), norm2(j) > 1}});
+          {slot(here, g - Lattice::c[j], 0).first,
+           {to.first, from.first, part(Lattice::c[j].x), part(Lattice::c[j].y), part(Lattice::c[j].z),
+            norm2(Lattice::c[j]) > 1}});
     }
   }
 
   void build() {
     for (const int b : domain.neighbourhood_of_rank(rank)) {
       const BlockPlace place = domain.block(b);
-      for_ghost_slots(place.box.size, [&](Int3 g, int j) { add(place, g, j); });
+      for_ghost_slots<Lattice>(place.box.size, [&](Int3 g, int j) { add(place, g, j); });
     }
     for (auto& [key, links] : outlets) add_outlet(key, links);
   }
@@ -160,9 +164,9 @@ struct Halo<T>::Builder {
   }
 };
 
-template <class T>
-Halo<T>::Halo(const Domain& domain, MPI_Comm comm, std::span<Block<T>> blocks,
-              std::span<const PassOrder> orders, const std::array<double, 3>& force, Device device)
+template <class T, class Lattice>
+Halo<T, Lattice>::Halo(const Domain& domain, MPI_Comm comm, std::span<Block> blocks,
+                       std::span<const PassOrder> orders, const std::array<double, 3>& force, Device device)
     : force_(force),
       device_(device),
       slots_(comm, 1, device),
@@ -171,7 +175,7 @@ Halo<T>::Halo(const Domain& domain, MPI_Comm comm, std::span<Block<T>> blocks,
       idle_(blocks.size(), 0),
       walls_{SlotPairs(device), Mirror<T>(device)} {
   Builder{*this, domain, parallel::rank_of(comm), blocks, orders}.build();
-  for (Block<T>& block : blocks) {
+  for (Block& block : blocks) {
     add_row_ends(domain, block);
     sources_.host().push_back(block.data()), targets_.host().push_back(block.data());
   }
@@ -179,41 +183,41 @@ Halo<T>::Halo(const Domain& domain, MPI_Comm comm, std::span<Block<T>> blocks,
   sources_.send(), targets_.send();
 }
 
-template <class T>
-void Halo<T>::take_side_velocities(const Domain& domain, std::span<Block<T>> blocks) {
+template <class T, class Lattice>
+void Halo<T, Lattice>::take_side_velocities(const Domain& domain, std::span<Block> blocks) {
   for (std::size_t k = 0; k < walls_.addends.size(); ++k)
-    walls_.addends.host()[k] = T(wall_addend(domain, walls_.met[k].first, walls_.met[k].second));
+    walls_.addends.host()[k] = T(wall_addend<Lattice>(domain, walls_.met[k].first, walls_.met[k].second));
   walls_.addends.send();
-  for (Block<T>& block : blocks) {
+  for (Block& block : blocks) {
     block.clear_row_ends();
     add_row_ends(domain, block);
   }
 }
 
-template <class T>
-void Halo<T>::start(Parity parity) {
+template <class T, class Lattice>
+void Halo<T, Lattice>::start(Parity parity) {
   slots_.start({sources_.device(), sources_.size()}, parity == Parity::settled);
 }
 
-template <class T>
-void Halo<T>::apply_outlet(Block<T>& block, const Outlet& o, Parity parity) const {
+template <class T, class Lattice>
+void Halo<T, Lattice>::apply_outlet(Block& block, const Outlet& o, Parity parity) const {
   ReturnFromOutlet<T> cell{
       block.data(),    {}, o.density_deviation, {}, parity == Parity::crossed, o.cells.device(),
       o.links.device()};
-  for (int i = 1; i < directions; ++i) cell.left[i] = block.leaving(i, parity) - block.slot(0);
+  for (int i = 1; i < Lattice::directions; ++i) cell.left[i] = block.leaving(i, parity) - block.slot(0);
   for (int d = 0; d < 3; ++d) cell.half_force[d] = 0.5 * force_[d];
   if (device_ != Device::cpu) return passes_on<T>(device_).return_from_outlet(cell, o.cells.size());
   for (std::size_t n = 0; n < o.cells.size(); ++n) {
     constexpr std::size_t ahead = 16;  // the cells of a cache line
     if (n + ahead < o.cells.size())
-      for (int i = 1; i < directions; ++i)
+      for (int i = 1; i < Lattice::directions; ++i)
         prefetch_to_read(block.data() + cell.left[i] + cell.cells[n + ahead].cell);
     cell(std::int64_t(n));
   }
 }
 
-template <class T>
-void Halo<T>::exchange(std::span<Block<T>> blocks, std::span<const char> idle, Parity parity) {
+template <class T, class Lattice>
+void Halo<T, Lattice>::exchange(std::span<Block> blocks, std::span<const char> idle, Parity parity) {
   if (!std::ranges::equal(idle, idle_)) {
     idle_.assign(idle.begin(), idle.end());
     for (std::size_t b = 0; b < blocks.size(); ++b) targets_.host()[b] = idle[b] ? nullptr : blocks[b].data();

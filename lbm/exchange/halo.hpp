@@ -28,22 +28,24 @@
 
 namespace silt::lbm {
 
-template <class T>
+template <class T, class Lattice = D3Q19>
 class Halo {
+  using Block = lbm::Block<T, Lattice>;
+
  public:
   /// `blocks` are the local ones, in the order of domain.blocks_of(rank), `orders` those of their passes;
   /// gives the blocks their row ends. `force` is the uniform acceleration.
-  Halo(const Domain&, MPI_Comm, std::span<Block<T>> blocks, std::span<const PassOrder> orders,
+  Halo(const Domain&, MPI_Comm, std::span<Block> blocks, std::span<const PassOrder> orders,
        const std::array<double, 3>& force, Device);
   /// Call when the shells have collided: sends the messages that they alone write. `parity` is that after the
   /// pass.
   void start(Parity parity);
   void progress() { slots_.progress(); }
   /// Call when the pass is done. Nothing moves into an idle block: cut links cover every way into it.
-  void exchange(std::span<Block<T>> blocks, std::span<const char> idle, Parity parity);
+  void exchange(std::span<Block> blocks, std::span<const char> idle, Parity parity);
   void set_force(const std::array<double, 3>& force) { force_ = force; }
   /// Takes the velocities that the sides of the domain have now.
-  void take_side_velocities(const Domain&, std::span<Block<T>> blocks);
+  void take_side_velocities(const Domain&, std::span<Block> blocks);
   /// message_bytes counts as that of SlotExchange does.
   std::size_t message_bytes(bool early_alone = false) const { return slots_.message_bytes(early_alone); }
 
@@ -61,7 +63,7 @@ class Halo {
   };
   struct Builder;
 
-  void apply_outlet(Block<T>&, const Outlet&, Parity) const;
+  void apply_outlet(Block&, const Outlet&, Parity) const;
 
   std::array<double, 3> force_;
   Device device_;

@@ -51,15 +51,16 @@ struct Scales {
 };
 
 /// Turns populations of one lattice into those of another with the same density, velocity and gradients.
-void rescale(double (&g)[directions], const CollisionSpec& from, const CollisionSpec& to,
+void rescale(double (&g)[D3Q19::directions], const CollisionSpec& from, const CollisionSpec& to,
              const Scales& scale) {
-  double rho = 0, u[3] = {from.force[0] / 2, from.force[1] / 2, from.force[2] / 2}, off[directions];
-  for (int i = 0; i < directions; ++i) {
+  double rho = 0, u[3] = {from.force[0] / 2, from.force[1] / 2, from.force[2] / 2}, off[D3Q19::directions];
+  for (int i = 0; i < D3Q19::directions; ++i) {
     rho += g[i];
-    for (int d = 0; d < 3; ++d) u[d] += c[i][d] * g[i];
+    for (int d = 0; d < 3; ++d) u[d] += D3Q19::c[i][d] * g[i];
   }
-  for (int i = 0; i < directions; ++i) off[i] = g[i] - (equilibrium(i, rho, u) - half_push(from.force, i));
-  for (int i = 0; i < directions; ++i) {
+  for (int i = 0; i < D3Q19::directions; ++i)
+    off[i] = g[i] - (equilibrium(i, rho, u) - half_push(from.force, i));
+  for (int i = 0; i < D3Q19::directions; ++i) {
     const double even = (off[i] + off[opposite(i)]) / 2, odd = (off[i] - off[opposite(i)]) / 2;
     g[i] = equilibrium(i, rho, u) - half_push(to.force, i) + scale.even * even + scale.odd * odd;
   }
@@ -84,9 +85,9 @@ class Change {
       const Int3 before = from_.blocks()[part.from_block].box().lower,
                  after = to_.blocks()[part.to_block].box().lower;
       for_cells(part.box.lower, part.box.lower + part.box.size, [&](Int3 x) {
-        double g[directions] = {};
+        double g[D3Q19::directions] = {};
         for_cells(times(x), times(x + Int3{1, 1, 1}), [&](Int3 y) {
-          for (int i = 0; i < directions; ++i) g[i] += from_.arriving(part.from_block, y - before, i);
+          for (int i = 0; i < D3Q19::directions; ++i) g[i] += from_.arriving(part.from_block, y - before, i);
         });
         for (double& sum : g) sum /= ratio_ * ratio_ * ratio_;
         give(part.to_block, x - after, g);
@@ -103,18 +104,18 @@ class Change {
       const Int3 after = to_.blocks()[part.to_block].box().lower;
       for_cells(part.box.lower, part.box.lower + part.box.size, [&](Int3 x) {
         const std::vector<T>& middle = of(x);
-        double slope[3][directions] = {};
+        double slope[3][D3Q19::directions] = {};
         for (int d = 0; d < 3; ++d) {
           Int3 above = x, below = x;
           ++above[d], --below[d];
           const int distance = has(above) + has(below);
           if (distance == 0) continue;
           const std::vector<T>&high = has(above) ? of(above) : middle, &low = has(below) ? of(below) : middle;
-          for (int i = 0; i < directions; ++i) slope[d][i] = (double(high[i]) - low[i]) / distance;
+          for (int i = 0; i < D3Q19::directions; ++i) slope[d][i] = (double(high[i]) - low[i]) / distance;
         }
         for_cells({}, times({1, 1, 1}), [&](Int3 y) {
-          double g[directions];
-          for (int i = 0; i < directions; ++i) {
+          double g[D3Q19::directions];
+          for (int i = 0; i < D3Q19::directions; ++i) {
             g[i] = middle[i];
             for (int d = 0; d < 3; ++d) g[i] += ((y[d] + 0.5) / ratio_ - 0.5) * slope[d][i];
           }
@@ -134,9 +135,9 @@ class Change {
   bool has(Int3 x) const { return values_.contains(key(x)); }
   const std::vector<T>& of(Int3 x) const { return values_.at(key(x)); }
 
-  void give(int block, Int3 cell, double (&g)[directions]) {
+  void give(int block, Int3 cell, double (&g)[D3Q19::directions]) {
     rescale(g, from_.spec(), to_.spec(), scales_);
-    for (int i = 0; i < directions; ++i) to_.arriving(block, cell, i) = T(g[i]);
+    for (int i = 0; i < D3Q19::directions; ++i) to_.arriving(block, cell, i) = T(g[i]);
   }
 
   /// The coarse cells that change, and those beside them.
@@ -168,7 +169,7 @@ class Change {
         slots.add(ends.second, from, ends.first, to, rank_);
       }
     std::vector<T> arrived(next);
-    for (int i = 0; i < directions; ++i) {
+    for (int i = 0; i < D3Q19::directions; ++i) {
       std::vector<const T*> sources;
       for (const Block<T>& block : from_.blocks())
         sources.push_back(block.data() + block.arriving(i, from_.parity()));

@@ -16,25 +16,27 @@ void fetch(SlotExchange<T>& slots, std::span<T* const> arrays) {
   slots.finish(arrays, arrays);
 }
 
-template <class T>
-std::size_t arrays_of(const Fluid<T>& fluid) {
-  return fluid.blocks().size() * directions;
+template <class Field>
+std::size_t arrays_of(const Field& fluid) {
+  return fluid.blocks().size() * Field::Lattice::directions;
 }
 
 /// The arrays of all directions of the blocks: what left by a parity, what arrives; and more.
-template <class T>
-void set_table(std::pmr::vector<T*>& arrays, Fluid<T>& fluid, Parity parity, std::array<T*, 2> more) {
-  for (Block<T>& block : fluid.blocks())
-    for (int i = 0; i < directions; ++i) arrays.push_back(block.data() + block.leaving(i, parity));
-  for (Block<T>& block : fluid.blocks())
-    for (int i = 0; i < directions; ++i) arrays.push_back(block.data() + block.arriving(i, parity));
+template <class T, class Field>
+void set_table(std::pmr::vector<T*>& arrays, Field& fluid, Parity parity, std::array<T*, 2> more) {
+  for (auto& block : fluid.blocks())
+    for (int i = 0; i < Field::Lattice::directions; ++i)
+      arrays.push_back(block.data() + block.leaving(i, parity));
+  for (auto& block : fluid.blocks())
+    for (int i = 0; i < Field::Lattice::directions; ++i)
+      arrays.push_back(block.data() + block.arriving(i, parity));
   arrays.insert(arrays.end(), more.begin(), more.end());
 }
 
 }  // namespace
 
-template <class T>
-LevelBorder<T>::LevelBorder(Fluid<T>& fine, Fluid<T>& coarse, std::pmr::polymorphic_allocator<> memory)
+template <class Field>
+LevelBorder<Field>::LevelBorder(Field& fine, Field& coarse, std::pmr::polymorphic_allocator<> memory)
     : fine_(fine),
       coarse_(coarse),
       before_(fine.comm(), 5, fine.device()),
@@ -56,17 +58,17 @@ LevelBorder<T>::LevelBorder(Fluid<T>& fine, Fluid<T>& coarse, std::pmr::polymorp
     set_table(fine_arrays_[int(parity)], fine, parity, {fine_fetched_[0].data(), fine_fetched_[1].data()});
   }
 }
-template <class T>
-LevelBorder<T>::LevelBorder(Fluid<T>& fine, Fluid<T>& coarse)
+template <class Field>
+LevelBorder<Field>::LevelBorder(Field& fine, Field& coarse)
     : LevelBorder(fine, coarse, memory_of(fine.device())) {}
 
-template <class T>
-void LevelBorder<T>::before_coarse_pass() {
+template <class Field>
+void LevelBorder<Field>::before_coarse_pass() {
   fetch(before_, std::span<T* const>(coarse_arrays_[int(coarse_.parity())]).subspan(arrays_of(coarse_)));
 }
 
-template <class T>
-void LevelBorder<T>::after_coarse_pass() {
+template <class Field>
+void LevelBorder<Field>::after_coarse_pass() {
   const std::pmr::vector<T*>& arrays = coarse_arrays_[int(coarse_.parity())];
   fetch<T>(coarse_left_, arrays);
   now_.coarse_left = arrays.data(), now_.coarse_arriving = arrays.data() + arrays_of(coarse_);
@@ -75,22 +77,22 @@ void LevelBorder<T>::after_coarse_pass() {
   for (const auto& row : carry_) now_.carry(row, 0, row.length);
 }
 
-template <class T>
-void LevelBorder<T>::begin_fine_pass() {
+template <class Field>
+void LevelBorder<Field>::begin_fine_pass() {
   const std::pmr::vector<T*>& arrays = fine_arrays_[int(flipped(fine_.parity()))];
   now_.sub_step = int(fine_.passes() % 2);
   now_.fine_left = arrays.data(), now_.fine_arriving = arrays.data() + arrays_of(fine_);
   by_parts_.assign(ready_.size(), false);
 }
 
-template <class T>
-void LevelBorder<T>::after_part(int block, int part) {
+template <class Field>
+void LevelBorder<Field>::after_part(int block, int part) {
   by_parts_[block] = true;
   do_ready(ready_[block][part]);
 }
 
-template <class T>
-void LevelBorder<T>::end_fine_pass() {
+template <class Field>
+void LevelBorder<Field>::end_fine_pass() {
   for (std::size_t b = 0; b < ready_.size(); ++b)
     for (const Lists& part : ready_[b])
       if (!by_parts_[b]) do_ready(part);
@@ -100,14 +102,14 @@ void LevelBorder<T>::end_fine_pass() {
   for (const auto& row : passing_) now_.pass(row, 0, row.length);
 }
 
-template <class T>
-void LevelBorder<T>::do_ready(const Lists& lists) {
+template <class Field>
+void LevelBorder<Field>::do_ready(const Lists& lists) {
   now_.refer_to(lists);
   for (const Explosion& e : lists.explosions) now_.explode(e, 0, e.length);
   for (const Coalescence& c : lists.coalescences) now_.add_up(c, 0, c.length), now_.coalesce(c, 0, c.length);
 }
 
-template class LevelBorder<float>;
-template class LevelBorder<double>;
+template class LevelBorder<Fluid<float>>;
+template class LevelBorder<Fluid<double>>;
 
 }  // namespace silt::lbm

@@ -18,11 +18,16 @@
 
 namespace silt::lbm {
 
-template <class T>
+/// `Field` is what lies on a level of cells: Fluid<T>, or what has its blocks, domain, parity, passes,
+/// device and half_push.
+template <class Field>
 class LevelBorder {
+  using T = typename Field::Number;
+  using Lattice = typename Field::Lattice;
+
  public:
   /// The fluids of a level and of the next coarser one, of one tree of cuts. Refers to both.
-  LevelBorder(Fluid<T>& fine, Fluid<T>& coarse);
+  LevelBorder(Field& fine, Field& coarse);
 
   /// Call before the pass of the coarse fluid, and when its exchange is done.
   void before_coarse_pass();
@@ -46,12 +51,12 @@ class LevelBorder {
   using Taken = typename Rows::Taken;
   using Lists = BorderLists<T>;
 
-  LevelBorder(Fluid<T>& fine, Fluid<T>& coarse, std::pmr::polymorphic_allocator<> memory);
+  LevelBorder(Field& fine, Field& coarse, std::pmr::polymorphic_allocator<> memory);
   void make_lists();  // level_border_lists.cpp
   bool on_device() const { return fine_.device() != Device::cpu; }
   void do_ready(const Lists&);
 
-  Fluid<T>&fine_, &coarse_;
+  Field &fine_, &coarse_;
   SlotExchange<T> before_, coarse_left_, fine_left_[2];
   std::pmr::vector<T> coarse_before_, coarse_fetched_, fine_fetched_[2], carried_, sums_;
   /// The tables of rows, by parity, then coarse_fetched_ and coarse_before_, or fine_fetched_.

@@ -10,8 +10,8 @@
 
 namespace silt::lbm {
 
-template <class T>
-struct LevelBorder<T>::Builder {
+template <class Field>
+struct LevelBorder<Field>::Builder {
   LevelBorder& border;
   const Domain &fine, &coarse;
   int rank;
@@ -30,28 +30,29 @@ struct LevelBorder<T>::Builder {
 
   /// A population that leaves a fine cell at rest has that much more than a coarse cell would have sent, and
   /// one that arrives lacks as much; a packet that passes a place without a collision lacks twice as much.
-  double by_force(int j) const { return half_push(border.fine_.spec().force, j); }
+  double by_force(int j) const { return border.fine_.half_push(j); }
   bool is_fine(Int3 cell) { return leaves.level(cell) == fine.level(); }
   bool is_coarse(Int3 cell) { return leaves.level(cell) == coarse.level(); }
 
   /// Returns populations of cells of this rank; coarse cells are as many apart as those of the row.
-  Row own_row(const Fluid<T>& fluid, Leaves& of, Int3 cell, int direction) const {
+  Row own_row(const Field& fluid, Leaves& of, Int3 cell, int direction) const {
     const BlockPlace& place = of.at(cell);
     const int b = fluid.domain().local_index(place, rank);
-    const Block<T>& block = fluid.blocks()[b];
+    const auto& block = fluid.blocks()[b];
     const int stride = int(axis == 0 ? 1 : block.row_stride());
-    return {std::uint32_t(b * directions + direction), std::int32_t(block.cell(cell - place.box.lower)),
+    return {std::uint32_t(b * Lattice::directions + direction),
+            std::int32_t(block.cell(cell - place.box.lower)),
             fluid.domain().level() == coarse.level() ? stride : 2 * stride};
   }
   SlotRun run_of(const Row& row) const { return {row.array, std::uint32_t(row.first), row.step, length}; }
   /// The row from which a rank reads what another, or itself, has; lists the message.
-  Row fetched(SlotExchange<T>& slots, const Fluid<T>& fluid, Leaves& of, int user, Int3 cell, int direction,
+  Row fetched(SlotExchange<T>& slots, const Field& fluid, Leaves& of, int user, Int3 cell, int direction,
               std::uint32_t& next, std::uint32_t table, bool returned = false) {
     const int owner = of.at(cell).rank;
     Row row;
     if (owner == rank) {
       row = own_row(fluid, of, cell, direction);
-      if (returned) row.array += std::uint32_t(fluid.blocks().size() * directions);
+      if (returned) row.array += std::uint32_t(fluid.blocks().size() * Lattice::directions);
     }
     if (owner == user) return row;
     if (owner == rank) slots.sent(user).add(run_of(row));
@@ -62,12 +63,12 @@ struct LevelBorder<T>::Builder {
   }
   Row coarse_row(int user, Int3 cell, int direction, bool returned = false) {
     return fetched(border.coarse_left_, border.coarse_, coarse_leaves, user, cell, direction, coarse_next,
-                   std::uint32_t(2 * border.coarse_.blocks().size() * directions), returned);
+                   std::uint32_t(2 * border.coarse_.blocks().size() * Lattice::directions), returned);
   }
   Row fine_row(int user, Int3 cell, int direction, int sub_step) {
     return fetched(border.fine_left_[sub_step], border.fine_, leaves, user, cell, direction,
                    fine_next[sub_step],
-                   std::uint32_t(2 * border.fine_.blocks().size() * directions + sub_step));
+                   std::uint32_t(2 * border.fine_.blocks().size() * Lattice::directions + sub_step));
   }
 
   /// The part of a block after which some rows of fine cells have collided; none if they are of several
@@ -102,7 +103,7 @@ struct LevelBorder<T>::Builder {
       Flight packet{y + y + corner(k), j, 0, -by_force(j)};
       for (int sub_step = 0; sub_step < 2; ++sub_step) {
         if (sub_step == 1) packet.by_force += 2 * by_force(packet.direction);
-        packet = one_step(fine, packet);
+        packet = one_step<Lattice>(fine, packet);
         if (!is_fine(packet.cell)) continue;
         entries.push_back({sub_step, k, packet});
         break;
@@ -197,7 +198,7 @@ struct LevelBorder<T>::Builder {
   std::int32_t before_row(int user, int j) {
     const int owner = coarse_leaves.at(x).rank;
     const SlotRun to{
-        std::uint32_t(border.coarse_.blocks().size() * directions + 1),  // behind coarse_fetched_
+        std::uint32_t(border.coarse_.blocks().size() * Lattice::directions + 1),  // behind coarse_fetched_
         std::uint32_t(border.coarse_before_.size()), 1, length};
     const SlotRun from = owner == rank ? run_of(own_row(border.coarse_, coarse_leaves, x, j)) : SlotRun{0, 0};
     if (owner == rank || user == rank) border.before_.add(owner, from, user, to, rank);
@@ -214,11 +215,11 @@ struct LevelBorder<T>::Builder {
     int by_outlet = 0;
     double addend = 0;
     for (int k = 0; k < 8; ++k) {
-      Flight packet = step_back(fine, {x + x + corner(k), j});
+      Flight packet = step_back<Lattice>(fine, {x + x + corner(k), j});
       int sub_step = 1;
       if (is_coarse(packet.cell)) {
         packet.by_force = 2 * by_force(packet.direction);
-        packet = step_back(fine, packet);
+        packet = step_back<Lattice>(fine, packet);
         sub_step = 0;
       }
       if (!is_fine(packet.cell)) continue;
@@ -231,7 +232,7 @@ struct LevelBorder<T>::Builder {
     }
     if (packets.empty()) return;
     const int user = coarse_leaves.at(x).rank;
-    const Home back = home_of(coarse, x + c[opposite(j)], opposite(j));
+    const Home back = home_of<Lattice>(coarse, x + Lattice::c[opposite(j)], opposite(j));
     const int from_direction = opposite(back.direction);
     const bool from_coarse = coarse.is_of_level(coarse_leaves.at(back.cell));
     const std::vector<Entry> entered =
@@ -283,9 +284,9 @@ struct LevelBorder<T>::Builder {
   void add_passing(int j) {
     for (int k = 0; k < 8; ++k) {
       const Flight middle{x + x + corner(k), j};
-      const Flight from = step_back(fine, middle);
+      const Flight from = step_back<Lattice>(fine, middle);
       if (!is_fine(from.cell)) continue;
-      const Flight to = one_step(fine, middle);
+      const Flight to = one_step<Lattice>(fine, middle);
       if (!is_fine(to.cell)) continue;
       const int user = leaves.at(to.cell).rank;
       typename Rows::Passing one{length,
@@ -311,7 +312,7 @@ struct LevelBorder<T>::Builder {
       bool found = any_outside;
       for (int k = 1; k < 8; ++k) {
         const Int3 v = corner(k);
-        found |= fine[1 + v.z * c[j].z][1 + v.y * c[j].y][1 + v.x * c[j].x];
+        found |= fine[1 + v.z * Lattice::c[j].z][1 + v.y * Lattice::c[j].y][1 + v.x * Lattice::c[j].x];
       }
       return found;
     }
@@ -347,7 +348,7 @@ struct LevelBorder<T>::Builder {
         const Surroundings s = around(x);
         length = std::uint32_t(std::min(s.alike, end[axis] - x[axis]));
         if (!s.any_fine || s.any_far) continue;  // far: it has nothing to do with this rank
-        for (int j = 1; j < directions; ++j) {
+        for (int j = 1; j < Lattice::directions; ++j) {
           const bool enters = s.may_meet(j), comes = s.may_meet(opposite(j));
           if (enters) add_explosion(j);
           if (comes) add_coalescence(j);
@@ -387,11 +388,11 @@ struct LevelBorder<T>::Builder {
   }
 };
 
-template <class T>
-void LevelBorder<T>::make_lists() {
+template <class Field>
+void LevelBorder<Field>::make_lists() {
   Builder{*this, fine_.domain(), coarse_.domain(), parallel::rank_of(fine_.comm())}.build();
 }
-template void LevelBorder<float>::make_lists();
-template void LevelBorder<double>::make_lists();
+template void LevelBorder<Fluid<float>>::make_lists();
+template void LevelBorder<Fluid<double>>::make_lists();
 
 }  // namespace silt::lbm

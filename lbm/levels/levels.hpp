@@ -49,7 +49,7 @@ class Levels {
 
   Fluid<T>& finest_;
   std::vector<std::unique_ptr<Fluid<T>>> coarser_;
-  std::vector<LevelBorder<T>> borders_;  // between a level and the next
+  std::vector<LevelBorder<Fluid<T>>> borders_;  // between a level and the next
   std::vector<double> seconds_;
 };
 

@@ -11,8 +11,8 @@ namespace {
 /// Calls visit(rank, run) for the cells that local blocks of one cut share with blocks of ranks in the other,
 /// in an order that both ends of a message find, however either cuts them. A part of the other that is not
 /// known has cells of the same levels.
-template <class T, class Visit>
-void for_shared_cells(const Fluid<T>& here, const Domain& there, Visit&& visit) {
+template <class Field, class Visit>
+void for_shared_cells(const Field& here, const Domain& there, Visit&& visit) {
   struct Row {
     int block, rank;
     Int3 first;
@@ -33,7 +33,7 @@ void for_shared_cells(const Fluid<T>& here, const Domain& there, Visit&& visit) 
     return std::tie(a.first.z, a.first.y, a.first.x) < std::tie(b.first.z, b.first.y, b.first.x);
   });
   for (const Row& row : rows) {
-    const Block<T>& block = here.blocks()[row.block];
+    const auto& block = here.blocks()[row.block];
     visit(row.rank,
           SlotRun{std::uint32_t(row.block), std::uint32_t(block.cell(row.first - block.box().lower)), 1,
                   std::uint32_t(row.cells)});
@@ -50,12 +50,13 @@ std::vector<T*> arriving(F& fluid, int i) {
 
 }  // namespace
 
-template <class T>
-void move_populations(const Fluid<T>& from, Fluid<T>& to) {
+template <class Field>
+void move_populations(const Field& from, Field& to) {
+  using T = typename Field::Number;
   SlotExchange<T> cells(to.comm(), 4);
   for_shared_cells(from, to.domain(), [&](int rank, const SlotRun& row) { cells.sent(rank).add(row); });
   for_shared_cells(to, from.domain(), [&](int rank, const SlotRun& row) { cells.received(rank).add(row); });
-  for (int i = 0; i < directions; ++i) {
+  for (int i = 0; i < Field::Lattice::directions; ++i) {
     const auto sources = arriving<const T>(from, i);
     cells.start(sources);
     cells.finish(sources, arriving<T>(to, i));

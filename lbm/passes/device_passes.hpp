@@ -23,7 +23,7 @@ struct ListedCells {
     int block;
   };
   struct Block {
-    std::ptrdiff_t arriving[directions], step[directions];
+    std::ptrdiff_t arriving[D3Q19::directions], step[D3Q19::directions];
     T* data;
     ExcessQuanta<T>* excess;
     T stress_share;

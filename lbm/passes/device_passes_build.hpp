@@ -175,8 +175,8 @@ struct GatherMoments {
   SILT_DEVICE void operator()(std::int64_t k) const {
     const auto& cell = of.cells[k];
     const auto& block = of.blocks[cell.block];
-    const T* g[directions];
-    for (int i = 0; i < directions; ++i) g[i] = cell.data + block.arriving[i];
+    const T* g[D3Q19::directions];
+    for (int i = 0; i < D3Q19::directions; ++i) g[i] = cell.data + block.arriving[i];
     const Moments m = block.excess
                           ? moments_of<T>(g, 0, block.excess[cell.data - block.data], block.stress_share)
                           : moments_of<T>(g, 0);
@@ -279,10 +279,10 @@ void gather_moments(const ListedCells<T>& cells, Moments* moments, double* densi
 /// of rows that a member of a team has; returns how many.
 template <class T>
 struct CellsOfTeam {
-  const T* g[directions];  // what arrives at the first cell of a block
+  const T* g[D3Q19::directions];  // what arrives at the first cell of a block
   std::ptrdiff_t row, plane;
   CellsOfTeam(const Block<T>& block, Parity parity) : row(block.row_stride()), plane(block.plane_stride()) {
-    for (int i = 0; i < directions; ++i) g[i] = block.data() + block.arriving(i, parity);
+    for (int i = 0; i < D3Q19::directions; ++i) g[i] = block.data() + block.arriving(i, parity);
   }
   template <class Visit>
   SILT_DEVICE std::int64_t operator()(const LocalRows& rows, Team team, Visit&& visit) const {

@@ -22,7 +22,7 @@ struct OutletCell {
 template <class T>
 struct ReturnFromOutlet {
   T* slots;
-  std::ptrdiff_t left[directions];  // what left along i is so far from the cell's slot
+  std::ptrdiff_t left[D3Q19::directions];  // what left along i is so far from the cell's slot
   double density_deviation, half_force[3];
   bool fill;  // ghosts, else homes
   const OutletCell* cells;
@@ -32,7 +32,7 @@ struct ReturnFromOutlet {
     const OutletCell at = cells[k];
     double u[3] = {half_force[0], half_force[1], half_force[2]};
     const auto add = [&](auto i) {  // a constant: the factors -1, 0, 1 are known to the compiler
-      constexpr Int3 v = c[i];
+      constexpr Int3 v = D3Q19::c[i];
       const double g = slots[left[i] + at.cell];
       if constexpr (v.x != 0) u[0] += v.x * g;
       if constexpr (v.y != 0) u[1] += v.y * g;
@@ -41,11 +41,11 @@ struct ReturnFromOutlet {
     [&]<int... i>(std::integer_sequence<int, i...>) {
       (add(std::integral_constant<int, i + 1>()), ...);
     }
-    (std::make_integer_sequence<int, directions - 1>());
+    (std::make_integer_sequence<int, D3Q19::directions - 1>());
     const double rest = 1.5 * (u[0] * u[0] + u[1] * u[1] + u[2] * u[2]);
     for (std::uint32_t n = at.first; n < at.last; ++n) {
       const OutletLink link = links[n];
-      constexpr double straight = 2 * w(1), diagonal = 2 * w(7);
+      constexpr double straight = 2 * D3Q19::w(1), diagonal = 2 * D3Q19::w(7);
       const double cu = link.x * u[0] + link.y * u[1] + link.z * u[2];
       const double even = density_deviation + 4.5 * cu * cu - rest;
       const T from = slots[fill ? link.home : link.ghost];

@@ -131,12 +131,16 @@ struct BeyondPair {
 /// Components of the directions, two bits each: one look-up for the three.
 struct Components {
   std::int32_t packed[32] = {};
-  constexpr Components() {
-    for (int d = 0; d < 3; ++d)
-      for (int i = 0; i < directions; ++i) packed[i] |= (c[i][d] & 3) << (2 * d);
-  }
 };
-inline constexpr Components components;
+template <class Lattice>
+constexpr Components components_of() {
+  Components all;
+  for (int d = 0; d < 3; ++d)
+    for (int i = 0; i < Lattice::directions; ++i) all.packed[i] |= (Lattice::c[i][d] & 3) << (2 * d);
+  return all;
+}
+template <class Lattice>
+inline constexpr Components components = components_of<Lattice>();
 
 /// The populations of a link along i lie at these slots, by direction, from its cell at Block::middle(). What
 /// passes further away from the surface lies as many steps behind, at either parity: f*_i(x - c_i) at out -
@@ -151,19 +155,19 @@ struct LinkSlots {
 inline constexpr std::int64_t most_cells_with_links = 220'000'000;
 /// The slots at `parity`, which is the block's after the pass. Throws std::invalid_argument for a block too
 /// large for offsets of 32 bits.
-template <class T>
-LinkSlots link_slots(const Block<T>& block, Parity parity) {
+template <class T, class Lattice>
+LinkSlots link_slots(const Block<T, Lattice>& block, Parity parity) {
   const std::ptrdiff_t furthest =
-      block.slot(directions - 1) + block.slot(1) - block.middle() + 2 * block.plane_stride();
+      block.slot(Lattice::directions - 1) + block.slot(1) - block.middle() + 2 * block.plane_stride();
   if (furthest > std::numeric_limits<std::int32_t>::max())
     throw std::invalid_argument("a block of more than 220 million cells; use smaller domain.blocks");
   const auto from_middle = [&](std::ptrdiff_t slot) { return std::int32_t(slot - block.middle()); };
   LinkSlots s;
-  for (int i = 1; i < directions; ++i) {
+  for (int i = 1; i < Lattice::directions; ++i) {
     s.out[i] = from_middle(block.leaving(i, parity));
     s.back[i] = from_middle(block.arriving(opposite(i), parity));
     s.step[i] = std::int32_t(block.step(i));
-    s.components[i] = components.packed[i];
+    s.components[i] = components<Lattice>.packed[i];
   }
   return s;
 }
@@ -221,9 +225,9 @@ struct NextGroup {
 /// The slots of the populations of links that come next: a call lists them for the next group, and the call
 /// for that group finds them (link_fetch.hpp).
 struct ListedLinks {
-  static constexpr int most = 128, most_rows = directions + 2;  // links of a window; slots of a link
-  const LinkGroup* group = nullptr;                             // to which the links belong
-  int count = 0, rows = 0, half = 0;                            // links; slots of one; where they are listed
+  static constexpr int most = 128, most_rows = D3Q19::directions + 2;  // links of a window; slots of a link
+  const LinkGroup* group = nullptr;                                    // to which the links belong
+  int count = 0, rows = 0, half = 0;  // links; slots of one; where they are listed
   alignas(64) std::int32_t slot[2][most * most_rows];
 };
 

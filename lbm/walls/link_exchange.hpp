@@ -42,8 +42,8 @@ SILT_DEVICE typename Lanes<T>::Real velocity_along(const Read& read, const WallF
                                                    const Places<T>& at) {
   typename Lanes<T>::Real momentum[3];
   for (int d = 0; d < 3; ++d) momentum[d] = typename Lanes<T>::Real{} + T(-0.5) * fluid.force[d];
-  for_directions<1>([&](auto j) __attribute__((always_inline)) {
-    constexpr Int3 v = lbm::c[j()];
+  for_directions<D3Q19, 1>([&](auto j) __attribute__((always_inline)) {
+    constexpr Int3 v = lbm::D3Q19::c[j()];
     const auto out = read(out_row + j());
     if constexpr (v.x != 0) momentum[0] += T(v.x) * out;
     if constexpr (v.y != 0) momentum[1] += T(v.y) * out;

@@ -95,7 +95,7 @@ class LinkFetch {
     add(at.cell);
     add(out);
     if (scheme == WallScheme::single_cell_gap) {
-      for (int i = 1; i < directions; ++i) add(at.cell + slots_.out[i]);
+      for (int i = 1; i < D3Q19::directions; ++i) add(at.cell + slots_.out[i]);
     } else if (reads_behind(scheme)) {
       const SlotsBehind<Whole> slots(out, back, L::look_up(slots_.step, at.direction));
       add(slots.behind);

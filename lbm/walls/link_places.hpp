@@ -22,7 +22,8 @@ struct PlaceOrigin {
         offset{T(frame.offset[0]), T(frame.offset[1]), T(frame.offset[2])},
         packed(packed) {}
 #if !defined(SILT_SCALAR)
-  PlaceOrigin(Int3 corner, const SurfaceFrame& frame) : PlaceOrigin(corner, frame, components.packed) {}
+  PlaceOrigin(Int3 corner, const SurfaceFrame& frame)
+      : PlaceOrigin(corner, frame, components<D3Q19>.packed) {}
   PlaceOrigin(const Block<T>& block, Int3 corner, const SurfaceFrame& frame) : PlaceOrigin(corner, frame) {
     row = std::int32_t(block.row_stride());
     plane = std::int32_t(block.plane_stride());
@@ -75,7 +76,9 @@ struct Places {
   }
   SILT_DEVICE V along(const V& x, const V& y, const V& z) const { return c[0] * x + c[1] * y + c[2] * z; }
   /// 6 w of the directions; the first six are the axes.
-  SILT_DEVICE V weight6() const { return L::mask(direction > 6) ? V{} + T(6 * w(7)) : V{} + T(6 * w(1)); }
+  SILT_DEVICE V weight6() const {
+    return L::mask(direction > 6) ? V{} + T(6 * D3Q19::w(7)) : V{} + T(6 * D3Q19::w(1));
+  }
 };
 
 }  // namespace silt::lbm::SILT_ISA

@@ -7,17 +7,18 @@ namespace silt::lbm {
 namespace {
 
 /// Returns the first of the two arrays of a block in which exchange() finds pairs along a direction.
+template <class Lattice>
 std::uint32_t source(int block, int direction) {
-  return 2 * std::uint32_t(block * directions + direction);
+  return 2 * std::uint32_t(block * Lattice::directions + direction);
 }
 
 }  // namespace
 
-template <class T>
-struct PairsAcross<T>::Builder {
+template <class T, class Lattice>
+struct PairsAcross<T, Lattice>::Builder {
   PairsAcross& pairs;
   const Domain& domain;
-  std::span<const Block<T>> blocks;
+  std::span<const Block> blocks;
   BlockPlace behind_block{-1, {}, -1};  // of the last cell behind: rows stay in one block
   struct Entry {
     int block, behind_block, direction, axis;
@@ -34,9 +35,9 @@ struct PairsAcross<T>::Builder {
   }
 
   /// The pair of the link that comes from the ghost cell g, against j.
-  void add(const BlockPlace& place, const PlacesAcross& places, Int3 g, int j) {
-    const Int3 x = g - c[j], behind = domain.wrapped(place.box.lower + g);
-    const int i = opposite(j), axis = PlacesAcross::axis_of(x, i, place.box.size);
+  void add(const BlockPlace& place, const PlacesAcross<Lattice>& places, Int3 g, int j) {
+    const Int3 x = g - Lattice::c[j], behind = domain.wrapped(place.box.lower + g);
+    const int i = opposite(j), axis = PlacesAcross<Lattice>::axis_of(x, i, place.box.size);
     if (!domain.inside(behind)) return;
     if (!behind_block.box.contains(behind)) behind_block = domain.block_at(behind);
     if (!domain.is_of_level(behind_block)) return;
@@ -48,10 +49,10 @@ struct PairsAcross<T>::Builder {
       ++pairs.lines_.back().length;
     } else {
       Line line{here, i, x, axis == 0, 1, behind_block.rank, place.rank, {}, {}};
-      if (here < 0) line.block = there, line.first = one.behind + c[i];
+      if (here < 0) line.block = there, line.first = one.behind + Lattice::c[i];
       if (here >= 0) line.to = {std::uint32_t(here), 2 * places(x, i), 2};
       if (there >= 0)
-        line.from = {source(there, i), std::uint32_t(blocks[there].cell(one.behind)),
+        line.from = {source<Lattice>(there, i), std::uint32_t(blocks[there].cell(one.behind)),
                      std::int32_t(axis == 0 ? blocks[there].row_stride() : 1)};
       pairs.lines_.push_back(line);
     }
@@ -61,17 +62,17 @@ struct PairsAcross<T>::Builder {
   void build() {
     for (const int b : domain.neighbourhood_of_rank(pairs.rank_)) {
       const BlockPlace place = domain.block(b);
-      const PlacesAcross places(place.box.size);
+      const PlacesAcross<Lattice> places(place.box.size);
       if (domain.local_index(place, pairs.rank_) >= 0)
         pairs.pairs_[domain.local_index(place, pairs.rank_)].resize(places.count());
-      for_ghost_slots(place.box.size, [&](Int3 g, int j) { add(place, places, g, j); });
+      for_ghost_slots<Lattice>(place.box.size, [&](Int3 g, int j) { add(place, places, g, j); });
     }
   }
 };
 
-template <class T>
-PairsAcross<T>::PairsAcross(const Domain& domain, MPI_Comm comm, std::span<const Block<T>> blocks,
-                            Device device)
+template <class T, class Lattice>
+PairsAcross<T, Lattice>::PairsAcross(const Domain& domain, MPI_Comm comm, std::span<const Block> blocks,
+                                     Device device)
     : rank_(parallel::rank_of(comm)),
       device_(device),
       slots_(comm, 3, device),
@@ -84,8 +85,8 @@ PairsAcross<T>::PairsAcross(const Domain& domain, MPI_Comm comm, std::span<const
   for (const Line& line : lines_) add(line, 0, line.length);
 }
 
-template <class T>
-void PairsAcross<T>::add(const Line& line, std::uint32_t n, std::uint32_t count) {
+template <class T, class Lattice>
+void PairsAcross<T, Lattice>::add(const Line& line, std::uint32_t n, std::uint32_t count) {
   SlotRun from = line.from, to = line.to;
   from.first += n * std::uint32_t(from.stride), to.first += n * std::uint32_t(to.stride);
   from.length = to.length = count;
@@ -93,13 +94,13 @@ void PairsAcross<T>::add(const Line& line, std::uint32_t n, std::uint32_t count)
     slots_.add(line.from_rank, from, line.to_rank, to, rank_);
 }
 
-template <class T>
-void PairsAcross<T>::exchange(std::span<const Block<T>> blocks, Parity parity) {
-  sources_.host().resize(2 * directions * blocks.size());
+template <class T, class Lattice>
+void PairsAcross<T, Lattice>::exchange(std::span<const Block> blocks, Parity parity) {
+  sources_.host().resize(2 * Lattice::directions * blocks.size());
   for (int b = 0; b < int(blocks.size()); ++b)
-    for (int i = 1; i < directions; ++i) {
-      sources_.host()[source(b, i)] = blocks[b].data() + blocks[b].leaving(opposite(i), parity);
-      sources_.host()[source(b, i) + 1] = blocks[b].data() + blocks[b].arriving(i, parity);
+    for (int i = 1; i < Lattice::directions; ++i) {
+      sources_.host()[source<Lattice>(b, i)] = blocks[b].data() + blocks[b].leaving(opposite(i), parity);
+      sources_.host()[source<Lattice>(b, i) + 1] = blocks[b].data() + blocks[b].arriving(i, parity);
     }
   sources_.send();
   slots_.start({sources_.device(), sources_.size()});

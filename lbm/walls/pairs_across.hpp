@@ -22,19 +22,22 @@ namespace silt::lbm {
 
 /// The places of a block's pairs across (PairsAcross): one for each cell x and direction i with x - c_i
 /// outside the block. Faces of the block are counted whole, so some places are of no cell.
+template <class Lattice>
 class PlacesAcross {
  public:
   explicit PlacesAcross(Int3 block_size) : size_(block_size) {
-    for (int i = 1; i < directions; ++i)
+    for (int i = 1; i < Lattice::directions; ++i)
       for (int d = 0; d < 3; ++d) {
         first_[i][d] = count_;
-        if (c[i][d] != 0) count_ += std::uint32_t(size_[(d + 1) % 3]) * std::uint32_t(size_[(d + 2) % 3]);
+        if (Lattice::c[i][d] != 0)
+          count_ += std::uint32_t(size_[(d + 1) % 3]) * std::uint32_t(size_[(d + 2) % 3]);
       }
   }
   /// The last axis along which a link of a cell enters a block.
   static int axis_of(Int3 cell, int direction, Int3 block_size) {
     int d = 2;
-    while (c[direction][d] == 0 || cell[d] != (c[direction][d] > 0 ? 0 : block_size[d] - 1)) --d;
+    while (Lattice::c[direction][d] == 0 || cell[d] != (Lattice::c[direction][d] > 0 ? 0 : block_size[d] - 1))
+      --d;
     return d;
   }
   /// The cell lies in the block, the one behind it outside.
@@ -48,18 +51,21 @@ class PlacesAcross {
 
  private:
   Int3 size_;
-  std::array<std::array<std::uint32_t, 3>, directions> first_{};  // by direction and the axis of the face
+  std::array<std::array<std::uint32_t, 3>, Lattice::directions>
+      first_{};  // by direction and the axis of the face
   std::uint32_t count_ = 0;
 };
 
 /// The pairs of cells x and directions i with x - c_i outside their block, brought from where x - c_i is. A
 /// pair whose x - c_i is beyond a side of the domain that is not periodic does not exist; it stays 0.
-template <class T>
+template <class T, class Lattice = D3Q19>
 class PairsAcross {
+  using Block = lbm::Block<T, Lattice>;
+
  public:
   /// `blocks` are the local ones, in the order of domain.blocks_of(rank). All pairs come until some are
   /// chosen.
-  PairsAcross(const Domain&, MPI_Comm, std::span<const Block<T>> blocks, Device = Device::cpu);
+  PairsAcross(const Domain&, MPI_Comm, std::span<const Block> blocks, Device = Device::cpu);
   /// Restricts the exchange to the pairs of cut links: of fluid cells x with x + c_i solid; other pairs hold
   /// no value. solid(block, cell, axis) returns 64 cells of a local block along x or y as bits, from `cell`
   /// on, for cells up to two beyond its faces. Each rank calls this function when one of these cells of its
@@ -68,7 +74,7 @@ class PairsAcross {
   template <class Solid>
   void choose(Solid&& solid);
   /// Call after the halo exchange, with the parity of the blocks then. Pairs of an idle block mean nothing.
-  void exchange(std::span<const Block<T>> blocks, Parity);
+  void exchange(std::span<const Block> blocks, Parity);
   /// The pairs of a local block lie in the order of its PlacesAcross.
   const BeyondPair<T>* of(int block) const { return pairs_[block].data(); }
   /// The bytes that this rank sends in one exchange.
@@ -99,16 +105,17 @@ class PairsAcross {
   Mirror<T*> targets_;
 };
 
-template <class T>
+template <class T, class Lattice>
 template <class Solid>
-void PairsAcross<T>::choose(Solid&& solid) {
+void PairsAcross<T, Lattice>::choose(Solid&& solid) {
   slots_.clear();
   for (const Line& line : lines_) {
     const int axis = line.along_y ? 1 : 0;
     for (std::uint32_t n = 0; n < line.length; n += 64) {
       Int3 x = line.first;
       x[axis] += int(n);
-      std::uint64_t cut = ~solid(line.block, x, axis) & solid(line.block, x + c[line.direction], axis);
+      std::uint64_t cut =
+          ~solid(line.block, x, axis) & solid(line.block, x + Lattice::c[line.direction], axis);
       if (line.length - n < 64) cut &= (std::uint64_t{1} << (line.length - n)) - 1;
       while (cut) {
         const int begin = std::countr_zero(cut), count = std::countr_one(cut >> begin);

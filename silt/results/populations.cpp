@@ -176,7 +176,7 @@ template <class T>
 void write_cells(CheckpointWriter& writer, const Case& setup, const coupler::Flow& flow) {
   if (flow.levels() == 1)
     return writer.cells(
-        "populations", storage_of(setup), setup.cells, lbm::directions, boxes_of(flow.fields()),
+        "populations", storage_of(setup), setup.cells, lbm::D3Q19::directions, boxes_of(flow.fields()),
         [&](int q, std::size_t b, void* out) { take(flow.fields(), int(b), q, static_cast<T*>(out), same); });
   const Tiles tiles = tiling_of(setup, flow);
   writer.cells("levels", Storage::byte, tiles.lattice, 1, {tiles.box}, [&](int, std::size_t, void* out) {
@@ -184,8 +184,8 @@ void write_cells(CheckpointWriter& writer, const Case& setup, const coupler::Flo
   });
   flow.for_levels([&](const coupler::FluidFields& fields) {
     const CellList list = list_of(tiles, fields);
-    writer.list(list_name(fields.level()), storage_of(setup), tiles.lattice, lbm::directions, tiles.box,
-                list.counts, [&](int q, void* out) {
+    writer.list(list_name(fields.level()), storage_of(setup), tiles.lattice, lbm::D3Q19::directions,
+                tiles.box, list.counts, [&](int q, void* out) {
                   for (int b = 0; b < fields.blocks(); ++b)
                     take(fields, b, q, static_cast<T*>(out),
                          [&](std::size_t n) { return list.places[b][n]; });
@@ -204,8 +204,8 @@ void read_cells(const CheckpointReader& reader, const Case& setup, coupler::Flow
   for (int level = 0; level < flow.levels(); ++level) {
     coupler::FluidFields& fields = flow.fields(level);
     const CellList list = list_of(tiles, fields);
-    reader.list(list_name(level), storage_of(setup), tiles.lattice, lbm::directions, tiles.box, list.counts,
-                [&](int q, const void* in) {
+    reader.list(list_name(level), storage_of(setup), tiles.lattice, lbm::D3Q19::directions, tiles.box,
+                list.counts, [&](int q, const void* in) {
                   for (int b = 0; b < fields.blocks(); ++b)
                     give(reader, fields, b, q, static_cast<const T*>(in),
                          [&](std::size_t n) { return list.places[b][n]; });
@@ -232,7 +232,7 @@ std::string fault_of_populations(const CheckpointReader& reader, const Case& set
                        has_levels ? "several levels" : "one level");
   const bool fits = has_levels ? reader.lattice("levels") == tiling_of(setup).lattice
                                : reader.lattice("populations") == setup.cells &&
-                                     reader.components("populations") == lbm::directions;
+                                     reader.components("populations") == lbm::D3Q19::directions;
   if (!fits) return "its populations are of another lattice than the case's";
   const Storage storage = storage_of(setup);
   if (reader.is_stored_as(has_levels ? list_name(0) : "populations", storage)) return "";

@@ -126,24 +126,24 @@ void rescale(coupler::FluidFields& fields, const Scales& scales) {
   const double pressure = scales.step * scales.step / scales.density;
   for (int b = 0; b < fields.blocks(); ++b) {
     lbm::CellBox plane{{}, {fields.block(b).size.x, fields.block(b).size.y, 1}};
-    std::array<std::vector<double>, lbm::directions> g;
+    std::array<std::vector<double>, lbm::D3Q19::directions> g;
     for (; plane.lower.z < fields.block(b).size.z; ++plane.lower.z) {
-      for (int i = 0; i < lbm::directions; ++i) {
+      for (int i = 0; i < lbm::D3Q19::directions; ++i) {
         g[i].resize(std::size_t(plane.cells()));
         fields.read(b, plane, i, g[i].data());
       }
       for (std::size_t n = 0; n < g[0].size(); ++n) {
         double rho = 0, j[3] = {};
-        for (int i = 0; i < lbm::directions; ++i) {
+        for (int i = 0; i < lbm::D3Q19::directions; ++i) {
           rho += g[i][n];
-          for (int d = 0; d < 3; ++d) j[d] += lbm::c[i][d] * g[i][n];
+          for (int d = 0; d < 3; ++d) j[d] += lbm::D3Q19::c[i][d] * g[i][n];
         }
         const double scaled[3] = {scales.step * j[0], scales.step * j[1], scales.step * j[2]};
-        for (int i = 0; i < lbm::directions; ++i)
+        for (int i = 0; i < lbm::D3Q19::directions; ++i)
           g[i][n] = lbm::equilibrium(i, pressure * rho, scaled) +
                     scales.off_equilibrium * (g[i][n] - lbm::equilibrium(i, rho, j));
       }
-      for (int i = 0; i < lbm::directions; ++i) fields.write(b, plane, i, g[i].data());
+      for (int i = 0; i < lbm::D3Q19::directions; ++i) fields.write(b, plane, i, g[i].data());
     }
   }
 }

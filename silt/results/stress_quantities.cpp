@@ -40,8 +40,8 @@ void add_particle_stress(const Simulation& simulation, const QuantitySpec& q, st
     const Int3 size = fields.block(b).size, one{1, 1, 1};
     solid.for_each({b, Int3{} - one, size + one}, [&](std::size_t row, Int3 cell, const Vec3& r) {
       if (!q.is_about(bodies.kind[row]) || !is_in(q, bodies.position[row])) return;
-      for (int i = 1; i < lbm::directions; ++i) {
-        const Int3 c = lbm::c[i], x = cell - c;
+      for (int i = 1; i < lbm::D3Q19::directions; ++i) {
+        const Int3 c = lbm::D3Q19::c[i], x = cell - c;
         if (!lbm::CellBox{{}, size}.contains(x) || !fields.is_fluid(b, x)) continue;
         const Vec3 along(c.x, c.y, c.z), arm = r - 0.5 * along;
         const auto [out, back] = fields.link(b, x, i);

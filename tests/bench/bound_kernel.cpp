@@ -15,9 +15,9 @@ void update_in_place(T* data, std::ptrdiff_t stride, std::ptrdiff_t cells, Acces
   using V = typename VectorOf<T>::type;
   constexpr int line = line_bytes / sizeof(T), width = vector_bytes / sizeof(T);
   const std::ptrdiff_t chunk = std::ptrdiff_t(shape.lines) * line, ahead = std::ptrdiff_t(shape.ahead) * line;
-  for (int first = 0; first < lbm::directions; first += shape.streams)
+  for (int first = 0; first < lbm::D3Q19::directions; first += shape.streams)
     for (std::ptrdiff_t x = 0; x < cells; x += chunk)
-      for (int i = first; i < std::min(first + shape.streams, lbm::directions); ++i) {
+      for (int i = first; i < std::min(first + shape.streams, lbm::D3Q19::directions); ++i) {
         T* const p = data + i * stride + x;
         for (std::ptrdiff_t k = 0; k < std::min(chunk, cells - x); k += line) {
           if (ahead) __builtin_prefetch(p + k + ahead, 1);

@@ -60,7 +60,7 @@ std::vector<T> stirred(Device device, const lbm::CollisionSpec& spec, int levels
   flow.step(levels == 1 ? 21 : 12);
   std::vector<T> all;
   flow.for_all([&](lbm::Fluid<T>& fluid, int b, lbm::Int3 x, auto&, int) {
-    for (int i = 0; i < lbm::directions; ++i) all.push_back(fluid.arriving(b, x, i));
+    for (int i = 0; i < lbm::D3Q19::directions; ++i) all.push_back(fluid.arriving(b, x, i));
   });
   return all;
 }
@@ -233,7 +233,8 @@ void measure(Device device, int n, double copied, Figures& out) {
   Spread mlups;
   for (int r = 0; r < 5; ++r) mlups.add(steps * cells / seconds([&] { step(fluid, steps); }) * 1e-6);
   const char* const precision = precision_of<T>;
-  const double share = copied > 0 ? mlups.middle() * 1e6 * 2 * lbm::directions * sizeof(T) / copied : 0;
+  const double share =
+      copied > 0 ? mlups.middle() * 1e6 * 2 * lbm::D3Q19::directions * sizeof(T) / copied : 0;
   printf("%s %d^3: %.0f MLUPS (%.0f to %.0f), %.2f of copying\n", precision, n, mlups.middle(),
          mlups.lowest(), mlups.highest(), share);
   const std::string key = std::string("device.") + precision + "." + std::to_string(n);

@@ -41,7 +41,7 @@ class Textbook {
  public:
   Textbook(int n, const Variant& v, double relaxation_time)
       : variant_(v), arrays_{n, nullptr, nullptr, T(1 / relaxation_time)} {
-    for (auto& p : populations_) p.assign(arrays_.cells() * lbm::directions, T(0));
+    for (auto& p : populations_) p.assign(arrays_.cells() * lbm::D3Q19::directions, T(0));
   }
   /// Without the ghost layer.
   void collide() {
@@ -55,14 +55,15 @@ class Textbook {
     for (int z = -1; z <= n; ++z)
       for (int y = -1; y <= n; ++y)
         for (int x = -1; x <= n; ++x)
-          for (int i = 0; i < lbm::directions; ++i)
+          for (int i = 0; i < lbm::D3Q19::directions; ++i)
             leaving(x, y, z, i) = leaving(wrapped(x), wrapped(y), wrapped(z), i);
   }
   /// Returns the population that has left a cell along i, or is to leave it at the start.
   T& leaving(int x, int y, int z, int i) {
     const std::ptrdiff_t cell = arrays_.cell(x, y, z);
-    return populations_[now_][variant_.layout == Layout::array_of_structures ? cell * lbm::directions + i
-                                                                             : cell + i * arrays_.cells()];
+    return populations_[now_][variant_.layout == Layout::array_of_structures
+                                  ? cell * lbm::D3Q19::directions + i
+                                  : cell + i * arrays_.cells()];
   }
 
  private:
@@ -94,8 +95,8 @@ void require_same_flow(const Variant& variant) {
   });
   const auto wrapped = [](lbm::Int3 x) { return lbm::Int3{(x.x + n) % n, (x.y + n) % n, (x.z + n) % n}; };
   for_cells([&](lbm::Int3 x) {
-    for (int i = 0; i < lbm::directions; ++i) {
-      const lbm::Int3 from = wrapped(x - lbm::c[i]);
+    for (int i = 0; i < lbm::D3Q19::directions; ++i) {
+      const lbm::Int3 from = wrapped(x - lbm::D3Q19::c[i]);
       book.leaving(from.x, from.y, from.z, i) = fluid.arriving(0, x, i);
     }
   });
@@ -106,8 +107,8 @@ void require_same_flow(const Variant& variant) {
   }
   double worst = 0;
   for_cells([&](lbm::Int3 x) {
-    for (int i = 0; i < lbm::directions; ++i) {
-      const lbm::Int3 from = wrapped(x - lbm::c[i]);
+    for (int i = 0; i < lbm::D3Q19::directions; ++i) {
+      const lbm::Int3 from = wrapped(x - lbm::D3Q19::c[i]);
       worst = std::max(worst, std::fabs(double(book.leaving(from.x, from.y, from.z, i)) -
                                         double(fluid.arriving(0, x, i))));
     }
@@ -126,7 +127,7 @@ constexpr const char *production_name = "production, in place", *bound_name = "b
 template <class T>
 void report(Figures& out, const std::string& kernel, int n, int ranks, const Spread& mlups,
             const Spread& bound, double peak) {
-  const double flops = kernel == bound_name ? lbm::directions : flops_per_cell;
+  const double flops = kernel == bound_name ? lbm::D3Q19::directions : flops_per_cell;
   const double gflops = mlups.middle() * flops * 1e-3;
   const double gbytes = mlups.middle() * bytes_per_cell<T> * 1e-3;
   const Spread share = ratio(mlups, bound);

@@ -40,7 +40,7 @@ void run(const Options& o) {
       "%.1f); at "
       "most %.1f\n",
       nx, ny, nz, static_cast<unsigned long long>(s.scene().at_start.body_count), bytes, populations,
-      populations - 4 * lbm::directions, peak);
+      populations - 4 * lbm::D3Q19::directions, peak);
   Figures out;
   out.figures["memory.bytes_per_cell"] = bytes;
   out.figures["memory.peak_bytes_per_cell"] = peak;

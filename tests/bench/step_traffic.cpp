@@ -90,9 +90,9 @@ Sent halo_sent(const lbm::Domain& domain, int rank, int number) {
   Sent sent;
   for_neighbours(domain, rank, [&](const CellBox& theirs) {
     std::int64_t crossing = 0;
-    for (int i = 1; i < lbm::directions; ++i)
-      crossing += shared_cells(mine, lbm::c[i], theirs, domain.cells()) +
-                  shared_cells(theirs, lbm::c[i], mine, domain.cells());
+    for (int i = 1; i < lbm::D3Q19::directions; ++i)
+      crossing += shared_cells(mine, lbm::D3Q19::c[i], theirs, domain.cells()) +
+                  shared_cells(theirs, lbm::D3Q19::c[i], mine, domain.cells());
     if (crossing > 0) sent += {1, 0.5 * double(crossing) * number};
   });
   return sent;
@@ -108,11 +108,11 @@ Sent pairs_sent(const Simulation& simulation, int number) {
   };
   const CellBox mine = domain.block(scene.rank).box;
   std::map<int, int> pairs;  // by rank
-  for (int i = 1; i < lbm::directions; ++i)
+  for (int i = 1; i < lbm::D3Q19::directions; ++i)
     for_cells_at_faces(mine, [&](Int3 behind) {
-      const Int3 x = behind + lbm::c[i];
+      const Int3 x = behind + lbm::D3Q19::c[i];
       const int reader = domain.block_at(domain.wrapped(x)).rank;
-      if (reader != scene.rank && !is_solid(x) && is_solid(x + lbm::c[i])) ++pairs[reader];
+      if (reader != scene.rank && !is_solid(x) && is_solid(x + lbm::D3Q19::c[i])) ++pairs[reader];
     });
   Sent sent;
   for (const auto& [rank, count] : pairs) sent += {1, 2.0 * count * number};

@@ -11,7 +11,7 @@ using namespace lbm;
 /// Slot of population i of a cell.
 template <Layout layout, class T>
 inline std::ptrdiff_t slot(const TwoArrays<T>& a, std::ptrdiff_t cell, int i) {
-  return layout == Layout::array_of_structures ? cell * directions + i : cell + i * a.cells();
+  return layout == Layout::array_of_structures ? cell * D3Q19::directions + i : cell + i * a.cells();
 }
 
 template <Layout layout, class T>
@@ -19,14 +19,16 @@ void straightforward(const TwoArrays<T>& a) {
   for (int z = 0; z < a.n; ++z)
     for (int y = 0; y < a.n; ++y)
       for (int x = 0; x < a.n; ++x) {
-        T g[directions], rho = 0, ux = 0, uy = 0, uz = 0;
-        for (int i = 0; i < directions; ++i) {
-          g[i] = a.from[slot<layout>(a, a.cell(x - c[i].x, y - c[i].y, z - c[i].z), i)];
-          rho += g[i], ux += T(c[i].x) * g[i], uy += T(c[i].y) * g[i], uz += T(c[i].z) * g[i];
+        T g[D3Q19::directions], rho = 0, ux = 0, uy = 0, uz = 0;
+        for (int i = 0; i < D3Q19::directions; ++i) {
+          g[i] = a.from[slot<layout>(a, a.cell(x - D3Q19::c[i].x, y - D3Q19::c[i].y, z - D3Q19::c[i].z), i)];
+          rho += g[i], ux += T(D3Q19::c[i].x) * g[i], uy += T(D3Q19::c[i].y) * g[i],
+              uz += T(D3Q19::c[i].z) * g[i];
         }
-        for (int i = 0; i < directions; ++i) {
-          const T cu = T(c[i].x) * ux + T(c[i].y) * uy + T(c[i].z) * uz, u2 = ux * ux + uy * uy + uz * uz;
-          const T equilibrium = T(w(i)) * (rho + T(3) * cu + T(4.5) * cu * cu - T(1.5) * u2);
+        for (int i = 0; i < D3Q19::directions; ++i) {
+          const T cu = T(D3Q19::c[i].x) * ux + T(D3Q19::c[i].y) * uy + T(D3Q19::c[i].z) * uz,
+                  u2 = ux * ux + uy * uy + uz * uz;
+          const T equilibrium = T(D3Q19::w(i)) * (rho + T(3) * cu + T(4.5) * cu * cu - T(1.5) * u2);
           a.to[slot<layout>(a, a.cell(x, y, z), i)] = g[i] - a.omega * (g[i] - equilibrium);
         }
       }
@@ -34,20 +36,20 @@ void straightforward(const TwoArrays<T>& a) {
 
 template <Layout layout, class T>
 void optimised_row(const TwoArrays<T>& a, int y, int z) {
-  constexpr int step = layout == Layout::array_of_structures ? directions : 1;
-  const T* from[directions];
-  T* to[directions];
-  for (int i = 0; i < directions; ++i) {
-    from[i] = a.from + slot<layout>(a, a.cell(-c[i].x, y - c[i].y, z - c[i].z), i);
+  constexpr int step = layout == Layout::array_of_structures ? D3Q19::directions : 1;
+  const T* from[D3Q19::directions];
+  T* to[D3Q19::directions];
+  for (int i = 0; i < D3Q19::directions; ++i) {
+    from[i] = a.from + slot<layout>(a, a.cell(-D3Q19::c[i].x, y - D3Q19::c[i].y, z - D3Q19::c[i].z), i);
     to[i] = a.to + slot<layout>(a, a.cell(0, y, z), i);
   }
 #pragma GCC ivdep
   for (std::ptrdiff_t x = 0; x < a.n * step; x += step) {
-    T sum[pairs], difference[pairs];
+    T sum[D3Q19::pairs], difference[D3Q19::pairs];
     const T rest = from[0][x];
     T rho = rest;
 #pragma GCC unroll 9
-    for (int k = 0; k < pairs; ++k) {
+    for (int k = 0; k < D3Q19::pairs; ++k) {
       const T g = from[2 * k + 1][x], h = from[2 * k + 2][x];
       sum[k] = g + h, difference[k] = g - h;
       rho += sum[k];
@@ -56,11 +58,11 @@ void optimised_row(const TwoArrays<T>& a, int y, int z) {
     const T ux = d[0] + ((d[3] + d[4]) + (d[5] + d[6])), uy = d[1] + ((d[3] - d[4]) + (d[7] + d[8])),
             uz = d[2] + ((d[5] - d[6]) + (d[7] - d[8]));
     const T base = rho - T(1.5) * (ux * ux + uy * uy + uz * uz), keep = T(0.5) * (1 - a.omega);
-    const T along[pairs] = {ux, uy, uz, ux + uy, ux - uy, ux + uz, ux - uz, uy + uz, uy - uz};
-    to[0][x] = rest - a.omega * (rest - T(w(0)) * base);
+    const T along[D3Q19::pairs] = {ux, uy, uz, ux + uy, ux - uy, ux + uz, ux - uz, uy + uz, uy - uz};
+    to[0][x] = rest - a.omega * (rest - T(D3Q19::w(0)) * base);
 #pragma GCC unroll 9
-    for (int k = 0; k < pairs; ++k) {
-      const T weight = a.omega * T(w(2 * k + 1)), cu = along[k];
+    for (int k = 0; k < D3Q19::pairs; ++k) {
+      const T weight = a.omega * T(D3Q19::w(2 * k + 1)), cu = along[k];
       const T even = keep * sum[k] + weight * (base + T(4.5) * cu * cu),
               odd = keep * d[k] + T(3) * weight * cu;
       to[2 * k + 1][x] = even + odd, to[2 * k + 2][x] = even - odd;

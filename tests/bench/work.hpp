@@ -12,7 +12,7 @@ namespace silt::bench {
 /// force). The compiled loop of the 256-bit build has as many.
 inline constexpr double flops_per_cell = 141, flops_per_cell_with_force = 158;
 template <class T>
-inline constexpr double bytes_per_cell = 2 * lbm::directions * sizeof(T);
+inline constexpr double bytes_per_cell = 2 * lbm::D3Q19::directions * sizeof(T);
 
 /// A number that counts what is done with it.
 struct Counted {

@@ -114,7 +114,7 @@ void set_cells(Flow& flow, Of&& of) {
     FluidFields& fields = flow.fields(level);
     for_each_cell(fields, [&](int b, lbm::Int3 x, lbm::Int3 cell) {
       const auto [density, u] = of(fields, cell);
-      for (int i = 0; i < lbm::directions; ++i)
+      for (int i = 0; i < lbm::D3Q19::directions; ++i)
         set_arriving(fields, b, x, i, lbm::equilibrium(i, density, u.data()));
     });
   }

@@ -57,7 +57,7 @@ std::uint64_t reference_hash() {
 /// Gives every cell of this rank populations of 100.
 void overfill(FluidFields& fields) {
   for_each_cell(fields, [&](int b, lbm::Int3 x, lbm::Int3) {
-    for (int i = 1; i < lbm::directions; ++i) set_arriving(fields, b, x, i, 100);
+    for (int i = 1; i < lbm::D3Q19::directions; ++i) set_arriving(fields, b, x, i, 100);
   });
 }
 
@@ -220,9 +220,9 @@ TEST(CoupledStep, SolidCellsAreNeverRead) {
     for_each_cell(fields, [&](int b, lbm::Int3 x, lbm::Int3) {
       const lbm::CellBox inside{{}, fields.block(b).size};
       if (fields.is_fluid(b, x)) return;
-      for (int i = 0; i < lbm::directions; ++i) {
+      for (int i = 0; i < lbm::D3Q19::directions; ++i) {
         // only slots that no fluid cell's link uses: from solid to solid
-        const lbm::Int3 from = x - lbm::c[i];
+        const lbm::Int3 from = x - lbm::D3Q19::c[i];
         if (inside.contains(from) && !fields.is_fluid(b, from))
           set_arriving(fields, b, x, i, std::nan("")), ++poisoned_slots;
       }

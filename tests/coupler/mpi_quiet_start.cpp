@@ -69,7 +69,7 @@ void expect_still(const std::string& coarsening) {
     for_each_cell(fields, [&](int b, lbm::Int3 x, lbm::Int3 global) {
       if (!fields.is_fluid(b, x)) return;
       double density = 0;
-      for (int i = 0; i < lbm::directions; ++i) density += arriving(fields, b, x, i);
+      for (int i = 0; i < lbm::D3Q19::directions; ++i) density += arriving(fields, b, x, i);
       off = std::max(off, std::abs(density - 3 * force * (fields.centre(global).z() - height / 2)));
     });
   });

@@ -15,7 +15,8 @@ inline void stir(FluidFields& fields, double speed) {
   for_each_cell(fields, [&](int b, lbm::Int3 x, lbm::Int3) {
     std::array<double, 3> v;
     for (double& component : v) component = u(random);
-    for (int i = 0; i < lbm::directions; ++i) set_arriving(fields, b, x, i, lbm::equilibrium(i, 0, v.data()));
+    for (int i = 0; i < lbm::D3Q19::directions; ++i)
+      set_arriving(fields, b, x, i, lbm::equilibrium(i, 0, v.data()));
   });
 }
 

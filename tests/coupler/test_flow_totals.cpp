@@ -65,9 +65,10 @@ void expect_runs_to_be_their_cells() {
   for_cells({}, cells, [&](lbm::Int3 x) {
     const bool solid = x.z < 3 && (x.y == 2 || (x.x + 3 * x.y) % 71 < x.z * 20 || (x.y == 3 && x.x > 140));
     if (solid) map.solid.set(x);
-    for (int i = 0; i < lbm::directions; ++i) fluid.arriving(0, x, i) = T(solid ? std::nan("") : any(random));
+    for (int i = 0; i < lbm::D3Q19::directions; ++i)
+      fluid.arriving(0, x, i) = T(solid ? std::nan("") : any(random));
     if (x == lbm::Int3{30, 1, 1} || x == lbm::Int3{99, 0, 0}) {  // two alike: the first is told
-      for (int i = 0; i < lbm::directions; ++i) fluid.arriving(0, x, i) = T(i == 2 ? -0.5 : 0);
+      for (int i = 0; i < lbm::D3Q19::directions; ++i) fluid.arriving(0, x, i) = T(i == 2 ? -0.5 : 0);
     }
     const lbm::Moments m = fluid.moments(0, x);
     if (!solid) one_by_one.add(x, m, fluid.velocity(m));

@@ -53,15 +53,16 @@ struct LevelledFlow {
       std::array<Vector, 3> gradient{};
       flow(at, rho, u, gradient);
       const Vector f = fluid.spec().force;
-      for (int i = 0; i < directions; ++i) {
+      for (int i = 0; i < D3Q19::directions; ++i) {
         double stretch = 0, divergence = 0, push = 0;
         for (int d = 0; d < 3; ++d) {
-          divergence += gradient[d][d], push += c[i][d] * f[d];
-          for (int e = 0; e < 3; ++e) stretch += c[i][d] * c[i][e] * gradient[e][d];
+          divergence += gradient[d][d], push += D3Q19::c[i][d] * f[d];
+          for (int e = 0; e < 3; ++e) stretch += D3Q19::c[i][d] * D3Q19::c[i][e] * gradient[e][d];
         }
-        fluid.arriving(b, x, i) = T(
-            equilibrium(i, rho, u.data()) -
-            3 * w(i) * (fluid.spec().relaxation_time * (1 << level) * (stretch - divergence / 3) + push / 2));
+        fluid.arriving(b, x, i) =
+            T(equilibrium(i, rho, u.data()) -
+              3 * D3Q19::w(i) *
+                  (fluid.spec().relaxation_time * (1 << level) * (stretch - divergence / 3) + push / 2));
       }
     });
   }
@@ -82,7 +83,7 @@ struct LevelledFlow {
   std::uint64_t fingerprint() {
     std::uint64_t sum = 0, all = 0;
     for_all([&](Fluid<T>& fluid, int b, Int3 x, const Vector& at, int) {
-      for (int i = 0; i < directions; ++i) {
+      for (int i = 0; i < D3Q19::directions; ++i) {
         std::uint64_t h = std::bit_cast<std::uint64_t>(double(fluid.arriving(b, x, i)));
         h ^= std::bit_cast<std::uint64_t>((at[2] * 1009 + at[1]) * 1009 + at[0]) * 19 +
              i * 0x9E3779B97F4A7C15u;

@@ -35,8 +35,8 @@ CutLinks<T> walls_above_planes(WallScheme scheme) {
     const LinkGroup group{
         std::uint32_t(links.place.size()), links_of_wall[wall], scheme, {0, 0, 2 + wall * spacing}, 0};
     for (std::uint32_t left = group.count, n = 0; left > 0; ++n) {
-      const int i = 1 + int(n) % (directions - 1), cell = int(n) / (directions - 1);
-      if (c[i].z != 1) continue;
+      const int i = 1 + int(n) % (D3Q19::directions - 1), cell = int(n) / (D3Q19::directions - 1);
+      if (D3Q19::c[i].z != 1) continue;
       links.place.push_back(link_place({1 + cell % (side - 2), 1 + cell / (side - 2), 0}, i)), --left;
       links.q.push_back(T(0.05 + 0.9 * ((n * 7 + unsigned(wall)) % 31) / 31.0));
     }
@@ -107,8 +107,8 @@ CutLinks<T> links_that_change(WallScheme scheme) {
   links.frame = {{block_edge / 2, block_edge / 2, 0}, {0.2, -0.3, 0.1}, 40, true};
   const LinkGroup group{0, 301, scheme, {0, 0, 5}, 0};
   for (std::uint32_t n = 0; links.place.size() < group.count; ++n) {
-    const int i = 1 + int(n) % (directions - 1), cell = int(n) / (directions - 1);
-    if (c[i].z != 1) continue;
+    const int i = 1 + int(n) % (D3Q19::directions - 1), cell = int(n) / (D3Q19::directions - 1);
+    if (D3Q19::c[i].z != 1) continue;
     links.place.push_back(link_place({1 + cell % (block_edge - 2), 1 + cell / (block_edge - 2), 0}, i));
     links.q.push_back(T(double((n * 7) % 31) / 30));
     links.rate.push_back(T(0.02 * std::sin(double(n))));
@@ -178,8 +178,8 @@ template <class T>
 CutLinks<T> wall_links(WallScheme scheme) {
   CutLinks<T> links;
   links.frame = {{edge / 2, edge / 2, 5}, {0.21, -0.34, 0.17}, 40, true};
-  for (int i = 1; i < directions; ++i)
-    for (int y = 1; c[i].z == 1 && y < edge - 1; ++y)
+  for (int i = 1; i < D3Q19::directions; ++i)
+    for (int y = 1; D3Q19::c[i].z == 1 && y < edge - 1; ++y)
       for (int x = 1; x < edge - 1; ++x) {
         links.place.push_back(link_place({x, y, 0}, i));
         links.q.push_back(T(0.05 + 0.9 * ((x * 7 + y * 13 + i) % 31) / 31.0));

@@ -49,7 +49,7 @@ template <class T>
 std::uint64_t fingerprint(Fluid<T>& fluid) {
   std::uint64_t sum = 0, all = 0;
   for_cells(fluid, [&](int b, Int3 x, Int3 g) {
-    for (int i = 0; i < directions; ++i) {
+    for (int i = 0; i < D3Q19::directions; ++i) {
       std::uint64_t h = std::bit_cast<std::uint64_t>(double(fluid.arriving(b, x, i)));
       h ^= std::uint64_t(((g.z * 1009 + g.y) * 1009 + g.x) * 19 + i) * 0x9E3779B97F4A7C15u;
       h ^= h >> 31, h *= 0xBF58476D1CE4E5B9u, h ^= h >> 29;
@@ -178,8 +178,9 @@ double taylor_green_error(int n) {
     // the non-equilibrium part, -tau w_i 3 (c c : grad u): else the start is only first order
     const double xk = k * (g.x + 0.5), zk = k * (g.z + 0.5), tau = 0.5 + 3 * nu;
     const double dxu = u0 * k * std::sin(xk) * std::sin(zk), dzw = -u0 * k * std::sin(xk) * std::sin(zk);
-    for (int i = 0; i < directions; ++i)
-      fluid.arriving(b, x, i) -= tau * w(i) * 3 * (c[i].x * c[i].x * dxu + c[i].z * c[i].z * dzw);
+    for (int i = 0; i < D3Q19::directions; ++i)
+      fluid.arriving(b, x, i) -=
+          tau * D3Q19::w(i) * 3 * (D3Q19::c[i].x * D3Q19::c[i].x * dxu + D3Q19::c[i].z * D3Q19::c[i].z * dzw);
   });
   const int steps = int(0.5 / (nu * k * k)) / 2 * 2;
   for (int t = 0; t < steps; ++t) step(fluid);
@@ -364,8 +365,9 @@ double wrong_at_first(const std::array<SideCondition, 6>& s, Expected&& expected
   step(fluid);
   double wrong = 0;
   for_cells(fluid, [&](int b, Int3 x, Int3 at) {
-    for (int i = 1; i < directions; ++i)
-      wrong = std::max(wrong, std::fabs(fluid.arriving(b, x, i) - 6 * w(i) * expected(at - c[i], i)));
+    for (int i = 1; i < D3Q19::directions; ++i)
+      wrong = std::max(wrong,
+                       std::fabs(fluid.arriving(b, x, i) - 6 * D3Q19::w(i) * expected(at - D3Q19::c[i], i)));
   });
   return largest_of_ranks(wrong);
 }
@@ -388,7 +390,7 @@ TEST(Fluid, ASideThatSlidesLeavesItsEdgesAtRest) {
           int met = 0;
           for (int d = 0; d < 3; ++d) met += from[d] < 0 || from[d] >= closed[d];
           const bool off_lid = upper ? from[axis] >= closed[axis] : from[axis] < 0;
-          return off_lid && met == 1 ? c[i][along] * speed : 0;
+          return off_lid && met == 1 ? D3Q19::c[i][along] * speed : 0;
         };
         EXPECT_LT(wrong_at_first(one_moves(axis, upper, along, speed), expected), 1e-15)
             << axis << upper << along;

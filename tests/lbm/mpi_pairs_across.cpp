@@ -148,11 +148,11 @@ class Populations {
  public:
   template <class T, class Get>  // get(block, local cell, direction)
   Populations(const Fluid<T>& fluid, Get&& get) : cells_(fluid.domain().cells()) {
-    values_.resize(std::size_t(cells_.x) * cells_.y * cells_.z * directions);
+    values_.resize(std::size_t(cells_.x) * cells_.y * cells_.z * D3Q19::directions);
     for (int b = 0; b < int(fluid.blocks().size()); ++b) {
       const CellBox& box = fluid.blocks()[b].box();
       for_cells(box.size, [&](Int3 x) {
-        for (int i = 0; i < directions; ++i) values_[index(box.lower + x, i)] = get(b, x, i);
+        for (int i = 0; i < D3Q19::directions; ++i) values_[index(box.lower + x, i)] = get(b, x, i);
       });
     }
     MPI_Allreduce(MPI_IN_PLACE, values_.data(), int(values_.size()), MPI_DOUBLE, MPI_SUM, fluid.comm());
@@ -161,7 +161,7 @@ class Populations {
 
  private:
   std::size_t index(Int3 x, int i) const {
-    return ((std::size_t(x.z) * cells_.y + x.y) * cells_.x + x.x) * directions + i;
+    return ((std::size_t(x.z) * cells_.y + x.y) * cells_.x + x.x) * D3Q19::directions + i;
   }
   Int3 cells_;
   std::vector<double> values_;
@@ -178,7 +178,7 @@ struct Solid {
     const Int3 x = domain.wrapped(cell);
     return !domain.inside(x) || disturbance(x, 0) < -0.01 / 3;
   }
-  bool cuts(Int3 cell, int i) const { return !at(cell) && at(cell + c[i]); }
+  bool cuts(Int3 cell, int i) const { return !at(cell) && at(cell + D3Q19::c[i]); }
   std::uint64_t cells_from(Int3 cell, int axis) const {
     std::uint64_t bits = 0;
     for (int n = 0; n < 64; ++n, ++cell[axis]) bits |= std::uint64_t(at(cell)) << n;
@@ -195,11 +195,12 @@ Count compare(const Fluid<T>& fluid, const PairsAcross<T>& pairs, const Solid* s
   Count count;
   for (int b = 0; b < int(fluid.blocks().size()); ++b) {
     const CellBox& box = fluid.blocks()[b].box();
-    const PlacesAcross place(box.size);
+    const PlacesAcross<D3Q19> place(box.size);
     for_cells(box.size, [&](Int3 x) {
-      for (int i = 1; i < directions; ++i) {
-        const Int3 near = domain.wrapped(box.lower + x - c[i]), far = domain.wrapped(near - c[i]);
-        if (CellBox{{}, box.size}.contains(x - c[i]) || !domain.inside(near)) continue;
+      for (int i = 1; i < D3Q19::directions; ++i) {
+        const Int3 near = domain.wrapped(box.lower + x - D3Q19::c[i]),
+                   far = domain.wrapped(near - D3Q19::c[i]);
+        if (CellBox{{}, box.size}.contains(x - D3Q19::c[i]) || !domain.inside(near)) continue;
         if (solid && !solid->cuts(box.lower + x, i)) continue;
         const BeyondPair<T> pair = pairs.of(b)[place(x, i)];
         const double toward = domain.inside(far) ? sent.at(far, i) : arrived.at(near, i);
@@ -223,7 +224,7 @@ void pairs_are_right(const Layout& layout, const CutTree& cut, bool chosen) {
     pairs.choose([&](int b, Int3 x, int axis) { return solid.cells_from(blocks[b].box().lower + x, axis); });
   for (int b = 0; b < int(blocks.size()); ++b)
     for_cells(blocks[b].size(), [&](Int3 x) {
-      for (int i = 0; i < directions; ++i)
+      for (int i = 0; i < D3Q19::directions; ++i)
         fluid.arriving(b, x, i) = T(disturbance(blocks[b].box().lower + x, i));
     });
   for (int step = 0; step < 4; ++step) {
@@ -273,8 +274,8 @@ TEST(PairsAcross, MoveForCutLinksAlone) {
     int read = 0;  // from other ranks
     for (const Block<float>& block : fluid.blocks())
       for_cells(block.size(), [&](Int3 x) {
-        for (int i = 1; i < directions; ++i) {
-          const Int3 cell = block.box().lower + x, near = domain.wrapped(cell - c[i]);
+        for (int i = 1; i < D3Q19::directions; ++i) {
+          const Int3 cell = block.box().lower + x, near = domain.wrapped(cell - D3Q19::c[i]);
           read += domain.inside(near) && domain.block_at(near).rank != tests::rank() && solid.cuts(cell, i);
         }
       });

@@ -19,7 +19,7 @@ namespace {
 
 using Vector = std::array<double, 3>;
 using Tensor = std::array<Vector, 3>;
-using Populations = std::array<double, directions>;
+using Populations = std::array<double, D3Q19::directions>;
 
 constexpr double rounding = 1e-15;  // populations are of the size of 0.01
 
@@ -27,7 +27,7 @@ double delta(int a, int b) {
   return a == b;
 }
 double along(int i, int d) {
-  return c[i][d];
+  return D3Q19::c[i][d];
 }
 double third_order(int i, int a, int b, int e) {
   return along(i, a) * along(i, b) * along(i, e) -
@@ -70,14 +70,15 @@ Populations regularised(const Populations& g, const CollisionSpec& spec) {
   double rho = 0;
   Vector u{};
   Tensor off{};  // the stress off equilibrium, without its trace
-  for (int i = 0; i < directions; ++i) {
+  for (int i = 0; i < D3Q19::directions; ++i) {
     rho += g[i];
     for (int d = 0; d < 3; ++d) u[d] += along(i, d) * g[i];
   }
   for (int d = 0; d < 3; ++d) u[d] += force[d] / 2;
   for (int a = 0; a < 3; ++a)
     for (int b = 0; b < 3; ++b) {
-      for (int i = 0; i < directions; ++i) off[a][b] += (along(i, a) * along(i, b) - delta(a, b) / 3) * g[i];
+      for (int i = 0; i < D3Q19::directions; ++i)
+        off[a][b] += (along(i, a) * along(i, b) - delta(a, b) / 3) * g[i];
       off[a][b] -= u[a] * u[b];
     }
   const double trace = (off[0][0] + off[1][1] + off[2][2]) / 3;
@@ -93,7 +94,7 @@ Populations regularised(const Populations& g, const CollisionSpec& spec) {
   };
   const auto third = [&](int a, int b, int e) {
     double sum = 0;
-    for (int i = 0; i < directions; ++i) sum += keep_third * third_order(i, a, b, e) * g[i];
+    for (int i = 0; i < D3Q19::directions; ++i) sum += keep_third * third_order(i, a, b, e) * g[i];
     const auto follows = [&](int d, int x, int y) {
       return u[d] * ((keep - keep_third) * off[x][y] - keep_third * delta(x, y) * trace);
     };
@@ -101,23 +102,23 @@ Populations regularised(const Populations& g, const CollisionSpec& spec) {
            follows(e, a, b);
   };
   Populations even;  // what is of fourth order: the even halves less what rho and second moments say of them
-  for (int i = 0; i < directions; ++i) {
+  for (int i = 0; i < D3Q19::directions; ++i) {
     double sum = rho;
     for (int a = 0; a < 3; ++a)
       for (int b = 0; b < 3; ++b)
         sum += 4.5 * (along(i, a) * along(i, b) - delta(a, b) / 3) *
                (off[a][b] + delta(a, b) * trace + u[a] * u[b]);
-    even[i] = (g[i] + g[opposite(i)]) / 2 - w(i) * sum;
+    even[i] = (g[i] + g[opposite(i)]) / 2 - D3Q19::w(i) * sum;
   }
   const double keep_fourth = (1 - 1 / spec.relaxation_time) * spec.ghosts_as_trt();
   Populations after;
-  for (int i = 0; i < directions; ++i) {
+  for (int i = 0; i < D3Q19::directions; ++i) {
     double sum = rho;
     for (int a = 0; a < 3; ++a) {
       sum += 3 * along(i, a) * (u[a] + force[a] / 2);
       for (int b = 0; b < 3; ++b) sum += 4.5 * (along(i, a) * along(i, b) - delta(a, b) / 3) * second(a, b);
     }
-    after[i] = w(i) * (sum + third_order_part(i, third)) + keep_fourth * even[i];
+    after[i] = D3Q19::w(i) * (sum + third_order_part(i, third)) + keep_fourth * even[i];
   }
   return after;
 }
@@ -131,12 +132,12 @@ void expect_definition(const CollisionSpec& spec) {
     CollisionRates<double> rates(spec);
     const Int3 x{3, 1, 1};
     Populations before;
-    for (int i = 0; i < directions; ++i)
+    for (int i = 0; i < D3Q19::directions; ++i)
       block.data()[block.arriving(i, parity) + block.cell(x)] = before[i] = uniform(random);
     std::vector<FastCell> fast;
     stream_collide(block, parity, rates, {0, size.y, 0, size.z}, {0, fast});
     const Populations expected = regularised(before, spec);
-    for (int i = 0; i < directions; ++i)
+    for (int i = 0; i < D3Q19::directions; ++i)
       EXPECT_NEAR(block.data()[block.leaving(i, flipped(parity)) + block.cell(x)], expected[i], rounding)
           << i;
   }
@@ -168,7 +169,7 @@ TEST(Regularised, KeepsMassAndMomentumToRounding) {
     for (int z = 0; z < size.z; ++z)
       for (int y = 0; y < size.y; ++y)
         for (int x = 0; x < size.x; ++x)
-          for (int i = 0; i < directions; ++i) {
+          for (int i = 0; i < D3Q19::directions; ++i) {
             float& g = block.data()[slot_of(i) + block.cell(x, y, z)];
             touch(g);
             sums[0] += g;
@@ -198,16 +199,16 @@ class RowsOf : public ::testing::Test {
     for (int z = 0; z < cells.z; ++z)
       for (int y = 0; y < cells.y; ++y)
         for (int x = 0; x < cells.x; ++x)
-          for (int i = 0; i < directions; ++i) fluid.arriving(0, {x, y, z}, i) = T(any(random));
+          for (int i = 0; i < D3Q19::directions; ++i) fluid.arriving(0, {x, y, z}, i) = T(any(random));
   }
   Moments summed(Int3 x) const {
     Moments m;
     constexpr int pairs[6][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {0, 2}, {1, 2}};
-    for (int i = 0; i < directions; ++i) {
+    for (int i = 0; i < D3Q19::directions; ++i) {
       const double g = fluid.arriving(0, x, i);
       m.density_deviation += g;
-      for (int d = 0; d < 3; ++d) m.momentum[d] += g * c[i][d];
-      for (int k = 0; k < 6; ++k) m.flux[k] += g * c[i][pairs[k][0]] * c[i][pairs[k][1]];
+      for (int d = 0; d < 3; ++d) m.momentum[d] += g * D3Q19::c[i][d];
+      for (int k = 0; k < 6; ++k) m.flux[k] += g * D3Q19::c[i][pairs[k][0]] * D3Q19::c[i][pairs[k][1]];
     }
     return m;
   }
@@ -297,7 +298,7 @@ TYPED_TEST(RowsOf, HaveTheSameTotalsOnADevice) {
       this->fluid.arriving(0, {4, 1, 0}, 3) += TypeParam(wrong);
       Fluid<TypeParam> there(this->fluid.domain(), this->fluid.spec(), MPI_COMM_SELF, device);
       for_cells({}, this->cells, [&](Int3 x) {
-        for (int i = 0; i < directions; ++i) there.arriving(0, x, i) = this->fluid.arriving(0, x, i);
+        for (int i = 0; i < D3Q19::directions; ++i) there.arriving(0, x, i) = this->fluid.arriving(0, x, i);
       });
       const std::pmr::vector<LocalRows> listed(rows, std::end(rows), memory_of(device));
       std::pmr::vector<CellTotals> found(listed.size(), memory_of(device));

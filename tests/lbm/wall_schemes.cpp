@@ -38,12 +38,12 @@ CutLinks<double> links_of(int layer, int side, double q, WallScheme scheme, cons
   for (const bool across : {false, true}) {
     LinkGroup group{std::uint32_t(links.place.size()), 0, scheme, {0, 0, layer}, -1};
     group.across = across;
-    for (int i = 1; i < directions; ++i)
-      for (int n = 0; n < width * width && c[i].z == side; ++n) {
-        const Int3 x = cell_of(n, layer), behind = x - c[i];
+    for (int i = 1; i < D3Q19::directions; ++i)
+      for (int n = 0; n < width * width && D3Q19::c[i].z == side; ++n) {
+        const Int3 x = cell_of(n, layer), behind = x - D3Q19::c[i];
         if (across != (reads_beyond(scheme) && (outside(behind.x) || outside(behind.y)))) continue;
         links.place.push_back(link_place({x.x, x.y, 0}, i)), links.q.push_back(q);
-        if (across) links.across.push_back(PlacesAcross(cells)(x, i));
+        if (across) links.across.push_back(PlacesAcross<D3Q19>(cells)(x, i));
       }
     group.count = std::uint32_t(links.place.size()) - group.begin;
     if (group.count == 0) continue;
@@ -58,7 +58,7 @@ CutLinks<double> links_of(int layer, int side, double q, WallScheme scheme, cons
 /// Lets the links know of a wall that moves along x, on their other side.
 void set_far_wall(CutLinks<double>& links, double q, double speed) {
   for (const std::uint32_t place : links.place)
-    links.opposite_q.push_back(q), links.opposite_u.push_back(c[place_direction(place)].x * speed);
+    links.opposite_q.push_back(q), links.opposite_u.push_back(D3Q19::c[place_direction(place)].x * speed);
 }
 
 /// The steady velocity along x of every layer.

@@ -101,20 +101,20 @@ class WalledBox {
     const CellBox box = fluid().blocks()[b].box();
     for_cells({0, 0, z}, {box.size.x, box.size.y, z + 1}, [&](Int3 local) {
       const Int3 x = box.lower + local;
-      for (int i = 1; i < directions && is_fluid(x); ++i) {
-        const Hit h = scene_.hit(centre(x), c[i]);
+      for (int i = 1; i < D3Q19::directions && is_fluid(x); ++i) {
+        const Hit h = scene_.hit(centre(x), D3Q19::c[i]);
         if (h.q >= 1 || h.surface != surface) continue;
         const Link link{link_place({local.x, local.y, 0}, i), h.q};
-        if (reads_behind(scheme) && !is_fluid(x - c[i]))
+        if (reads_behind(scheme) && !is_fluid(x - D3Q19::c[i]))
           single_cell.push_back(link);
-        else if (reads_beyond(scheme) && !is_fluid(x - c[i] - c[i]))
+        else if (reads_beyond(scheme) && !is_fluid(x - D3Q19::c[i] - D3Q19::c[i]))
           two_cell.push_back(link);
         else
-          (reads_beyond(scheme) && !box.contains(x - c[i]) ? across : plain).push_back(link);
+          (reads_beyond(scheme) && !box.contains(x - D3Q19::c[i]) ? across : plain).push_back(link);
       }
     });
     CutLinks<double>& links = links_[b][surface];
-    const PlacesAcross places(box.size);
+    const PlacesAcross<D3Q19> places(box.size);
     add_group(links, plain, scheme, z, nullptr);
     add_group(links, across, scheme, z, &places);
     add_group(links, two_cell, two_cell_gap_scheme(scheme), z, nullptr);
@@ -128,7 +128,7 @@ class WalledBox {
   }
 
   static void add_group(CutLinks<double>& links, const std::vector<Link>& found, WallScheme scheme, int z,
-                        const PlacesAcross* across) {
+                        const PlacesAcross<D3Q19>* across) {
     if (found.empty()) return;
     const std::uint32_t count = std::uint32_t(found.size());
     LinkGroup group{std::uint32_t(links.place.size()), count, scheme, {0, 0, z}, -1};

@@ -272,7 +272,7 @@ Errors errors(const std::string& type, const std::string& sizes, const Vec3& vel
   for (const lbm::LinkGroup& g : links.groups)
     for (std::uint32_t l = g.begin; l < g.begin + g.count && !g.crossing; ++l) {
       const Int3 cell = g.corner + lbm::place_cell(links.place[l]),
-                 c = lbm::c[lbm::place_direction(links.place[l])];
+                 c = lbm::D3Q19::c[lbm::place_direction(links.place[l])];
       const Vec3 x(cell.x + 0.5, cell.y + 0.5, cell.z + 0.5), along(c.x, c.y, c.z);
       const std::optional<double> middle = distance(shape, mapped.pose(), x, along);
       if (!middle || std::abs(*middle - links.q[l]) > 1e-4) continue;  // beside an edge

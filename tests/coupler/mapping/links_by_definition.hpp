@@ -53,7 +53,7 @@ class Geometry {
   }
   /// The body that a link between two fluid cells crosses, -1: none.
   int crossed(Int3 cell, int i) const {
-    const Int3 other = cell + lbm::c[i];
+    const Int3 other = cell + lbm::D3Q19::c[i];
     const int row = only_neighbour(cell);
     if (row < 0 || owner(other) != -1 || only_neighbour(other) != row || !has_edges(shape(row))) return -1;
     const int back = lbm::opposite(i);
@@ -65,7 +65,7 @@ class Geometry {
   template <class F>
   double on_link(std::size_t row, Int3 cell, int i, F&& f) const {
     const rigid::Quat back = mapping_pose(bodies_, row).orientation.conjugate();
-    return f(back * arm(row, cell), back * Vec3(lbm::c[i].x, lbm::c[i].y, lbm::c[i].z));
+    return f(back * arm(row, cell), back * Vec3(lbm::D3Q19::c[i].x, lbm::D3Q19::c[i].y, lbm::D3Q19::c[i].z));
   }
   int find_owner(Int3 cell) const {
     if (!domain_.inside(domain_.wrapped(cell))) return -2;
@@ -82,8 +82,8 @@ class Geometry {
   int only_neighbour(Int3 cell) const {
     return once(neighbours_, cell, [&] {
       int found = -1;
-      for (int i = 1; i < lbm::directions; ++i) {
-        const int row = owner(cell + lbm::c[i]);
+      for (int i = 1; i < lbm::D3Q19::directions; ++i) {
+        const int row = owner(cell + lbm::D3Q19::c[i]);
         if (row == -1 || row == found) continue;
         if (row == -2 || found != -1) return -2;
         found = row;
@@ -150,7 +150,7 @@ template <class T>
 bool face_each_other(const lbm::CutLinks<T>& links, std::uint32_t a, std::uint32_t b) {
   const int i = lbm::place_direction(links.place[a]);
   return lbm::place_direction(links.place[b]) == lbm::opposite(i) &&
-         lbm::place_cell(links.place[a]) + lbm::c[i] == lbm::place_cell(links.place[b]);
+         lbm::place_cell(links.place[a]) + lbm::D3Q19::c[i] == lbm::place_cell(links.place[b]);
 }
 
 /// Both ends of a crossing link that are in the block are beside one another, in one vector.
@@ -159,7 +159,7 @@ void expect_ends_together(const lbm::CutLinks<T>& links, const lbm::LinkGroup& g
   const lbm::CellBox inside{{}, block};
   for (std::uint32_t l = 0; l < g.count; ++l) {
     const std::uint32_t p = links.place[g.begin + l];
-    const Int3 other = g.corner + lbm::place_cell(p) + lbm::c[lbm::place_direction(p)];
+    const Int3 other = g.corner + lbm::place_cell(p) + lbm::D3Q19::c[lbm::place_direction(p)];
     if (inside.contains(other)) {
       ASSERT_LT(l ^ 1, g.count);
       EXPECT_TRUE(face_each_other(links, g.begin + l, g.begin + (l ^ 1)));
@@ -197,9 +197,10 @@ void add_links(const BlockMap& map, const BodyMask& mask, const lbm::CutLinks<T>
 /// The scheme of a link: in a gap of one or two cells it is another than the case's.
 inline WallScheme scheme_at(const Geometry& geometry, Int3 cell, int i, WallScheme scheme) {
   const auto fluid = [&](Int3 x) { return geometry.owner(x) == -1; };
-  const Int3 behind = cell - lbm::c[i];
+  const Int3 behind = cell - lbm::D3Q19::c[i];
   if (scheme != WallScheme::bounce_back && !fluid(behind)) return WallScheme::single_cell_gap;
-  return scheme == WallScheme::multireflection && !fluid(behind - lbm::c[i]) ? WallScheme::cli : scheme;
+  return scheme == WallScheme::multireflection && !fluid(behind - lbm::D3Q19::c[i]) ? WallScheme::cli
+                                                                                    : scheme;
 }
 
 /// Every link of a block, by its definition; adds those of each kind. `surfaces`: of the mapping before, then
@@ -223,14 +224,14 @@ void expect_all_links(const Simulation& s, const BlockMap& map, WallScheme schem
   }
   const Int3 n = map.box.size;
   const lbm::CellBox inside{{}, n};
-  const lbm::PlacesAcross pair_of(n);
+  const lbm::PlacesAcross<lbm::D3Q19> pair_of(n);
   for (int z = 0; z < n.z; ++z)
     for (int y = 0; y < n.y; ++y)
       for (int x = 0; x < n.x; ++x) {
         const Int3 at_block{x, y, z}, cell = map.box.lower + at_block;
         if (geometry.owner(cell) != -1) continue;
-        for (int i = 1; i < lbm::directions; ++i) {
-          const int owner = geometry.owner(cell + lbm::c[i]);
+        for (int i = 1; i < lbm::D3Q19::directions; ++i) {
+          const int owner = geometry.owner(cell + lbm::D3Q19::c[i]);
           const int crossed = scheme == WallScheme::bounce_back ? -1 : geometry.crossed(cell, i);
           const int row = owner == -1 ? crossed : owner;
           if (row < 0) continue;
@@ -250,7 +251,7 @@ void expect_all_links(const Simulation& s, const BlockMap& map, WallScheme schem
             EXPECT_EQ(link.scheme, scheme_at(geometry, cell, i, scheme));
           }
           const bool across =
-              link.scheme == WallScheme::multireflection && !inside.contains(at_block - lbm::c[i]);
+              link.scheme == WallScheme::multireflection && !inside.contains(at_block - lbm::D3Q19::c[i]);
           EXPECT_EQ(link.pair, across ? std::int64_t(pair_of(at_block, i)) : in_block);
           kinds.single_cell += link.scheme == WallScheme::single_cell_gap;
           kinds.two_cells +=

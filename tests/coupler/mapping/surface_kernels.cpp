@@ -79,7 +79,8 @@ TEST(SurfaceKernels, AgreeWithTheShapesThemselves) {
     const auto places = random_links();
     const auto q = distances<double>(shape, portable::surface_distances<double, double>());
     for (std::size_t l = 0; l < places.size(); ++l) {
-      const Int3 cell = lbm::place_cell(places[l]) - frame.cell, i = lbm::c[lbm::place_direction(places[l])];
+      const Int3 cell = lbm::place_cell(places[l]) - frame.cell,
+                 i = lbm::D3Q19::c[lbm::place_direction(places[l])];
       const Vec3 r = oblique.conjugate() * (Vec3(cell.x, cell.y, cell.z) + Vec3(frame.offset)),
                  c = oblique.conjugate() * Vec3(i.x, i.y, i.z);
       if (!rigid::contains(shape, r)) {
@@ -101,7 +102,8 @@ TEST(SurfaceKernels, FindSurfacesPastTheEndsOfLinks) {
     const auto q = distances<double>(shape, portable::surface_distances<double, double>(), past);
     int before = 0, after = 0;
     for (std::size_t l = 0; l < places.size(); ++l) {
-      const Int3 cell = lbm::place_cell(places[l]) - frame.cell, i = lbm::c[lbm::place_direction(places[l])];
+      const Int3 cell = lbm::place_cell(places[l]) - frame.cell,
+                 i = lbm::D3Q19::c[lbm::place_direction(places[l])];
       const Vec3 c = oblique.conjugate() * Vec3(i.x, i.y, i.z),
                  r = oblique.conjugate() * (Vec3(cell.x, cell.y, cell.z) + Vec3(frame.offset)) - past * c;
       if (rigid::contains(shape, r)) continue;
@@ -146,7 +148,7 @@ CellsBeside cells_beside(const BitWindow& body, const BitKernels& kernels) {
   found.cells.reset(f);
   kernels.widen(f, body.words(), found.cells.words());
   constexpr int planes = 6;
-  found.links.resize(std::size_t(planes) * f.size.x * f.size.y * lbm::pairs + lbm::link_lanes);
+  found.links.resize(std::size_t(planes) * f.size.x * f.size.y * lbm::D3Q19::pairs + lbm::link_lanes);
   found.links.resize(kernels.list_crossings(f, {9, planes, 1, f.size.y - 1}, found.cells.words(),
                                             body.words(), found.links.data()));
   return found;

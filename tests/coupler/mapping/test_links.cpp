@@ -109,9 +109,9 @@ void check_visits(WallScheme scheme) {
   LinkKinds kinds;
   int kept = 0, renewed = 0;
   const Vec3 centre = mapping_pose(s.bodies(), 1).position;
-  for (int i = 1; i < lbm::directions; ++i)
+  for (int i = 1; i < lbm::D3Q19::directions; ++i)
     for (double distance = 1.05; distance < 9; distance += 0.55) {
-      const Vec3 along = Vec3(lbm::c[i].x, lbm::c[i].y, lbm::c[i].z).normalized();
+      const Vec3 along = Vec3(lbm::D3Q19::c[i].x, lbm::D3Q19::c[i].y, lbm::D3Q19::c[i].z).normalized();
       move(s.bodies(), 0, centre + distance * along);
       map(s.bodies());
       expect_all_links<double>(s, map.blocks()[0], scheme, 1e-9, surfaces, kinds);
@@ -306,7 +306,7 @@ TEST(GapLinks, KnowTheWallOnTheOtherSide) {
   for (const auto& [at, link] : all) {
     const auto other = all.find({at[0], at[1], at[2], lbm::opposite(at[3])});
     const auto& links = surfaces[link.surface].links;
-    const Int3 c = lbm::c[at[3]];
+    const Int3 c = lbm::D3Q19::c[at[3]];
     if (other == all.end()) {
       const Int3 behind{at[0] - c.x, at[1] - c.y, at[2] - c.z};
       EXPECT_FALSE(s.scene().flow->fields().domain().inside(behind)) << "a gap whose other wall is not known";

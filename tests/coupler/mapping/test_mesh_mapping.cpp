@@ -83,8 +83,8 @@ void expect_as_defined(const Mesh& mesh, const Pose& pose) {
       ASSERT_EQ(solid, mesh.contains(in_body(x))) << x.x << ' ' << x.y << ' ' << x.z;
     }
     if (solid) return;
-    for (int i = 1; i < lbm::directions; ++i) {
-      const Int3 to = x + lbm::c[i];
+    for (int i = 1; i < lbm::D3Q19::directions; ++i) {
+      const Int3 to = x + lbm::D3Q19::c[i];
       if (!found.solid.contains({to.x, to.y, to.z})) continue;
       ++links;
       const auto at = found.links.find({x.x, x.y, x.z, i});

@@ -16,8 +16,8 @@ template <class Visit>
 void for_neighbours(const Case& setup, Visit&& visit) {
   const Int3 n{setup.cells[0], setup.cells[1], setup.cells[2]};
   lbm::for_cells({}, n, [&](Int3 x) {
-    for (int i = 1; i < lbm::directions; ++i) {
-      Int3 y = x + lbm::c[i];
+    for (int i = 1; i < lbm::D3Q19::directions; ++i) {
+      Int3 y = x + lbm::D3Q19::c[i];
       bool inside = true;
       for (int d = 0; d < 3; ++d) {
         if (setup.periodic(d)) y[d] = (y[d] + n[d]) % n[d];
