@@ -183,7 +183,7 @@ class FlowOf final : public Flow {
     bool sides_vary = false;
     for (int side = 0; side < 6; ++side) {
       const BoundarySpec& of = drive_.sides[side];
-      if (!of.has_velocity() || !of.over_time.varies()) continue;
+      if (!of.over_time.varies()) continue;
       const Vec3 u = of.velocity_at(time + 0.5);
       fluid_.set_side_velocity(side, {u[0], u[1], u[2]});
       sides_vary = true;
@@ -348,23 +348,10 @@ class FlowOf final : public Flow {
   bool holds_bodies_ = false;
 };
 
-lbm::SideCondition side_condition(const BoundarySpec& b) {
-  using enum lbm::SideKind;
-  constexpr lbm::SideKind kinds[] = {periodic,  bounce, bounce,
-                                     free_slip, bounce, pressure};  // by BoundaryKind
-  lbm::SideCondition s;
-  s.kind = kinds[int(b.kind)];
-  s.velocity = {b.velocity[0], b.velocity[1], b.velocity[2]};
-  s.varies = b.over_time.varies();
-  s.density_deviation = b.density - 1;
-  return s;
-}
-
 }  // namespace
 
 lbm::Domain make_domain(const FlowSpec& spec, int ranks) {
-  std::array<lbm::SideCondition, 6> sides;
-  for (int s = 0; s < 6; ++s) sides[s] = side_condition(spec.boundary[s]);
+  const auto sides = sides_of(spec);
   std::optional<Int3> blocks;
   if (spec.block_cells) blocks = Int3{(*spec.block_cells)[0], (*spec.block_cells)[1], (*spec.block_cells)[2]};
   if (spec.coarsening) return lbm::Domain(cut_for_levels(spec, ranks), sides, ranks);

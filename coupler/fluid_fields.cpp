@@ -15,11 +15,6 @@ using lbm::Int3;
 
 namespace {
 
-/// Says whether a side of the domain reverses populations.
-bool reverses(const lbm::Domain& domain, int axis, bool upper) {
-  return !domain.periodic(axis) && domain.side(axis, upper).kind == lbm::SideKind::bounce;
-}
-
 template <class T>
 class FieldsOf final : public FluidFields {
  public:
@@ -61,7 +56,7 @@ class FieldsOf final : public FluidFields {
   }
   std::array<rigid::FixedSum, 3> side_force(int axis, bool upper) const override {
     std::array<rigid::FixedSum, 3> sums{};
-    if (!reverses(domain(), axis, upper)) return sums;
+    if (domain().side(axis, upper).kind != lbm::SideKind::bounce) return sums;
     std::vector<int> across;
     for (int i = 1; i < lbm::D3Q19::directions; ++i)
       if (lbm::D3Q19::c[i][axis] == (upper ? 1 : -1)) across.push_back(i);
@@ -172,7 +167,7 @@ class FieldsOf final : public FluidFields {
     const lbm::CellBox& box = block(b);
     for (int d = 0; d < axis; ++d) {
       const int along = lbm::D3Q19::c[i][d];
-      if (along == 0 || !reverses(domain(), d, along > 0)) continue;
+      if (along == 0 || domain().side(d, along > 0).kind != lbm::SideKind::bounce) continue;
       if (along < 0)
         high[d] = box.lower[d] == 0 ? 1 : 0;
       else

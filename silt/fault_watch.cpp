@@ -29,7 +29,7 @@ FixedSum cut_off(double energy) {
 
 bool is_driven(const Case& setup) {
   const auto moves = [](const coupler::BoundarySpec& side) {
-    return side.kind == coupler::BoundaryKind::moving && side.velocity != Vec3::Zero();
+    return side.is_wall() && side.velocity != Vec3::Zero();
   };
   return std::ranges::any_of(setup.boundary, moves) || std::ranges::any_of(setup.walls, &CurvedWall::moves) ||
          setup.gravity_over_time.varies() || !setup.springs.empty() ||

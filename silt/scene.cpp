@@ -52,8 +52,8 @@ std::array<rigid::WallSpec, 6> walls_of(const Case& setup) {
   std::array<rigid::WallSpec, 6> walls;
   for (int side = 0; side < 6; ++side) {
     const coupler::BoundarySpec& boundary = setup.boundary[side];
-    walls[side].solid = boundary.kind != coupler::BoundaryKind::periodic && boundary.solid_for_bodies;
-    if (boundary.kind == coupler::BoundaryKind::moving) walls[side].velocity = boundary.velocity;
+    walls[side].solid = boundary.stops_bodies();
+    if (boundary.is_wall()) walls[side].velocity = boundary.velocity;
   }
   return walls;
 }
@@ -142,7 +142,7 @@ void Scene::drive(std::int64_t step) {
   world.gravity = setup.gravity_at(middle);
   for (int side = 0; side < 6; ++side) {
     const coupler::BoundarySpec& of = setup.boundary[side];
-    if (of.kind != coupler::BoundaryKind::moving || !of.over_time.varies()) continue;
+    if (!of.is_wall() || !of.over_time.varies()) continue;
     const std::size_t row = bodies.row_of(rigid::first_wall_id + side);
     if (row < bodies.size()) bodies.set_velocity(row, of.velocity_at(middle), Vec3::Zero());
   }

@@ -43,11 +43,8 @@ void add_sums(const SurfaceLinks<T>& surface, RowSums& sums) {
 bool crosses_open_side(const lbm::Domain& domain, const Vec3& centre, double radius) {
   for (int axis = 0; axis < 3; ++axis)
     for (const bool upper : {false, true}) {
-      const lbm::SideCondition& side = domain.side(axis, upper);
-      const bool open = side.kind == lbm::SideKind::pressure ||
-                        (side.kind == lbm::SideKind::bounce && side.velocity[axis] != 0);
       const double inside = upper ? domain.cells()[axis] - centre[axis] : centre[axis];
-      if (open && inside < radius) return true;
+      if (domain.side(axis, upper).is_open(axis) && inside < radius) return true;
     }
   return false;
 }

@@ -24,14 +24,6 @@ rigid::BoundingBox bounds(const CellBox& box) {
   return {lower, lower + size};
 }
 
-/// The domain of one leaf a rank; only what is periodic counts.
-lbm::Domain domain_of(const FlowSpec& flow, const CutTree& parts) {
-  std::array<lbm::SideCondition, 6> sides;
-  for (int side = 0; side < 6; ++side)
-    sides[side].kind = flow.periodic(side / 2) ? lbm::SideKind::periodic : lbm::SideKind::bounce;
-  return {parts, sides, parts.leaves()};
-}
-
 /// The other ranks whose parts are no further than so many cells from a part, sorted.
 std::vector<int> ranks_within(int cells, const lbm::Domain& domain, const CellBox& part, int rank) {
   std::vector<int> ranks;
@@ -91,7 +83,7 @@ LevelViews::LevelViews(const FlowSpec& flow, std::vector<rigid::BoundingBox> ent
       messages_(comm) {
   rank_ = parallel::rank_of(comm);
   part_ = parts_.leaf(rank_).box;
-  const lbm::Domain domain = domain_of(flow, parts_);
+  const lbm::Domain domain(parts_, sides_of(flow), parts_.leaves());  // a leaf a rank
   beside_ = ranks_within(2 * coarsest_tile(flow), domain, part_, rank_);
   in_reach_ = ranks_within(int(std::ceil(largest_radius(world))) + fine_.reach(), domain, part_, rank_);
   for (const int rank : in_reach_) parts_in_reach_.push_back(parts_.leaf(rank).box);

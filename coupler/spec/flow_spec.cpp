@@ -17,6 +17,18 @@ rigid::BoundingBox box_of(const FlowSpec& spec) {
   return {rigid::Vec3::Zero(), extent_of(spec).size};
 }
 
+std::array<lbm::SideCondition, 6> sides_of(const FlowSpec& spec) {
+  std::array<lbm::SideCondition, 6> sides;
+  for (int k = 0; k < 6; ++k) {
+    const BoundarySpec& of = spec.boundary[k];
+    sides[k] = {.kind = of.traits().fluid,
+                .velocity = {of.velocity[0], of.velocity[1], of.velocity[2]},
+                .density_deviation = of.density - 1,
+                .varies = of.over_time.varies()};
+  }
+  return sides;
+}
+
 rigid::Vec3 nearest_image(rigid::Vec3 d, const rigid::Extent& extent) {
   for (int axis = 0; axis < 3; ++axis)
     if (extent.periodic[axis]) d[axis] -= extent.size[axis] * std::round(d[axis] / extent.size[axis]);

@@ -22,13 +22,15 @@ struct FlowSpec {
   CouplingSpec coupling;
   Device device = Device::cpu;
 
-  bool periodic(int axis) const { return boundary[2 * axis].kind == BoundaryKind::periodic; }
+  bool periodic(int axis) const { return boundary[2 * axis].is_periodic(); }
   double volume() const { return 1. * cells[0] * cells[1] * cells[2]; }  // in cells
 };
 
 /// Returns the domain as bodies see it.
 rigid::Extent extent_of(const FlowSpec&);
 rigid::BoundingBox box_of(const FlowSpec&);
+/// Returns its sides as the fluid sees them.
+std::array<lbm::SideCondition, 6> sides_of(const FlowSpec&);
 
 /// Returns the shortest of the displacements between a point and the periodic images of another.
 rigid::Vec3 nearest_image(rigid::Vec3 displacement, const rigid::Extent&);

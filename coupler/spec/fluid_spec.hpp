@@ -10,11 +10,7 @@ namespace silt::coupler {
 enum class Precision { single_, double_ };
 inline constexpr auto precision_names = names_of<Precision>("single", "double");
 
-inline constexpr auto collision_names = [] {
-  NameTable<lbm::Collision, lbm::collision_models.size()> table;
-  for (std::size_t i = 0; i < table.names.size(); ++i) table.names[i] = lbm::collision_models[i].name;
-  return table;
-}();
+inline constexpr auto collision_names = names_of<lbm::Collision>(lbm::collision_models);
 
 /// The velocity of the fluid at the start; of the Taylor-Green vortices and the layers one wave a period.
 enum class InitialFlow { rest, uniform, taylor_green, taylor_green_3d, shear_layer, vortex };

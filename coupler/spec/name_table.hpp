@@ -22,5 +22,12 @@ template <class Enum, class... Names>
 constexpr NameTable<Enum, sizeof...(Names)> names_of(Names... names) {
   return {{names...}};
 }
+/// Makes a table of the names of rows, one a value.
+template <class Enum, class Row, std::size_t count>
+constexpr NameTable<Enum, count> names_of(const std::array<Row, count>& rows) {
+  NameTable<Enum, count> table;
+  for (std::size_t i = 0; i < count; ++i) table.names[i] = rows[i].name;
+  return table;
+}
 
 }  // namespace silt::coupler

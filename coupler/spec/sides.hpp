@@ -1,6 +1,10 @@
 #pragma once
 // The sides of the domain: what fluid and bodies meet there.
+#include <array>
+#include <string_view>
+
 #include "coupler/spec/name_table.hpp"
+#include "lbm/blocks/side_kinds.hpp"
 #include "rigid/bodies/prescribed_motion.hpp"
 #include "rigid/math/types.hpp"
 
@@ -10,20 +14,43 @@ enum class Side { x_low, x_high, y_low, y_high, z_low, z_high };
 inline constexpr auto side_names = names_of<Side>("x-low", "x-high", "y-low", "y-high", "z-low", "z-high");
 
 enum class BoundaryKind { periodic, no_slip, moving, free_slip, velocity_inlet, pressure_outlet };
-inline constexpr auto boundary_names =
-    names_of<BoundaryKind>("periodic", "no-slip", "moving", "free-slip", "velocity-inlet", "pressure-outlet");
+
+/// A kind of side.
+struct BoundaryTraits {
+  std::string_view name;
+  lbm::SideKind fluid;    // what populations meet
+  bool is_wall = false;   // holds the fluid, and bodies that touch it, at its velocity
+  bool is_inlet = false;  // wants an outlet elsewhere
+  bool has_velocity = false, has_density = false;  // keys of a case
+};
+/// The kinds in the order of the enumerators.
+inline constexpr auto boundary_kinds = std::to_array<BoundaryTraits>({
+    {.name = "periodic", .fluid = lbm::SideKind::periodic},
+    {.name = "no-slip", .fluid = lbm::SideKind::bounce, .is_wall = true},
+    {.name = "moving", .fluid = lbm::SideKind::bounce, .is_wall = true, .has_velocity = true},
+    {.name = "free-slip", .fluid = lbm::SideKind::free_slip},
+    {.name = "velocity-inlet", .fluid = lbm::SideKind::bounce, .is_inlet = true, .has_velocity = true},
+    {.name = "pressure-outlet", .fluid = lbm::SideKind::pressure, .has_density = true},
+});
+inline constexpr auto boundary_names = names_of<BoundaryKind>(boundary_kinds);
 
 struct BoundarySpec {
   BoundaryKind kind = BoundaryKind::periodic;
   rigid::Vec3 velocity = rigid::Vec3::Zero();  // moving walls and inlets
   rigid::OverTime over_time;                   // of the velocity
   double density = 1;                          // outlets
-  bool solid_for_bodies = true;                // a half-space for bodies (every kind but periodic)
+  bool solid_for_bodies = true;                // a half-space for bodies, unless periodic
+  const BoundaryTraits& traits() const { return boundary_kinds[static_cast<std::size_t>(kind)]; }
+  bool is_periodic() const { return kind == BoundaryKind::periodic; }
+  bool is_inlet() const { return traits().is_inlet; }
+  bool is_outlet() const { return lbm::is_outlet(traits().fluid); }
+  bool is_open() const { return is_inlet() || is_outlet(); }
+  bool is_wall() const { return traits().is_wall; }
   rigid::Vec3 velocity_at(double time) const { return over_time.at(time) * velocity; }
   double largest_speed() const { return over_time.most() * velocity.norm(); }
-  bool has_velocity() const { return kind == BoundaryKind::moving || kind == BoundaryKind::velocity_inlet; }
+  bool stops_bodies() const { return !is_periodic() && solid_for_bodies; }
   /// Bodies beyond it are taken out.
-  bool removes_bodies() const { return kind != BoundaryKind::periodic && !solid_for_bodies; }
+  bool removes_bodies() const { return !is_periodic() && !solid_for_bodies; }
 };
 
 }  // namespace silt::coupler

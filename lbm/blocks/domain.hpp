@@ -7,18 +7,9 @@
 #include <vector>
 
 #include "lbm/blocks/cut_tree.hpp"
+#include "lbm/blocks/side_kinds.hpp"
 
 namespace silt::lbm {
-
-enum class SideKind { periodic, bounce, free_slip, pressure };
-/// One side of the domain. `bounce` is no-slip, a moving wall and a velocity inlet alike: halfway bounce-back
-/// with a wall velocity. `pressure` is an outlet (anti bounce-back) at a density deviation.
-struct SideCondition {
-  SideKind kind = SideKind::periodic;
-  std::array<double, 3> velocity{};
-  double density_deviation = 0;
-  bool varies = false;  // the velocity, over time
-};
 
 struct BlockPlace {
   int index;

@@ -6,24 +6,19 @@ template <class Lattice>
 Home home_of(const Domain& domain, Int3 g, int j) {
   if (domain.inside(g)) return {HomeKind::slot, g, j};
   Int3 cell = g, direction = Lattice::c[j];
-  Home pressure{HomeKind::slot, {}, 0};
+  Home outlet{HomeKind::slot, {}, 0};
   for (int d = 0; d < 3; ++d) {
     if (domain.periodic(d) || (cell[d] >= 0 && cell[d] < domain.cells()[d])) continue;
     const bool upper = cell[d] >= domain.cells()[d];
-    switch (domain.side(d, upper).kind) {
-      case SideKind::bounce:
-        return {HomeKind::bounce, g - Lattice::c[j], opposite(j), d, upper};
-      case SideKind::pressure:
-        pressure = {HomeKind::outlet, g - Lattice::c[j], opposite(j), d, upper};
-        break;
-      case SideKind::periodic:  // has been left out
-        break;
-      case SideKind::free_slip:  // the mirror image of cell and direction
-        cell[d] = upper ? 2 * domain.cells()[d] - 1 - cell[d] : -1 - cell[d];
-        direction[d] = -direction[d];
+    const SideKind kind = domain.side(d, upper).kind;
+    if (kind == SideKind::bounce) return {HomeKind::bounce, g - Lattice::c[j], opposite(j), 2 * d + upper};
+    if (is_outlet(kind)) outlet = {HomeKind::outlet, g - Lattice::c[j], opposite(j), 2 * d + upper};
+    if (kind == SideKind::free_slip) {  // the mirror image of cell and direction
+      cell[d] = upper ? 2 * domain.cells()[d] - 1 - cell[d] : -1 - cell[d];
+      direction[d] = -direction[d];
     }
   }
-  if (pressure.kind == HomeKind::outlet) return pressure;
+  if (outlet.kind == HomeKind::outlet) return outlet;
   return {HomeKind::slot, domain.wrapped(cell), direction_of<Lattice>(direction)};
 }
 

@@ -14,8 +14,7 @@ struct Home {
   HomeKind kind;
   Int3 cell;  // global
   int direction;
-  int axis = -1;  // of the wall, for bounce and outlet
-  bool upper = false;
+  int side = -1;  // of the domain, for bounce and outlet
 };
 
 /// Returns the home of the population that left along j into the ghost cell g (global, unwrapped).

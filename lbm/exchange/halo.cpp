@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <map>
-#include <tuple>
 
 #include "cpu/prefetch.hpp"
 #include "lbm/exchange/ghost_home.hpp"
@@ -72,7 +71,7 @@ struct Halo<T, Lattice>::Builder {
   int rank;
   std::span<const Block> blocks;
   std::span<const PassOrder> orders;
-  std::map<std::tuple<int, int, bool>, std::vector<std::pair<std::uint32_t, OutletLink>>> outlets = {};
+  std::map<std::pair<int, int>, std::vector<std::pair<std::uint32_t, OutletLink>>> outlets = {};
   BlockPlace home_block{-1, {}, -1};  // of the last home: rows stay in one block; maybe of another level
   const BlockPlace& block_at(Int3 cell) {
     if (!home_block.box.contains(cell)) home_block = domain.block_at(cell);
@@ -131,7 +130,7 @@ struct Halo<T, Lattice>::Builder {
       if (!walls.pairs.add(from, to, is_alike)) addends.push_back(addend), walls.met.push_back(met);
     } else {
       const auto part = [](int of) { return std::int8_t(of); };
-      outlets[{here, home.axis, home.upper}].push_back(
+      outlets[{here, home.side}].push_back(
           {slot(here, g - Lattice::c[j], 0).first,
            {to.first, from.first, part(Lattice::c[j].x), part(Lattice::c[j].y), part(Lattice::c[j].z),
             norm2(Lattice::c[j]) > 1}});
@@ -143,14 +142,12 @@ struct Halo<T, Lattice>::Builder {
       const BlockPlace place = domain.block(b);
       for_ghost_slots<Lattice>(place.box.size, [&](Int3 g, int j) { add(place, g, j); });
     }
-    for (auto& [key, links] : outlets) add_outlet(key, links);
+    for (auto& [key, links] : outlets) add_outlet(key.first, domain.sides()[key.second], links);
   }
 
   template <class Links>
-  void add_outlet(const std::tuple<int, int, bool>& key, Links& links) {
-    const auto [block, axis, upper] = key;
-    Outlet outlet{block, domain.side(axis, upper).density_deviation, Mirror<OutletCell>(halo.device_),
-                  Mirror<OutletLink>(halo.device_)};
+  void add_outlet(int block, const SideCondition& side, Links& links) {
+    Outlet outlet{block, side, Mirror<OutletCell>(halo.device_), Mirror<OutletLink>(halo.device_)};
     std::pmr::vector<OutletCell>& cells = outlet.cells.host();
     std::stable_sort(links.begin(), links.end(),
                      [](const auto& a, const auto& b) { return a.first < b.first; });
@@ -201,19 +198,20 @@ void Halo<T, Lattice>::start(Parity parity) {
 
 template <class T, class Lattice>
 void Halo<T, Lattice>::apply_outlet(Block& block, const Outlet& o, Parity parity) const {
-  ReturnFromOutlet<T> cell{
-      block.data(),    {}, o.density_deviation, {}, parity == Parity::crossed, o.cells.device(),
-      o.links.device()};
+  ReturnFromOutlet<T> cell{block.data(),    {}, {}, parity == Parity::crossed, o.cells.device(),
+                           o.links.device()};
   for (int i = 1; i < Lattice::directions; ++i) cell.left[i] = block.leaving(i, parity) - block.slot(0);
   for (int d = 0; d < 3; ++d) cell.half_force[d] = 0.5 * force_[d];
-  if (device_ != Device::cpu) return passes_on<T>(device_).return_from_outlet(cell, o.cells.size());
-  for (std::size_t n = 0; n < o.cells.size(); ++n) {
-    constexpr std::size_t ahead = 16;  // the cells of a cache line
-    if (n + ahead < o.cells.size())
-      for (int i = 1; i < Lattice::directions; ++i)
-        prefetch_to_read(block.data() + cell.left[i] + cell.cells[n + ahead].cell);
-    cell(std::int64_t(n));
-  }
+  if (device_ != Device::cpu) return passes_on<T>(device_).return_from_outlet(cell, o.side, o.cells.size());
+  with_outlet(o.side, [&](const auto& outlet) {
+    for (std::size_t n = 0; n < o.cells.size(); ++n) {
+      constexpr std::size_t ahead = 16;  // the cells of a cache line
+      if (n + ahead < o.cells.size())
+        for (int i = 1; i < Lattice::directions; ++i)
+          prefetch_to_read(block.data() + cell.left[i] + cell.cells[n + ahead].cell);
+      cell(std::int64_t(n), outlet);
+    }
+  });
 }
 
 template <class T, class Lattice>

@@ -57,7 +57,7 @@ class Halo {
   };
   struct Outlet {
     int block;
-    double density_deviation;
+    SideCondition side;
     Mirror<OutletCell> cells;
     Mirror<OutletLink> links;
   };

@@ -52,7 +52,7 @@ struct DevicePasses {
   /// Moves slots and adds addends[k] to the values of the k-th pair, if there are any.
   void (*move_slots)(const SlotPairs&, std::span<const T> addends, SlotArrays<const T> sources,
                      SlotArrays<T> targets, bool back);
-  void (*return_from_outlet)(const ReturnFromOutlet<T>&, std::size_t cells);
+  void (*return_from_outlet)(const ReturnFromOutlet<T>&, const SideCondition&, std::size_t cells);
   /// Serves a border between levels: after its coarse cells have collided, and after a pass of its fine ones.
   void (*carry_packets)(const BorderRows<T>&, std::span<const typename BorderRows<T>::Carried>);
   void (*cross_border)(const BorderRows<T>&, const BorderLists<T>&,

@@ -247,9 +247,17 @@ void move_slots(const SlotPairs& pairs, std::span<const T> addends, SlotArrays<c
             MoveSlots<T>{pairs.on_device(), addends.data(), sources, targets, back});
 }
 
+template <class T, class Outlet>
+struct ReturnFrom {
+  ReturnFromOutlet<T> cell;
+  Outlet outlet;
+  SILT_DEVICE void operator()(std::int64_t k) const { cell(k, outlet); }
+};
 template <class T>
-void return_from_outlet(const ReturnFromOutlet<T>& cell, std::size_t cells) {
-  for_each(std::int64_t(cells), cell);
+void return_from_outlet(const ReturnFromOutlet<T>& cell, const SideCondition& side, std::size_t cells) {
+  with_outlet(side, [&]<class Outlet>(const Outlet& outlet) {
+    for_each(std::int64_t(cells), ReturnFrom<T, Outlet>{cell, outlet});
+  });
 }
 
 template <class T>

@@ -1,11 +1,13 @@
 #pragma once
-// A side of given pressure: what it returns for what leaves through it, a cell at a time, on any device.
+// Outlets return populations for those that leave through them (side_kinds.hpp), a cell at a time, on any
+// device.
 #include <cstddef>
 #include <cstdint>
 #include <utility>
 
 #include "cpu/device_code.hpp"
 #include "lbm/blocks/lattice.hpp"
+#include "lbm/blocks/side_kinds.hpp"
 
 namespace silt::lbm {
 
@@ -23,12 +25,13 @@ template <class T>
 struct ReturnFromOutlet {
   T* slots;
   std::ptrdiff_t left[D3Q19::directions];  // what left along i is so far from the cell's slot
-  double density_deviation, half_force[3];
+  double half_force[3];
   bool fill;  // ghosts, else homes
   const OutletCell* cells;
   const OutletLink* links;
 
-  SILT_DEVICE void operator()(std::int64_t k) const {
+  template <class Outlet>
+  SILT_DEVICE void operator()(std::int64_t k, const Outlet& returned) const {
     const OutletCell at = cells[k];
     double u[3] = {half_force[0], half_force[1], half_force[2]};
     const auto add = [&](auto i) {  // a constant: the factors -1, 0, 1 are known to the compiler
@@ -47,9 +50,9 @@ struct ReturnFromOutlet {
       const OutletLink link = links[n];
       constexpr double straight = 2 * D3Q19::w(1), diagonal = 2 * D3Q19::w(7);
       const double cu = link.x * u[0] + link.y * u[1] + link.z * u[2];
-      const double even = density_deviation + 4.5 * cu * cu - rest;
       const T from = slots[fill ? link.home : link.ghost];
-      slots[fill ? link.ghost : link.home] = T((link.is_diagonal ? diagonal : straight) * even - from);
+      slots[fill ? link.ghost : link.home] =
+          T(returned({from, link.is_diagonal ? diagonal : straight, cu, rest}));
     }
   }
 };

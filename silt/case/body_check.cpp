@@ -118,8 +118,7 @@ void check_room(const Case& setup, Diagnostics& findings, const Entry& body) {
   const double reach = length + setup.contacts.margin;
   const std::string key = body.key + ".shape";
   for (int d = 0; d < 3; ++d) {
-    const bool walls = !setup.periodic(d) && setup.boundary[2 * d].solid_for_bodies &&
-                       setup.boundary[2 * d + 1].solid_for_bodies;
+    const bool walls = setup.boundary[2 * d].stops_bodies() && setup.boundary[2 * d + 1].stops_bodies();
     if (walls && width > setup.cells[d] + 2 * start_overlap)
       return findings.error(
           key, "{}: shape '{}' is {} across, but its domain only {} from wall to wall along {}{}", key,

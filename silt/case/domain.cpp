@@ -115,21 +115,20 @@ void read_side_name(ReadContext& context, const Node& node, const std::string& p
                         nearest.empty() ? "" : "; did you mean '" + nearest + "'?");
   }
   side.kind = coupler::BoundaryKind(found - names.begin());
-  if (side.has_velocity())
+  if (side.traits().has_velocity)
     context.fail(place, "{} is \"{}\", which needs a velocity: {{ type = \"{}\", velocity = [x, y, z] }}",
                  path, node.string, node.string);
 }
 
 void read_side_table(TableReader table, coupler::BoundarySpec& side) {
   read_keys(table, side, side_keys);
-  if (side.has_velocity()) {
+  if (side.traits().has_velocity) {
     read_keys(table, side, velocity_keys);
     side.over_time = read_over_time(table, "over_time");
     if (side.velocity.isZero(0)) table.idle("over_time", "the velocity is 0");
   }
-  if (side.kind == coupler::BoundaryKind::periodic)
-    table.idle("solid_for_bodies", "a periodic axis has no sides; remove it");
-  if (side.kind == coupler::BoundaryKind::pressure_outlet) read_keys(table, side, density_keys);
+  if (side.is_periodic()) table.idle("solid_for_bodies", "a periodic axis has no sides; remove it");
+  if (side.traits().has_density) read_keys(table, side, density_keys);
 }
 
 // One side: a name, or a table with a type and what goes with it; none if it has errors.
@@ -164,8 +163,7 @@ void read_axis(TableReader& boundary, int axis, Case& setup) {
   }
   if (!sides[0] || !sides[1]) return;
   for (int side = 0; side < 2; ++side) setup.boundary[2 * axis + side] = *sides[side];
-  if ((sides[0]->kind == coupler::BoundaryKind::periodic) !=
-      (sides[1]->kind == coupler::BoundaryKind::periodic))
+  if (sides[0]->is_periodic() != sides[1]->is_periodic())
     boundary.fail(name, "{} is periodic on one side only; a periodic axis has no sides, write \"periodic\"",
                   boundary.path(name));
 }
@@ -214,40 +212,34 @@ void read_blocks(TableReader& domain, Case& setup) {
     domain.refuse("blocks", "\"auto\" or three whole numbers of cells above 0, [x, y, z]");
 }
 
-void check_moving_wall(const Case& setup, Diagnostics& findings, int side) {
-  const coupler::BoundarySpec& wall = setup.boundary[side];
-  const std::string key = fmt::format("{}.velocity", side_key(side));
-  check_speed(findings, key, wall.largest_speed());
-  if (std::abs(wall.velocity[side / 2]) > 0)
-    findings.error(key,
-                   "{} moves through itself: the velocity of a moving wall must have no component along {}",
-                   side_key(side), "xyz"[side / 2]);
-}
-
-void check_inlet(const Case& setup, Diagnostics& findings, int side) {
-  const rigid::Vec3& velocity = setup.boundary[side].velocity;
+void check_velocity(const Case& setup, Diagnostics& findings, int side) {
+  const coupler::BoundarySpec& of = setup.boundary[side];
   const std::string key = fmt::format("{}.velocity", side_key(side));
   const int axis = side / 2;
-  check_speed(findings, key, setup.boundary[side].largest_speed());
-  const double inwards = side % 2 == 0 ? velocity[axis] : -velocity[axis];
+  check_speed(findings, key, of.largest_speed());
+  const double inwards = side % 2 == 0 ? of.velocity[axis] : -of.velocity[axis];
   const auto shown_velocity = [&](const rigid::Vec3& v) {
     return shown(rigid::Vec3(v * setup.units.scale(dimension::velocity)));
   };
-  rigid::Vec3 turned = velocity;
+  rigid::Vec3 turned = of.velocity;
   turned[axis] = -turned[axis];
-  if (inwards < 0)
+  if (of.is_wall() && inwards != 0)
+    findings.error(key,
+                   "{} moves through itself: the velocity of a moving wall must have no component along {}",
+                   side_key(side), "xyz"[axis]);
+  else if (of.is_inlet() && inwards < 0)
     findings.warning(
         key, "{} is {}, which points out of the domain: fluid leaves there; for an inlet use velocity = {}",
-        key, shown_velocity(velocity), shown_velocity(turned));
-  else if (inwards == 0)
+        key, shown_velocity(of.velocity), shown_velocity(turned));
+  else if (of.is_inlet() && inwards == 0)
     findings.warning(
         key,
         "{} is {}, of which nothing goes along {}: no fluid comes in; for a wall that moves along itself use "
         "type = \"moving\"",
-        key, shown_velocity(velocity), "xyz"[axis]);
+        key, shown_velocity(of.velocity), "xyz"[axis]);
 }
 
-void check_outlet(const Case& setup, Diagnostics& findings, int side) {
+void check_density(const Case& setup, Diagnostics& findings, int side) {
   const double density = setup.boundary[side].density;
   if (density > 0.5 && density < 1.5) return;
   findings.error(fmt::format("{}.density", side_key(side)),
@@ -258,22 +250,19 @@ void check_outlet(const Case& setup, Diagnostics& findings, int side) {
 
 void check_flows(const Case& setup, Diagnostics& findings) {
   int inlet = -1;
-  bool outlet = false;
   for (int side = 0; side < 6; ++side) {
-    const coupler::BoundaryKind kind = setup.boundary[side].kind;
-    const bool is_inlet = kind == coupler::BoundaryKind::velocity_inlet,
-               is_outlet = kind == coupler::BoundaryKind::pressure_outlet;
-    if (!setup.fluid && (is_inlet || is_outlet))
+    const coupler::BoundarySpec& of = setup.boundary[side];
+    if (!setup.fluid && of.is_open())
       findings.warning(
           side_key(side),
           "{} is \"{}\", but the case has no [fluid]: bodies meet it as a wall; write \"no-slip\"",
-          side_key(side), coupler::boundary_names[kind]);
+          side_key(side), coupler::boundary_names[of.kind]);
     if (!setup.fluid) continue;
-    if (kind == coupler::BoundaryKind::moving) check_moving_wall(setup, findings, side);
-    if (is_inlet) check_inlet(setup, findings, inlet = side);
-    if (is_outlet) check_outlet(setup, findings, side), outlet = true;
+    if (of.traits().has_velocity) check_velocity(setup, findings, side);
+    if (of.traits().has_density) check_density(setup, findings, side);
+    if (of.is_inlet()) inlet = side;
   }
-  if (inlet >= 0 && !outlet)
+  if (inlet >= 0 && std::ranges::none_of(setup.boundary, &coupler::BoundarySpec::is_outlet))
     findings.error(side_key(inlet),
                    "{} is a velocity-inlet, but no side is a pressure-outlet: the density would grow without "
                    "end; make one side \"pressure-outlet\"",

@@ -32,11 +32,8 @@ bool is_loaded(const Case& setup) {
 
 bool begins_at_rest(const Case& setup) {
   const coupler::InitialSpec& initial = setup.fluid->initial;
-  const auto is_inlet = [](const coupler::BoundarySpec& b) {
-    return b.kind == coupler::BoundaryKind::velocity_inlet;
-  };
   return initial.type == coupler::InitialFlow::rest && initial.noise == 0 && !setup.start &&
-         std::ranges::none_of(setup.boundary, is_inlet);
+         std::ranges::none_of(setup.boundary, &coupler::BoundarySpec::is_inlet);
 }
 
 std::int64_t quiet_start_steps(const Case& setup) {

@@ -91,9 +91,8 @@ std::string fault_of_place(const Case& setup, const BodySpec& body, const std::s
   if (body.motion == Motion::fixed) return "";
   const auto box = rigid::bounding_box(setup.shapes[body.shape], body.pose);
   for (int d = 0; d < 3; ++d) {
-    if (setup.periodic(d)) continue;
-    const double low = setup.boundary[2 * d].solid_for_bodies ? -box.lower[d] : 0;
-    const double high = setup.boundary[2 * d + 1].solid_for_bodies ? box.upper[d] - size[d] : 0;
+    const double low = setup.boundary[2 * d].stops_bodies() ? -box.lower[d] : 0;
+    const double high = setup.boundary[2 * d + 1].stops_bodies() ? box.upper[d] - size[d] : 0;
     if (std::max(low, high) <= start_overlap) continue;
     const double allowed_low = x[d] - box.lower[d], allowed_high = size[d] - (box.upper[d] - x[d]);
     return fmt::format(

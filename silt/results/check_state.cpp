@@ -137,8 +137,7 @@ void require_body(const Row& row, const Case& setup, const BodyRecord& r, rigid:
 
 bool is_wall_of(const Case& setup, rigid::BodyId id) {
   if (id >= rigid::first_tube_id) return id - rigid::first_tube_id < setup.walls.size();
-  const coupler::BoundarySpec& side = setup.boundary[id - rigid::first_wall_id];
-  return side.kind != coupler::BoundaryKind::periodic && side.solid_for_bodies;
+  return setup.boundary[id - rigid::first_wall_id].stops_bodies();
 }
 
 void require_impulse(const Row& row, const Case& setup, const StoredImpulse& s, rigid::BodyId own,

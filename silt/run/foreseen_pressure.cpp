@@ -63,7 +63,7 @@ std::optional<Diagnostic> pressure_warning(const Case& setup, const rigid::BodyS
     const coupler::BoundarySpec& inlet = setup.boundary[side];
     const int axis = side / 2;
     const double speed = inlet.over_time.most() * std::fabs(inlet.velocity[axis]);
-    if (inlet.kind != coupler::BoundaryKind::velocity_inlet || speed == 0) continue;
+    if (!inlet.is_inlet() || speed == 0) continue;
     const double area = setup.volume() / setup.cells[axis];
     const double drop =
         Standing(setup, bodies, world, axis).pressure_drop(speed, setup.fluid->kinematic_viscosity, area);

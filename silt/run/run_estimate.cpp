@@ -208,7 +208,7 @@ lbm::Domain levels_of(const Case& setup, Scenery all) {
   const lbm::CutTree view =
       coupler::LevelViews(setup, entrances_of(setup), cut_for_levels(setup, 1), all.world, MPI_COMM_SELF)
           .view(all.bodies);
-  return {view, coupler::make_domain(setup, 1).sides(), 1};
+  return {view, sides_of(setup), 1};
 }
 
 /// Adds the cells of each level, and the work of a step in them and at their borders.
@@ -229,9 +229,7 @@ void add_work_of_levels(const lbm::Domain& levels, std::int64_t work_of_a_cell,
 std::vector<Diagnostic> border_warnings(const Case& setup, const lbm::CutTree& levels) {
   std::vector<Diagnostic> warnings;
   for (int side = 0; side < 6; ++side) {
-    const coupler::BoundaryKind kind = setup.boundary[side].kind;
-    if (kind != coupler::BoundaryKind::velocity_inlet && kind != coupler::BoundaryKind::pressure_outlet)
-      continue;
+    if (!setup.boundary[side].is_open()) continue;
     lbm::CellBox layer{{}, levels.cells()};
     layer.size[side / 2] = 1;
     if (side % 2) layer.lower[side / 2] = levels.cells()[side / 2] - 1;
