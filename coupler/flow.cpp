@@ -56,15 +56,12 @@ class FlowOf final : public Flow {
         map_(fluid_.domain(), world_, boxes(fluid_), lbm::link_reach(coupling_.wall_scheme)),
         fields_(make_fields<T>(fluid_, map_.blocks())),
         account_(*fields_, comm),
-        links_(fluid_.blocks().size()),
         pushes_bodies_(spec.fluid->body_force_on_bodies && spec.fluid->has_body_force()),
         drive_{spec.fluid->body_force, spec.fluid->body_force_over_time, spec.boundary},
         forces_(coupling_, exchange, substeps, spec.fluid->relaxation_time) {
-    if (spec.device != Device::cpu) {  // whose passes do all links at once
-      schedule_ = LinkSchedule::sequential;
-      for (BlockLinks<T>& block : links_)
-        block.on_device.emplace(spec.device), mapped_on_device_.emplace_back(spec.device);
-    }
+    for (std::size_t b = 0; b < fluid_.blocks().size(); ++b)
+      links_.emplace_back(spec.device), mappings_.emplace_back(spec.device);
+    if (!fluid_.is_in_parts()) schedule_ = LinkSchedule::sequential;
     if (!spec.fluid->superficial_velocity.isZero(0)) control_.emplace(*spec.fluid, spec.volume(), comm);
     for (int level = 1; level < levels_.count(); ++level) {
       coarser_.push_back(std::make_unique<CoarserFields>(levels_.fluid(level), world_));
@@ -198,10 +195,8 @@ class FlowOf final : public Flow {
     cells_changed();
     fluid_.set_force({f[0], f[1], f[2]});
     const lbm::WallFluid<T> fluid(fluid_.spec());
-    for (BlockLinks<T>& block : links_) {
+    for (BlockLinks<T>& block : links_)
       for (auto& surface : block.surfaces) surface.links.fluid = fluid;
-      if (block.on_device) block.on_device->set_fluid(fluid);
-    }
   }
 
   FluidFields& own_fields(int level) { return level == 0 ? *fields_ : *coarser_[level - 1]->fields; }
@@ -271,14 +266,12 @@ class FlowOf final : public Flow {
     for (std::size_t b = 0; b < links_.size(); ++b) {
       const BlockMap& map = map_.blocks()[b];
       BlockLinks<T>& block = links_[b];
-      if (block.on_device) block.on_device->set_fluid(fluid);
       if (map.changed) {
         fluid_.set_idle(int(b), !map.has_fluid());
         build_links<T>(map, world_, bodies,
-                       {coupling_, fluid, fluid_.pass_order(int(b)), &meshes_,
-                        mapped_on_device_.empty() ? nullptr : &mapped_on_device_[b]},
+                       {coupling_, fluid, fluid_.pass_order(int(b)), &meshes_, &mappings_[b]},
                        block.surfaces);
-        if (!block.on_device) block.order_groups(fluid_.pass_order(int(b)));
+        block.order_groups(fluid_.pass_order(int(b)));
         pair_gaps(b);
         hold_excess(b);
       }
@@ -300,12 +293,9 @@ class FlowOf final : public Flow {
 
   void pair_gaps(std::size_t b) {
     BlockLinks<T>& block = links_[b];
-    const bool is_told = lbm::knows_opposite_wall(coupling_.wall_scheme);
-    if (is_told) block.gaps.pair(block.surfaces, fluid_.domain(), map_.blocks()[b].box);
-    if (block.on_device)
-      block.list_for_device();
-    else if (is_told)
-      block.gaps.set_distances(block.surfaces);
+    if (lbm::knows_opposite_wall(coupling_.wall_scheme))
+      block.gaps.pair(block.surfaces, fluid_.domain(), map_.blocks()[b].box);
+    block.leave_to_device();
   }
 
   void choose_pairs() {
@@ -326,7 +316,7 @@ class FlowOf final : public Flow {
   std::vector<std::unique_ptr<CoarserFields>> coarser_;
   FlowAccount account_;
   std::vector<BlockLinks<T>> links_;
-  std::vector<DeviceMapping<T>> mapped_on_device_;  // of the blocks, or none
+  std::vector<DeviceMapping<T>> mappings_;  // of the blocks
   MeshDistances meshes_{map_.meshes()};
   UncoveredCells uncovered_{fluid_.device()};
   PassedMass passed_;                         // in the step under way

@@ -11,12 +11,24 @@
 #include <utility>
 #include <vector>
 
-// The build of a pass for a device other than `cpu`.
+// SILT_DEVICES declares functions of passes for the builds of all devices; SILT_ON takes that of one, and
+// SILT_OFF_CPU that of one other than `cpu` where this has none.
+#define SILT_DEVICES(...) \
+  namespace cpu {         \
+  __VA_ARGS__             \
+  }                       \
+  namespace host {        \
+  __VA_ARGS__             \
+  }                       \
+  namespace gpu {         \
+  __VA_ARGS__             \
+  }
 #if defined(SILT_CUDA)
-#define SILT_ON(device, pass) (device == Device::gpu ? gpu::pass : host::pass)
+#define SILT_OFF_CPU(device, pass) (device == Device::gpu ? gpu::pass : host::pass)
 #else
-#define SILT_ON(device, pass) host::pass
+#define SILT_OFF_CPU(device, pass) host::pass
 #endif
+#define SILT_ON(device, pass) (device == Device::cpu ? cpu::pass : SILT_OFF_CPU(device, pass))
 
 namespace silt {
 

@@ -1,11 +1,14 @@
 #pragma once
 // A pass: a list of entries and what is done with each, in no order. Only for files that are built for a
-// device (SILT_ISA: host or gpu), which include this first; functions that run there are SILT_DEVICE.
+// device (SILT_ISA: cpu, host or gpu), which include this first; functions that run there are SILT_DEVICE.
+// The build for `cpu` (SILT_AT_ONCE) does a pass when it is called, that for `host` at the next wait().
 #include <bit>
 #include <cstdint>
+#include <functional>
 #include <stdexcept>
 #include <string>
 #include <type_traits>
+#include <utility>
 
 #include "cpu/device_code.hpp"
 #include "device/host_device.hpp"
@@ -141,15 +144,35 @@ SILT_DEVICE inline unsigned next_of(unsigned* count) {
 
 #else
 
+#if defined(SILT_AT_ONCE)
+template <class Work>
+void in_turn(const Work& work) {
+  work();
+}
+inline void wait() {}
+#else
+inline void in_turn(std::function<void()> work) {
+  put_off(std::move(work));
+}
+inline void wait() {
+  do_what_was_put_off();
+}
+#endif
+/// A body may have fetch(k), which is called so many entries ahead: memory should have answered when k's turn
+/// comes.
 template <class Body>
 void for_each(std::int64_t entries, const Body& body) {
-  put_off([entries, body] {
-    for (std::int64_t k = 0; k < entries; ++k) body(k);
+  in_turn([entries, body] {
+    for (std::int64_t k = 0; k < entries; ++k) {
+      if constexpr (requires { body.fetch(k); })
+        if (k + Body::ahead < entries) body.fetch(k + Body::ahead);
+      body(k);
+    }
   });
 }
 template <class Body>
 void for_rows(int entries, int rows, const Body& body) {
-  put_off([entries, rows, body] {
+  in_turn([entries, rows, body] {
     for (int row = 0; row < rows; ++row)
 #pragma GCC ivdep
       for (int k = 0; k < entries; ++k) body(k, row);
@@ -157,12 +180,9 @@ void for_rows(int entries, int rows, const Body& body) {
 }
 template <class Body>
 void for_teams(std::int64_t entries, const Body& body) {
-  put_off([entries, body] {
+  in_turn([entries, body] {
     for (std::int64_t k = 0; k < entries; ++k) body(k, Team{0, 1});
   });
-}
-inline void wait() {
-  do_what_was_put_off();
 }
 template <class Whole>
 void add_to(Whole& sum, Whole term) {

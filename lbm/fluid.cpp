@@ -2,10 +2,8 @@
 
 #include <algorithm>
 
-#include "cpu/prefetch.hpp"
 #include "lbm/collision/collision_model.hpp"
-#include "lbm/collision/stream_collide.hpp"
-#include "lbm/passes/device_passes.hpp"
+#include "lbm/passes/passes.hpp"
 #include "parallel/communicator.hpp"
 
 namespace silt::lbm {
@@ -107,13 +105,8 @@ void Fluid<T>::set_side_velocity(int side, const std::array<double, 3>& velocity
 
 template <class T>
 void Fluid<T>::take_excess() {
-  for (Block<T>& block : blocks_) {
-    if (!block.excess()) continue;
-    if (device_ == Device::cpu)
-      lbm::take_excess(block, parity_);
-    else
-      passes_on<T>(device_).take_excess(block, parity_, {0, block.size().y, 0, block.size().z});
-  }
+  for (Block<T>& block : blocks_)
+    if (block.excess()) passes_on<T>(device_).take_excess(block, parity_);
   wait(device_);
 }
 
@@ -161,18 +154,12 @@ void Fluid<T>::pass_over(std::size_t b, RowRange rows) {
   constexpr int period = WatchedPlanes::period;
   const int first = int(passes_ % period) - blocks_[b].box().lower.z % period;
   const int watched = (first + period) % period;
-  if (device_ != Device::cpu)
-    return passes_on<T>(device_).stream_collide(int(b), blocks_[b], parity_, *rates_, rows, watched);
-  fast_in_pass_.clear();
-  lbm::stream_collide(blocks_[b], parity_, *rates_, rows, {watched, fast_in_pass_});
-  for (const FastCell& fast : fast_in_pass_)
-    fast_cells_.push_back({int(b), blocks_[b].cell_at(fast.cell), fast.speed});
+  passes_on<T>(device_).stream_collide(int(b), blocks_[b], parity_, *rates_, rows, watched);
 }
 
 template <class T>
 void Fluid<T>::end_pass() {
   parity_ = flipped(parity_), ++passes_;
-  if (device_ == Device::cpu) return;
   for (const auto& [b, fast] : passes_on<T>(device_).take_fast_cells())
     fast_cells_.push_back({b, blocks_[b].cell_at(fast.cell), fast.speed});
 }
@@ -251,14 +238,8 @@ template <class T>
 std::span<const Moments> Fluid<T>::moments(std::span<const LocalCell> cells) {
   std::pmr::vector<Moments>& found = cell_moments_.host();
   found.resize(cells.size());
-  if (device_ != Device::cpu) {
-    passes_on<T>(device_).gather_moments(listed(cells), cell_moments_.make_room(), nullptr);
-    cell_moments_.fetch(), wait(device_);
-  } else {
-    for_ahead(
-        cells, 6, [&](const LocalCell& x) { prefetch(x.block, x.cell); },
-        [&](std::size_t k) { found[k] = moments(cells[k].block, cells[k].cell); });
-  }
+  passes_on<T>(device_).gather_moments(listed(cells), cell_moments_.make_room(), nullptr);
+  cell_moments_.fetch(), wait(device_);
   return found;
 }
 
@@ -266,13 +247,8 @@ template <class T>
 std::span<const double> Fluid<T>::densities(std::span<const LocalCell> cells) {
   std::pmr::vector<double>& found = cell_densities_.host();
   found.resize(cells.size());
-  if (device_ != Device::cpu) {
-    passes_on<T>(device_).gather_moments(listed(cells), nullptr, cell_densities_.make_room());
-    cell_densities_.fetch(), wait(device_);
-  } else {
-    const std::span<const Moments> all = moments(cells);
-    for (std::size_t k = 0; k < cells.size(); ++k) found[k] = all[k].density_deviation;
-  }
+  passes_on<T>(device_).gather_moments(listed(cells), nullptr, cell_densities_.make_room());
+  cell_densities_.fetch(), wait(device_);
   return found;
 }
 
@@ -288,17 +264,14 @@ void Fluid<T>::moments(int b, const CellBox& box, MomentArrays& moments) const {
 
 template <class T>
 CellTotals Fluid<T>::totals(int b, const LocalRows& of) const {
-  const CellRows all{of.cells, of.rows, blocks_[b].row_stride()};
-  return for_arriving(b, of.first, [&](const T* const(&g)[D3Q19::directions]) {
-    return moments_kernels<T>().total(g, all, spec_.force);
-  });
+  CellTotals found;
+  passes_on<T>(Device::cpu).total_rows(blocks_[b], parity_, {&of, 1}, spec_.force, &found);
+  return found;
 }
 
 template <class T>
 void Fluid<T>::totals(int b, std::span<const LocalRows> of, CellTotals* totals_of) const {
-  if (device_ != Device::cpu)
-    return passes_on<T>(device_).total_rows(blocks_[b], parity_, of, spec_.force, totals_of);
-  for (std::size_t k = 0; k < of.size(); ++k) totals_of[k] = totals(b, of[k]);
+  passes_on<T>(device_).total_rows(blocks_[b], parity_, of, spec_.force, totals_of);
 }
 
 template <class T>
@@ -306,21 +279,9 @@ void Fluid<T>::give_masses(std::span<const LocalCell> cells, std::span<const std
   if (cells.empty()) return;
   for (const auto& [b, x] : cells)
     blocks_[b].hold_excess({x.y, x.y + 1, x.z, x.z + 1}, T(spec_.bulk_stress_given_up()), device_);
-  if (device_ != Device::cpu) {
-    cell_masses_.host().assign(masses.begin(), masses.end());
-    passes_on<T>(device_).give_masses(listed(cells), cell_masses_.send());
-    return wait(device_);
-  }
-  for (std::size_t k = 0; k < cells.size(); ++k) {
-    Block<T>& block = blocks_[cells[k].block];
-    block.excess()[block.cell(cells[k].cell)] -= ExcessQuanta<T>(masses[k]);
-  }
-}
-
-template <class T>
-void Fluid<T>::prefetch(int b, Int3 x) const {
-  for (int i = 0; i < D3Q19::directions; ++i)
-    prefetch_to_read(blocks_[b].data() + blocks_[b].arriving(i, parity_) + blocks_[b].cell(x));
+  cell_masses_.host().assign(masses.begin(), masses.end());
+  passes_on<T>(device_).give_masses(listed(cells), cell_masses_.send());
+  wait(device_);
 }
 
 template <class T>

@@ -14,7 +14,7 @@
 #include "lbm/collision/collision_model.hpp"
 #include "lbm/collision/stream_collide.hpp"
 #include "lbm/exchange/halo.hpp"
-#include "lbm/passes/device_passes.hpp"
+#include "lbm/passes/passes.hpp"
 
 namespace silt::lbm {
 
@@ -46,6 +46,9 @@ class Fluid {
   const Halo<T>& halo() const { return halo_; }
   MPI_Comm comm() const { return comm_; }
   Device device() const { return device_; }
+  /// Returns whether a pass is to be done in parts, with something else after each: what a part has written
+  /// is then in a cache of the processor.
+  bool is_in_parts() const { return device_ == Device::cpu; }
 
   /// The acceleration from the next collision on.
   void set_force(const std::array<double, 3>&);
@@ -134,8 +137,6 @@ class Fluid {
  private:
   void collide_rows(int b, RowRange);
   void pass_over(std::size_t b, RowRange);
-  /// Hints that the populations arriving at a cell will be asked for soon.
-  void prefetch(int b, Int3 local_cell) const;
   template <class Sum>
   auto for_arriving(int b, Int3 local_cell, Sum&& sum) const;
   void keep_excess(std::size_t b);
@@ -150,7 +151,6 @@ class Fluid {
   std::vector<char> idle_;
   Parity parity_ = Parity::settled;
   std::int64_t passes_ = 0;
-  std::vector<FastCell> fast_in_pass_;  // of a range of rows
   std::vector<Fast> fast_cells_;
   // of single cells, for passes
   Mirror<typename ListedCells<T>::Cell> listed_cells_{device_};

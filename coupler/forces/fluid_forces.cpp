@@ -113,10 +113,8 @@ void FluidForces<T>::begin(const lbm::Fluid<T>& fluid, std::span<const BlockMap>
       const Vec6 motion = motion_of_links(bodies, surface.row);
       set_motion(surface.motion, motion.head<3>(), motion.tail<3>());
       surface.motion.mass_by_link = coupling_of(bodies, surface.row).mass_owed.by_each_link;
-      if (links[b].on_device)
-        links[b].on_device->set_motion(k, surface.motion, surface.links.frame.reach, surface.links.age);
     }
-    if (!links[b].on_device) links[b].gaps.set_velocities(links[b].surfaces);
+    links[b].begin_step();
   }
 }
 
@@ -159,7 +157,6 @@ void FluidForces<T>::apply(lbm::Block<T>& block, const BlockLinks<T>& links, Sur
 template <class T>
 void FluidForces<T>::apply_inner(lbm::Block<T>& block, BlockLinks<T>& links, GroupRange groups,
                                  bool at_hand) {
-  if (links.on_device) return;
   const auto& inner = links.inner;
   const std::uint32_t end = groups.end;
   std::uint32_t soon = groups.begin + 2;
@@ -201,21 +198,13 @@ void FluidForces<T>::finish_body(lbm::Block<T>& block, const BlockLinks<T>& link
 }
 
 template <class T>
-void FluidForces<T>::apply_on_device(lbm::Block<T>& block, BlockLinks<T>& links) {
-  links.on_device->apply(block, links.slots, links.pairs_across, spec_.force);
-  for (std::size_t k = 0; k < links.surfaces.size(); ++k) links.surfaces[k].sums = links.on_device->sums(k);
-}
-
-template <class T>
 void FluidForces<T>::apply_rims(lbm::Fluid<T>& fluid, std::span<BlockLinks<T>> links) {
   for (std::size_t b = 0; b < links.size(); ++b) {
     const auto& rim = links[b].rim;
-    if (links[b].on_device)
-      apply_on_device(fluid.blocks()[b], links[b]);
-    else
-      links[b].for_groups(rim, 0, rim.size(), [&](auto& surface, const auto& group, const auto& next) {
-        apply(fluid.blocks()[b], links[b], surface, group, next, false);
-      });
+    links[b].for_groups(rim, 0, rim.size(), [&](auto& surface, const auto& group, const auto& next) {
+      apply(fluid.blocks()[b], links[b], surface, group, next, false);
+    });
+    links[b].apply_at_once(fluid.blocks()[b], spec_.force);
     for (const SurfaceLinks<T>& surface : links[b].surfaces) {
       if (surface.sums.invalid)
         outcome_.out_of_range = std::min(outcome_.out_of_range, bodies_->id[surface.row]);
@@ -293,10 +282,12 @@ void FluidForces<T>::correct(lbm::Block<T>& block, BlockLinks<T>& links, const r
     const double* const d = corrections.data() + surface.row * 6;
     set_motion(surface.motion, Vec3(d[0], d[1], d[2]), Vec3(d[3], d[4], d[5]));
     if (is_at_rest(surface.motion)) continue;
-    if (links.on_device) links.on_device->set_increment(k, surface.motion);
-    for (std::uint32_t g = 0; g < surface.links.groups.size(); ++g) open.push_back({k, g});
+    if (k < links.at_once.size())
+      links.at_once.set_increment(k, surface.motion);
+    else
+      for (std::uint32_t g = 0; g < surface.links.groups.size(); ++g) open.push_back({k, g});
   }
-  if (links.on_device) return links.on_device->correct(block, links.slots);
+  links.at_once.correct(block, links.slots);
   lbm::ListedLinks listed;
   links.for_groups(open, 0, open.size(), [&](const auto& surface, const auto& group, const auto& next) {
     lbm::correct_cut_links<T>({block, links.slots, surface.links, group, next, nullptr, &listed, true},

@@ -69,7 +69,6 @@ class FluidForces {
              const lbm::NextGroup<T>&, bool at_hand);
   void prefetch_row(const SurfaceLinks<T>&);
   void finish_body(lbm::Block<T>&, const BlockLinks<T>&, SurfaceLinks<T>&);
-  void apply_on_device(lbm::Block<T>&, BlockLinks<T>&);
   void apply_rims(lbm::Fluid<T>&, std::span<BlockLinks<T>>);
   void gather(std::span<const BlockLinks<T>>, const rigid::BodySet&);
   void move(lbm::Fluid<T>&, std::span<BlockLinks<T>>, rigid::BodySet&);

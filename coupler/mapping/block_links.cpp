@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <utility>
 
 namespace silt::coupler {
 
@@ -38,36 +39,33 @@ void SingleCellGaps<T>::pair(const std::vector<SurfaceLinks<T>>& surfaces, const
         const int i = lbm::place_direction(place[l]);
         const Int3 walls = domain.walls_met(box.lower + cell - lbm::D3Q19::c[i]);
         const bool at_side = walls != Int3{0, 0, 0};
-        links_.push_back({key_of(cell, i), k, g.opposite + l, g.begin + l, i, cell, -1, at_side,
-                          at_side ? T(domain.wall_velocity_along(walls, lbm::D3Q19::c[i])) : T(0)});
+        links_.push_back({{k, g.opposite + l, -1, 0, cell, std::int8_t(i), at_side,
+                           at_side ? T(domain.wall_velocity_along(walls, lbm::D3Q19::c[i])) : T(0)},
+                          key_of(cell, i),
+                          g.begin + l});
       }
     }
   }
   for_pairs([&](std::uint32_t a, std::uint32_t b) {
-    links_[a].other = std::int32_t(b), links_[b].other = std::int32_t(a);
+    for (const auto& [one, other] : {std::pair(a, b), std::pair(b, a)})
+      links_[one].other = std::int32_t(links_[other].surface), links_[one].number = links_[other].own_number;
   });
 }
 
 template <class T>
-void SingleCellGaps<T>::set_distances(std::vector<SurfaceLinks<T>>& surfaces) const {
-  for (const Link& link : links_) {
-    lbm::CutLinks<T>& links = surfaces[link.surface].links;
-    const Link* const other = link.other < 0 ? nullptr : &links_[link.other];
-    links.opposite_q[link.place] = link.at_side ? T(0.5)
-                                   : other      ? surfaces[other->surface].links.q[other->number]
-                                                : T(0);
-    links.opposite_u[link.place] = link.side_velocity;
-  }
+void SingleCellGaps<T>::set(std::vector<SurfaceLinks<T>>& surfaces) const {
+  for (const Link& link : links_)
+    lbm::set_opposite(link, lbm::D3Q19::c[link.direction], [&](std::uint32_t k) -> lbm::SurfaceInGap<T> {
+      lbm::CutLinks<T>& of = surfaces[k].links;
+      return {of.frame, surfaces[k].motion, of.q.data(), of.opposite_q.data(), of.opposite_u.data()};
+    });
   pad(surfaces, &lbm::CutLinks<T>::opposite_q), pad(surfaces, &lbm::CutLinks<T>::opposite_u);
 }
 
 template <class T>
-void SingleCellGaps<T>::list(lbm::DeviceLinks<T>& to) const {
-  for (const Link& link : links_) {
-    const Link* const other = link.other < 0 ? nullptr : &links_[link.other];
-    to.add({link.surface, link.place, other ? std::int32_t(other->surface) : -1, other ? other->number : 0,
-            link.cell, std::int8_t(link.direction), link.at_side, link.side_velocity});
-  }
+void SingleCellGaps<T>::leave_to(lbm::DeviceLinks<T>& device) {
+  for (const Link& link : links_) device.add(link);
+  links_.clear(), groups_.clear();
 }
 
 /// Fills the groups up with copies of their last links' values.
@@ -97,17 +95,6 @@ void SingleCellGaps<T>::for_pairs(F&& f) {
     else
       table_[at] = n + 1;
   }
-}
-
-template <class T>
-void SingleCellGaps<T>::set_velocities(std::vector<SurfaceLinks<T>>& surfaces) const {
-  for (const Link& link : links_) {
-    if (link.other < 0) continue;
-    const SurfaceLinks<T>& other = surfaces[links_[link.other].surface];
-    surfaces[link.surface].links.opposite_u[link.place] =
-        T(lbm::velocity_along(other.links.frame, other.motion, link.cell, lbm::D3Q19::c[link.direction]));
-  }
-  pad(surfaces, &lbm::CutLinks<T>::opposite_u);
 }
 
 template class SingleCellGaps<float>;

@@ -2,7 +2,6 @@
 // The cut links of a block, surface by surface, in the order in which they are applied, with what a step sums
 // over them, and what links in gaps of a single cell know of the wall behind.
 #include <cstdint>
-#include <optional>
 #include <vector>
 
 #include "cpu/prefetch.hpp"
@@ -17,12 +16,15 @@ namespace silt::coupler {
 template <class T>
 struct SurfaceLinks {
   lbm::CutLinks<T> links{};
-  // where a device has the links:
-  DeviceArray<std::uint64_t> cells_on_device{};  // BodyMask::bits, if it lists them
-  DeviceArray<lbm::LinkGroup> groups_on_device{};
-  DeviceArray<lbm::DeviceSurface<T>> record_on_device{};  // one
-  std::vector<std::uint32_t> gap_places{};                // of the links of `single_cell_gap`
-  lbm::ResistanceSums resistance{};                       // of bodies that move; renewed with the links
+  struct DeviceCopy {
+    DeviceArray<std::uint64_t> cells;  // BodyMask::bits, if it lists them
+    DeviceArray<lbm::LinkGroup> groups;
+    DeviceArray<lbm::DeviceSurface<T>> record;  // one
+    explicit DeviceCopy(std::pmr::memory_resource* m = std::pmr::new_delete_resource())
+        : cells(m), groups(m), record(m) {}
+  } device{};                               // where a device has the links
+  std::vector<std::uint32_t> gap_places{};  // of the links of `single_cell_gap`
+  lbm::ResistanceSums resistance{};         // of bodies that move; renewed with the links
   // of the step under way:
   std::size_t row = 0;  // of the BodySet
   lbm::SurfaceMotion motion{};
@@ -39,24 +41,16 @@ class SingleCellGaps {
  public:
   /// Finds the wall on the other side of all links; call when the links of the box were built.
   void pair(const std::vector<SurfaceLinks<T>>&, const lbm::Domain&, const lbm::CellBox&);
-  /// Fills opposite_q of all links, and opposite_u where that is a side's.
-  void set_distances(std::vector<SurfaceLinks<T>>&) const;
-  /// Fills the rest of opposite_u; call when the motions of a step are set, with the surfaces as they were
-  /// paired.
-  void set_velocities(std::vector<SurfaceLinks<T>>&) const;
-  /// Has a device fill both.
-  void list(lbm::DeviceLinks<T>&) const;
+  /// Fills opposite_q and opposite_u of all links; call when the motions of a step are set, with the surfaces
+  /// as they were paired.
+  void set(std::vector<SurfaceLinks<T>>&) const;
+  /// Has a device fill them, from step to step.
+  void leave_to(lbm::DeviceLinks<T>&);
 
  private:
-  struct Link {
-    std::uint64_t key;             // of the pair
-    std::uint32_t surface, place;  // of opposite_q
-    std::uint32_t number;          // of place and q
-    std::int32_t direction;
-    lbm::Int3 cell;
-    std::int32_t other = -1;  // of the pair, of links_
-    bool at_side = false;
-    T side_velocity = 0;
+  struct Link : lbm::OppositeLink<T> {
+    std::uint64_t key;         // of the pair
+    std::uint32_t own_number;  // of place and q
   };
   struct Group {
     std::uint32_t surface, first, count;  // of opposite_q and opposite_u
@@ -76,9 +70,12 @@ struct GroupRange {
   bool empty() const { return begin == end; }
 };
 
-/// Surface k is mask k of the block.
+/// Surface k is mask k of the block. The processor applies groups in orders that suit its caches; a device
+/// all at once, and the orders are empty.
 template <class T>
 struct BlockLinks {
+  explicit BlockLinks(Device device = Device::cpu) : at_once(device) {}
+
   struct Group {
     std::uint32_t surface, number;
   };
@@ -90,7 +87,7 @@ struct BlockLinks {
   lbm::LinkSlots slots;                              // of the step under way
   SingleCellGaps<T> gaps;                            // under schemes that know the opposite wall
   const lbm::BeyondPair<T>* pairs_across = nullptr;  // of the step under way, under schemes that read beyond
-  std::optional<lbm::DeviceLinks<T>> on_device;      // where a device applies them
+  lbm::DeviceLinks<T> at_once;                       // of all surfaces, where a device applies them
 
   /// The inner groups that wait for a part of the dense pass; all of them.
   GroupRange inner_after(int part) const {
@@ -122,15 +119,23 @@ struct BlockLinks {
           visit(surfaces[order[k].surface], group_of(order[k]), next);
         });
   }
-  /// Lists the links for the passes of a device; call when they were built and paired.
-  void list_for_device() {
-    on_device->clear();
-    gaps.list(*on_device);
-    count = 0;
-    for (const SurfaceLinks<T>& surface : surfaces) {
-      on_device->add(surface.record_on_device.data(), surface.links.groups);
-      for (const lbm::LinkGroup& g : surface.links.groups) count += g.count;
-    }
+  /// Leaves the links to the passes of a device, if there is one; call when they were built or paired.
+  void leave_to_device() {
+    if (at_once.device() == Device::cpu) return;
+    at_once.clear();
+    gaps.leave_to(at_once);
+    for (const SurfaceLinks<T>& surface : surfaces)
+      at_once.add(surface.device.record.data(), surface.links.groups);
+  }
+  /// Call when the motions of a step are set.
+  void begin_step() {
+    gaps.set(surfaces);
+    for (std::size_t k = 0; k < at_once.size(); ++k)
+      at_once.set_motion(k, surfaces[k].motion, surfaces[k].links.frame.reach, surfaces[k].links.age);
+  }
+  void apply_at_once(lbm::Block<T>& block, lbm::ForceForm form) {
+    if (at_once.size() > 0) at_once.apply(block, surfaces.front().links.fluid, slots, pairs_across, form);
+    for (std::size_t k = 0; k < at_once.size(); ++k) surfaces[k].sums = at_once.sums(k);
   }
   /// Fills inner, first_inner, rim and count; call when links were built.
   void order_groups(const lbm::PassOrder& sweep) {
@@ -140,6 +145,7 @@ struct BlockLinks {
         count += g.count;
         if (g.ready >= 0) ++first_inner[g.ready + 2];
       }
+    if (at_once.device() != Device::cpu) return first_inner.clear();
     for (std::size_t part = 1; part < first_inner.size(); ++part) first_inner[part] += first_inner[part - 1];
     inner.resize(first_inner.back());
     std::vector<Group> crossing;

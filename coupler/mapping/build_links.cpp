@@ -40,13 +40,13 @@ template <class T>
 class LinkWriter {
  public:
   LinkWriter(const BlockMap& map, const lbm::PassOrder& sweep, WallScheme scheme, MeshDistances& meshes,
-             DeviceMapping<T>* device)
+             DeviceMapping<T>& device)
       : map_(map),
         sweep_(sweep),
         scheme_(scheme),
         reach_(lbm::link_reach(scheme)),
         places_across_(map.box.size),
-        on_device_(device),
+        device_(device),
         surface_(scheme, meshes, device),
         groups_(scheme) {}
 
@@ -60,17 +60,17 @@ class LinkWriter {
     if (mask.any) write(shape, links.frame);
     const int exponent = lbm::resistance_exponent(radius);
     if (mask.any && surface_.leaves_to_device()) {
-      groups_.end_for_device(by_cells_, *on_device_);
+      groups_.end_for_device(by_cells_, device_);
       const BodyMask* const before = mask.before < 0 ? nullptr : &map_.masks_before[mask.before];
       surface_.leave_to_device(surface, mask, before, by_cells_, shape, mapped,
                                radius > 0 ? T(std::ldexp(1.0, -exponent)) : T(0));
       return tell_device(surface);
     }
     groups_.end();
-    surface.cells_on_device.clear();
+    surface.device.cells.clear();
     surface_.set_rates(links, shape, mapped);
     if (radius > 0) surface.resistance = lbm::resistance_of(links, exponent);
-    if (!on_device_) return;
+    if (!device_.has_links()) return;
     to_device(links.place, links.q, links.rate, links.across);
     tell_device(surface);
   }
@@ -79,11 +79,11 @@ class LinkWriter {
   void tell_device(SurfaceLinks<T>& surface) {
     surface.gap_places = groups_.gap_places();
     const std::span<const lbm::LinkGroup> groups = surface.links.groups;
-    surface.groups_on_device.clear(), surface.groups_on_device.resize(groups.size());
-    surface.record_on_device.resize(1);
-    on_device_->upload(groups, surface.groups_on_device.data());
-    const lbm::DeviceSurface<T> told = lbm::surface_on_device(surface.links, surface.groups_on_device.data());
-    on_device_->upload(std::span(&told, 1), surface.record_on_device.data());
+    auto& copy = surface.device;
+    copy.groups.clear(), copy.groups.resize(groups.size()), copy.record.resize(1);
+    device_.upload(groups, copy.groups.data());
+    const lbm::DeviceSurface<T> record = lbm::device_surface(surface.links, copy.groups.data());
+    device_.upload(std::span(&record, 1), copy.record.data());
   }
 
   void write(const rigid::Shape& shape, const lbm::SurfaceFrame& at) {
@@ -214,7 +214,7 @@ class LinkWriter {
   int reach_;  // of a link, in cells
   lbm::PlacesAcross<lbm::D3Q19> places_across_;
   const BodyMask* mask_ = nullptr;  // of the body at work
-  DeviceMapping<T>* on_device_;
+  DeviceMapping<T>& device_;
   MeasuredSurface<T> surface_;
   CrossingLinks<T> crossings_;
   LinkGroups<T> groups_;
@@ -246,21 +246,20 @@ lbm::SurfaceFrame surface_frame(const BlockMap& map, const BodyMask& mask, int l
 template <class T>
 void build_links(const BlockMap& map, const rigid::World& world, const rigid::BodySet& bodies,
                  const LinkRules<T>& rules, std::vector<SurfaceLinks<T>>& surfaces) {
-  std::pmr::memory_resource* const memory = memory_of(rules.device ? rules.device->device() : Device::cpu);
+  DeviceMapping<T> none(Device::cpu), &device = rules.device ? *rules.device : none;
+  std::pmr::memory_resource* const memory = memory_of(device.device());
   std::vector<SurfaceLinks<T>> before;
   before.reserve(map.masks.size());
   for (std::size_t k = 0; k < map.masks.size(); ++k)
-    before.push_back({.links = lbm::CutLinks<T>::in(memory),
-                      .cells_on_device = DeviceArray<std::uint64_t>(memory),
-                      .groups_on_device = DeviceArray<lbm::LinkGroup>(memory),
-                      .record_on_device = DeviceArray<lbm::DeviceSurface<T>>(memory)});
+    before.push_back(
+        {.links = lbm::CutLinks<T>::in(memory), .device = typename SurfaceLinks<T>::DeviceCopy(memory)});
   before.swap(surfaces);
   const int link_reach = lbm::link_reach(rules.coupling.wall_scheme);
   PlacedMeshes placed;
   MeshDistances own(placed);
-  if (rules.device) rules.device->begin(map, rules.coupling.wall_scheme);
+  device.begin(map, rules.coupling.wall_scheme);
   LinkWriter<T> writer(map, rules.sweep, rules.coupling.wall_scheme, rules.meshes ? *rules.meshes : own,
-                       rules.device);
+                       device);
   for_masks(map.masks, [&](std::size_t k) {
     const BodyMask& mask = map.masks[k];
     if (mask.before >= 0) surfaces[k] = std::move(before[mask.before]);
@@ -273,7 +272,7 @@ void build_links(const BlockMap& map, const rigid::World& world, const rigid::Bo
     writer.body(mask, world.shapes[shape], coupling_of(bodies, mask.row).mapped,
                 wants_resistance ? world.bounding_radii[shape] : 0, surfaces[k]);
   });
-  if (rules.device) rules.device->run();
+  device.run();
 }
 
 template void build_links(const BlockMap&, const rigid::World&, const rigid::BodySet&,

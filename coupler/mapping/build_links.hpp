@@ -21,7 +21,7 @@ struct LinkRules {
   const lbm::WallFluid<T>& fluid;
   const lbm::PassOrder& sweep;
   MeshDistances* meshes = nullptr;     // whose memory serves from one mapping to the next; none: its own
-  DeviceMapping<T>* device = nullptr;  // that the links are for; none: the cpu
+  DeviceMapping<T>* device = nullptr;  // of the device that the links are for; none: the cpu
 };
 
 /// Builds the links of the block's masks, surface by surface, with the resistance of free bodies under

@@ -1,7 +1,7 @@
 #include "coupler/mapping/device_mapping.hpp"
 
 #include "coupler/mapping/solid_map.hpp"
-#include "lbm/passes/device_passes.hpp"
+#include "lbm/passes/passes.hpp"
 
 namespace silt::coupler {
 
@@ -15,6 +15,7 @@ void DeviceMapping<T>::add_words(std::uint64_t* to, const std::uint64_t* now, co
 
 template <class T>
 void DeviceMapping<T>::begin(const BlockMap& map, lbm::WallScheme scheme) {
+  if (!has_links()) return;
   map_ = &map, scheme_ = scheme;
   wanted_.clear(), groups_.host().clear(), surfaces_.host().clear(), parts_.host().clear();
   planes_.host().clear(), words_.host().clear(), runs_.host().clear(), told_.host().clear();
@@ -41,11 +42,11 @@ void DeviceMapping<T>::add(SurfaceLinks<T>& surface, const BodyMask& mask, const
                            std::span<const ListedGroup> by_cells, const rigid::SurfaceView<T>& view, T arm) {
   const BitFrame& frame = mask.frame();
   const std::size_t words = frame.words();
-  const bool is_known = before && before->frame() == frame && surface.cells_on_device.size() == words + 1;
-  if (!is_known) surface.cells_on_device.clear();
-  surface.cells_on_device.resize(words + 1);  // the one after the last may be read
-  add_words(surface.cells_on_device.data(), mask.bits.words(), is_known ? before->bits.words() : nullptr,
-            words);
+  DeviceArray<std::uint64_t>& cells = surface.device.cells;
+  const bool is_known = before && before->frame() == frame && cells.size() == words + 1;
+  if (!is_known) cells.clear();
+  cells.resize(words + 1);  // the one after the last may be read
+  add_words(cells.data(), mask.bits.words(), is_known ? before->bits.words() : nullptr, words);
   lbm::CutLinks<T>& links = surface.links;
   for (std::uint32_t k = 0; k < links.groups.size(); ++k) {
     const lbm::LinkGroup& g = links.groups[k];
@@ -56,8 +57,8 @@ void DeviceMapping<T>::add(SurfaceLinks<T>& surface, const BodyMask& mask, const
         {std::uint32_t(surfaces_.size()), g.begin, g.count, g.corner, g.scheme, g.crossing, listed});
   }
   const SurfaceAtTime now = this->listed(view, links.frame);
-  surfaces_.host().push_back({links.fluid, now, now, 0, arm, frame, surface.cells_on_device.data(),
-                              links.place.data(), links.q.data(), nullptr});
+  surfaces_.host().push_back(
+      {links.fluid, now, now, 0, arm, frame, cells.data(), links.place.data(), links.q.data(), nullptr});
   wanted_.push_back(&surface);
 }
 
@@ -72,12 +73,13 @@ void DeviceMapping<T>::add_rates(const rigid::SurfaceView<T>& view, const lbm::S
 
 template <class T>
 void DeviceMapping<T>::run() {
+  if (!has_links()) return;
   resistance_.host().resize(surfaces_.size());
   const LinksToMap<T> pass{groups_.send(), groups_.size(),      surfaces_.send(), resistance_.clear(),
                            parts_.send(),  planes_.send(),      words_.send(),    words_.size(),
                            runs_.send(),   runs_.size(),        told_.send(),     solid_.data(),
                            map_->box.size, map_->solid.words(), scheme_};
-  SILT_ON(device_, map_links<T>)(pass);
+  SILT_OFF_CPU(device_, map_links<T>)(pass);
   resistance_.fetch();
   lbm::wait(device_);
   for (std::size_t k = 0; k < wanted_.size(); ++k)

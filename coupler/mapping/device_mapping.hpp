@@ -99,12 +99,13 @@ struct LinksToMap {
   lbm::Components directions = lbm::components<lbm::D3Q19>;
 };
 
-/// The mapping of one block on its device.
+/// The mapping of one block on its device, which is to have the block's links unless it is `cpu`.
 template <class T>
 class DeviceMapping {
  public:
   explicit DeviceMapping(Device device) : device_(device) {}
   Device device() const { return device_; }
+  bool has_links() const { return device_ != Device::cpu; }
 
   /// Begins with the cells of the block.
   void begin(const BlockMap&, lbm::WallScheme);
@@ -147,13 +148,6 @@ class DeviceMapping {
   Mirror<std::uint32_t> told_{device_};
 };
 
-namespace host {
-template <class T>
-void map_links(const LinksToMap<T>&);
-}
-namespace gpu {
-template <class T>
-void map_links(const LinksToMap<T>&);
-}
+SILT_DEVICES(template <class T> void map_links(const LinksToMap<T>&);)
 
 }  // namespace silt::coupler

@@ -1,11 +1,11 @@
-// The passes of device_mapping.hpp and refill_cell.hpp, for the one file of each device that includes this
+// The passes of device_mapping.hpp, for the one file of each device other than `cpu` that includes this
 // (SILT_ISA, SILT_SCALAR).
 #include <algorithm>
 #include <cstring>
 #include <type_traits>
 
 #include "coupler/mapping/device_mapping.hpp"
-#include "coupler/mapping/refill_cell.hpp"
+#include "coupler/mapping/refill_build.hpp"
 #include "coupler/mapping/surface_distance.hpp"
 #include "device/for_each.hpp"
 #include "lbm/walls/link_resistance.hpp"
@@ -135,14 +135,6 @@ void map_links(const LinksToMap<T>& all) {
   for_teams(std::int64_t(all.group_count), MeasureGroup<T>{all});
 }
 
-template <class T>
-void refill_cells(const RefillCells<T>& cells) {
-  for_each(cells.listed.count, cells);
-  wait();
-}
-
-template void refill_cells(const RefillCells<float>&);
-template void refill_cells(const RefillCells<double>&);
 template void map_links(const LinksToMap<float>&);
 template void map_links(const LinksToMap<double>&);
 

@@ -14,8 +14,8 @@ namespace silt::coupler {
 template <class T>
 class MeasuredSurface {
  public:
-  /// Distances to bodies of convex parts are left to `device`, if there is one.
-  MeasuredSurface(WallScheme scheme, MeshDistances& mesh, DeviceMapping<T>* device)
+  /// Distances to bodies of convex parts are left to `device` if that is to have the links.
+  MeasuredSurface(WallScheme scheme, MeshDistances& mesh, DeviceMapping<T>& device)
       : follows_(lbm::follows_distance(scheme)), mesh_(mesh), device_(device) {}
 
   void reset(const rigid::Shape& shape, const BlockMap& map, const BodyMask& mask,
@@ -42,20 +42,20 @@ class MeasuredSurface {
       mesh_.set(list.corner, list.place, list.n, list.q);
     else if (way_ == Way::tube)
       distance_kernel<double, T>()(links, *frame_, tube_.view(), 0.0, list.q);
-    else if (!device_)
+    else if (!device_.has_links())
       distance_kernel<T, T>()(links, *frame_, parts_.view(), T(0), list.q);
   }
-  bool leaves_to_device() const { return device_ && (!follows_ || way_ == Way::parts); }
+  bool leaves_to_device() const { return device_.has_links() && (!follows_ || way_ == Way::parts); }
   /// Has the links of the surface listed and measured, and what follows from them.
   void leave_to_device(SurfaceLinks<T>& surface, const BodyMask& mask, const BodyMask* before,
                        std::span<const ListedGroup> by_cells, const rigid::Shape& shape,
                        const MappedMotion& mapped, T arm) {
     surface.links.rate.clear();
-    device_->add(surface, mask, before, by_cells, parts_.view(), arm);
+    device_.add(surface, mask, before, by_cells, parts_.view(), arm);
     const double steps = steps_with_rates(surface.links, mapped);
     if (steps == 0) return;
     parts_.reset(shape, mapped.pose_after(steps).orientation);
-    device_->add_rates(parts_.view(), frame_after(surface.links.frame, mapped, steps), steps);
+    device_.add_rates(parts_.view(), frame_after(surface.links.frame, mapped, steps), steps);
   }
 
   /// Sets the rates of links, built in the middle of the body's steps, by their distances in the last of
@@ -97,7 +97,7 @@ class MeasuredSurface {
 
   bool follows_;  // else links meet it midway
   MeshDistances& mesh_;
-  DeviceMapping<T>* device_;
+  DeviceMapping<T>& device_;
   Way way_ = Way::parts;
   rigid::SurfaceParts<T> parts_;
   rigid::SurfaceParts<double> tube_;  // in double: it may be far longer than anything else is wide

@@ -158,7 +158,6 @@ void refill(lbm::Fluid<T>& fluid, const std::vector<BlockMap>& maps, const Chang
   }
   const RefillCells<T> pass{fluid.listed(places(cells.uncovered)), uncovered.cells.send(),
                             uncovered.told.send(), force};
-  if (fluid.device() == Device::cpu) return pass.run_here();
   SILT_ON(fluid.device(), refill_cells<T>)(pass);
 }
 

@@ -1,13 +1,11 @@
 #pragma once
-// This file finds what a cell holds when a body has left it: cell by cell on the processor, or in a device's
-// pass.
+// The pass that finds what cells hold when a body has left them.
 #include <array>
 #include <cstdint>
-#include <span>
 
 #include "cpu/prefetch.hpp"
 #include "lbm/blocks/moments.hpp"
-#include "lbm/passes/device_passes.hpp"
+#include "lbm/passes/passes.hpp"
 
 namespace silt::coupler {
 
@@ -56,17 +54,12 @@ struct RefillCells {
   const lbm::Moments* told;
   std::array<double, 3> force;
 
-  void run_here() const {
-    const std::span all(listed.cells, std::size_t(listed.count));
-    for_ahead(
-        all, 2,
-        [&](const auto& cell) {
-          const auto& block = listed.blocks[cell.block];
-          for (const std::ptrdiff_t step : block.step)
-            for (const std::ptrdiff_t arriving : block.arriving)
-              prefetch_to_read(cell.data + step + arriving);
-        },
-        *this);
+  static constexpr int ahead = 2;
+  void fetch(std::int64_t k) const {
+    const auto& cell = listed.cells[k];
+    const auto& block = listed.blocks[cell.block];
+    for (const std::ptrdiff_t step : block.step)
+      for (const std::ptrdiff_t arriving : block.arriving) prefetch_to_read(cell.data + step + arriving);
   }
   SILT_DEVICE void operator()(std::int64_t k) const {
     const auto& at = listed.cells[k];
@@ -95,14 +88,6 @@ struct RefillCells {
   }
 };
 
-/// The pass of a device.
-namespace host {
-template <class T>
-void refill_cells(const RefillCells<T>&);
-}
-namespace gpu {
-template <class T>
-void refill_cells(const RefillCells<T>&);
-}
+SILT_DEVICES(template <class T> void refill_cells(const RefillCells<T>&);)
 
 }  // namespace silt::coupler

@@ -48,10 +48,4 @@ void stream_collide(Block<T>& block, Parity parity, const CollisionRates<T>& rat
   kernel_of(rates)(block, parity, rates, range, watched);
 }
 
-/// All cells give up their excess (excess.hpp), as they would when they collide.
-template <class T>
-void take_excess(Block<T>& block, Parity parity) {
-  SILT_CHOSEN(excess_kernel<T>)()(block, parity);
-}
-
 }  // namespace silt::lbm

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <map>
 
-#include "cpu/prefetch.hpp"
 #include "lbm/exchange/ghost_home.hpp"
 #include "parallel/communicator.hpp"
 
@@ -198,20 +197,11 @@ void Halo<T, Lattice>::start(Parity parity) {
 
 template <class T, class Lattice>
 void Halo<T, Lattice>::apply_outlet(Block& block, const Outlet& o, Parity parity) const {
-  ReturnFromOutlet<T> cell{block.data(),    {}, {}, parity == Parity::crossed, o.cells.device(),
-                           o.links.device()};
-  for (int i = 1; i < Lattice::directions; ++i) cell.left[i] = block.leaving(i, parity) - block.slot(0);
-  for (int d = 0; d < 3; ++d) cell.half_force[d] = 0.5 * force_[d];
-  if (device_ != Device::cpu) return passes_on<T>(device_).return_from_outlet(cell, o.side, o.cells.size());
-  with_outlet(o.side, [&](const auto& outlet) {
-    for (std::size_t n = 0; n < o.cells.size(); ++n) {
-      constexpr std::size_t ahead = 16;  // the cells of a cache line
-      if (n + ahead < o.cells.size())
-        for (int i = 1; i < Lattice::directions; ++i)
-          prefetch_to_read(block.data() + cell.left[i] + cell.cells[n + ahead].cell);
-      cell(std::int64_t(n), outlet);
-    }
-  });
+  OutletCells<T> cells{block.data(),  {}, {}, parity == Parity::crossed, o.cells.device(), o.links.device(),
+                       o.cells.size()};
+  for (int i = 1; i < Lattice::directions; ++i) cells.left[i] = block.leaving(i, parity) - block.slot(0);
+  for (int d = 0; d < 3; ++d) cells.half_force[d] = 0.5 * force_[d];
+  passes_on<T>(device_).return_from_outlet(cells, o.side);
 }
 
 template <class T, class Lattice>
@@ -223,16 +213,9 @@ void Halo<T, Lattice>::exchange(std::span<Block> blocks, std::span<const char> i
   }
   const bool back = parity == Parity::settled;
   slots_.finish({sources_.device(), sources_.size()}, {targets_.device(), targets_.size()}, back);
-  const SlotArrays<const T> sources{.table = sources_.device()};
-  const SlotArrays<T> targets{.table = targets_.device()};
   const Mirror<T>& addends = walls_.addends;
-  if (device_ != Device::cpu)
-    passes_on<T>(device_).move_slots(walls_.pairs, {addends.device(), addends.size()}, sources, targets,
-                                     back);
-  else
-    walls_.pairs.move(sources, targets, back, [&](std::size_t k) {
-      return [addend = addends.host()[k]](T value) { return value + addend; };
-    });
+  passes_on<T>(device_).move_slots(walls_.pairs, {addends.device(), addends.size()},
+                                   {.table = sources_.device()}, {.table = targets_.device()}, back);
   for (const Outlet& outlet : outlets_)
     if (!idle[outlet.block]) apply_outlet(blocks[outlet.block], outlet, parity);
   wait(device_);

@@ -23,8 +23,8 @@
 #include "lbm/blocks/domain.hpp"
 #include "lbm/blocks/pass_order.hpp"
 #include "lbm/exchange/slot_exchange.hpp"
-#include "lbm/passes/device_passes.hpp"
 #include "lbm/passes/outlet.hpp"
+#include "lbm/passes/passes.hpp"
 
 namespace silt::lbm {
 

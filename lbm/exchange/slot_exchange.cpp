@@ -1,15 +1,8 @@
 #include "lbm/exchange/slot_exchange.hpp"
 
-#include "lbm/passes/device_passes.hpp"
+#include "lbm/passes/passes.hpp"
 
 namespace silt::lbm {
-
-template <class T>
-void SlotExchange<T>::move(const SlotPairs& pairs, SlotArrays<const T> sources, SlotArrays<T> targets,
-                           bool back) const {
-  if (device_ != Device::cpu) return passes_on<T>(device_).move_slots(pairs, {}, sources, targets, back);
-  pairs.move(sources, targets, back, [](std::size_t) { return [](T value) { return value; }; });
-}
 
 template <class T>
 void SlotExchange<T>::clear() {
@@ -21,17 +14,19 @@ void SlotExchange<T>::clear() {
 
 template <class T>
 void SlotExchange<T>::send(std::span<const T* const> sources, bool back, bool early) {
+  const Passes<T>& passes = passes_on<T>(device_);
   const auto is_sent = [&](const Peer& peer) { return peer.early == early && peer.list[back].slots() > 0; };
   for (auto& [rank, peer] : peers_) {
     if (!is_sent(peer)) continue;
     peer.buffer[back].resize(peer.list[back].slots());
-    move(peer.list[back].places(), {.table = sources.data()}, {.only = peer.buffer[back].data()}, false);
+    passes.move_slots(peer.list[back].places(), {}, {.table = sources.data()},
+                      {.only = peer.buffer[back].data()}, false);
   }
-  wait(device_);
+  passes.wait();
   for (auto& [rank, peer] : peers_) {
     if (!is_sent(peer)) continue;
     transfers_.send(rank, std::span(peer.buffer[back]));
-    if (device_ != Device::cpu) from_device(peer.buffer[back]);
+    from_device(peer.buffer[back]);
   }
 }
 
@@ -48,14 +43,16 @@ void SlotExchange<T>::start(std::span<const T* const> sources, bool back) {
 
 template <class T>
 void SlotExchange<T>::finish(std::span<const T* const> sources, std::span<T* const> targets, bool back) {
+  const Passes<T>& passes = passes_on<T>(device_);
   send(sources, back, false);
-  move(copied_, {.table = sources.data()}, {.table = targets.data()}, back);
+  passes.move_slots(copied_, {}, {.table = sources.data()}, {.table = targets.data()}, back);
   transfers_.wait();
   for (auto& [rank, peer] : peers_) {
-    move(peer.list[!back].places(), {.only = peer.buffer[!back].data()}, {.table = targets.data()}, true);
-    if (device_ != Device::cpu) to_device(peer.buffer[!back]);
+    passes.move_slots(peer.list[!back].places(), {}, {.only = peer.buffer[!back].data()},
+                      {.table = targets.data()}, true);
+    to_device(peer.buffer[!back]);
   }
-  wait(device_);
+  passes.wait();
 }
 
 template <class T>

@@ -37,7 +37,7 @@ class SlotExchange {
   /// The slots for that rank are not there yet at start(): finish() sends them.
   void hold_back(int rank) { peer(rank).early = false; }
   void clear();
-  /// Gives a device the lists if they have changed; start() does so at the latest.
+  /// Gives the device the lists if they have changed; start() does so at the latest.
   void send_lists();
 
   /// Sends from these arrays, and awaits what comes.
@@ -61,7 +61,6 @@ class SlotExchange {
   };
 
   Peer& peer(int rank) { return is_sent_ = false, peers_.try_emplace(rank, device_).first->second; }
-  void move(const SlotPairs&, SlotArrays<const T> sources, SlotArrays<T> targets, bool back) const;
   void send(std::span<const T* const> sources, bool back, bool early);
 
   Device device_;

@@ -3,7 +3,7 @@
 #include <array>
 #include <span>
 
-#include "lbm/passes/device_passes.hpp"
+#include "lbm/passes/passes.hpp"
 
 namespace silt::lbm {
 
@@ -73,8 +73,7 @@ void LevelBorder<Field>::after_coarse_pass() {
   fetch<T>(coarse_left_, arrays);
   now_.coarse_left = arrays.data(), now_.coarse_arriving = arrays.data() + arrays_of(coarse_);
   now_.coarse_before = coarse_before_.data(), now_.carried = carried_.data(), now_.sums = sums_.data();
-  if (on_device()) return passes_on<T>(fine_.device()).carry_packets(now_, carry_);
-  for (const auto& row : carry_) now_.carry(row, 0, row.length);
+  passes_on<T>(fine_.device()).carry_packets(now_, carry_);
 }
 
 template <class Field>
@@ -88,25 +87,21 @@ void LevelBorder<Field>::begin_fine_pass() {
 template <class Field>
 void LevelBorder<Field>::after_part(int block, int part) {
   by_parts_[block] = true;
-  do_ready(ready_[block][part]);
+  cross(ready_[block][part], {});
 }
 
 template <class Field>
 void LevelBorder<Field>::end_fine_pass() {
   for (std::size_t b = 0; b < ready_.size(); ++b)
     for (const Lists& part : ready_[b])
-      if (!by_parts_[b]) do_ready(part);
+      if (!by_parts_[b]) cross(part, {});
   fetch<T>(fine_left_[now_.sub_step], fine_arrays_[int(fine_.parity())]);
-  if (on_device()) return passes_on<T>(fine_.device()).cross_border(now_, late_, passing_);
-  do_ready(late_);
-  for (const auto& row : passing_) now_.pass(row, 0, row.length);
+  cross(late_, passing_);
 }
 
 template <class Field>
-void LevelBorder<Field>::do_ready(const Lists& lists) {
-  now_.refer_to(lists);
-  for (const Explosion& e : lists.explosions) now_.explode(e, 0, e.length);
-  for (const Coalescence& c : lists.coalescences) now_.add_up(c, 0, c.length), now_.coalesce(c, 0, c.length);
+void LevelBorder<Field>::cross(const Lists& lists, std::span<const typename Rows::Passing> passing) {
+  passes_on<T>(fine_.device()).cross_border(now_, lists, passing);
 }
 
 template class LevelBorder<Fluid<float>>;

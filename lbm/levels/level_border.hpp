@@ -10,6 +10,7 @@
 // that what one cell of a row does the next does too, two fine cells further on (level_border_lists.cpp).
 #include <cstdint>
 #include <memory_resource>
+#include <span>
 #include <vector>
 
 #include "lbm/exchange/slot_exchange.hpp"
@@ -53,8 +54,7 @@ class LevelBorder {
 
   LevelBorder(Field& fine, Field& coarse, std::pmr::polymorphic_allocator<> memory);
   void make_lists();  // level_border_lists.cpp
-  bool on_device() const { return fine_.device() != Device::cpu; }
-  void do_ready(const Lists&);
+  void cross(const Lists&, std::span<const typename Rows::Passing>);
 
   Field &fine_, &coarse_;
   SlotExchange<T> before_, coarse_left_, fine_left_[2];
@@ -63,9 +63,9 @@ class LevelBorder {
   std::pmr::vector<T*> coarse_arrays_[2], fine_arrays_[2];
   std::pmr::vector<typename Rows::Carried> carry_;
   std::pmr::vector<typename Rows::Passing> passing_;
-  /// The lists for rows that are ready after a part of a block, by block and part, on the processor alone.
-  /// Rows that need more than one block, or another rank, or that take from what others read, come after the
-  /// pass.
+  /// The lists for rows that are ready after a part of a block, by block and part; none if a pass is not in
+  /// parts. Rows that need more than one block, or another rank, or that take from what others read, come
+  /// after the pass.
   std::vector<std::vector<Lists>> ready_;
   std::vector<char> by_parts_;  // whether parts of a block were told of in this pass
   Lists late_;

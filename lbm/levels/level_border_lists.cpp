@@ -91,8 +91,8 @@ struct LevelBorder<Field>::Builder {
           {part, order.part_of(x.y, x.z), order.part_of(std::min(last_y, place.box.size.y - 1), x.z)});
     }
     Lists& list() const {
-      return several || block < 0 || builder.border.on_device() ? builder.border.late_
-                                                                : builder.border.ready_[block][part];
+      const bool is_late = several || block < 0 || builder.border.ready_[block].empty();
+      return is_late ? builder.border.late_ : builder.border.ready_[block][part];
     }
   };
 
@@ -360,7 +360,7 @@ struct LevelBorder<Field>::Builder {
 
   void build() {
     for (int b = 0; b < int(border.fine_.blocks().size()); ++b)
-      border.ready_.emplace_back(border.fine_.pass_order(b).parts());
+      border.ready_.emplace_back(border.fine_.is_in_parts() ? border.fine_.pass_order(b).parts() : 0);
     std::set<int> near;  // blocks whose cells may matter to this rank's, in an order on which ranks agree
     const auto add_near = [&](const CellBox& box) {
       for (const int b : coarse.blocks_meeting(grown(box, 2))) near.insert(b);

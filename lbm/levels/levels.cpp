@@ -54,7 +54,7 @@ void Levels<T>::begin_pass(int level) {
 template <class T>
 void Levels<T>::pass_over(int level) {
   Fluid<T>& its = fluid(level);
-  if (is_coarsest(level) || its.device() != Device::cpu) return its.stream_collide();
+  if (is_coarsest(level) || !its.is_in_parts()) return its.stream_collide();
   its.begin_pass();
   for (int b = 0; b < int(its.blocks().size()); ++b)
     for (int part = 0; part < its.parts(b); ++part) {

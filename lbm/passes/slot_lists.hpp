@@ -52,29 +52,9 @@ class SlotPairs {
   }
   void clear() { list_.host().clear(); }
   const std::pmr::vector<Pair>& pairs() const { return list_.host(); }
-  /// Call before a device moves values, when pairs were added or cleared.
+  /// Call before values move, when pairs were added or cleared.
   void send() { list_.send(); }
-  const Pair* on_device() const { return list_.device(); }
-
-  /// Puts change_of(k)(value) of each slot of the k-th pair in its place; `back` goes the other way. Nothing
-  /// goes to an array that is a null pointer.
-  template <class T, class ChangeOf>
-  void move(SlotArrays<const T> sources, SlotArrays<T> targets, bool back, ChangeOf&& change_of) const {
-    for (std::size_t k = 0; k < pairs().size(); ++k) {
-      const Pair& pair = pairs()[k];
-      const SlotRun &source = back ? pair.to : pair.from, &target = back ? pair.from : pair.to;
-      T* to = targets[target.array];
-      if (!to) continue;
-      to += target.first;
-      const T* const from = sources[source.array] + source.first;
-      const std::ptrdiff_t s = source.stride, t = target.stride;
-      const auto change = change_of(k);
-      if (s == 1 && t == 1)
-        for (std::ptrdiff_t n = 0; n < source.length; ++n) to[n] = change(from[n]);
-      else
-        for (std::ptrdiff_t n = 0; n < source.length; ++n) to[n * t] = change(from[n * s]);
-    }
-  }
+  const Pair* device() const { return list_.device(); }
 
  private:
   Mirror<Pair> list_;

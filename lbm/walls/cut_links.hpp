@@ -193,7 +193,7 @@ inline constexpr double link_quantum = 0x1p-44;
 /// The sums of the momentum exchange on one surface in one step (method.md, equation 22).
 struct LinkSums {
   std::int64_t force[3] = {}, torque[3] = {};
-  bool invalid = false;  // a term might have been out of range, or was not a number
+  std::int64_t invalid = 0;  // not 0: a term might have been out of range, or was not a number
 };
 
 /// The resistance of a surface, H = sum 6 w J J^T with J = [c, r x c], is how force and torque fall with its

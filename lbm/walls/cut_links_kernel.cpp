@@ -12,48 +12,44 @@ namespace {
 template <class T>
 using LinkRows = typename LinkFetch<T>::Rows;
 
-/// The populations that a vector of links reads: rows of slots from the slot of the group's corner on, and
-/// the pair beyond, in the block or, by its index, among the block's pairs across.
-template <class T>
-struct Read {
-  const T* data;
-  LinkRows<T> rows;
-  const std::uint32_t* across;  // null: in the block
-  const BeyondPair<T>* pairs;
-
-  auto operator()(int row) const { return Lanes<T>::gather(data, rows[row]); }
-  BeyondPair<typename Lanes<T>::Real> beyond() const {
-    if (!across) return {(*this)(away_row), (*this)(toward_row)};
-    BeyondPair<typename Lanes<T>::Real> found;
-    for (int l = 0; l < Lanes<T>::count; ++l)
-      found.away[l] = pairs[across[l]].away, found.toward[l] = pairs[across[l]].toward;
-    return found;
-  }
-};
-
-/// The excess of a group's links goes to their cells, lane by lane: links of several directions, side by side
-/// in a vector, share cells.
-template <class T>
-class ExcessOfGroup {
- public:
+/// A vector of links, with its slots by rows from that of the group's corner on.
+template <WallScheme scheme, class T>
+struct LinksAt {
   using L = Lanes<T>;
   using V = typename L::Real;
-  ExcessOfGroup(const GroupInBlock<T>& here, const SurfaceMotion& motion)
-      : cells_(here.block.excess() + here.block.cell(here.group.corner)),
-        besides_(ExcessLanes<T>{} + ExcessQuanta<T>(motion.mass_by_link)) {}
+  const GroupInBlock<T>& here;
+  const T* data;  // of the group's corner, as the excess
+  ExcessQuanta<T>* excess;
+  int l;
+  LinkRows<T> rows;
+  Places<T> at;
+  V q;
 
-  [[gnu::always_inline]] void add(const V& excess, const typename L::Mask& counted,
-                                  const std::int32_t* cell) const {
-    const ExcessLanes<T> own = excess_quanta<T>(excess) - besides_, given = counted ? own : ExcessLanes<T>{};
+  V operator()(int row) const { return L::gather(data, rows[row]); }
+  /// The pair beyond lies in the block or, by its index, among the block's pairs across.
+  BeyondPair<V> beyond() const {
+    const LinkGroup& group = here.group;
+    if (!group.across) return {(*this)(away_row), (*this)(toward_row)};
+    const std::uint32_t* const across = here.links.across.data() + group.across_begin + l;
+    BeyondPair<V> found;
+    for (int k = 0; k < L::count; ++k)
+      found.away[k] = here.pairs_across[across[k]].away,
+      found.toward[k] = here.pairs_across[across[k]].toward;
+    return found;
+  }
+  OppositeWall<V> opposite() const {
+    if (scheme != WallScheme::single_cell_gap || here.links.opposite_q.empty()) return {};
+    return {load<V>(here.links.opposite_q.data() + here.group.opposite + l),
+            load<V>(here.links.opposite_u.data() + here.group.opposite + l)};
+  }
+  /// Lane by lane: links of several directions, side by side in a vector, share cells.
+  [[gnu::always_inline]] void give(const ExcessLanes<T>& given) const {
     ExcessQuanta<T> of[L::count];
     store(of, given);
+    const std::int32_t* const cell = rows[cell_row];
 #pragma GCC unroll 16
-    for (int l = 0; l < L::count; ++l) cells_[cell[l]] += of[l];
+    for (int k = 0; k < L::count; ++k) excess[cell[k]] += of[k];
   }
-
- private:
-  ExcessQuanta<T>* cells_;  // from the group's corner on
-  ExcessLanes<T> besides_;  // that each link gives
 };
 
 template <WallScheme scheme, class T>
@@ -61,39 +57,24 @@ void apply(const GroupInBlock<T>& here, const SurfaceMotion& motion, ForceForm f
            LinkFetch<T>& fetch) {
   using L = Lanes<T>;
   const auto& [block, slots, links, group, next, pairs, listed, far] = here;
-  const SurfaceFrame& frame = links.frame;
-  const Motion<T> u(motion);
-  const PlaceOrigin<T> origin(block, group.corner, frame);
+  const PlaceOrigin<T> origin(block, group.corner, links.frame);
   const std::uint32_t* const place = links.place.data() + group.begin;
   const WallDistances<T> distance(links, group);
   const int count = int(group.count);
   T* const data = block.data() + block.middle() + block.cell(group.corner);
-  const ExcessOfGroup<T> excess(here, motion);
-  GroupSums<T> total(form == ForceForm::galilean ? T(1) : T(0), T(largest_exchange(frame.reach, motion)));
+  ExcessQuanta<T>* const excess = block.excess() + block.cell(group.corner);
+  GroupStep<T> step(motion, links.fluid, form == ForceForm::galilean,
+                    largest_exchange(links.frame.reach, motion));
   int l = 0;
   for (; l < count; l += L::count) {
     const LinkRows<T> rows = fetch.at(l);
-    const Places<T> at(place + l, origin);
-    const auto q = distance.at(l);
-    const auto ux = u.x(at.r[1], at.r[2]), uy = u.y(at.r[2], at.r[0]), uz = u.z(at.r[0], at.r[1]);
-    OppositeWall<typename L::Real> opposite;
-    if constexpr (scheme == WallScheme::single_cell_gap) {
-      if (!links.opposite_q.empty()) {
-        opposite.q = load<typename L::Real>(links.opposite_q.data() + group.opposite + l);
-        opposite.u = load<typename L::Real>(links.opposite_u.data() + group.opposite + l);
-      }
-    }
-    const std::uint32_t* const across = group.across ? links.across.data() + group.across_begin + l : nullptr;
-    const Exchange<T> e = exchange<scheme>(Read<T>{data, rows, across, pairs}, links.fluid, at, q,
-                                           at.along(ux, uy, uz), opposite);
-    const auto counted = L::below(count - l);
-    L::scatter(data, rows[back_row], e.back);
-    excess.add(e.excess, counted, rows[cell_row]);
-    total.add(e, counted, at, ux, uy, uz);
+    const LinksAt<scheme, T> at{here, data, excess, l, rows, Places<T>(place + l, origin), distance.at(l)};
+    const auto back = step.template apply<scheme>(at, L::below(count - l));
+    L::scatter(data, rows[back_row], back);
   }
   fetch.finish(l);
-  total.add_to(sums, [](std::int64_t term, std::int64_t& sum) { sum += term; });
-  if (!total.in_range()) sums.invalid = true;
+  step.sums.add_to(sums, [](std::int64_t term, std::int64_t& sum) { sum += term; });
+  if (!step.sums.in_range()) sums.invalid = 1;
 }
 
 template <class T>

@@ -1,8 +1,6 @@
 #include "lbm/walls/device_links.hpp"
 
-#include <algorithm>
-
-#include "lbm/passes/device_passes.hpp"
+#include "lbm/passes/passes.hpp"
 #include "lbm/walls/link_passes.hpp"
 
 namespace silt::lbm {
@@ -34,17 +32,8 @@ void DeviceLinks<T>::set_increment(std::size_t k, const SurfaceMotion& increment
 }
 
 template <class T>
-LinkSums DeviceLinks<T>::sums(std::size_t k) const {
-  const DeviceSums& of = sums_.host()[k];
-  LinkSums sums;
-  std::copy_n(of.force, 3, sums.force), std::copy_n(of.torque, 3, sums.torque);
-  sums.invalid = of.beyond_range != 0;
-  return sums;
-}
-
-template <class T>
 const LinkPasses<T>& DeviceLinks<T>::passes() const {
-  return SILT_ON(device_, link_passes<T>)();
+  return SILT_OFF_CPU(device_, link_passes<T>)();
 }
 
 template <class T>
@@ -55,7 +44,7 @@ LinkPass<T> DeviceLinks<T>::pass_over(Block<T>& block, const LinkSlots& slots) {
           std::int32_t(block.plane_stride()),
           block.excess(),
           slots_.send(),
-          fluid_,
+          {},
           surfaces_.send(),
           sums_.device(),
           nullptr,
@@ -73,12 +62,13 @@ void DeviceLinks<T>::list_groups() {
 }
 
 template <class T>
-void DeviceLinks<T>::apply(Block<T>& block, const LinkSlots& slots, const BeyondPair<T>* pairs_across,
-                           ForceForm form) {
+void DeviceLinks<T>::apply(Block<T>& block, const WallFluid<T>& fluid, const LinkSlots& slots,
+                           const BeyondPair<T>* pairs_across, ForceForm form) {
+  if (size() == 0) return;
   sums_.host().resize(surfaces_.size());
   sums_.clear();
   LinkPass<T> pass = pass_over(block, slots);
-  pass.pairs_across = pairs_across;
+  pass.fluid = fluid, pass.pairs_across = pairs_across;
   pass.galilean = form == ForceForm::galilean;
   list_groups();
   passes().set_opposites({opposites_.device(), opposites_.size()}, pass);
@@ -91,6 +81,7 @@ void DeviceLinks<T>::apply(Block<T>& block, const LinkSlots& slots, const Beyond
 
 template <class T>
 void DeviceLinks<T>::correct(Block<T>& block, const LinkSlots& slots) {
+  if (size() == 0) return;
   passes().correct(groups_, pass_over(block, slots));
   wait(device_);
 }

@@ -21,7 +21,7 @@ struct DeviceSurface {
   T *opposite_q, *opposite_u;
 };
 template <class T>
-DeviceSurface<T> surface_on_device(CutLinks<T>& links, const LinkGroup* groups) {
+DeviceSurface<T> device_surface(CutLinks<T>& links, const LinkGroup* groups) {
   const auto first = [](auto& values) { return values.empty() ? nullptr : values.data(); };
   return {links.frame,
           groups,
@@ -42,12 +42,6 @@ struct SurfaceStep {
   double limit;          // of what passes along a link
   T age;
   bool open;  // the pass is for its links
-};
-
-/// The sums over the links of a surface.
-struct DeviceSums {
-  std::int64_t force[3], torque[3];
-  std::int64_t beyond_range;  // teams that found a term which is
 };
 
 struct GroupOfSurface {
@@ -83,30 +77,52 @@ SILT_DEVICE inline double velocity_along(const SurfaceFrame& frame, const Surfac
   return sum;
 }
 
+/// Sets the OppositeWall of a link in the step under way; `surface_at` finds a SurfaceInGap.
+template <class T>
+struct SurfaceInGap {
+  const SurfaceFrame& frame;
+  const SurfaceMotion& motion;
+  const T* q;
+  T *opposite_q, *opposite_u;
+};
+template <class T, class SurfaceAt>
+SILT_DEVICE void set_opposite(const OppositeLink<T>& link, Int3 along, const SurfaceAt& surface_at) {
+  T q = link.at_side ? T(0.5) : T(0), velocity = link.side_velocity;
+  if (link.other >= 0) {
+    const SurfaceInGap<T> other = surface_at(std::uint32_t(link.other));
+    if (!link.at_side) q = other.q[link.number];
+    velocity = T(velocity_along(other.frame, other.motion, link.cell, along));
+  }
+  const SurfaceInGap<T> own = surface_at(link.surface);
+  own.opposite_q[link.place] = q, own.opposite_u[link.place] = velocity;
+}
+
 template <class T>
 struct LinkPass;
 template <class T>
 struct LinkPasses;
 
+/// Without surfaces nothing is done.
 template <class T>
 class DeviceLinks {
  public:
   explicit DeviceLinks(Device device) : device_(device) {}
+  Device device() const { return device_; }
 
   /// The links are those of surfaces added from now on, one after the other, which lie in memory_of the
   /// device and stay there.
   void clear();
   void add(const DeviceSurface<T>*, std::span<const LinkGroup>);
   void add(const OppositeLink<T>& link) { opposites_.host().push_back(link); }
+  std::size_t size() const { return surfaces_.size(); }  // surfaces
 
-  void set_fluid(const WallFluid<T>& fluid) { fluid_ = fluid; }
   /// Begins a step: surface k moves so, no cell of its links is further than `reach` from its reference
   /// point, and its distances have this age.
   void set_motion(std::size_t k, const SurfaceMotion&, double reach, T age);
   /// Writes what the surfaces return along all links, adds to the excess of their cells, and sums force
   /// and torque.
-  void apply(Block<T>&, const LinkSlots&, const BeyondPair<T>* pairs_across, ForceForm);
-  LinkSums sums(std::size_t k) const;
+  void apply(Block<T>&, const WallFluid<T>&, const LinkSlots&, const BeyondPair<T>* pairs_across, ForceForm);
+  const LinkSums& sums(std::size_t k) const { return sums_.host()[k]; }
 
   /// Surface k moved faster by an increment than it was said to; none did until this is called.
   void set_increment(std::size_t k, const SurfaceMotion&);
@@ -119,9 +135,8 @@ class DeviceLinks {
   void list_groups();
 
   Device device_;
-  WallFluid<T> fluid_;
   Mirror<SurfaceStep<T>> surfaces_{device_};
-  Mirror<DeviceSums> sums_{device_};                        // of the surfaces
+  Mirror<LinkSums> sums_{device_};                          // of the surfaces
   Mirror<std::uint32_t> first_group_{device_};              // of each surface, among those of all
   DeviceArray<GroupOfSurface> groups_{memory_of(device_)};  // of all surfaces
   std::uint32_t group_count_ = 0;

@@ -158,4 +158,32 @@ class GroupSums {
   typename L::Mask good_ = V{} == V{};
 };
 
+/// The links of a group in a step: how their surface moves, the fluid that they stand in, what each of them
+/// gives its cell besides (SurfaceMotion), and their sums.
+template <class T>
+struct GroupStep {
+  Motion<T> u;
+  const WallFluid<T>& fluid;
+  ExcessLanes<T> besides;
+  GroupSums<T> sums;
+  SILT_DEVICE GroupStep(const SurfaceMotion& m, const WallFluid<T>& fluid, bool galilean, double limit)
+      : u(m),
+        fluid(fluid),
+        besides(ExcessLanes<T>{} + ExcessQuanta<T>(m.mass_by_link)),
+        sums(galilean ? T(1) : T(0), T(limit)) {}
+
+  /// Returns what comes back along a vector of links; adds to the excess of their cells and to the sums.
+  template <WallScheme scheme, class Links>
+  [[gnu::always_inline]] SILT_DEVICE typename Lanes<T>::Real apply(const Links& links,
+                                                                   const typename Lanes<T>::Mask& counted) {
+    const Places<T>& at = links.at;
+    const auto ux = u.x(at.r[1], at.r[2]), uy = u.y(at.r[2], at.r[0]), uz = u.z(at.r[0], at.r[1]);
+    const Exchange<T> e = exchange<scheme>(links, fluid, at, links.q, at.along(ux, uy, uz), links.opposite());
+    const ExcessLanes<T> own = excess_quanta<T>(e.excess) - besides;
+    links.give(counted ? own : ExcessLanes<T>{});
+    sums.add(e, counted, at, ux, uy, uz);
+    return e.back;
+  }
+};
+
 }  // namespace silt::lbm::SILT_ISA

@@ -15,7 +15,7 @@ struct LinkPass {
   const LinkSlots* slots;
   WallFluid<T> fluid;
   const SurfaceStep<T>* surfaces;
-  DeviceSums* sums;  // of the surfaces
+  LinkSums* sums;  // of the surfaces
   const BeyondPair<T>* pairs_across;
   bool galilean;
 };
@@ -28,13 +28,6 @@ struct LinkPasses {
   void (*apply_crossing)(std::span<const GroupOfSurface>, const LinkPass<T>&);
   void (*correct)(std::span<const GroupOfSurface>, const LinkPass<T>&);
 };
-namespace host {
-template <class T>
-const LinkPasses<T>& link_passes();
-}
-namespace gpu {
-template <class T>
-const LinkPasses<T>& link_passes();
-}
+SILT_DEVICES(template <class T> const LinkPasses<T>& link_passes();)
 
 }  // namespace silt::lbm

@@ -5,14 +5,6 @@
 
 namespace silt::lbm::SILT_ISA {
 
-/// A link as it was found in its group.
-template <class T>
-struct FoundLink {
-  Places<T> at;
-  T q;
-  std::int32_t back;  // the slot that the surface returns to
-};
-
 /// The links of one group.
 template <class T>
 struct LinksOfGroup {
@@ -20,7 +12,7 @@ struct LinksOfGroup {
   const SurfaceStep<T>& step;
   const DeviceSurface<T>& surface;
   const LinkGroup& group;
-  DeviceSums& sums;
+  LinkSums& sums;
   PlaceOrigin<T> origin;
   WallDistances<T> distance;
   T* corner;
@@ -42,27 +34,31 @@ struct LinksOfGroup {
     return group.corner.x + std::ptrdiff_t{pass.row} * group.corner.y +
            std::ptrdiff_t{pass.plane} * group.corner.z;
   }
-  SILT_DEVICE FoundLink<T> operator[](int l) const {
-    const Places<T> at(surface.place + group.begin + l, origin);
-    return {at, distance.at(l), at.slots(pass.slots->back)};
-  }
 };
 
-/// The populations that one link reads.
+/// One link.
 template <WallScheme scheme, class T>
-struct ReadLink {
+struct LinkAt {
   const LinksOfGroup<T>& links;
-  const FoundLink<T>& link;
   int l;
+  Places<T> at;
+  T q;
+  std::int32_t back;  // the slot that the surface returns to
 
-  SILT_DEVICE std::int32_t out() const { return link.at.slots(links.pass.slots->out); }
+  SILT_DEVICE LinkAt(const LinksOfGroup<T>& links, int l)
+      : links(links),
+        l(l),
+        at(links.surface.place + links.group.begin + l, links.origin),
+        q(links.distance.at(l)),
+        back(at.slots(links.pass.slots->back)) {}
+  SILT_DEVICE std::int32_t out() const { return at.slots(links.pass.slots->out); }
   SILT_DEVICE SlotsBehind<std::int32_t> slots() const {
-    return {out(), link.back, links.pass.slots->step[link.at.direction]};
+    return {out(), back, links.pass.slots->step[at.direction]};
   }
   SILT_DEVICE T operator()(int row) const {
     if (row == out_row) return links.corner[out()];
     if constexpr (scheme == WallScheme::single_cell_gap)
-      return links.corner[link.at.cell + links.pass.slots->out[row - out_row]];
+      return links.corner[at.cell + links.pass.slots->out[row - out_row]];
     return links.corner[row == behind_row ? slots().behind : slots().against];
   }
   SILT_DEVICE BeyondPair<T> beyond() const {
@@ -75,35 +71,27 @@ struct ReadLink {
     return {links.surface.opposite_q[links.group.opposite + l],
             links.surface.opposite_u[links.group.opposite + l]};
   }
+  SILT_DEVICE void give(ExcessQuanta<T> given) const { add_to(links.excess[at.cell], given); }
 };
 
 /// Applies the links of a group that are a member's, so many together: all of these are read before one is
 /// written.
 template <WallScheme scheme, int together, class T>
 SILT_DEVICE void apply_group(const LinksOfGroup<T>& links, const Team& member) {
-  const Motion<T> u(links.step.motion);
-  const WallFluid<T>& fluid = links.pass.fluid;
-  GroupSums<T> sums(links.pass.galilean ? T(1) : T(0), T(links.step.limit));
+  GroupStep<T> step(links.step.motion, links.pass.fluid, links.pass.galilean, links.step.limit);
   const int count = int(links.group.count);
   for (int first = together * member.lane; first < count; first += together * member.size) {
-    Exchange<T> passed[together];
+    T passed[together];
     std::int32_t back[together];
     const int end = first + together <= count ? together : count - first;
     for (int k = 0; k < end; ++k) {
-      const FoundLink<T> link = links[first + k];
-      const ReadLink<scheme, T> read{links, link, first + k};
-      const Places<T>& at = link.at;
-      const T ux = u.x(at.r[1], at.r[2]), uy = u.y(at.r[2], at.r[0]), uz = u.z(at.r[0], at.r[1]);
-      passed[k] = exchange<scheme>(read, fluid, at, link.q, at.along(ux, uy, uz), read.opposite());
-      back[k] = link.back;
-      add_to(links.excess[at.cell],
-             excess_quanta<T>(passed[k].excess) - ExcessQuanta<T>(links.step.motion.mass_by_link));
-      sums.add(passed[k], true, at, ux, uy, uz);
+      const LinkAt<scheme, T> link(links, first + k);
+      passed[k] = step.template apply<scheme>(link, true), back[k] = link.back;
     }
-    for (int k = 0; k < end; ++k) links.corner[back[k]] = passed[k].back;
+    for (int k = 0; k < end; ++k) links.corner[back[k]] = passed[k];
   }
-  sums.add_to(links.sums, [&](std::int64_t term, std::int64_t& sum) { member.add(term, sum); });
-  member.add(sums.in_range() ? 0 : 1, links.sums.beyond_range);
+  step.sums.add_to(links.sums, [&](std::int64_t term, std::int64_t& sum) { member.add(term, sum); });
+  member.add(step.sums.in_range() ? 0 : 1, links.sums.invalid);
 }
 
 template <class T>
@@ -159,17 +147,12 @@ struct SetOpposites {
   LinkPass<T> pass;
   const OppositeLink<T>* links;
   SILT_DEVICE void operator()(std::int64_t k) const {
-    const OppositeLink<T>& link = links[k];
-    T q = link.at_side ? T(0.5) : T(0), velocity = link.side_velocity;
-    if (link.other >= 0) {
-      const SurfaceStep<T>& other = pass.surfaces[link.other];
-      const std::int32_t packed = pass.slots->components[link.direction];
-      const Int3 along{component(packed, 0), component(packed, 1), component(packed, 2)};
-      if (!link.at_side) q = other.surface->q[link.number];
-      velocity = T(velocity_along(other.surface->frame, other.motion, link.cell, along));
-    }
-    const DeviceSurface<T>& own = *pass.surfaces[link.surface].surface;
-    own.opposite_q[link.place] = q, own.opposite_u[link.place] = velocity;
+    const std::int32_t packed = pass.slots->components[links[k].direction];
+    const Int3 along{component(packed, 0), component(packed, 1), component(packed, 2)};
+    set_opposite(links[k], along, [&](std::uint32_t n) -> SurfaceInGap<T> {
+      const DeviceSurface<T>& of = *pass.surfaces[n].surface;
+      return {of.frame, pass.surfaces[n].motion, of.q, of.opposite_q, of.opposite_u};
+    });
   }
 };
 

@@ -300,7 +300,7 @@ TEST(GapLinks, KnowTheWallOnTheOtherSide) {
   for (std::size_t k = 0; k < surfaces.size(); ++k)
     surfaces[k].motion = {{0.1 * double(k), 0.2, -0.3}, {0.4, -0.5, 0.6 * double(k)}};
   block.gaps.pair(surfaces, s.scene().flow->fields().domain(), {{}, n});
-  block.gaps.set_distances(surfaces), block.gaps.set_velocities(surfaces);
+  block.gaps.set(surfaces);
   const auto all = gap_links(surfaces);
   int between = 0, sides = 0, edges = 0, slipping = 0;
   for (const auto& [at, link] : all) {

@@ -1,6 +1,6 @@
 #pragma once
-// The passes of the fluid that run on a device, an entry at a time (device/for_each.hpp): the dense pass,
-// slots that move, and outlets. Each gives the bits of the vector kernels.
+// The passes of the fluid, as the build for each device has them: the dense pass, slots that move, outlets,
+// borders between levels, single cells and totals. All builds give the same bits.
 #include <span>
 #include <vector>
 
@@ -39,20 +39,20 @@ struct FastInBlock {
   FastCell at;
 };
 
-/// The passes as the build for each device other than `cpu` has them. Most return before they are done.
+/// Most passes of a device other than `cpu` return before they are done.
 template <class T>
-struct DevicePasses {
+struct Passes {
   /// Collides and streams the rows of block b. Examines every WatchedPlanes::period-th plane from
   /// `first_watched` on.
   void (*stream_collide)(int b, Block<T>&, Parity, const CollisionRates<T>&, RowRange, int first_watched);
-  /// Returns the fast cells found since the last call, by block and cell, once all passes are done.
+  /// Returns the fast cells found since the last call, in any order, once all passes are done.
   std::vector<FastInBlock> (*take_fast_cells)();
   /// Returns when all passes are done: the processor may then read what they wrote.
   void (*wait)();
   /// Moves slots and adds addends[k] to the values of the k-th pair, if there are any.
   void (*move_slots)(const SlotPairs&, std::span<const T> addends, SlotArrays<const T> sources,
                      SlotArrays<T> targets, bool back);
-  void (*return_from_outlet)(const ReturnFromOutlet<T>&, const SideCondition&, std::size_t cells);
+  void (*return_from_outlet)(const OutletCells<T>&, const SideCondition&);
   /// Serves a border between levels: after its coarse cells have collided, and after a pass of its fine ones.
   void (*carry_packets)(const BorderRows<T>&, std::span<const typename BorderRows<T>::Carried>);
   void (*cross_border)(const BorderRows<T>&, const BorderLists<T>&,
@@ -61,27 +61,20 @@ struct DevicePasses {
   void (*gather_moments)(const ListedCells<T>&, Moments*, double* densities);
   /// Gives single cells these masses (quanta), of which a cell may get several.
   void (*give_masses)(const ListedCells<T>&, const std::int64_t*);
-  /// The cells of rows give up their excess, as they do when they collide.
-  void (*take_excess)(Block<T>&, Parity, RowRange);
+  /// All cells of a block give up their excess, as they do when they collide.
+  void (*take_excess)(Block<T>&, Parity);
   /// Sums up the cells of rows of a block.
   void (*total_rows)(const Block<T>&, Parity, std::span<const LocalRows>, const std::array<double, 3>& force,
                      CellTotals*);
 };
-namespace host {
+SILT_DEVICES(template <class T> const Passes<T>& passes();)
 template <class T>
-const DevicePasses<T>& device_passes();
-}
-namespace gpu {
-template <class T>
-const DevicePasses<T>& device_passes();
-}
-template <class T>
-const DevicePasses<T>& passes_on([[maybe_unused]] Device device) {
-  return SILT_ON(device, device_passes<T>)();
+const Passes<T>& passes_on(Device device) {
+  return SILT_ON(device, passes<T>)();
 }
 
 inline void wait(Device device) {
-  if (device != Device::cpu) passes_on<float>(device).wait();
+  passes_on<float>(device).wait();
 }
 
 }  // namespace silt::lbm

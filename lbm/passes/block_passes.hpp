@@ -1,0 +1,213 @@
+#pragma once
+// The passes over all cells of a block, a cell at a time: collisions, the excess that is given up, totals.
+// For builds for a device (SILT_ISA, SILT_SCALAR).
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <vector>
+
+#include "device/for_each.hpp"
+#include "lbm/blocks/lane_totals.hpp"
+#include "lbm/collision/collide_cells.hpp"
+#include "lbm/passes/passes.hpp"
+
+namespace silt::lbm::SILT_ISA {
+
+/// The cells of a range of rows, x fastest.
+struct CellsOfRows {
+  std::ptrdiff_t first, row, plane;
+  int nx, ny;
+  template <class T>
+  CellsOfRows(const Block<T>& block, RowRange range)
+      : first(block.cell(0, range.y0, range.z0)),
+        row(block.row_stride()),
+        plane(block.plane_stride()),
+        nx(block.size().x),
+        ny(range.y1 - range.y0) {}
+  SILT_DEVICE std::ptrdiff_t row_at(int y, int z) const { return first + y * row + z * plane; }
+  SILT_DEVICE std::ptrdiff_t row_at(int k) const { return row_at(k % ny, k / ny); }
+};
+
+/// Fast cells in the order in which they are found; beyond `room` they are counted alone.
+struct FastList {
+  static constexpr unsigned room = 4096;
+  FastInBlock cells[room];
+  unsigned count;
+};
+
+template <class T>
+struct Watch {
+  T limit, scale;
+  FastList* list;
+  int block;
+
+  template <class Keep>
+  SILT_DEVICE void see(T square, std::ptrdiff_t x, const Keep&) const {
+    if (square <= limit) return;
+    const unsigned k = next_of(&list->count);
+    if (k < FastList::room) list->cells[k] = {block, {x, std::sqrt(double(square) / double(scale))}};
+  }
+};
+
+struct NoWatch {
+  template <class T, class Keep>
+  SILT_DEVICE void see(const T&, std::ptrdiff_t, const Keep&) const {}
+};
+
+/// One plane in each period is watched, from the first such one on.
+struct WatchedInTurn {
+  static constexpr int period = WatchedPlanes::period;
+  int first, planes;
+  int count() const { return first < planes ? (planes - first + period - 1) / period : 0; }
+  SILT_DEVICE int operator()(int n) const { return first + n * period; }
+};
+struct OthersInTurn {
+  static constexpr int period = WatchedPlanes::period;
+  int first, planes;
+  int count() const { return planes - WatchedInTurn{first, planes}.count(); }
+  SILT_DEVICE int operator()(int n) const { return n + int(n >= first) * (1 + (n - first) / (period - 1)); }
+};
+
+template <class Model, bool source, class T, class Planes, class Watch>
+struct CollideCells {
+  Slots<T> slots;
+  CollisionRates<T> rates;
+  CellsOfRows cells;
+  Planes planes;
+  Watch watch;
+  [[gnu::always_inline]] SILT_DEVICE void operator()(int x, int row) const {
+    collide<Model, source, T>(slots, cells.row_at(row % cells.ny, planes(row / cells.ny)) + x, rates,
+                              AllLanes{}, watch);
+  }
+  void run() const { for_rows(cells.nx, planes.count() * cells.ny, *this); }
+};
+
+template <class T>
+struct TakeExcess {
+  Slots<T> slots;
+  ExcessQuanta<T>* excess;
+  T stress_share;
+  CellsOfRows cells;
+  SILT_DEVICE void operator()(int x, int row) const {
+    const std::ptrdiff_t at = cells.row_at(row) + x;
+    take_excess<T>(excess[at], stress_share, [&](int i) -> T& { return slots.arriving(i)[at]; });
+  }
+};
+template <class T>
+void take_excess_of(Block<T>& block, Parity parity, RowRange range) {
+  const int rows = std::max(range.y1 - range.y0, 0) * std::max(range.z1 - range.z0, 0);
+  if (block.excess() && rows > 0)
+    for_rows(block.size().x, rows,
+             TakeExcess<T>{Slots<T>(block, parity), block.excess(), block.stress_share(),
+                           CellsOfRows(block, range)});
+}
+
+template <class T>
+void take_excess(Block<T>& block, Parity parity) {
+  take_excess_of(block, parity, {0, block.size().y, 0, block.size().z});
+}
+
+template <class T>
+struct CloseRows {
+  T* data;
+  CellsOfRows cells;
+  int count = 0;
+  RowEnd<T> ends[10];  // five populations cross out at either end
+  SILT_DEVICE void operator()(int k, int row) const {
+    const RowEnd<T> end = ends[k];
+    T* const first = data + cells.row_at(row);
+    first[end.to] = end.wall ? first[end.from] + end.addend : first[end.from];
+  }
+};
+
+inline FastList& fast_list() {
+#if defined(__CUDACC__)
+  static const auto list = std::static_pointer_cast<FastList>(zeroed_on_gpu(sizeof(FastList)));
+#else
+  static const auto list = std::make_unique<FastList>();
+#endif
+  return *list;
+}
+
+template <class T>
+void stream_collide(int b, Block<T>& block, Parity parity, const CollisionRates<T>& rates, RowRange range,
+                    int first_watched) {
+  const CellsOfRows cells(block, range);
+  const int rows = std::max(range.y1 - range.y0, 0) * std::max(range.z1 - range.z0, 0);
+  if (rows == 0) return;
+  take_excess_of(block, parity, range);
+  with_model(rates, [&]<class Model>(Model) {
+    const T scale = Model::square_scale(rates);
+    const Watch<T> watch{T(speed_of_sound * speed_of_sound) * scale, scale, &fast_list(), b};
+    constexpr int period = WatchedPlanes::period;
+    const int first = ((first_watched - range.z0) % period + period) % period, planes = range.z1 - range.z0;
+    const auto collide_all = [&]<bool source>(std::bool_constant<source>) {
+      const Slots<T> slots(block, parity);
+      CollideCells<Model, source, T, OthersInTurn, NoWatch>{slots, rates, cells, {first, planes}, {}}.run();
+      CollideCells<Model, source, T, WatchedInTurn, Watch<T>>{slots, rates, cells, {first, planes}, watch}
+          .run();
+    };
+    if (rates.has_force())
+      collide_all(std::true_type{});
+    else
+      collide_all(std::false_type{});
+  });
+  CloseRows<T> close{block.data(), cells, 0, {}};
+  for (const RowEnd<T>& end : block.row_ends(parity)) close.ends[close.count++] = end;
+  for_rows(close.count, rows, close);
+}
+
+inline std::vector<FastInBlock> take_fast_cells() {
+  silt::SILT_ISA::wait();
+  FastList& list = fast_list();
+  std::vector<FastInBlock> found(list.cells, list.cells + std::min(list.count, FastList::room));
+  list.count = 0;
+  from_device(list.count, found);
+  return found;
+}
+
+template <class T>
+struct TotalRows {
+  const T* g[D3Q19::directions];  // what arrives at the first cell of the block
+  std::ptrdiff_t row, plane;
+  T half_force[3];
+  const LocalRows* rows;
+  CellTotals* totals;
+  TotalRows(const Block<T>& block, Parity parity, const std::array<double, 3>& force, const LocalRows* rows,
+            CellTotals* totals)
+      : row(block.row_stride()), plane(block.plane_stride()), rows(rows), totals(totals) {
+    for (int i = 0; i < D3Q19::directions; ++i) g[i] = block.data() + block.arriving(i, parity);
+    for (int d = 0; d < 3; ++d) half_force[d] = T(0.5 * force[d]);
+  }
+  SILT_DEVICE void operator()(std::int64_t k, Team team) const {
+    const LocalRows& of = rows[k];
+    const std::ptrdiff_t first = of.first.x + of.first.y * row + of.first.z * plane;
+    LaneTotals<T, 1> own;
+    std::int64_t cells = 0;
+    for (int y = 0; y < of.rows; ++y)
+      for (int x = team.lane; x < of.cells; x += team.size, ++cells)
+        own.template add<false>(g, first + y * row + x, half_force);
+    CellTotals t;
+    own.give(cells, t);
+    const auto sum = [](auto a, auto b) { return a + b; };
+    const auto most = [](auto a, auto b) { return a > b ? a : b; };
+    t.mass = team.joined(t.mass, sum), t.mass_square = team.joined(t.mass_square, sum);
+    for (std::int64_t& of : t.momentum) of = team.joined(of, sum);
+    t.energy = team.joined(t.energy, sum), t.energy_rest = team.joined(t.energy_rest, sum);
+    t.speed_squared = team.joined(t.speed_squared, most);
+    t.most_deviation = team.joined(t.most_deviation, most);
+    t.least_deviation = -team.joined(-t.least_deviation, most);
+    t.sound = team.joined(int(!t.sound), most) == 0;
+    if (team.lane == 0) totals[k] = t;
+  }
+};
+
+template <class T>
+void total_rows(const Block<T>& block, Parity parity, std::span<const LocalRows> rows,
+                const std::array<double, 3>& force, CellTotals* totals) {
+  for_teams(std::int64_t(rows.size()), TotalRows<T>(block, parity, force, rows.data(), totals));
+  silt::SILT_ISA::wait();
+  to_device(rows), from_device(std::span(totals, rows.size()));
+}
+
+}  // namespace silt::lbm::SILT_ISA

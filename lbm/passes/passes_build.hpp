@@ -1,0 +1,158 @@
+// The passes of passes.hpp, for the one file of each device that includes this (SILT_ISA, SILT_SCALAR) and
+// has those over all cells of a block: vectors of them on the processor, one at a time elsewhere
+// (block_passes.hpp).
+#include "cpu/prefetch.hpp"
+#include "device/for_each.hpp"
+#include "lbm/passes/passes.hpp"
+
+namespace silt::lbm::SILT_ISA {
+
+template <class T>
+struct MoveSlots {
+  const SlotPairs::Pair* pairs;
+  const T* addends;
+  SlotArrays<const T> sources;
+  SlotArrays<T> targets;
+  bool back;
+  SILT_DEVICE void operator()(std::int64_t k, Team team) const {
+    const SlotRun from = back ? pairs[k].to : pairs[k].from, to = back ? pairs[k].from : pairs[k].to;
+    T* target = targets[to.array];
+    if (!target) return;
+    target += to.first;
+    const T* const source = sources[from.array] + from.first;
+    const auto move_at = [&](auto s, auto t, auto&& change) {
+      for (std::ptrdiff_t n = team.lane; n < from.length; n += team.size)
+        target[n * t] = change(source[n * s]);
+    };
+    const auto move = [&](auto&& change) {
+      constexpr std::integral_constant<std::ptrdiff_t, 1> one;
+      if (from.stride == 1 && to.stride == 1)
+        move_at(one, one, change);
+      else
+        move_at(std::ptrdiff_t{from.stride}, std::ptrdiff_t{to.stride}, change);
+    };
+    if (addends)
+      move([addend = addends[k]](T value) { return value + addend; });
+    else
+      move([](T value) { return value; });
+  }
+};
+
+/// These do a step of BorderRows with a part of a row at a border. (nvcc takes no pointer to a member.)
+struct Carry {
+  SILT_DEVICE void operator()(const auto& rows, const auto&... part) const { rows.carry(part...); }
+};
+struct Explode {
+  SILT_DEVICE void operator()(const auto& rows, const auto&... part) const { rows.explode(part...); }
+};
+struct AddUp {
+  SILT_DEVICE void operator()(const auto& rows, const auto&... part) const { rows.add_up(part...); }
+};
+struct Coalesce {
+  SILT_DEVICE void operator()(const auto& rows, const auto&... part) const { rows.coalesce(part...); }
+};
+struct Pass {
+  SILT_DEVICE void operator()(const auto& rows, const auto&... part) const { rows.pass(part...); }
+};
+
+/// A team does a row, whose elements its members do in turn.
+template <class Act, class T, class Entry>
+struct OverRows {
+  BorderRows<T> rows;
+  const Entry* entries;
+  SILT_DEVICE void operator()(std::int64_t k, Team team) const {
+    const std::ptrdiff_t length = entries[k].length;
+    if (team.size == 1) return Act()(rows, entries[k], 0, length);
+    for (std::ptrdiff_t n = team.lane; n < length; n += team.size) Act()(rows, entries[k], n, n + 1);
+  }
+};
+template <class Act, class T, class Entries>
+void over_rows(const BorderRows<T>& rows, const Entries& entries) {
+  using Entry = std::remove_cvref_t<decltype(*entries.data())>;
+  for_teams(std::int64_t(entries.size()), OverRows<Act, T, Entry>{rows, entries.data()});
+}
+
+template <class T>
+struct GatherMoments {
+  ListedCells<T> of;
+  Moments* moments;
+  double* densities;
+  static constexpr int ahead = 6;
+  void fetch(std::int64_t k) const {
+    const auto& cell = of.cells[k];
+    for (const std::ptrdiff_t arriving : of.blocks[cell.block].arriving)
+      prefetch_to_read(cell.data + arriving);
+  }
+  SILT_DEVICE void operator()(std::int64_t k) const {
+    const auto& cell = of.cells[k];
+    const auto& block = of.blocks[cell.block];
+    const T* g[D3Q19::directions];
+    for (int i = 0; i < D3Q19::directions; ++i) g[i] = cell.data + block.arriving[i];
+    const Moments m = block.excess
+                          ? moments_of<T>(g, 0, block.excess[cell.data - block.data], block.stress_share)
+                          : moments_of<T>(g, 0);
+    if (moments)
+      moments[k] = m;
+    else
+      densities[k] = m.density_deviation;
+  }
+};
+
+template <class T>
+void move_slots(const SlotPairs& pairs, std::span<const T> addends, SlotArrays<const T> sources,
+                SlotArrays<T> targets, bool back) {
+  for_teams(std::int64_t(pairs.pairs().size()),
+            MoveSlots<T>{pairs.device(), addends.data(), sources, targets, back});
+}
+
+template <class T>
+void carry_packets(const BorderRows<T>& rows, std::span<const typename BorderRows<T>::Carried> carried) {
+  over_rows<Carry>(rows, carried);
+}
+
+/// Nothing that arrives is given before all is added up: it may lie where something else left.
+template <class T>
+void cross_border(const BorderRows<T>& all, const BorderLists<T>& lists,
+                  std::span<const typename BorderRows<T>::Passing> passing) {
+  BorderRows<T> rows = all;
+  rows.refer_to(lists);
+  over_rows<Explode>(rows, lists.explosions);
+  over_rows<AddUp>(rows, lists.coalescences);
+  over_rows<Coalesce>(rows, lists.coalescences);
+  over_rows<Pass>(rows, passing);
+  silt::SILT_ISA::wait();
+}
+
+template <class T>
+void gather_moments(const ListedCells<T>& cells, Moments* moments, double* densities) {
+  for_each(cells.count, GatherMoments<T>{cells, moments, densities});
+}
+
+template <class T>
+struct GiveMasses {
+  ListedCells<T> cells;
+  const std::int64_t* masses;
+  SILT_DEVICE void operator()(std::int64_t k) const {
+    const auto& cell = cells.cells[k];
+    const auto& block = cells.blocks[cell.block];
+    add_to(block.excess[cell.data - block.data], ExcessQuanta<T>(-masses[k]));
+  }
+};
+
+template <class T>
+void give_masses(const ListedCells<T>& cells, const std::int64_t* masses) {
+  for_each(cells.count, GiveMasses<T>{cells, masses});
+}
+
+template <class T>
+const Passes<T>& passes() {
+  static constexpr Passes<T> passes = {
+      stream_collide<T>, take_fast_cells, silt::SILT_ISA::wait, move_slots<T>,  for_each<ReturnFromOutlet<T>>,
+      carry_packets<T>,  cross_border<T>, gather_moments<T>,    give_masses<T>, take_excess<T>,
+      total_rows<T>};
+  return passes;
+}
+template const Passes<float>& passes();
+template const Passes<double>& passes();
+
+}  // namespace silt::lbm::SILT_ISA

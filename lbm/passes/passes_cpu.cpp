@@ -1,0 +1,45 @@
+// The passes on the processor: those over all cells of a block by its vector kernels, row by row.
+#define SILT_ISA cpu
+#define SILT_SCALAR
+#define SILT_AT_ONCE
+#include <utility>
+#include <vector>
+
+#include "lbm/passes/passes.hpp"
+
+namespace silt::lbm::SILT_ISA {
+
+std::vector<FastInBlock> fast_list;  // since they were taken
+
+template <class T>
+void stream_collide(int b, Block<T>& block, Parity parity, const CollisionRates<T>& rates, RowRange range,
+                    int first_watched) {
+  static std::vector<FastCell> found;  // in these rows
+  found.clear();
+  lbm::stream_collide(block, parity, rates, range, {first_watched, found});
+  for (const FastCell& fast : found) fast_list.push_back({b, fast});
+}
+
+std::vector<FastInBlock> take_fast_cells() {
+  return std::exchange(fast_list, {});
+}
+
+template <class T>
+void take_excess(Block<T>& block, Parity parity) {
+  SILT_CHOSEN(excess_kernel<T>)()(block, parity);
+}
+
+template <class T>
+void total_rows(const Block<T>& block, Parity parity, std::span<const LocalRows> rows,
+                const std::array<double, 3>& force, CellTotals* totals) {
+  for (const LocalRows& of : rows) {
+    const T* g[D3Q19::directions];
+    for (int i = 0; i < D3Q19::directions; ++i)
+      g[i] = block.data() + block.arriving(i, parity) + block.cell(of.first);
+    *totals++ = moments_kernels<T>().total(g, {of.cells, of.rows, block.row_stride()}, force);
+  }
+}
+
+}  // namespace silt::lbm::SILT_ISA
+
+#include "lbm/passes/passes_build.hpp"
