@@ -10,7 +10,7 @@ CoupledStep::CoupledStep(const SceneParts& scene)
     : scene_(scene), clock_([] { return parallel::traffic(); }) {}
 
 rigid::RigidStepReport CoupledStep::operator()(rigid::BodySet& bodies, const BodyChanges& changes) {
-  if (scene_.springs) scene_.springs->push(bodies);
+  if (scene_.springs) scene_.springs->add_forces(bodies);
   if (Flow* const flow = scene_.flow) {
     // Lines 1 and 2-4. Line 1 sends the densities around every body; here the moments around uncovered cells
     // go, once the bodies are mapped, and only if there are such cells.
@@ -22,9 +22,9 @@ rigid::RigidStepReport CoupledStep::operator()(rigid::BodySet& bodies, const Bod
     // Lines 9-11: what the other surfaces return, and the forces on the bodies.
     if (scene_.surfaces) {
       clock_.timed(Stage::force_evaluation, [&] { flow->evaluate_forces(bodies); });
-      note_loads(bodies);
-      if (scene_.springs) scene_.springs->leave_out(bodies);
-      forget_contact_loads(bodies);  // the flow has used them
+      store_loads(bodies);
+      if (scene_.springs) scene_.springs->subtract_from_loads(bodies);
+      clear_contact_loads(bodies);  // the flow has used them
     }
   }
   // Line 12: the physics engine, Algorithm 1.

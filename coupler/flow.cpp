@@ -47,7 +47,7 @@ std::vector<lbm::CellBox> boxes(const lbm::Fluid<T>& fluid) {
 template <class T>
 class FlowOf final : public Flow {
  public:
-  FlowOf(const FlowSpec& spec, const lbm::Domain& domain, MPI_Comm comm, const ParallelBodyExchange& exchange,
+  FlowOf(const FlowSpec& spec, const lbm::Domain& domain, MPI_Comm comm, ParallelBodyExchange& exchange,
          int substeps)
       : coupling_(spec.coupling),
         world_(exchange.world()),
@@ -99,7 +99,7 @@ class FlowOf final : public Flow {
         forces_.add_covered(mean.wall, mean.momentum, mean.arm);
     account_.set_mapping(counts_);
     if (pushes_bodies_) push_bodies(bodies);  // before any body is solved for
-    give_pending_impacts(bodies);
+    apply_pending_impacts(bodies);
     forces_.begin(fluid_, map_.blocks(), links_, bodies, changes);
   }
   void stream_collide(StepClock& clock) override {
@@ -349,7 +349,7 @@ lbm::Domain make_domain(const FlowSpec& spec, int ranks) {
 }
 
 std::unique_ptr<Flow> make_flow(const FlowSpec& spec, const lbm::Domain& domain, MPI_Comm comm,
-                                const ParallelBodyExchange& exchange, int substeps) {
+                                ParallelBodyExchange& exchange, int substeps) {
   if (spec.fluid->precision == Precision::single_)
     return std::make_unique<FlowOf<float>>(spec, domain, comm, exchange, substeps);
   return std::make_unique<FlowOf<double>>(spec, domain, comm, exchange, substeps);

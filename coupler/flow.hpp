@@ -92,7 +92,7 @@ class Flow {
 lbm::Domain make_domain(const FlowSpec&, int ranks);
 /// Needs a fluid. Bodies take so many sub-steps in a step. The exchange tells who owns what (force sums go to
 /// owners).
-std::unique_ptr<Flow> make_flow(const FlowSpec&, const lbm::Domain&, MPI_Comm, const ParallelBodyExchange&,
+std::unique_ptr<Flow> make_flow(const FlowSpec&, const lbm::Domain&, MPI_Comm, ParallelBodyExchange&,
                                 int substeps);
 
 }  // namespace silt::coupler

@@ -10,7 +10,7 @@
 
 #include "coupler/fluid_fields.hpp"
 #include "coupler/forces/fluid_forces.hpp"
-#include "parallel/sums_under_way.hpp"
+#include "parallel/pending_sums.hpp"
 #include "rigid/math/exact_sum.hpp"
 
 namespace silt::coupler {
@@ -73,7 +73,7 @@ class FlowAccount {
   rigid::FixedSum mass_taken_ = 0;
   std::vector<std::array<std::int64_t, 6>> wall_loads_;
   rigid::BodyId out_of_range_ = LinkOutcome::nobody;  // of this rank, in the last step
-  mutable parallel::SumsUnderWay<StepSums> sums_;     // settled whenever something is asked for
+  mutable parallel::PendingSums<StepSums> sums_;      // settled whenever something is asked for
 };
 
 }  // namespace silt::coupler

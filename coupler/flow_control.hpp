@@ -7,7 +7,7 @@
 
 #include "coupler/flow_totals.hpp"
 #include "coupler/spec/fluid_spec.hpp"
-#include "parallel/sums_under_way.hpp"
+#include "parallel/pending_sums.hpp"
 
 namespace silt::coupler {
 
@@ -50,7 +50,7 @@ class FlowControl {
   State state_;
   std::int64_t looked_at_ = -1;
   bool pending_ = false;
-  parallel::SumsUnderWay<Sums> sums_;
+  parallel::PendingSums<Sums> sums_;
 };
 
 }  // namespace silt::coupler

@@ -17,7 +17,7 @@ std::string complaint_of(const char* name, std::span<const std::string_view> kno
 
 }  // namespace
 
-std::string complaint_of_environment() {
+std::string environment_error() {
   constexpr std::string_view caches[] = {"near", "far"};  // last_cache_is_far
   const std::string of_isa = complaint_of("SILT_ISA", isa_names, "portable, avx2 or avx512");
   return of_isa.empty() ? complaint_of("SILT_LAST_CACHE", caches, "near or far") : of_isa;

@@ -1,10 +1,10 @@
 #pragma once
-// The environment variables that choose among builds of kernels and ways of computing: what they may say.
+// Checks the environment variables that select builds of kernels and prefetching.
 #include <string>
 
 namespace silt {
 
-/// Returns what is wrong with them, "" if nothing: a name that nobody knows would have no effect.
-std::string complaint_of_environment();
+/// Returns a message for an invalid value, which would otherwise have no effect; "" if all are valid.
+std::string environment_error();
 
 }  // namespace silt

@@ -12,7 +12,7 @@ namespace silt {
 
 namespace {
 
-/// The features of x86-64-v4 and -v3, for which CMakeLists.txt builds the kernels.
+/// The features of x86-64-v4 and -v3, for which CMakeLists.txt builds kernels.
 Isa widest_isa() {
 #if defined(__x86_64__)
   if (!__builtin_cpu_supports("avx2") || !__builtin_cpu_supports("fma") || !__builtin_cpu_supports("bmi2"))
@@ -45,7 +45,7 @@ bool last_cache_is_far() {
   for (const std::string_view known : {"near", "far"})
     if (told && told == known) return known == "far";
 #if defined(__x86_64__)
-  return !__builtin_cpu_is("amd") || widest_isa() == Isa::avx512;  // those of 512 bits: not measured
+  return !__builtin_cpu_is("amd") || widest_isa() == Isa::avx512;  // AMD with AVX-512: not measured
 #else
   return true;
 #endif
@@ -55,7 +55,7 @@ void flush_denormals_to_zero() {
 #if defined(__x86_64__)
   _mm_setcsr(_mm_getcsr() | 0x8040);  // FTZ and DAZ
 #elif defined(__aarch64__)
-  constexpr std::uint64_t flush_to_zero = 1u << 24;  // of arguments and results
+  constexpr std::uint64_t flush_to_zero = 1u << 24;  // arguments and results
   __builtin_aarch64_set_fpcr64(__builtin_aarch64_get_fpcr64() | flush_to_zero);
 #endif
 }

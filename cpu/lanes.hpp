@@ -1,9 +1,9 @@
 #pragma once
-// The vectors of the instruction set that a kernel is being built for: of numbers (VectorOf), what is done
-// with them for which languages have no word (Lanes), and vectors of several registers (Registers). Compilers
-// take look-ups, gathers and the like apart where the hardware has an instruction for them. A vector may have
-// any number of lanes, one too: what is no register's goes lane by lane. Only for *_kernel.cpp files, which
-// are built once each (SILT_ISA). Builds for a device have plain numbers instead (scalar.hpp).
+// Vectors of the instruction set of a kernel's build: vectors of numbers (VectorOf), operations on them that
+// the language lacks (Lanes), and vectors of several registers (Registers). Look-ups, gathers and scatters
+// use intrinsics, since compilers split them into scalar instructions. Vectors may have any number of lanes;
+// those that fill no register are computed lane by lane. Only for *_kernel.cpp files (SILT_ISA). Builds for a
+// device use plain numbers (scalar.hpp).
 #if defined(SILT_SCALAR)
 #include "cpu/scalar.hpp"
 #else
@@ -28,13 +28,13 @@ inline constexpr int vector_bytes = 32;
 inline constexpr int vector_bytes = 16;
 #endif
 
-/// n elements; without n as many as a register has.
+/// A vector of n elements, by default as many as a register holds.
 template <class E, int n = vector_bytes / int(sizeof(E))>
 struct VectorOf {
   typedef E type __attribute__((vector_size(n * sizeof(E))));
 };
 
-/// load and store read and write memory from a number on.
+/// load and store access consecutive numbers in memory, unaligned.
 template <class V, class U>
 [[gnu::always_inline]] inline V load(const U* from) {
   V v;
@@ -46,7 +46,7 @@ template <class V, class U>
   __builtin_memcpy(to, &v, sizeof v);
 }
 
-/// Returns make(0), make(1), ... as a V, called with constants.
+/// Returns V{make(0), make(1), ...}; the arguments are compile-time constants.
 template <class V, int count, class Make>
 [[gnu::always_inline]] inline V each(Make make) {
   return [&]<int... k>(std::integer_sequence<int, k...>) __attribute__((always_inline)) {
@@ -55,7 +55,7 @@ template <class V, int count, class Make>
   (std::make_integer_sequence<int, count>());
 }
 
-/// The lanes in which a comparison of two vectors of 32-bit or 64-bit elements held, as bits.
+/// Returns, as bits, the lanes in which a comparison of 32-bit or 64-bit elements is true.
 template <class Mask>
 [[gnu::always_inline]] inline unsigned lane_bits(const Mask& mask) {
 #if defined(SILT_ISA_avx512)
@@ -75,7 +75,7 @@ template <class Mask>
   return bits;
 }
 
-/// Returns whether the comparison held in any lane.
+/// Returns whether the comparison is true in any lane.
 template <class Mask>
 [[gnu::always_inline]] inline bool any_lane(const Mask& mask) {
 #if defined(SILT_ISA_avx512)
@@ -94,7 +94,7 @@ template <class Mask>
   return found != 0;
 }
 
-/// Lanes of numbers T, and as many whole numbers beside them.
+/// Operations on vectors of n numbers T, and of as many integers.
 template <class T, int n = vector_bytes / int(sizeof(T))>
 struct Lanes {
   static constexpr int count = n;
@@ -105,14 +105,14 @@ struct Lanes {
 
   static Real real(const Whole& w) { return __builtin_convertvector(w, Real); }
   static Mask mask(const Whole& w) { return __builtin_convertvector(w, Mask); }
-  /// Lanes below so many.
+  /// Returns the mask of the first `lanes` lanes.
   static Mask below(int lanes) {
     Whole lane;
     for (int l = 0; l < count; ++l) lane[l] = l;
     return mask(lane < lanes);
   }
   static Real magnitude(const Real& x) {
-    return Real(Mask(x) & ~Mask(-Real{}));  // all but the sign
+    return Real(Mask(x) & ~Mask(-Real{}));  // clears the sign bit
   }
   static Real root(const Real& x) {
     Real r;
@@ -131,9 +131,9 @@ struct Lanes {
     return yes;
   }
 
-  // Masks that are all ones: the plain forms of the intrinsics draw false warnings from GCC 12.
+  // All-true masks are explicit: the plain intrinsics cause false warnings from GCC 12.
 
-  /// index: below 24.
+  /// The index must be below 24.
   static Whole look_up(const std::int32_t (&table)[32], const Whole& index) {
 #if defined(SILT_ISA_avx512)
     if constexpr (fills_register) {
@@ -205,8 +205,8 @@ struct Lanes {
 #endif
 };
 
-/// n elements in as many registers as they fill, to compute with as with one element. Of a vector of the
-/// language that no register holds compilers compare and choose element by element.
+/// n elements in several registers, with the operations of one. Compilers split comparisons and selections of
+/// language vectors wider than a register into elements.
 template <class E, int n>
 struct Registers {
   static constexpr int lanes = std::min(n, vector_bytes / int(sizeof(E))), count = n / lanes;
@@ -219,7 +219,7 @@ struct Registers {
   requires(sizeof...(Parts) == count && (std::is_same_v<Parts, Part> && ...)) Registers(Parts... parts)
       : part{parts...} {}
   Registers(E x) : Registers(each<Registers, count>([&](auto) { return x - Part{}; })) {}
-  /// Registers as they lie in memory: a struct of n elements.
+  /// Loads a struct of n elements from memory.
   template <class Stored>
   requires std::is_same_v<decltype(Stored::lane), E[n]> Registers(const Stored& of)
       : Registers(each<Registers, count>([&](auto k) { return load<Part>(of.lane + k * lanes); })) {}
@@ -234,7 +234,7 @@ struct Registers {
     return each<Registers, count>(
         [&](auto k) { return each<Part, lanes>([&](auto l) { return E(of(k * lanes + l)); }); });
   }
-  /// Part by part: of all at once compilers make a copy in pieces of eight bytes.
+  /// Stores part by part, since compilers would copy the whole in pieces of eight bytes.
   [[gnu::always_inline]] void store(E* to) const {
     for (int k = 0; k < count; ++k) silt::store(to + k * lanes, part[k]);
   }
@@ -270,7 +270,7 @@ struct Registers {
     return *this = *this * b;
   }
 
-  /// Lane by lane, a where m is set, else b.
+  /// Returns a in the lanes where m is true, else b.
   [[gnu::always_inline]] friend inline Registers choose(const Mask& m, const Registers& a,
                                                         const Registers& b) {
     return each<Registers, count>([&](auto k) -> Part { return m.part[k] ? a.part[k] : b.part[k]; });
@@ -281,7 +281,7 @@ struct Registers {
   [[gnu::always_inline]] friend inline Registers square_root(const Registers& x) {
     return each<Registers, count>([&](auto k) { return Lanes<E, lanes>::root(x.part[k]); });
   }
-  /// The largest of the lanes.
+  /// Returns the largest lane.
   friend inline E largest(const Registers& x) {
     E most = x[0];
     for (int l = 1; l < n; ++l) most = x[l] > most ? x[l] : most;

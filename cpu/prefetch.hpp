@@ -1,6 +1,5 @@
 #pragma once
-// Cache lines fetched ahead of use. GCC takes a function that does nothing else for one without effect and
-// leaves its calls out: the empty statement is an effect that it keeps.
+// Prefetching of cache lines. The empty asm statement keeps GCC from removing calls without an effect.
 #include <cstddef>
 
 namespace silt {
@@ -25,15 +24,15 @@ template <class List, class Fetch, class... More>
   fetch_and_visit(list, k, more...);
 }
 
-/// Calls visit(k) for the entries of a list from the one at `begin` to the one before `end`, and before that
-/// fetch(entry) of the one so far ahead, which may lie beyond `end`: memory should have answered when it is
-/// visited, and nothing have thrown it out of the cache. Several pairs of distance and fetch may be given.
+/// Calls visit(k) for the entries [begin, end) of a list, and before each call fetch(entry) for the entry
+/// `distance` ahead, which may be beyond `end`, so that its data is in the cache when it is visited. Several
+/// pairs of distance and fetch may be given.
 template <class List, class... FetchesAndVisit>
 [[gnu::always_inline]] inline void for_ahead_in(const List& list, std::size_t begin, std::size_t end,
                                                 FetchesAndVisit&&... distance_fetch_visit) {
   for (std::size_t k = begin; k < end; ++k) fetch_and_visit(list, k, distance_fetch_visit...);
 }
-/// Calls the functions as above for the whole list.
+/// The same for the whole list.
 template <class List, class... FetchesAndVisit>
 [[gnu::always_inline]] inline void for_ahead(const List& list, FetchesAndVisit&&... distance_fetch_visit) {
   for_ahead_in(list, 0, list.size(), distance_fetch_visit...);

@@ -1,5 +1,5 @@
 #pragma once
-// Vectors of one lane: plain numbers, for kernels that are built for a device (SILT_SCALAR).
+// Vectors of one lane, that is plain numbers, for kernels built for a device (SILT_SCALAR).
 #include <cmath>
 #include <cstdint>
 

@@ -67,13 +67,13 @@ void copy_in_turn(Device device, void* to, const void* from, std::size_t bytes) 
   if (device == Device::gpu)
     cuda::copy_in_turn(to, from, bytes);
   else
-    put_off([=] { std::memcpy(to, from, bytes); });
+    defer_work([=] { std::memcpy(to, from, bytes); });
 }
 void clear_in_turn(Device device, void* memory, std::size_t bytes) {
   if (device == Device::gpu)
     cuda::clear_in_turn(memory, bytes);
   else
-    put_off([=] { std::memset(memory, 0, bytes); });
+    defer_work([=] { std::memset(memory, 0, bytes); });
 }
 
 std::shared_ptr<void> zeroed_on_gpu(std::size_t bytes) {

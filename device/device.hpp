@@ -1,5 +1,5 @@
 #pragma once
-// Devices run the passes over cells. All give the same bits.
+// The devices that run the passes over cells; all give bitwise the same results.
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -32,35 +32,33 @@
 
 namespace silt {
 
-/// `cpu`: the vector kernels of the processor. `host`: the passes of a graphics processor, in loops on the
-/// processor, an entry at a time: for tests. `gpu`: a graphics processor.
+/// `cpu`: the vector kernels of the processor. `host`: the passes of a graphics processor as loops on the
+/// processor, for tests. `gpu`: a graphics processor.
 enum class Device : std::uint8_t { cpu, host, gpu };
 inline constexpr std::array<std::string_view, 3> device_names = {"cpu", "host", "gpu"};
 
-/// Returns why this program cannot use a device on this machine, and what to do; "" if it can.
+/// Returns why the program cannot use a device on this machine, with a remedy; "" if it can.
 std::string unusable(Device);
 /// Returns the name of the graphics processor, its memory, its driver and the toolkit; "" for other devices.
 std::string description(Device);
 
-/// Takes one of the machine's graphics processors for a rank, of so many on this machine, in turn. Returns
-/// what is to be said where ranks share one and no MPS server lets them use it at the same time; else "".
+/// Selects a graphics processor for a rank, in turn among the `ranks` ranks of this machine. Returns a
+/// warning if ranks share one without an MPS server, which would let them use it simultaneously; else "".
 std::string choose(Device, int rank, int ranks);
 
-/// Memory that the processor and the device both read and write, at the price of pages that move to and fro;
-/// memory that the processor alone reads and writes, and the device copies from and to; and memory that the
-/// device alone does.
+/// Memory for both processor and device, whose pages migrate between them; memory of the processor, from and
+/// to which the device copies; and memory of the device alone.
 std::pmr::memory_resource* memory_of(Device);
 std::pmr::memory_resource* message_memory(Device);
 std::pmr::memory_resource* own_memory(Device);
-/// Copies bytes from or to the device's own memory, in turn with its passes. Returns before it is done.
+/// Copies bytes from or to the device's own memory, asynchronously, in order with its passes.
 void copy_in_turn(Device, void* to, const void* from, std::size_t bytes);
-/// Sets bytes of the device's own memory to zero in the same way.
+/// Sets bytes of the device's own memory to zero, asynchronously, in order with its passes.
 void clear_in_turn(Device, void* memory, std::size_t bytes);
-/// Returns bytes of zero which the processor and the graphics processor both read and write: pages move to
-/// where they are used. Throws std::bad_alloc.
+/// Returns zeroed memory for both processors, whose pages migrate. Throws std::bad_alloc.
 std::shared_ptr<void> zeroed_on_gpu(std::size_t bytes);
 
-/// An array, mostly in such memory, whose new elements hold anything: a device is to write them.
+/// Allocator of arrays, mostly in such memory, whose new elements are uninitialised, for a device to write.
 template <class T>
 struct UnwrittenElements : std::pmr::polymorphic_allocator<T> {
   using Base = std::pmr::polymorphic_allocator<T>;
@@ -79,8 +77,7 @@ struct UnwrittenElements : std::pmr::polymorphic_allocator<T> {
 template <class T>
 using DeviceArray = std::vector<T, UnwrittenElements<T>>;
 
-/// Bytes that the processor of this rank wrote for its device to read, and read of what the device wrote.
-/// Populations count only if they are in messages.
+/// Bytes that this rank's processor exchanges with its device; populations only in messages.
 struct BusBytes {
   std::uint64_t to_device = 0, from_device = 0;
   BusBytes& operator+=(const BusBytes& b) {
@@ -104,7 +101,7 @@ constexpr std::size_t bytes_of(const Value& value) {
 inline const BusBytes& bus_bytes() {
   return counting::on_bus;
 }
-/// Counts values, and those in lists, that go to a device other than `cpu`, and that come from there.
+/// Count values, and the elements of lists, that go to or come from a device other than `cpu`.
 template <class... Values>
 void to_device(const Values&... values) {
   counting::on_bus.to_device += (counting::bytes_of(values) + ...);

@@ -1,7 +1,7 @@
 #pragma once
-// A pass: a list of entries and what is done with each, in no order. Only for files that are built for a
-// device (SILT_ISA: cpu, host or gpu), which include this first; functions that run there are SILT_DEVICE.
-// The build for `cpu` (SILT_AT_ONCE) does a pass when it is called, that for `host` at the next wait().
+// Passes: loops over entries in any order. Only for files built for a device (SILT_ISA: cpu, host or gpu), which
+// include this first; functions that run there are SILT_DEVICE. The build for `cpu` (SILT_AT_ONCE) runs a pass
+// when it is called, that for `host` at the next wait().
 #include <bit>
 #include <cstdint>
 #include <functional>
@@ -15,10 +15,10 @@
 
 namespace silt::inline SILT_ISA {
 
-/// A member of those that do one entry together: the one at `lane` of `size`.
+/// One thread of a team of `size` threads that process an entry together.
 struct Team {
   int lane, size;
-  /// Joins the terms of all members, each of which calls it, for the member 0.
+  /// Combines the terms of all threads, each of which must call it; the result is valid in thread 0.
   template <class X, class Join>
   SILT_DEVICE X joined(X term, [[maybe_unused]] Join join) const {
 #if defined(__CUDA_ARCH__)
@@ -26,10 +26,9 @@ struct Team {
 #endif
     return term;
   }
-  /// Adds the terms of all members to a sum that each of them has; returns the sum before the term of this
-  /// one.
+  /// Adds the terms of all threads to `sum`, of which each has a copy; returns the sum before this one's.
   SILT_DEVICE std::uint32_t before(std::uint32_t term, std::uint32_t& sum) const {
-    std::uint32_t through = term, all = term;  // of the members up to this one; of all
+    std::uint32_t through = term, all = term;  // sum over the threads up to this one; over all threads
 #if defined(__CUDA_ARCH__)
     for (int step = 1; step < size; step *= 2) {
       const std::uint32_t lower = __shfl_up_sync(~0u, through, step);
@@ -40,7 +39,7 @@ struct Team {
     sum += all;
     return sum - all + through - term;
   }
-  /// Adds the terms of all members, each of which calls it, to a sum that other teams may add to as well.
+  /// Adds the terms of all threads, each of which must call it, to a sum shared with other teams.
   SILT_DEVICE void add(std::int64_t term, std::int64_t& sum) const {
     term = joined(term, [](std::int64_t a, std::int64_t b) { return a + b; });
 #if defined(__CUDA_ARCH__)
@@ -59,7 +58,7 @@ SILT_DEVICE inline int bits_in(std::uint64_t word) {
   return std::popcount(word);
 #endif
 }
-/// The number of the lowest bit of those that are set.
+/// Returns the index of the lowest set bit.
 SILT_DEVICE inline int lowest_bit(std::uint64_t word) {
 #if defined(__CUDA_ARCH__)
   return __ffsll(static_cast<long long>(word)) - 1;
@@ -93,7 +92,7 @@ inline void check(cudaError_t found) {
     throw std::runtime_error(std::string("the graphics processor failed: ") + cudaGetErrorString(found));
 }
 
-/// Calls body(k) for 0 <= k < entries. Passes are done one after the other.
+/// Calls body(k) for 0 <= k < entries. Passes run one after another.
 template <class Body>
 void for_each(std::int64_t entries, const Body& body) {
   constexpr int threads = 256;
@@ -101,7 +100,7 @@ void for_each(std::int64_t entries, const Body& body) {
   one_of<<<unsigned((entries + threads - 1) / threads), threads>>>(entries, body);
   check(cudaGetLastError());
 }
-/// Calls body(k, row) for so many entries of each row.
+/// Calls body(k, row) for 0 <= k < entries and 0 <= row < rows.
 template <class Body>
 void for_rows(int entries, int rows, const Body& body) {
   constexpr int warp = 32, most = 256;
@@ -111,7 +110,7 @@ void for_rows(int entries, int rows, const Body& body) {
   one_of_rows<<<dim3(unsigned(rows), unsigned(parts)), threads>>>(entries, body);
   check(cudaGetLastError());
 }
-/// Calls body(k, member) for each entry and each member of the team that does it together.
+/// Calls body(k, thread) for each entry and each thread of its team.
 template <class Body>
 void for_teams(std::int64_t entries, const Body& body) {
   constexpr int teams = 8, warp = 32;  // of a block of threads
@@ -119,11 +118,11 @@ void for_teams(std::int64_t entries, const Body& body) {
   one_of_teams<<<unsigned((entries + teams - 1) / teams), teams * warp>>>(entries, body);
   check(cudaGetLastError());
 }
-/// Returns when all passes are done: what they wrote may then be read.
+/// Waits until all passes have finished and their results may be read.
 inline void wait() {
   check(cudaDeviceSynchronize());
 }
-/// Adds to a number to which others may add at the same time.
+/// Adds to a number that other threads may add to simultaneously.
 template <class Whole>
 SILT_DEVICE void add_to(Whole& sum, Whole term) {
 #if defined(__CUDA_ARCH__)
@@ -133,7 +132,7 @@ SILT_DEVICE void add_to(Whole& sum, Whole term) {
   sum += term;
 #endif
 }
-/// Adds one to a count; returns what it was.
+/// Increments a count and returns its previous value.
 SILT_DEVICE inline unsigned next_of(unsigned* count) {
 #if defined(__CUDA_ARCH__)
   return atomicAdd(count, 1u);
@@ -152,10 +151,10 @@ void in_turn(const Work& work) {
 inline void wait() {}
 #else
 inline void in_turn(std::function<void()> work) {
-  put_off(std::move(work));
+  defer_work(std::move(work));
 }
 inline void wait() {
-  do_what_was_put_off();
+  do_what_was_defer_work();
 }
 #endif
 /// A body may have fetch(k), which is called so many entries ahead: memory should have answered when k's turn

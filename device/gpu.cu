@@ -1,4 +1,4 @@
-// The calls of CUDA besides passes.
+// The CUDA calls other than passes.
 #define SILT_ISA gpu
 #include <cuda_runtime.h>
 
@@ -69,16 +69,16 @@ std::string description() {
          " GiB, driver for CUDA " + version(driver) + ", built with CUDA " + version(runtime);
 }
 
-/// Pages move to where they are used.
+/// Memory whose pages migrate to where they are used.
 std::pmr::memory_resource* managed() {
   static Memory<allocate_managed, cudaFree> managed;
   return &managed;
 }
 std::pmr::memory_resource* memory() {
-  static auto* const pool = new UntouchedPool(managed());  // which outlives all arrays
+  static auto* const pool = new UntouchedPool(managed());  // outlives all arrays
   return pool;
 }
-/// Pages stay, and the card copies from and to them: MPI sends from there.
+/// Pinned memory, from and to which the card copies, and from which MPI sends.
 std::pmr::memory_resource* message_memory() {
   static Memory<allocate_pinned, cudaFreeHost> pinned;
   return &pinned;

@@ -13,7 +13,7 @@ namespace silt {
 
 namespace {
 
-/// Whole pages, locked but while passes run. The pool above it asks for a few large pieces.
+/// Whole pages that are inaccessible except while passes run. A pool above it requests few large pieces.
 class LockedMemory final : public std::pmr::memory_resource {
  public:
   void lock(bool locked) {
@@ -38,7 +38,7 @@ class LockedMemory final : public std::pmr::memory_resource {
 };
 
 LockedMemory& locked_memory() {
-  static auto* const memory = new LockedMemory;  // which outlives all arrays
+  static auto* const memory = new LockedMemory;  // outlives all arrays
   return *memory;
 }
 
@@ -46,11 +46,11 @@ std::vector<std::function<void()>> yet_to_do;
 
 }  // namespace
 
-void put_off(std::function<void()> work) {
+void defer_work(std::function<void()> work) {
   yet_to_do.push_back(std::move(work));
 }
 
-void do_what_was_put_off() {
+void run_deferred_work() {
   if (yet_to_do.empty()) return;
   locked_memory().lock(false);
   for (const auto& work : yet_to_do) work();

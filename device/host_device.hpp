@@ -1,15 +1,14 @@
 #pragma once
-// The device `host` behaves as a graphics processor may at its worst, so that tests see what would fail
-// there: it does its passes and copies only when somebody waits for them, and what it calls its own memory
-// can be read and written by these alone.
+// The device `host` emulates the worst case of a graphics processor, for tests: passes and copies run only
+// when the program waits for them, and the device's own memory is accessible only to them.
 #include <functional>
 #include <memory_resource>
 
 namespace silt {
 
-/// Does this at the next wait, after all that was put off before.
-void put_off(std::function<void()>);
-void do_what_was_put_off();
+/// Defers work to the next wait, after all work deferred before.
+void defer_work(std::function<void()>);
+void run_deferred_work();
 
 std::pmr::memory_resource* own_memory_of_host();
 

@@ -1,5 +1,5 @@
 #pragma once
-// Arrays that the processor and the passes of a device pass to one another.
+// Arrays shared by the processor and the passes of a device.
 #include <algorithm>
 #include <cstddef>
 #include <memory_resource>
@@ -10,9 +10,8 @@
 
 namespace silt {
 
-/// An array of the processor, and its mirror where the passes of a device read and write it. Neither sees
-/// what the other one does until the elements are sent or fetched. The device `cpu` has no mirror: its passes
-/// are the processor's own.
+/// An array of the processor with a mirror in the device's own memory for its passes. Neither sees changes of
+/// the other until the elements are sent or fetched. The device `cpu` has no mirror.
 template <class T>
 class Mirror {
   static_assert(std::is_trivially_copyable_v<T>);
@@ -26,17 +25,17 @@ class Mirror {
   const std::pmr::vector<T>& host() const { return here_; }
   std::size_t size() const { return here_.size(); }
 
-  /// Returns where passes find the elements as they were sent last.
+  /// Returns the elements as passes see them, as they were last sent.
   T* device() { return device_ == Device::cpu ? here_.data() : reinterpret_cast<T*>(there_.data()); }
   const T* device() const { return const_cast<Mirror*>(this)->device(); }
-  /// Makes room for as many elements as there are here, of any value.
+  /// Allocates the mirror for all elements, uninitialised.
   T* make_room() {
     const std::size_t bytes = here_.size() * sizeof(T);
     if (device_ != Device::cpu && there_.size() < bytes)
       there_ = DeviceArray<std::byte>(bytes + bytes / 2, own_memory(device_));
     return device();
   }
-  /// Sets all elements to zero on the device alone, in turn with its passes.
+  /// Sets all elements to zero on the device only, in order with its passes.
   T* clear() {
     make_room();
     if (device_ == Device::cpu)
@@ -45,7 +44,7 @@ class Mirror {
       clear_in_turn(device_, device(), here_.size() * sizeof(T));
     return device();
   }
-  /// Sends all elements in turn with the passes of the device. They stay as they are until these are done.
+  /// Copies all elements to the device, in order with its passes. They must not change before that.
   T* send() {
     make_room();
     if (device_ != Device::cpu && !here_.empty()) {
@@ -54,7 +53,7 @@ class Mirror {
     }
     return device();
   }
-  /// Brings all elements in turn with the passes of the device: they are here once these are done.
+  /// Copies all elements from the device, in order with its passes; they are valid once these have finished.
   void fetch() {
     if (device_ == Device::cpu || here_.empty()) return;
     copy_in_turn(device_, here_.data(), device(), here_.size() * sizeof(T));
@@ -64,7 +63,7 @@ class Mirror {
  private:
   Device device_;
   std::pmr::vector<T> here_{message_memory(device_)};
-  DeviceArray<std::byte> there_{own_memory(device_)};  // which only the device may touch
+  DeviceArray<std::byte> there_{own_memory(device_)};  // accessible to the device only
 };
 
 }  // namespace silt

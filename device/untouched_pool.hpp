@@ -1,5 +1,5 @@
 #pragma once
-// A pool for memory of a device that the processor must not touch, or had better not.
+// A memory pool for device memory that the processor must not, or should not, touch.
 #include <algorithm>
 #include <bit>
 #include <cstddef>
@@ -8,9 +8,9 @@
 
 namespace silt {
 
-/// An allocation from a device takes long, and whole pages; lists are many, and small. This pool hands out
-/// parts of large allocations, in sizes of powers of two, and touches none of them: a page of managed memory
-/// that the processor writes leaves its card. It never gives memory back.
+/// Allocations from a device are slow and take whole pages, while lists are many and small. This pool divides
+/// large allocations into blocks of powers of two without touching them: a page of managed memory that the
+/// processor writes would leave the card. It never returns memory to the device.
 class UntouchedPool final : public std::pmr::memory_resource {
  public:
   explicit UntouchedPool(std::pmr::memory_resource* device) : device_(device) {}

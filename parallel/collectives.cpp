@@ -33,7 +33,7 @@ void sum_words(MPI_Comm comm, std::span<std::int64_t> words) {
 
 void sum_words_before(MPI_Comm comm, std::span<std::int64_t> words) {
   const std::vector<std::int64_t> mine(words.begin(), words.end());
-  std::fill(words.begin(), words.end(), 0);  // what the first rank keeps
+  std::fill(words.begin(), words.end(), 0);  // the result on the first rank, which MPI leaves undefined
   blocking_collective(
       comm, [&] { MPI_Exscan(mine.data(), words.data(), int(words.size()), MPI_INT64_T, MPI_SUM, comm); });
 }

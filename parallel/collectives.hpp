@@ -1,6 +1,6 @@
 #pragma once
-// Collective operations that ranks wait for: sums, extremes, broadcasts and gathers. Sums are of integers, so
-// that they are the same on any number of ranks and in any order.
+// Blocking collective operations: sums, extremes, broadcasts and gathers. Sums are of integers, so that they
+// do not depend on the number of ranks or on the order.
 #include <mpi.h>
 
 #include <array>
@@ -16,8 +16,8 @@
 
 namespace silt::parallel {
 
-/// A sum of 128 bits in parts of 32 bits, lowest first, which can be added each for itself: they have room
-/// for the carries of 2^32 ranks (2^31 as signed numbers).
+/// A sum of 128 bits in parts of 32 bits, lowest first, that are added independently: there is room for the
+/// carries of 2^32 ranks (2^31 as signed numbers).
 class WideSum {
  public:
   WideSum(__int128 sum = 0);
@@ -27,13 +27,12 @@ class WideSum {
   std::array<std::uint64_t, 4> parts_;
 };
 
-/// A record of sums: a struct of nothing but integers of 64 bits, WideSums and other such records, or one of
-/// these itself. Each member becomes the sum of that member.
+/// A record of sums: an integer of 64 bits, a WideSum, or a struct of such members only.
 template <class T>
 concept Summable = std::is_trivially_copyable_v<T> && alignof(T) == alignof(std::int64_t) &&
                    sizeof(T) % sizeof(std::int64_t) == 0 && (std::is_integral_v<T> || std::is_class_v<T>);
 
-/// The integers that sums are made of; a sum kept in digits brings its carries in first.
+/// Returns the integers of which sums consist; normalises sums that are kept in digits.
 template <Summable T, std::size_t n>
 std::span<std::int64_t> words_of(std::span<T, n> sums) {
   if constexpr (requires(T & sum) { sum.carry(); })
@@ -53,14 +52,14 @@ void sum_words(MPI_Comm, std::span<std::int64_t>);
 void sum_words_before(MPI_Comm, std::span<std::int64_t>);
 double sum_of_doubles(MPI_Comm, double);
 
-/// Return the sums of what all ranks have, or make them in place.
+/// Return the sum over all ranks, or sum in place.
 template <Summable T>
 requires(!std::ranges::range<T>) T sum_over_ranks(MPI_Comm comm, T mine) {
   sum_words(comm, words_of(mine));
   return mine;
 }
 template <std::same_as<double> T>
-T sum_over_ranks(MPI_Comm comm, T mine) {  // its last bits depend on the ranks
+T sum_over_ranks(MPI_Comm comm, T mine) {  // rounding depends on the ranks
   return sum_of_doubles(comm, mine);
 }
 template <Summable T, std::size_t n>
@@ -68,7 +67,7 @@ void sum_over_ranks(MPI_Comm comm, std::span<T, n> sums) {
   sum_words(comm, words_of(sums));
 }
 void sum_over_ranks(MPI_Comm, std::span<__int128>);
-/// Returns the sums of a record of nothing but integers of 128 bits.
+/// For a record of integers of 128 bits only.
 template <class Record>
 requires(std::is_class_v<Record> && alignof(Record) == alignof(__int128)) Record
     sum_over_ranks(MPI_Comm comm, Record mine) {
@@ -76,7 +75,7 @@ requires(std::is_class_v<Record> && alignof(Record) == alignof(__int128)) Record
   sum_over_ranks(comm, std::span(reinterpret_cast<__int128*>(&mine), sizeof mine / sizeof(__int128)));
   return mine;
 }
-/// Returns the sums of what the ranks before this one have.
+/// Returns the sum over the ranks before this one.
 template <Summable T>
 T sum_of_ranks_before(MPI_Comm comm, T mine) {
   sum_words_before(comm, words_of(mine));
@@ -84,8 +83,8 @@ T sum_of_ranks_before(MPI_Comm comm, T mine) {
 }
 
 void max_over_ranks(MPI_Comm, std::span<double>);
-/// Returns the largest of all ranks: of a number, or of each member of a record of nothing but double. (An
-/// array is a span of numbers, not a pointer.)
+/// Returns the maximum over all ranks of a number, or of each member of a record of doubles. (An array is
+/// passed as a span, not as a pointer.)
 template <class T>
 requires(std::is_trivially_copyable_v<T> && !std::is_pointer_v<T> && alignof(T) == alignof(double)) T
     max_over_ranks(MPI_Comm comm, T mine) {
@@ -95,7 +94,7 @@ requires(std::is_trivially_copyable_v<T> && !std::is_pointer_v<T> && alignof(T) 
 std::uint64_t least_over_ranks(MPI_Comm, std::uint64_t);
 std::uint64_t most_over_ranks(MPI_Comm, std::uint64_t);
 
-/// Send the values of one rank to all.
+/// Send the values of rank `from` to all ranks.
 void broadcast_bytes(MPI_Comm, std::span<std::byte>, int from);
 template <class T>
 requires std::is_trivially_copyable_v<T>
@@ -109,12 +108,12 @@ void broadcast(MPI_Comm comm, T& value, int from = 0) {
 }
 void broadcast(MPI_Comm, std::string&, int from = 0);
 
-/// The ranks that receive gathered values: all of them, or rank 0 alone.
+/// The ranks that receive gathered values.
 enum class GatherTo { all_ranks, root };
-/// Returns where the bytes of each rank begin in `all`, and their end; nothing on a rank that is not told.
+/// Returns where the bytes of each rank begin in `all`, and their end; nothing on ranks that do not receive.
 std::vector<std::size_t> gather_bytes(MPI_Comm, std::span<const std::byte> mine, GatherTo,
                                       std::vector<std::byte>& all);
-/// Returns the values of all ranks, in the order of ranks; those of rank r begin at (*first)[r].
+/// Returns the values of all ranks in rank order; those of rank r begin at (*first)[r].
 template <class T>
 requires std::is_trivially_copyable_v<T> std::vector<T> gathered(MPI_Comm comm, std::span<const T> mine,
                                                                  GatherTo to,

@@ -1,5 +1,5 @@
 #pragma once
-// A group of ranks, and this one's number in it.
+// The number of ranks, this rank's number, and communicators of one's own.
 #include <mpi.h>
 
 namespace silt::parallel {
@@ -15,7 +15,7 @@ inline int ranks_of(MPI_Comm comm) {
   return ranks;
 }
 
-/// A copy of a communicator, whose messages cannot be taken for others.
+/// A duplicate of a communicator, whose messages cannot be mistaken for others.
 class OwnCommunicator {
  public:
   explicit OwnCommunicator(MPI_Comm comm) { MPI_Comm_dup(comm, &comm_); }  // collective

@@ -1,5 +1,5 @@
 #pragma once
-// Private to parallel/: calls of MPI, counted (traffic.hpp).
+// Private to parallel/: wrappers of MPI calls that count them (traffic.hpp).
 #include <mpi.h>
 
 #include "parallel/communicator.hpp"
@@ -13,7 +13,7 @@ inline void count_message(std::size_t bytes) {
   so_far.bytes += bytes;
 }
 
-/// Calls what may wait for another rank, and takes the time.
+/// Makes a call that may wait for another rank, and measures its time.
 template <class Call>
 void waiting(Call&& call) {
   const double begin = MPI_Wtime();
@@ -28,10 +28,10 @@ void blocking_collective(MPI_Comm comm, Call&& call) {
   waiting(call);
 }
 
-/// A collective that goes on while the rank does something else.
-class CollectiveUnderWay {
+/// A nonblocking collective.
+class PendingCollective {
  public:
-  /// start(request) starts it.
+  /// start(request) starts the collective.
   template <class Start>
   void begin(MPI_Comm comm, Start&& start) {
     start(&request_);
@@ -44,7 +44,7 @@ class CollectiveUnderWay {
     waiting([&] { MPI_Wait(&request_, MPI_STATUS_IGNORE); });
     count();
   }
-  /// Returns whether it has ended.
+  /// Returns whether it has finished.
   bool test() {
     int done = 0;
     waiting([&] { MPI_Test(&request_, &done, MPI_STATUS_IGNORE); });
@@ -57,7 +57,7 @@ class CollectiveUnderWay {
     if (counts_) ++(step_ == step ? so_far.blocking_collectives : so_far.collectives_under_way);
   }
   MPI_Request request_ = MPI_REQUEST_NULL;
-  std::uint64_t step_ = 0;  // in which it began
+  std::uint64_t step_ = 0;  // in which it was started
   bool counts_ = false;
 };
 

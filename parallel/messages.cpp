@@ -12,9 +12,9 @@ using counting::waiting;
 
 namespace {
 constexpr int partner_tag = 0;
-/// A rank may be one round of unannounced messages ahead of another, never two: two tags keep them apart.
+/// A rank may be one round of unannounced messages ahead of another, never two: two tags distinguish them.
 constexpr int first_unannounced_tag = 1;
-/// Unannounced messages go in pieces of so many bytes, for which the receiver has room whatever else lacks.
+/// Unannounced messages are sent in pieces of this size, for which the receiver always has a buffer.
 constexpr std::size_t piece_bytes = 1 << 20;
 }  // namespace
 
@@ -61,7 +61,7 @@ void Messages::send(const Message& m, std::size_t first, std::size_t bytes, int 
   bytes_sent_ += bytes;
 }
 
-void Messages::with_partners(std::span<const int> sources) {
+void Messages::exchange_with(std::span<const int> sources) {
   begin_round();
   for (const Message& m : sent_) {
     if (m.bytes.size() > std::numeric_limits<int>::max())
@@ -83,7 +83,7 @@ void Messages::with_partners(std::span<const int> sources) {
   end_round();
 }
 
-/// Takes a piece, if one is there; those of one rank come in order.
+/// Receives a piece, if there is one; those of one rank arrive in order.
 void Messages::receive_piece(int tag) {
   int found = 0, size = 0;
   MPI_Message matched;
@@ -92,7 +92,7 @@ void Messages::receive_piece(int tag) {
   if (!found) return;
   MPI_Get_count(&status, MPI_BYTE, &size);
   waiting([&] { MPI_Mrecv(piece_.data(), size, MPI_BYTE, &matched, MPI_STATUS_IGNORE); });
-  if (failed_) return;  // the others are still sending
+  if (failed_) return;  // the other ranks are still sending
   try {
     Bytes& bytes = message_of(received_, status.MPI_SOURCE).bytes;
     bytes.insert(bytes.end(), piece_.begin(), piece_.begin() + size);
@@ -101,7 +101,7 @@ void Messages::receive_piece(int tag) {
   }
 }
 
-void Messages::unannounced() {
+void Messages::exchange_sparse() {
   make_room();
   begin_round();
   failed_ = nullptr;
@@ -113,7 +113,7 @@ void Messages::unannounced() {
     receive_piece(tag);
     waiting([&] { MPI_Testall(int(requests_.size()), requests_.data(), &taken, MPI_STATUSES_IGNORE); });
   }
-  counting::CollectiveUnderWay barrier;
+  counting::PendingCollective barrier;
   barrier.begin(comm_, [&](MPI_Request* request) { MPI_Ibarrier(comm_, request); });
   do receive_piece(tag);
   while (!barrier.test());

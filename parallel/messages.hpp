@@ -1,14 +1,13 @@
 #pragma once
-// Messages between some ranks: buffers of bytes, one a rank, filled and then exchanged in one of two ways.
+// Messages between ranks: a buffer of bytes for each destination, exchanged in one of two ways.
 //
-//   with_partners   both ends know that they talk to each other (not how much they have to say)
-//   unannounced     a rank does not know who will write to it: the sparse dynamic consensus of Hoefler,
-//                   Siebert and Lumsdaine (PPoPP 2010): synchronous sends, and a barrier that no rank enters
-//                   before its messages were taken. Its cost is a barrier and the messages themselves, on
-//                   any number of ranks.
+//   exchange_with   every rank knows from which ranks it receives (not how much)
+//   exchange_sparse ranks do not know who will send to them: nonblocking consensus (Hoefler, Siebert,
+//   Lumsdaine,
+//                   PPoPP 2010), with synchronous sends and a barrier that a rank enters once its messages
+//                   were received. It costs a barrier and the messages, on any number of ranks.
 //
-// What came in is handed out in the order of ranks, so that nothing depends on who was first. A rank keeps
-// nothing that grows with the number of ranks.
+// Received messages are in rank order, not in that of arrival. Memory does not grow with the rank count.
 #include <mpi.h>
 
 #include <cstddef>
@@ -40,20 +39,20 @@ void put(Bytes& to, std::span<const T> values) {
   to.insert(to.end(), bytes.begin(), bytes.end());
 }
 
-/// Takes apart what put() put together.
+/// Reads values in the order in which put() wrote them.
 class ByteReader {
  public:
   explicit ByteReader(std::span<const std::byte> bytes) : left_(bytes) {}
   bool done() const { return left_.empty(); }
   template <class T>
-  requires std::is_trivially_copyable_v<T> T take() {
+  requires std::is_trivially_copyable_v<T> T read() {
     T value;
-    take(std::span<T>(&value, 1));
+    read(std::span<T>(&value, 1));
     return value;
   }
   template <class T>
   requires std::is_trivially_copyable_v<T>
-  void take(std::span<T> values) {
+  void read(std::span<T> values) {
     if (left_.size() < values.size_bytes()) throw std::logic_error("a message between ranks is too short");
     if (!values.empty()) std::memcpy(static_cast<void*>(values.data()), left_.data(), values.size_bytes());
     left_ = left_.subspan(values.size_bytes());
@@ -66,29 +65,29 @@ class ByteReader {
 class Messages {
  public:
   struct Message {
-    int rank;  // the other end
+    int rank;  // destination or source
     Bytes bytes;
   };
 
-  explicit Messages(MPI_Comm comm) : comm_(comm) {}  // collective: they go over a communicator of their own
+  explicit Messages(MPI_Comm comm) : comm_(comm) {}  // collective: duplicates the communicator
 
   MPI_Comm comm() const { return comm_; }
-  /// Returns the message to a rank, empty at the start of a round; to itself in unannounced rounds only.
+  /// Returns the message to a rank, empty at the start of a round; to itself only in exchange_sparse().
   Bytes& to(int rank);
-  /// Sends what to() was called for, and receives one message, possibly empty, from each of the sources.
-  void with_partners(std::span<const int> sources);
-  /// Collective. Sends what to() was called for, and receives whatever was sent here. Throws if this rank has
-  /// no memory for what comes; after make_room() only at the end of the round, to which all ranks come, so
-  /// that it may be called within `together`.
-  void unannounced();
+  /// Sends the messages for which to() was called, and receives one, possibly empty, from each source.
+  void exchange_with(std::span<const int> sources);
+  /// Collective. Sends the messages for which to() was called, and receives all messages to this rank. Throws
+  /// if memory for these is exhausted; after make_room() only at the end of the round, which all ranks reach,
+  /// so that it may be called within `together`.
+  void exchange_sparse();
   void make_room();
   /// Returns the messages of the last round, by source.
   const std::vector<Message>& received() const { return received_; }
-  /// Calls f(value, rank) for each value of messages that hold values of one type.
+  /// Calls f(value, rank) for each value in the messages, which contain values of type T only.
   template <class T, class F>
   void for_received(F&& f) const {
     for (const Message& message : received_)
-      for (ByteReader reader(message.bytes); !reader.done();) f(reader.take<T>(), message.rank);
+      for (ByteReader reader(message.bytes); !reader.done();) f(reader.read<T>(), message.rank);
   }
 
   std::uint64_t messages_sent() const { return messages_sent_; }
@@ -103,10 +102,10 @@ class Messages {
   void receive_piece(int tag);
 
   OwnCommunicator comm_;
-  Round sent_, received_, spare_;  // kept, buffers and all, from round to round
-  Bytes piece_;                    // the last one that came
+  Round sent_, received_, spare_;  // buffers are reused
+  Bytes piece_;                    // last received piece
   std::vector<MPI_Request> requests_;
-  std::exception_ptr failed_;  // in this round, for want of memory
+  std::exception_ptr failed_;  // in this round, for lack of memory
   int round_ = 0;
   std::uint64_t messages_sent_ = 0, bytes_sent_ = 0;
 };

@@ -22,7 +22,7 @@ CommonError common_error(const std::exception& error, int mine) {
 }
 
 namespace {
-/// The lowest rank that has something to say.
+/// Returns the lowest rank with an error or text.
 std::optional<int> first_speaker(MPI_Comm comm, bool speaks) {
   const int ranks = ranks_of(comm);
   const std::uint64_t first = least_over_ranks(comm, std::uint64_t(speaks ? rank_of(comm) : ranks));
@@ -45,9 +45,9 @@ void throw_together(MPI_Comm comm, const CommonError* mine) {
   throw CommonError(of, text);
 }
 
-bool Reunion::all_here() {
+bool ErrorBarrier::all_ranks_arrive() {
   const double end = MPI_Wtime() + patience;
-  counting::CollectiveUnderWay barrier;
+  counting::PendingCollective barrier;
   barrier.begin(comm_, [&](MPI_Request* request) { MPI_Ibarrier(comm_, request); });
   while (MPI_Wtime() < end) {
     if (barrier.test()) return true;

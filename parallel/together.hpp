@@ -1,6 +1,6 @@
 #pragma once
-// Errors that all ranks see alike. What may fail on one rank is done inside `together` and without a
-// collective call there; then no rank waits for another that has given up.
+// Errors that all ranks throw alike. Work that may fail on one rank runs inside `together`, without
+// collective calls of its own, so that no rank waits for one that has failed.
 #include <mpi.h>
 
 #include <exception>
@@ -12,26 +12,26 @@
 
 namespace silt::parallel {
 
-/// An error of one rank, as every rank throws it.
+/// An error of one rank, thrown on every rank.
 struct CommonError : std::runtime_error {
   CommonError(int of, const std::string& text) : std::runtime_error(text), rank(of) {}
   int rank;
 };
 
-/// Returns the text of an error; a lack of memory also names the limits to look at.
+/// Returns the text of an error; for lack of memory with the limits to check.
 std::string text_of(const std::exception&);
 
-/// Returns an error's text and rank, `mine` for an error without a rank.
+/// Converts an error; its rank is `mine` unless it is a CommonError.
 CommonError common_error(const std::exception&, int mine);
 
-/// Collective. Returns the text of the first rank that has one; "" if none has.
+/// Collective. Returns the text of the lowest rank with a nonempty one; "" if there is none.
 std::string text_of_first(MPI_Comm, std::string);
 
-/// Throws on every rank (collective) the error of the lowest rank that hands one over.
+/// Collective. Throws on every rank the error of the lowest rank that has one.
 void throw_together(MPI_Comm, const CommonError* mine);
 
-/// Runs `work` on this rank (collective); if it threw on any rank, every rank throws the error of the lowest
-/// such rank as CommonError. `work` must not throw between two collective calls of its own.
+/// Collective. Runs `work` on this rank; if it threw on any rank, throws the error of the lowest such rank as
+/// CommonError on every rank. `work` must not throw between two collective calls of its own.
 template <class Work>
 void together(MPI_Comm comm, Work&& work) {
   try {
@@ -43,7 +43,7 @@ void together(MPI_Comm comm, Work&& work) {
   throw_together(comm, nullptr);
 }
 
-/// Does the same as `together` for work that only rank 0 does.
+/// The same for work on rank 0 only.
 template <class Work>
 void on_rank_0(MPI_Comm comm, Work&& work) {
   together(comm, [&] {
@@ -51,9 +51,9 @@ void on_rank_0(MPI_Comm comm, Work&& work) {
   });
 }
 
-/// Runs work that writes a file, the same on every rank: an error that does not name the file gets its name.
+/// Runs work that writes a file; adds the file's name to errors that lack it. The same on every rank.
 template <class Work>
-void naming(const std::string& file, Work&& work) {
+void with_file_name(const std::string& file, Work&& work) {
   try {
     std::forward<Work>(work)();
   } catch (const std::exception& e) {
@@ -65,17 +65,16 @@ void naming(const std::string& file, Work&& work) {
   }
 }
 
-/// Ranks that have caught an error look whether it is every rank's or this one's alone: whether all others
-/// come to the same place. Those that wait for this one somewhere else never do.
-class Reunion {
+/// Finds out whether all ranks have caught an error, or only some, for which the others wait forever.
+class ErrorBarrier {
  public:
-  explicit Reunion(MPI_Comm comm) : comm_(comm) {}  // collective
-  /// Returns whether all ranks call this within some seconds. If not, the program has to end.
-  bool all_here();
+  explicit ErrorBarrier(MPI_Comm comm) : comm_(comm) {}  // collective
+  /// Returns whether all ranks call this within some seconds. If not, the program must end.
+  bool all_ranks_arrive();
 
  private:
   static constexpr double patience = 5;  // seconds
-  OwnCommunicator comm_;                 // others may wait in a collective call of another
+  OwnCommunicator comm_;                 // others may be in a collective call on another one
 };
 
 }  // namespace silt::parallel

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t most = std::numeric_limits<int>::max();  // MPI counts in int
 
-/// Calls act(count, type) for values of so many bytes each: as bytes, or if these are too many, as they are.
+/// Calls act(count, type) for a message: as bytes, or as values if the number of bytes exceeds an int.
 template <class Act>
 void as_type(int rank, std::size_t count, std::size_t value_bytes, Act&& act) {
   if (count * value_bytes <= most) return act(int(count * value_bytes), MPI_BYTE);
@@ -23,7 +23,7 @@ void as_type(int rank, std::size_t count, std::size_t value_bytes, Act&& act) {
   MPI_Type_contiguous(int(value_bytes), MPI_BYTE, &type);
   MPI_Type_commit(&type);
   act(int(count), type);
-  MPI_Type_free(&type);  // once what uses it is over
+  MPI_Type_free(&type);  // MPI frees it when the operations that use it have finished
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 #pragma once
-// Messages that both ends expect, with their greatest lengths: begun together, waited for together.
+// Point-to-point messages between ranks that both expect them, with known upper limits of their lengths.
 #include <mpi.h>
 
 #include <cstddef>
@@ -10,12 +10,11 @@ namespace silt::parallel {
 
 class Transfers {
  public:
-  /// All go by this communicator and tag.
+  /// All messages use this communicator and tag.
   Transfers(MPI_Comm comm, int tag) : comm_(comm), tag_(tag) {}
   Transfers(Transfers&&) = default;
 
-  /// Begin a message to or from a rank. Its values stay in place until wait(), and may be fewer than the
-  /// room.
+  /// Start a message to or from a rank. Values stay in place until wait(). Fewer may be received.
   template <class T>
   void send(int to, std::span<T> values) {
     send(to, values.data(), values.size(), sizeof(T));
@@ -24,16 +23,15 @@ class Transfers {
   void receive(int from, std::span<T> room) {
     receive(from, room.data(), room.size(), sizeof(T));
   }
-  /// Begin a message of values of so many bytes each. std::length_error if there are 2^31 of them.
+  /// Start a message of values of this size each. Throws std::length_error for 2^31 values or more.
   void send(int to, const void* values, std::size_t count, std::size_t value_bytes);
   void receive(int from, void* room, std::size_t count, std::size_t value_bytes);
 
   void progress();
   void wait();
-  /// Returns the bytes of the k-th message, one received, before the last wait(), if progress() was not
-  /// called.
+  /// Returns the size of the k-th message, a received one, before the last wait() without progress().
   std::size_t bytes_received(std::size_t k) const;
-  /// Makes room for so many messages, so that beginning them needs no memory.
+  /// Reserves memory for this number of messages, so that starting them needs none.
   void reserve(std::size_t messages);
 
  private:

@@ -12,15 +12,15 @@ void clear_forces(BodySet& bodies) {
   std::fill(bodies.torque.begin(), bodies.torque.end(), FixedVec3{});
 }
 
-/// Says whether any sum is not zero: all bytes are zero if the first is and each equals the one before it.
-bool any(const std::vector<FixedVec3>& sums) {
+/// Returns whether any is nonzero: all bytes are zero if the first is and each equals its predecessor.
+bool any_nonzero(const std::vector<FixedVec3>& sums) {
   static_assert(std::has_unique_object_representations_v<FixedVec3>);
   const auto* const bytes = reinterpret_cast<const unsigned char*>(sums.data());
   const std::size_t size = sums.size() * sizeof(FixedVec3);
   return size > 0 && (bytes[0] != 0 || std::memcmp(bytes, bytes + 1, size - 1) != 0);
 }
 
-/// Counted at the owner of the lower id.
+/// Each contact is counted once, by the owner of the body of the lower id.
 std::uint64_t mixed_owner_contacts(const BodySet& bodies, const std::vector<Contact>& contacts) {
   if (bodies.copies + bodies.visitors == 0) return 0;
   return std::ranges::count_if(contacts, [&](const Contact& c) {
@@ -51,41 +51,41 @@ RigidStepReport RigidStep::advance(BodySet& bodies, int substeps) {
   return report;
 }
 
-/// Algorithm 1; the numbers of equations are those of method.md. Lines 1 and 6 need no message: copies drift
-/// here as their owners do, with the same bits, and forces act on owned rows.
+/// Algorithm 1 with the equation numbers of method.md. Lines 1 and 6 need no message: forces act on owned
+/// rows only, and copies drift here bitwise as they do at their owners.
 RigidStepReport RigidStep::substep(BodySet& bodies, double dt, bool last) {
   RigidStepReport report;
   using enum RigidStage;
-  RigidClock::Turn stage(clock_, integrate);
+  RigidClock::Scope stage(clock_, integrate);
   if (!holds_poses_) drift(bodies, bodies.owned + bodies.copies, 0.5 * dt);  // lines 2-6, positions (M1)
   exchange_.wrap_positions(bodies);
-  stage.goes_on(collision_detection);
+  stage.switch_to(collision_detection);
   report.pairs = detect_contacts_(world_, bodies, exchange_, backend_, dt, contacts_);  // lines 7-12
   report.lubrication = detect_contacts_.lubrication();
-  stage.goes_on(synchronisation);
+  stage.switch_to(synchronisation);
   exchange_.exchange_contacts(bodies, contacts_);  // line 13
   report.mixed_owner_contacts = mixed_owner_contacts(bodies, contacts_);
-  stage.goes_on(integrate);
+  stage.switch_to(integrate);
   kick_before_contacts(bodies, dt);  // lines 2-5, velocities (M2)
-  stage.goes_on(contact_response);
+  stage.switch_to(contact_response);
   velocities_.wants_all_impulses = observer_ && observer_->wants_all_impulses();
   velocities_.other_impulses.clear();
   report.resolver = resolver_.resolve(bodies, contacts_, dt, velocities_, exchange_);  // lines 14-20 (M3)
   velocities_.start = false;
-  stage.goes_on(integrate);
+  stage.switch_to(integrate);
   finish(bodies, dt, last);  // lines 21-22 (M4)
-  stage.goes_on(synchronisation);
+  stage.switch_to(synchronisation);
   exchange_.synchronise(bodies);  // line 23
   return report;
 }
 
 /// The second half of the drift, with the velocities after the contacts.
 void RigidStep::finish(BodySet& bodies, double dt, bool last) {
-  take_velocities(bodies, dt);
+  apply_velocities(bodies, dt);
   if (last && forced_) clear_forces(bodies);
   if (observer_) observer_->before_drift(bodies);
   if (holds_poses_) return;
-  take_position_correction(bodies, dt);
+  apply_position_correction(bodies, dt);
   drift(bodies, bodies.owned, 0.5 * dt);
 }
 
@@ -93,7 +93,7 @@ void RigidStep::find_rows_in_contact(const BodySet& bodies) {
   std::vector<std::size_t>& rows = velocities_.rows;
   in_contact_.assign(bodies.size(), 0);
   rows.clear();
-  const auto meet = [&](std::size_t row) {
+  const auto add = [&](std::size_t row) {
     if (in_contact_[row]) return;
     in_contact_[row] = 1;
     rows.push_back(row);
@@ -101,30 +101,30 @@ void RigidStep::find_rows_in_contact(const BodySet& bodies) {
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
     const Contact& c = contacts_[k];
     if (k > 0 && c.pair() == contacts_[k - 1].pair()) continue;
-    if (k == 0 || c.a != contacts_[k - 1].a) meet(bodies.row_of(c.a));
-    meet(bodies.row_of(c.b));
+    if (k == 0 || c.a != contacts_[k - 1].a) add(bodies.row_of(c.a));
+    add(bodies.row_of(c.b));
   }
 }
 
-/// Gravity and external force; for bodies in contact velocities_ keeps the velocities before and after.
+/// Applies gravity and external forces; velocities_ stores both velocities of bodies in contact.
 void RigidStep::kick_before_contacts(BodySet& bodies, double dt) {
   find_rows_in_contact(bodies);
-  StepVelocities& of = velocities_;
-  for (auto* all : {&of.before, &of.now}) all->resize(bodies.size());
-  if (resolver_.first_kick() < 1) of.misses_kick.assign(bodies.size(), 0);
-  for (const std::size_t row : of.rows) of.before[row] = bodies.twist(row);
+  StepVelocities& velocities = velocities_;
+  for (auto* all : {&velocities.before, &velocities.now}) all->resize(bodies.size());
+  if (resolver_.first_kick() < 1) velocities.misses_kick.assign(bodies.size(), 0);
+  for (const std::size_t row : velocities.rows) velocities.before[row] = bodies.twist(row);
   if (!world_.gravity.isZero(0))
     for (std::size_t row = 0; row < bodies.owned; ++row)
       if (bodies.is_dynamic(row))
         bodies.velocity[row] += bodies.unlocked(row, (dt * bodies.weight_in_fluid[row]) * world_.gravity);
-  forced_ = any(bodies.force) || any(bodies.torque);
+  forced_ = any_nonzero(bodies.force) || any_nonzero(bodies.torque);
   if (forced_)
     for (std::size_t row = 0; row < bodies.owned; ++row)
       if (bodies.is_dynamic(row)) kick(bodies, row, resolver_.first_kick() * dt);
-  for (const std::size_t row : of.rows) of.now[row] = bodies.twist(row);
+  for (const std::size_t row : velocities.rows) velocities.now[row] = bodies.twist(row);
 }
 
-/// Force and torque of one body over dt.
+/// Applies force and torque to one body over dt.
 void RigidStep::kick(BodySet& bodies, std::size_t row, double dt) const {
   if (!bodies.force[row].is_zero())
     bodies.velocity[row] += bodies.unlocked(row, (dt / bodies.mass[row]) * bodies.force[row].value());
@@ -135,8 +135,8 @@ void RigidStep::kick(BodySet& bodies, std::size_t row, double dt) const {
   bodies.angular_velocity[row] += dt * (bodies.inverse_inertia_W(row) * torque);
 }
 
-/// The resolver's velocities become the bodies'; what is left of the kick (ffd) follows.
-void RigidStep::take_velocities(BodySet& bodies, double dt) {
+/// Copies the resolver's velocities to the bodies and applies the remaining part of the kick (ffd).
+void RigidStep::apply_velocities(BodySet& bodies, double dt) {
   StepObserver* const observer = observer_ && observer_->wants_contact_impulses() ? observer_ : nullptr;
   for (const std::size_t row : velocities_.rows) {
     if (row >= bodies.owned || !bodies.is_dynamic(row)) continue;
@@ -159,8 +159,8 @@ void RigidStep::take_velocities(BodySet& bodies, double dt) {
     if (bodies.is_dynamic(row) && !velocities_.misses_kick[row]) kick(bodies, row, share * dt);
 }
 
-/// Split impulses move bodies apart without giving them speed.
-void RigidStep::take_position_correction(BodySet& bodies, double dt) const {
+/// Applies the split impulses, which separate overlapping bodies without changing their velocities.
+void RigidStep::apply_position_correction(BodySet& bodies, double dt) const {
   if (velocities_.push.empty()) return;
   for (const std::size_t row : velocities_.rows) {
     if (row >= bodies.owned || !bodies.is_dynamic(row)) continue;
@@ -185,12 +185,12 @@ Vec3 solution(const Mat3& matrix, const Vec3& right) {
   return Vec3(right.dot(b_c), a.dot(right.cross(c)), a.dot(b.cross(right))) / a.dot(b_c);
 }
 
-/// A quaternion that is off unit length by rounding, brought back without a root.
+/// Restores unit length, lost to rounding, without a square root.
 Quat renormalised(const Quat& q) {
   return Quat((1.5 - 0.5 * q.squaredNorm()) * q.coeffs());
 }
 
-/// The midpoint angular velocity in the body frame, by Newton's method to round-off.
+/// Solves for the midpoint angular velocity in the body frame by Newton's method, to round-off.
 Vec3 midpoint_angular_velocity(const Mat3& inverse, const Vec3& start, double h) {
   constexpr int cap = 20;              // quadratic convergence: 4 is usual
   constexpr double round_off = 4e-16;  // relative to |L|

@@ -111,13 +111,13 @@ void BodyTurnover::let_leave(Scene& scene, std::int64_t steps_done, coupler::Bod
     ++counters.left, ++counters.left_by[std::min(way, first_outflow)];
     const Vec3& x = bodies.position[row];
     departures_.push_back({steps_done, bodies.id[row], way, {x[0], x[1], x[2]}});
-    expected_.leave(bodies.id[row]);
+    expected_.remove(bodies.id[row]);
     if (!bodies.is_dynamic(row)) continue;
     brought_.add(-momentum_of(bodies, row));
     energy_brought_ -= mechanical_energy(scene.setup, bodies, row);
   }
   changes.gone.reindex();
-  scene.exchange->take_out(scene.bodies, rows);
+  scene.exchange->remove_bodies(scene.bodies, rows);
 }
 
 void BodyTurnover::let_come(Scene& scene, std::int64_t steps_done, coupler::BodyChanges& changes,
@@ -130,7 +130,7 @@ void BodyTurnover::let_come(Scene& scene, std::int64_t steps_done, coupler::Body
   const auto shapes = centred_shapes(scene.setup);
   rigid::BodySet& bodies = scene.bodies;
   for (const AppliedFill& fill : arrivals) {
-    expected_.come(fill.first_id, fill.total, scene.rank, scene.ranks);
+    expected_.add(fill.first_id, fill.total, scene.rank, scene.ranks);
     if (scene.rank == 0) counters.arrived += fill.total, counters.refused += fill.refused;
     fill.for_each([&](rigid::BodyId id, const BodySpec& body) {
       const std::size_t row = bodies.owned++;

@@ -16,7 +16,7 @@
 #include <string>
 
 #include "coupler/flow.hpp"
-#include "parallel/sums_under_way.hpp"
+#include "parallel/pending_sums.hpp"
 #include "rigid/bodies/body_set.hpp"
 #include "rigid/bodies/contact.hpp"
 #include "rigid/math/exact_sum.hpp"
@@ -109,7 +109,7 @@ class FaultWatch {
   std::array<std::optional<Fault>, kinds> seen_;
   std::uint64_t moment_ = 0;
   Energy energy_;
-  parallel::SumsUnderWay<Sums> sums_;
+  parallel::PendingSums<Sums> sums_;
 };
 
 }  // namespace silt

@@ -40,7 +40,7 @@ class HeldScene final : rigid::StepObserver {
     for (; steps > 0; --steps) {
       step(scene_.bodies, {});
       forget_forces();
-      if (scene_.springs) scene_.springs->look(scene_.bodies);
+      if (scene_.springs) scene_.springs->share(scene_.bodies);
     }
   }
 
@@ -70,7 +70,7 @@ class HeldScene final : rigid::StepObserver {
       bodies.assign(bodies.first_wall() + wall, start_.record(start_.first_wall() + wall));
     forget_forces();
     scene_.exchange->relocate(bodies);
-    if (scene_.springs) scene_.springs->look(bodies);
+    if (scene_.springs) scene_.springs->share(bodies);
     scene_.flow->hold_bodies(false);
   }
 

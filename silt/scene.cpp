@@ -155,7 +155,7 @@ void Scene::drive(std::int64_t step) {
   if (!setup.kind_motions.empty()) exchange->synchronise(bodies);  // other ranks may be in their way now
   if (springs) {
     if (step == 0) springs->start(bodies);
-    springs->look(bodies);
+    springs->share(bodies);
   }
   if (flow) flow->drive(step);
 }
@@ -178,12 +178,12 @@ void Scene::cut_for_bodies() {
 
 void Scene::apply_cut(const lbm::CutTree& tree) {
   domain = lbm::Domain(tree, domain.sides(), ranks);
-  exchange->cut_again(bodies);
+  exchange->repartition(bodies);
   level_views_.reset();
   update_level_view();
 }
 
-void Scene::cut_again(const lbm::CutTree& tree) {
+void Scene::repartition(const lbm::CutTree& tree) {
   apply_cut(tree);
   if (flow) renew_flow();
 }
@@ -227,7 +227,7 @@ bool Scene::regrid() {
 
 void Scene::take_saved_bodies(const coupler::SavedBodies& saved) {
   parallel::Messages messages(comm);
-  send_home(messages, coupler::Holders(domain, 0), saved, bodies);
+  distribute_to_owners(messages, coupler::Holders(domain, 0), saved, bodies);
 }
 
 void Scene::take_placed_bodies(const std::vector<CentredShape>& shapes, rigid::BodyId first_id) {

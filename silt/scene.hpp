@@ -75,7 +75,7 @@ class Scene {
   /// Collective, between steps, once the flow has started: goes over to another cut, of a leaf a rank or
   /// more. Bodies and populations move to the ranks it gives; the flow and the parts that refer to it are new
   /// ones.
-  void cut_again(const lbm::CutTree&);
+  void repartition(const lbm::CutTree&);
 
   /// Changes to the levels of cells that follow from where bodies and walls are now; between steps of the
   /// coarsest cells, once the flow has started. Ranks that see no change do nothing. Returns whether this one

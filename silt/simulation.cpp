@@ -171,13 +171,13 @@ void Simulation::settle() {
   tell_faults();
 }
 
-void Simulation::cut_again(const lbm::CutTree& tree) {
+void Simulation::repartition(const lbm::CutTree& tree) {
   if (setup().coarsening && step_ % coupler::regrid_interval != 0)
     throw std::invalid_argument(fmt::format(
         "a domain with [coarsening] can be cut again only after a multiple of {} steps, not after {}",
         coupler::regrid_interval, step_));
   if (setup().coarsening) regrid();
-  guarded([&] { scene_.cut_again(tree); });
+  guarded([&] { scene_.repartition(tree); });
   coupled_step_.renew(scene_.parts());
 }
 
@@ -190,7 +190,7 @@ void Simulation::balance_work() {
   ++effort_.balance.looks;
   effort_.balance.last.before = effort_.balance.last.after = cuts.present.largest_over_mean();
   if (cuts.worth_moving(every)) {
-    cut_again(cuts.better.tree);
+    repartition(cuts.better.tree);
     ++effort_.balance.moves;
     effort_.balance.last.after = cuts.better.largest_over_mean();
   }
@@ -219,7 +219,7 @@ void Simulation::step() {
   parallel::begin_step_of_traffic();
   scene_.move_walls(step_);
   contact_loads_.clear(), contact_moments_.clear();
-  if (!scene_.flow && notes_contacts()) coupler::forget_contact_loads(scene_.bodies);
+  if (!scene_.flow && notes_contacts()) coupler::clear_contact_loads(scene_.bodies);
   const rigid::RigidStepReport report = guarded([&] { return coupled_step_(scene_.bodies, changes); });
   if (!scene_.rigid_step) {  // nothing has consumed them
     std::fill(scene_.bodies.force.begin(), scene_.bodies.force.end(), rigid::FixedVec3{});
@@ -343,13 +343,13 @@ std::uint64_t Simulation::contacts_now() const {
 }
 
 std::vector<coupler::BodyLoad> Simulation::last_loads() const {
-  return coupler::noted_loads(scene_.bodies, &coupler::CouplingState::seen_load);
+  return coupler::stored_loads(scene_.bodies, &coupler::CouplingState::seen_load);
 }
 std::vector<coupler::BodyLoad> Simulation::last_contact_loads() const {
-  return coupler::noted_loads(scene_.bodies, &coupler::CouplingState::contact_load);
+  return coupler::stored_loads(scene_.bodies, &coupler::CouplingState::contact_load);
 }
 std::vector<coupler::BodyLoad> Simulation::last_spring_loads() const {
-  return coupler::noted_loads(scene_.bodies, &coupler::CouplingState::spring_load);
+  return coupler::stored_loads(scene_.bodies, &coupler::CouplingState::spring_load);
 }
 
 }  // namespace silt

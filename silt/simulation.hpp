@@ -90,7 +90,7 @@ class Simulation : private rigid::StepObserver {
   void set_pose(rigid::BodyId, const rigid::Pose&);
 
   /// Moves everything to the ranks that another cut of the domain gives: no result depends on it.
-  void cut_again(const lbm::CutTree&);
+  void repartition(const lbm::CutTree&);
 
   // ---- what may be asked ----
   std::uint64_t hash() const;
@@ -160,7 +160,7 @@ class Simulation : private rigid::StepObserver {
   std::uint64_t last_contacts_ = 0;
   Balance initial_;
   BodyTurnover turnover_;
-  coupler::CheckUnderWay check_;
+  coupler::PendingCheck check_;
   FaultWatch faults_;
   double fluid_speed_ = 0, density_deviation_ = 0;
   struct {  // on this rank, in all steps

@@ -129,7 +129,7 @@ void Simulation::set_velocity(BodyId id, const Vec3& velocity, const Vec3& angul
     coupler::Springs::start(bodies, body.row);
   }
   scene_.exchange->relocate(bodies);  // other ranks may be in its way now
-  if (scene_.springs) scene_.springs->look(bodies);
+  if (scene_.springs) scene_.springs->share(bodies);
 }
 
 /// A body must have room where it is to be, among walls and bodies where they are now, and finest cells.
@@ -175,7 +175,7 @@ void Simulation::set_pose(BodyId id, const rigid::Pose& pose) {
   rigid::forget_impulses(bodies, id);
   faults_.start_again();
   scene_.exchange->relocate(bodies);  // it may be another rank's now
-  if (scene_.springs) scene_.springs->look(bodies);
+  if (scene_.springs) scene_.springs->share(bodies);
 }
 
 }  // namespace silt

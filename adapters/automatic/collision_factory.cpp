@@ -20,9 +20,9 @@ using namespace rigid;
 
 namespace {
 
-// ---- "auto": the best answer pair by pair ----
+// ---- "auto": the best method for each pair ----
 
-/// Returns whether the deepest of the points from `first` on lies between the shapes' supporting planes.
+/// Returns whether the deepest point from index `first` on lies between the shapes' supporting planes.
 bool supported(const Query& q, const std::vector<ContactPoint>& points, std::size_t first) {
   const auto deepest =
       std::min_element(points.begin() + first, points.end(),
@@ -32,8 +32,7 @@ bool supported(const Query& q, const std::vector<ContactPoint>& points, std::siz
   return std::abs(support_gap(q, deepest->normal) - deepest->gap) <= answer_tolerance * size;
 }
 
-/// Returns whether the answer comes from a search: not for a half-space, nor for a sphere and a sphere,
-/// capsule or box.
+/// Returns whether the answer needs a search: not half-spaces, nor spheres with spheres, capsules or boxes.
 bool needs_search(const ConvexShape& a, const ConvexShape& b) {
   if (std::holds_alternative<Sphere>(a) && std::holds_alternative<Sphere>(b)) return false;
   if (std::holds_alternative<HalfSpace>(b)) return false;
@@ -42,11 +41,10 @@ bool needs_search(const ConvexShape& a, const ConvexShape& b) {
   return !(with_sphere && is_box(a) && is_box(b));
 }
 
-/// The analytic backend's own methods are both the most exact (1e-12 of a cell) and the fastest of all for
-/// every pair (table in adapters/README.md), so they answer. Where the answer involves a search (no
-/// half-space, and no sphere among spheres, capsules and boxes) it is checked against the supporting planes;
-/// if it fails one engine after the other answers, and the fallback is counted. A shape that an engine knows
-/// better would go to it here.
+/// The analytic backend is the most exact (1e-12 of a cell) and the fastest for every pair (table in
+/// adapters/README.md), so it answers. An answer that needs a search is checked against the supporting
+/// planes; if it fails the engines answer in turn, which counts as a fallback. A shape that an engine handles
+/// better would go to that engine here.
 class AutomaticBackend : public AnalyticBackend {
  public:
   explicit AutomaticBackend(std::vector<std::unique_ptr<CollisionBackend>> engines)
@@ -70,8 +68,7 @@ class AutomaticBackend : public AnalyticBackend {
   }
 
  protected:
-  /// The tree of the first engine, Bullet's, finds triangles: it is the fastest for small bodies, all give
-  /// the same.
+  /// Triangles are found by the tree of the first engine, Bullet's, which is the fastest for small bodies.
   bool finds_triangles() const override { return true; }
   void find_triangles(const SharedMesh& mesh, const BoundingBox& near,
                       std::vector<std::uint32_t>& out) override {
@@ -115,7 +112,7 @@ struct Entry {
   Maker<Made> make;  // nullptr: left out of this build
 };
 
-/// A new backend is one line here; the conformance suite then runs on it by name.
+/// The backends. The conformance suite tests every one by its name.
 constexpr Entry<CollisionBackend> backends[] = {
     {"auto", make_automatic_backend},
     {"analytic", [] { return std::unique_ptr<CollisionBackend>(new AnalyticBackend); }},
@@ -123,7 +120,7 @@ constexpr Entry<CollisionBackend> backends[] = {
     {"fcl", make_fcl_backend},
 };
 
-/// A new broad phase is one line here; the tests of rigid/collision/broad_phase then run on it by name.
+/// The broad phases. The tests of rigid/collision/broad_phase run on every one by its name.
 constexpr Entry<BroadPhase> broad_phases[] = {
     {"grid", [] { return std::unique_ptr<BroadPhase>(new UniformGrid); }},
     {"bullet", make_bullet_broad_phase},
@@ -143,12 +140,12 @@ void add_names(const Entry<Made> (&entries)[count], std::vector<std::string_view
     if (entry.make) names.push_back(entry.name);
 }
 
-/// `what` is said of a name that is none of those known.
+/// `what` begins the message for an unknown name.
 template <class Made>
 std::unique_ptr<Made> made(const Entry<Made>* entry, std::string_view name, const char* what,
                            const std::vector<std::string_view>& known) {
   if (entry && entry->make) return entry->make();
-  if (entry) throw std::invalid_argument(left_out_of_this_build(name));
+  if (entry) throw std::invalid_argument(missing_from_build(name));
   std::string list;
   for (const std::string_view n : known) list += (list.empty() ? "" : ", ") + std::string(n);
   throw std::invalid_argument("unknown " + std::string(what) + " \"" + std::string(name) +
@@ -169,7 +166,7 @@ std::vector<std::string_view> broad_phase_names() {
   return names;
 }
 
-std::string left_out_of_this_build(std::string_view name) {
+std::string missing_from_build(std::string_view name) {
   const auto* entry = entry_of(backends, name);
   if (!entry || entry->make) return "";
   std::string option(name);

@@ -1,5 +1,5 @@
 #pragma once
-// Collision backends and broad phases by name: all that is seen of the engines from outside adapters/.
+// Makes collision backends and broad phases by name; the only interface to the engines outside adapters/.
 #include <memory>
 #include <string>
 #include <string_view>
@@ -14,16 +14,16 @@ namespace silt::adapters {
 std::vector<std::string_view> backend_names();
 std::vector<std::string_view> broad_phase_names();
 
-/// Returns the message about a backend that this build was configured without; "" for any other name.
-std::string left_out_of_this_build(std::string_view name);
+/// Returns a message if the name is that of a backend not in this build; otherwise "".
+std::string missing_from_build(std::string_view name);
 
-/// Makes a backend. "auto" is the best answer pair by pair, "analytic" closed forms, "bullet" and "fcl" that
-/// engine for every pair. Throws std::invalid_argument that lists the known names for any other name, and
-/// std::runtime_error for an engine other than the one built against. One object serves one thread.
+/// Makes a backend: "auto" (the best method for each pair), "analytic" (closed forms), or "bullet" or "fcl"
+/// (that engine for every pair). Throws std::invalid_argument with the known names for any other name, and
+/// std::runtime_error for an engine other than the one built against. An object serves one thread.
 std::unique_ptr<rigid::CollisionBackend> make_backend(std::string_view name);
 
-/// Makes a broad phase; throws likewise. "grid" is uniform grids, "bullet" and "fcl" are that engine's tree;
-/// "auto" is the tree of that backend if it has one, otherwise the grid. All give the same pairs, bitwise.
+/// Makes a broad phase: "grid" (uniform grids), "bullet" or "fcl" (that engine's tree), "auto" (the backend's
+/// tree if it has one, otherwise the grid). All give bitwise the same pairs. Throws as above.
 std::unique_ptr<rigid::BroadPhase> make_broad_phase(std::string_view name, std::string_view backend = "auto");
 
 }  // namespace silt::adapters

@@ -33,7 +33,7 @@ struct NoMemory : std::bad_alloc {
   }
 };
 
-/// Bullet takes what its allocation returns without a look, null as well: this one throws.
+/// Throws when memory is exhausted; Bullet does not check the result of its allocation.
 void* allocate(std::size_t size) {
   if (void* const memory = std::malloc(size)) return memory;
   throw NoMemory();
@@ -51,7 +51,7 @@ btTransform to_bullet(const Pose& pose) {
   return btTransform(btQuaternion(q.x(), q.y(), q.z(), q.w()), to_bullet(pose.position));
 }
 
-/// Any bounded convex shape by its exact support, about the origin of its frame, which is inside.
+/// A bounded convex shape by its exact support function, about the origin of its frame, which is inside.
 class BulletSupport : public btConvexInternalShape {
  public:
   explicit BulletSupport(const ConvexShape& shape) : shape_(shape) {
@@ -72,8 +72,8 @@ class BulletSupport : public btConvexInternalShape {
   const ConvexShape& shape_;
 };
 
-/// A Bullet shape on the stack; it refers to the shape. Margins: the radius of sphere and capsule, none of
-/// what is given by its support, else `margin` (Bullet's default of 0.04 would round the edges).
+/// A Bullet shape on the stack that refers to the shape. Its margin is the radius of sphere and capsule, 0
+/// for shapes given by their support, else `margin` (Bullet's default of 0.04 would round the edges).
 class BulletShape {
  public:
   explicit BulletShape(const ConvexShape& shape, double margin = 0) {
@@ -123,7 +123,7 @@ class BulletShape {
       shape_;
 };
 
-/// Keeps the deepest point that contactPairTest reports.
+/// Keeps the deepest point reported by contactPairTest.
 struct Deepest : btCollisionWorld::ContactResultCallback {
   const btCollisionObject* a;
   std::optional<Answer> answer;
@@ -146,8 +146,8 @@ class BulletBackend : public EngineBackend {
   std::string_view name() const override { return "bullet"; }
 
  protected:
-  /// Best first: Bullet's own algorithm for the pair; GJK and EPA on the shapes moved apart; the same where
-  /// they are; with margins, where Bullet has them (coaxial cylinders that overlap are always wrong without).
+  /// In order: Bullet's own algorithm for the pair; GJK and EPA on the shapes moved apart; the same in place;
+  /// with margins where Bullet has them (without them overlapping coaxial cylinders are always wrong).
   int methods(const Query& q) const override {
     return std::holds_alternative<HalfSpace>(q.b) ? 1 : has_margin(q.a) || has_margin(q.b) ? 4 : 3;
   }
@@ -165,15 +165,15 @@ class BulletBackend : public EngineBackend {
   std::unique_ptr<MeshTree> make_tree(const SharedMesh& mesh) override { return make_bullet_tree(mesh); }
 
  private:
-  /// The gap (lattice units) below which the normal is asked for again with the shapes moved apart.
+  /// Gap (lattice units) below which the normal is determined again with the shapes moved apart.
   static constexpr double touching = 1e-3;
 
   static bool has_margin(const ConvexShape& shape) {
     return std::holds_alternative<Cylinder>(shape) || std::holds_alternative<Polyhedron>(shape);
   }
 
-  /// The separating-axis test that Bullet's world uses for two boxes: overlap only. It prefers a face to
-  /// crossed edges that are up to 5 % less deep; the check of the answer finds that out.
+  /// Bullet's separating-axis test for two overlapping boxes. It prefers a face to crossed edges that are up
+  /// to 5 % less deep; the check of the answer detects that.
   static std::optional<Answer> box_box(const Query& q) {
     BulletShape a(q.a), b(q.b);
     btBoxBoxDetector detector(static_cast<btBoxShape*>(a.get()), static_cast<btBoxShape*>(b.get()));
@@ -183,14 +183,13 @@ class BulletBackend : public EngineBackend {
     btPointCollector found;
     detector.getClosestPoints(input, found, nullptr);
     if (!found.m_hasResult) return {};
-    // it adds 1e-5 to every cosine before it tests crossed edges, and divides by their sine
+    // the test adds 1e-5 to every cosine before it tests crossed edges, and divides by their sine
     const auto& [box_a, box_b] = std::pair(std::get<Box>(q.a), std::get<Box>(q.b));
     const double padding = 1e-3 * (box_a.half_edges + box_b.half_edges).norm();
     return Answer{-from_bullet(found.m_normalOnBInWorld), found.m_distance, padding};
   }
 
-  /// Closest points up to the tolerance or overlap, as the world's contactPairTest dispatches them. No
-  /// manifold outlives the query: warm ones drift.
+  /// Closest points within the tolerance, or overlap, by contactPairTest. Manifolds are not kept: they drift.
   std::optional<Answer> closest(const Query& q) {
     BulletShape shape_a(q.a), shape_b(q.b);
     btCollisionObject a, b;
@@ -205,7 +204,7 @@ class BulletBackend : public EngineBackend {
     return deepest.answer;
   }
 
-  /// Margins round the edges of boxes and cylinders and are added to hulls.
+  /// Margins round the edges of boxes and cylinders and enlarge hulls.
   static std::optional<Answer> gjk_epa_with_margins(const Query& q) {
     constexpr double margin = 0.04;  // Bullet's own
     auto answer = gjk_epa(q, Vec3::Zero(), margin);
@@ -229,7 +228,7 @@ class BulletBackend : public EngineBackend {
     return Answer{n, gap};
   }
 
-  /// Asks with b moved off along the normal found so far, until the normal stays.
+  /// Repeats the query with b moved along the last normal until the normal is constant.
   static std::optional<Answer> gjk_apart(const Query& q) {
     constexpr double distance = 0.01;  // lattice units
     constexpr int rounds = 5;
@@ -249,9 +248,9 @@ class BulletBackend : public EngineBackend {
 
 }  // namespace
 
-/// Debian ships Bullet twice, in float and in double, and a mix of the two links without complaint and
-/// computes rubbish. The hull's constructor has a name that holds the type of its numbers, so the wrong
-/// library does not resolve it; the box that comes back through a virtual call must be the box that went in.
+/// Checks that the library computes in double. Debian ships Bullet in float and in double; a mix links
+/// without complaint and computes nonsense. The name of the hull's constructor contains its number type, so
+/// the wrong library does not resolve it; a box must return unchanged through a virtual call.
 void check_bullet_precision() {
   const btScalar corners[] = {1.0 / 3, 0, 0, 0, 0, 0, 2.0 / 3, 0, 0, 1e9 + 1.0 / 3, 0, 0};
   btConvexHullShape hull(corners, 3, 4 * sizeof(btScalar));

@@ -20,7 +20,7 @@ btVector3 to_bullet(const Vec3& v) {
   return {v.x(), v.y(), v.z()};
 }
 
-/// Bullet's index of a triangle has 21 bits in a quantized tree.
+/// The index of a triangle has 21 bits in Bullet's quantized tree.
 bool may_quantize(const TriangleMesh& mesh) {
   return mesh.triangles().size() < std::size_t{1} << (31 - MAX_NUM_PARTS_IN_BITS);
 }
@@ -57,17 +57,17 @@ class BulletTree : public MeshTree {
                          std::vector<TrianglePair>& out) override {
     auto& b = static_cast<BulletTree&>(other);
     if (mesh_->triangles().size() <= b.mesh_->triangles().size())
-      ask(b, pose.seen_from(pose_of_other), margin, [&](std::uint32_t own, std::uint32_t found) {
+      ask(b, pose.relative_to(pose_of_other), margin, [&](std::uint32_t own, std::uint32_t found) {
         out.push_back({own, found});
       });
     else
-      b.ask(*this, pose_of_other.seen_from(pose), margin, [&](std::uint32_t own, std::uint32_t found) {
+      b.ask(*this, pose_of_other.relative_to(pose), margin, [&](std::uint32_t own, std::uint32_t found) {
         out.push_back({found, own});
       });
   }
 
  private:
-  /// Calls use(own triangle, triangle of `large`), the own ones at a pose seen from `large`.
+  /// Calls use(own triangle, triangle of `large`), with the own triangles at a pose relative to `large`.
   template <class Use>
   void ask(BulletTree& large, const Pose& seen, double margin, Use&& use) {
     const Mat3 turn = seen.orientation.toRotationMatrix();
@@ -89,13 +89,13 @@ class BulletTree : public MeshTree {
     }
   }
 
-  SharedMesh mesh_;  // Bullet refers to its corners
+  SharedMesh mesh_;  // Bullet refers to its vertices
   btTriangleIndexVertexArray triangles_;
   btBvhTriangleMeshShape shape_;
   std::vector<std::uint32_t> own_, near_;
 };
 
-/// This is btDbvt itself: btDbvtBroadphase keeps a table of pairs from step to step that has to be cleared of
+/// Uses btDbvt directly: btDbvtBroadphase keeps a table of pairs between steps that has to be cleared of
 /// stale ones (three times the cost at 100 000 bodies).
 class BulletBroadPhase : public TreeBroadPhase {
  public:
@@ -123,7 +123,7 @@ class BulletBroadPhase : public TreeBroadPhase {
     nodes_[leaf] = nullptr;
   }
 
-  /// Leaves put in one after the other make a poor tree.
+  /// Rebuilds a tree whose leaves were mostly inserted one by one, which makes a poor tree.
   void refresh() override {
     if (2 * inserted_ > tree_.m_leaves)
       tree_.optimizeTopDown();
@@ -153,7 +153,7 @@ class BulletBroadPhase : public TreeBroadPhase {
   }
 
   btDbvt tree_;
-  std::vector<btDbvtNode*> nodes_;  // of the leaves; the tree owns them
+  std::vector<btDbvtNode*> nodes_;  // of the leaves; owned by the tree
   btNodeStack stack_;
   int inserted_ = 0;  // since the last refresh
 };

@@ -10,8 +10,8 @@ using namespace rigid;
 
 namespace {
 
-/// Returns whether `answer` is the pair's separation: attained by the supporting planes, exceeded in no
-/// direction. Sets the gap to that of the supporting planes, so that the two agree bitwise.
+/// Returns whether `answer` is the pair's separation: that of the supporting planes, and not exceeded in any
+/// direction. Replaces the gap by that of the supporting planes, so that both agree bitwise.
 bool confirmed(const Query& q, const ConvexCore& a, const ConvexCore& b, Answer& answer) {
   const double slack = answer_tolerance * length_scale(a, b);
   if (!(std::abs(answer.normal.squaredNorm() - 1) < 1e-6)) return false;  // also refuses NaN
@@ -20,7 +20,7 @@ bool confirmed(const Query& q, const ConvexCore& a, const ConvexCore& b, Answer&
     answer.normal = nearest_candidate_axis(a, b, answer.normal, snap_angle);
   const double gap = support_gap(q, answer.normal);
   if (!(std::abs(gap - answer.gap) <= slack + (gap < 0 ? answer.padding : 0))) return false;
-  // a distance between two points that is also one between supporting planes proves itself; overlap does not
+  // a distance equal to that of supporting planes needs no further proof; an overlap does
   if (gap < 0) {
     const auto exact = deepest_separation(a, b, slack);
     if (!exact || exact->core_gap - a.radius - b.radius > gap + slack) return false;
@@ -29,7 +29,7 @@ bool confirmed(const Query& q, const ConvexCore& a, const ConvexCore& b, Answer&
   return true;
 }
 
-/// Returns whether it is right that the pair has no contact.
+/// Returns whether the pair has indeed no contact.
 bool confirmed_apart(const ConvexCore& a, const ConvexCore& b, double tolerance) {
   const double slack = answer_tolerance * length_scale(a, b);
   return best_separating_axis(a, b).core_gap - a.radius - b.radius > tolerance - slack ||

@@ -9,9 +9,9 @@ using rigid::Vec3;
 
 namespace {
 
-/// A body may move so far before its leaf does, relative to its reach. More makes more pairs to look at.
+/// Distance that a body may move before its leaf does, relative to its reach. More gives more pairs to test.
 constexpr double slack = 0.05;
-/// The relative rounding of coordinates: a cube must not miss by it what `meet` finds.
+/// Relative rounding of coordinates, by which cubes are enlarged so that no pair that meets is missed.
 constexpr double rounding = 1e-14;
 
 struct Bounds {
@@ -45,8 +45,8 @@ TreeBroadPhase::Leaf TreeBroadPhase::leaf_of(rigid::BodyId id, std::size_t row) 
   return at->second;
 }
 
-/// Makes leaves for the bodies that are here now, where they are now.
-void TreeBroadPhase::follow(const rigid::Surroundings& around) {
+/// Updates the leaves to the present bodies and their positions.
+void TreeBroadPhase::update_leaves(const rigid::Surroundings& around) {
   ++step_;
   reach_.resize(around.size());
   std::vector<Leaf> by_row(around.size());
@@ -70,7 +70,7 @@ void TreeBroadPhase::follow(const rigid::Surroundings& around) {
   by_row_ = std::move(by_row);
 }
 
-void TreeBroadPhase::drop_absent() {
+void TreeBroadPhase::remove_absent() {
   if (by_id_.size() == by_row_.size()) return;
   for (Leaf k = 0; k < leaves_.size(); ++k) {
     Known& leaf = leaves_[k];
@@ -84,7 +84,7 @@ void TreeBroadPhase::drop_absent() {
 
 void TreeBroadPhase::find_images(const rigid::Surroundings& around,
                                  std::vector<rigid::CandidatePair>& found) {
-  // every direction and its opposite are the same pair seen from either body: half of them are enough
+  // opposite images give the same pairs as seen from either body: half of the images suffice
   std::vector<Image> images = rigid::images_of(around.extent);
   std::erase_if(images, [](Image image) { return image <= Image{}; });
   if (images.empty()) return;
@@ -94,9 +94,9 @@ void TreeBroadPhase::find_images(const rigid::Surroundings& around,
     for (const Image image : images) {
       const Cube shifted{reach_[row].centre - around.extent.shift(image), reach_[row].half_edge};
       if (!all.overlap(shifted)) continue;
-      asked_.clear();
-      overlapping(shifted, asked_);
-      for (const Leaf k : asked_) {
+      hits_.clear();
+      overlapping(shifted, hits_);
+      for (const Leaf k : hits_) {
         if (leaves_[k].row == row) continue;
         const rigid::CandidatePair pair = around.in_order(row, leaves_[k].row, image);
         if (around.meet(pair)) found.push_back(pair);
@@ -105,8 +105,8 @@ void TreeBroadPhase::find_images(const rigid::Surroundings& around,
 }
 
 void TreeBroadPhase::find_pairs(const rigid::Surroundings& around, std::vector<rigid::CandidatePair>& found) {
-  follow(around);
-  drop_absent();
+  update_leaves(around);
+  remove_absent();
   refresh();
   pairs_.clear();
   overlapping_pairs(pairs_);

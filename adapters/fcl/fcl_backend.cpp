@@ -1,5 +1,5 @@
-// The narrow phase; only files of this folder see FCL's headers. FCL keeps its asserts, which end the
-// process: so no signed distance (it asserts where shapes nearly touch) and no distance to a half-space.
+// The narrow phase by FCL; only files of this folder include FCL. Its assertions end the process, so signed
+// distances (it asserts where shapes nearly touch) and distances to a half-space are not used.
 #include "adapters/fcl/fcl.hpp"
 
 #include <fcl/geometry/shape/box.h>
@@ -41,7 +41,7 @@ fcl::Transform3d to_fcl(const Pose& pose, const Vec3& shift = Vec3::Zero()) {
   return t;
 }
 
-/// A polyhedron as FCL has it: its faces in one list, each the number of its corners and the corners.
+/// Converts a polyhedron: FCL stores its faces in one list, each as the number of corners and the corners.
 fcl::Convexd to_fcl(const PolyhedronMesh& mesh) {
   auto vertices = std::make_shared<std::vector<Vec3>>(mesh.vertices);
   auto faces = std::make_shared<std::vector<int>>();
@@ -52,7 +52,7 @@ fcl::Convexd to_fcl(const PolyhedronMesh& mesh) {
   return fcl::Convexd(vertices, int(mesh.faces.size()), faces, true);
 }
 
-/// An FCL shape on the stack, a sphere or capsule with a share of its radius. It refers to the shape.
+/// An FCL shape on the stack that refers to the shape; spheres and capsules have a fraction of their radius.
 class FclShape {
  public:
   explicit FclShape(const ConvexShape& shape, double radius_share = 1, double lift = 0)
@@ -94,7 +94,7 @@ class FclShape {
       fcl_shape_;
 };
 
-/// A shape that FCL has none for, and one it meets: what FCL's algorithms ask of them is their support.
+/// A shape unknown to FCL, and its partner, by their support functions.
 class SupportShape {
  public:
   SupportShape(const FclShape& s, const Pose& pose)
@@ -124,7 +124,7 @@ double radius_of(const ConvexShape& shape) {
 
 constexpr double gjk_tolerance = 1e-12;  // lattice units; the default of 1e-6 leaves errors of 3e-3
 
-/// Finds the deepest overlap by MPR, as FCL does for shapes of its own.
+/// Finds the deepest overlap by MPR, as FCL does for its own shapes.
 std::optional<Answer> deepest_overlap(SupportShape a, SupportShape b) {
   constexpr unsigned most_iterations = 500;
   constexpr double tolerance = 1e-6;
@@ -136,7 +136,7 @@ std::optional<Answer> deepest_overlap(SupportShape a, SupportShape b) {
   return overlap ? std::optional(Answer{normal, -depth}) : std::nullopt;
 }
 
-/// FCL's normal points from the first shape to the second; the position it gives is not used (up to 10 off).
+/// FCL's normal points from the first shape to the second; its position (errors up to 10) is not used.
 std::optional<Answer> deepest_overlap(const FclShape& a, const Pose& pose_a, const FclShape& b,
                                       const Pose& pose_b) {
   if (!a.get() || !b.get()) return deepest_overlap(SupportShape(a, pose_a), SupportShape(b, pose_b));
@@ -153,7 +153,7 @@ std::optional<Answer> deepest_overlap(const FclShape& a, const Pose& pose_a, con
   return deepest;
 }
 
-/// Unsigned: nothing where the shapes overlap (FCL then gives -1 or points that coincide).
+/// Returns nothing if the shapes overlap (FCL then gives -1 or coinciding points).
 std::optional<Answer> distance(const FclShape& a, const Pose& pose_a, const FclShape& b, const Pose& pose_b,
                                const Vec3& shift_of_b) {
   double least = -1;
@@ -187,14 +187,13 @@ class FclBackend : public EngineBackend {
     return is<HalfSpace>(q.b) || (is<Box>(q.a) && is<Box>(q.b)) ? 1 : 2;
   }
 
-  /// 0: the distance of the cores (spheres and capsules of no radius), which serves gaps and overlaps alike
-  /// up to the radii: closed forms or, for a capsule and a box, GJK of two polytopes, where FCL on the shapes
-  /// themselves is wrong (libccd's MPR on two capsules: 61 of 100). For cores that overlap, collide: two
-  /// boxes by separating axes (a face is preferred to crossed edges up to 5 % less deep: the check of the
-  /// answer finds that out), a capsule's axis through a box by MPR (not always the least deep). 1: collide on
-  /// the shapes themselves. With a cylinder, an ellipsoid or a polyhedron: the distance, or, of cores that
-  /// touch or overlap, that of cores moved apart along the normal of collide (MPR), 1: along the line of
-  /// centres.
+  /// Method 0: the distance of the cores (spheres and capsules of radius 0), which gives gaps, and overlaps
+  /// up to the radii: closed forms, or for a capsule and a box GJK of two polytopes. (On the shapes
+  /// themselves FCL is wrong: libccd's MPR for 61 of 100 pairs of capsules.) For overlapping cores collide:
+  /// separating axes for two boxes (prefers a face to crossed edges up to 5 % less deep; the check detects
+  /// it), MPR for a capsule's axis in a box (not always the least depth). Method 1: collide on the shapes
+  /// themselves. With a cylinder, an ellipsoid or a polyhedron: the distance or, for cores that touch or
+  /// overlap, that of cores moved apart along the normal of collide; method 1: along the line of centres.
   std::optional<Answer> ask(int method, const Query& q) override {
     if (is<HalfSpace>(q.b)) return plane(q);
     if (!is_swept_box(q.a) || !is_swept_box(q.b))
@@ -213,7 +212,7 @@ class FclBackend : public EngineBackend {
   std::unique_ptr<MeshTree> make_tree(const SharedMesh& mesh) override { return make_fcl_tree(mesh); }
 
  private:
-  /// Cores nearer than this (lattice units) are moved apart along the normal, a difference of two points.
+  /// Distance (lattice units) below which cores are moved apart along the normal, a difference of two points.
   static constexpr double touching = 1e-3;
 
   static std::optional<Answer> within(const Query& q, const std::optional<Answer>& answer) {
@@ -265,7 +264,7 @@ class FclBackend : public EngineBackend {
     return moved_apart(q, deep && deep->normal.squaredNorm() > 0.5 ? deep->normal : centres(q));
   }
 
-  /// The cores' distance with b moved off along the normal found so far, until the normal stays.
+  /// Computes the cores' distance with b moved along the last normal, until the normal is constant.
   static std::optional<Answer> moved_apart(const Query& q, const Vec3& normal) {
     constexpr int rounds = 8;
     const double radii = radius_of(q.a) + radius_of(q.b);
@@ -284,10 +283,10 @@ class FclBackend : public EngineBackend {
     return within(q, answer);
   }
 
-  /// The half-space raised by the tolerance, so that a gap becomes an overlap.
+  /// Raises the half-space by the tolerance, so that a gap becomes an overlap.
   static std::optional<Answer> plane(const Query& q) {
     const double lift = std::max(q.tolerance, 0.0);
-    if (!FclShape(q.a).get()) {  // FCL's way with shapes of its own: the supporting point
+    if (!FclShape(q.a).get()) {  // a shape unknown to FCL: the support point, as FCL does for its own
       const Vec3 n = -(q.pose_b.orientation * std::get<HalfSpace>(q.b).normal);
       const Vec3 lowest = q.pose_a.to_world(support(q.a, q.pose_a.orientation.conjugate() * n));
       return within(q, Answer{n, n.dot(q.pose_b.position - lowest)});

@@ -24,7 +24,7 @@ OrientedBox wider(OrientedBox box, double margin) {
   return box;
 }
 
-/// Calls use(triangle) for the leaves at and below a node that meet the box.
+/// Calls use(triangle) for the leaves below a node that overlap the box.
 template <class Use>
 void descend(const Model& model, int at, const OrientedBox& box, Use&& use) {
   const fcl::BVNode<OrientedBox>& node = model.getBV(at);
@@ -34,7 +34,7 @@ void descend(const Model& model, int at, const OrientedBox& box, Use&& use) {
   descend(model, node.rightChild(), box, use);
 }
 
-/// Two models, the second at a pose seen from the first.
+/// Simultaneous traversal of two models, the second at a pose relative to the first.
 struct Descent {
   const Model &a, &b;
   Mat3 turn;
@@ -77,7 +77,7 @@ class FclTree : public MeshTree {
   }
   void append_pairs_near(MeshTree& other, const Pose& pose, const Pose& pose_of_other, double margin,
                          std::vector<TrianglePair>& out) override {
-    const Pose seen = pose_of_other.seen_from(pose);
+    const Pose seen = pose_of_other.relative_to(pose);
     const Descent descent{model_,
                           static_cast<FclTree&>(other).model_,
                           seen.orientation.toRotationMatrix(),
@@ -119,7 +119,7 @@ class FclBroadPhase : public TreeBroadPhase {
     objects_[leaf].reset();
   }
 
-  /// An empty tree takes all objects at once: FCL then builds it from the top.
+  /// An empty tree gets all objects at once, so that FCL builds it top-down.
   void refresh() override {
     if (tree_.empty())
       tree_.registerObjects(placed_);

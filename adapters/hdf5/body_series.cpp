@@ -21,8 +21,7 @@ using hdf5::Column;
 using hdf5::File;
 using hdf5::Handle;
 
-// How many rows a file has room for: as many as 16 times like its first one take or twice as many as the file
-// before, within these. A row has some 250 bytes.
+// Bounds of a file's rows: 16 times those of its first time, or twice those of the file before.
 constexpr hsize_t least_rows = 1 << 12, most_rows = 1 << 20;
 
 /// Returns the columns of BodyRow in /bodies.
@@ -73,10 +72,10 @@ std::vector<Column> time_columns(const std::string& unit) {
           hdf5::column_of<TimeRow>("time", &TimeRow::time, unit)};
 }
 
-// ---- rows of columns that grow ----
+// ---- rows of extensible columns ----
 
-/// Creates columns of so many rows that may grow to `room` rows. Their space is taken now, so that growing
-/// changes nothing of the file's structure but the number of rows in each header.
+/// Creates columns of `rows` rows that may grow to `room` rows. Their space is allocated now, so that growing
+/// changes only the number of rows in each header.
 void create_columns(File& file, const std::string& group, const std::vector<Column>& columns, hsize_t rows,
                     hsize_t room) {
   for (const Column& c : columns) {
@@ -118,9 +117,7 @@ void write_rows(const File& file, hid_t dataset, const Column& c, hsize_t first,
   });
 }
 
-// ---- the kinds ----
-
-/// The surfaces of all parts, one after the other.
+/// The surfaces of all parts, concatenated.
 struct Surfaces : TriangleMesh {
   std::vector<std::int32_t> part_kind;
   std::vector<std::int64_t> vertex_offset{0}, normal_offset{0}, triangle_offset{0};
@@ -139,7 +136,7 @@ struct Surfaces : TriangleMesh {
   }
 };
 
-/// Lengths and directions are for pictures: single precision is enough.
+/// Lengths and directions have single precision, since they serve pictures only.
 void write_kinds(File& file, const BodySeriesInfo& info) {
   const Handle group = file.create_group("/kinds"), bodies = file.group("/bodies");
   std::vector<std::string> names;
@@ -181,7 +178,7 @@ void write_kinds(File& file, const BodySeriesInfo& info) {
 
 // ---- the files ----
 
-/// Creates a file with room for so many rows and times, of which the first time's are there, but not written.
+/// Creates a file with room for these rows and times; columns have the first time's length, but no values.
 void create_file(const hdf5::Path& path, const BodySeriesInfo& info, const Provenance* provenance,
                  hsize_t rows, hsize_t row_room, hsize_t time_room) {
   hdf5::reserve(path, hdf5::metadata_room);
@@ -226,15 +223,15 @@ std::vector<std::filesystem::path> body_series_files(const std::filesystem::path
   return files;
 }
 
-/// The file that is being written, and its columns, which HDF5 keeps at hand from one append to the next.
+/// The current file and its columns, which HDF5 keeps open between two appends.
 struct BodySeries::Open {
   File file;
   std::vector<Column> of_bodies, of_times;
   std::vector<Handle> bodies, times;
-  std::size_t n_times = 0, n_rows = 0;  // that are whole
+  std::size_t n_times = 0, n_rows = 0;  // complete ones
   std::int64_t last_step = -1;
-  hdf5::Path name;                            // of the file in the end
-  std::unique_ptr<hdf5::TemporaryFile> part;  // until its first time is whole
+  hdf5::Path name;                            // final name of the file
+  std::unique_ptr<hdf5::TemporaryFile> part;  // until the first time is complete
 
   Open(const hdf5::Path& path, const BodySeriesInfo& info)
       : file(File::open(path, true)),
@@ -245,7 +242,7 @@ struct BodySeries::Open {
     for (const Column& c : of_bodies) bodies.push_back(file.dataset_to_append("/bodies/" + c.name));
     for (const Column& c : of_times) times.push_back(file.dataset_to_append("/" + c.name));
   }
-  /// A file to which no rows were written has no space for any.
+  /// A file that never got rows has no space for any.
   bool has_room(hsize_t more) const {
     return n_times < file.room(times[0]) &&
            (more == 0 || (n_rows > 0 && n_rows + more <= file.room(bodies[0])));
@@ -257,7 +254,7 @@ struct BodySeries::Open {
   std::vector<TimeRow> whole_times() const;
 };
 
-/// Reads the times that are whole: of one whose append was cut off some columns are shorter than others.
+/// Reads the complete times; an interrupted append leaves columns of different lengths.
 std::vector<TimeRow> BodySeries::Open::whole_times() const {
   hsize_t n = ~hsize_t{0}, rows = ~hsize_t{0};
   for (const Handle& data : times) n = std::min(n, file.shape(data)[0]);
@@ -292,7 +289,7 @@ void BodySeries::Open::cut_after(std::int64_t step) {
   n_rows = table.back().offset + table.back().count;
   last_step = table.back().step;
   for (const Handle& data : times) resize(file, data, n_times);
-  if (n_rows > 0)  // a column keeps the space that it was given only while it has rows
+  if (n_rows > 0)  // a column keeps its allocated space only while it has rows
     for (const Handle& data : bodies) resize(file, data, n_rows);
   file.flush();
 }
@@ -329,7 +326,7 @@ BodySeries::BodySeries(MPI_Comm comm, const std::filesystem::path& path, BodySer
   });
 }
 
-/// Begins the next file, under a temporary name.
+/// Creates the next file under a temporary name.
 std::shared_ptr<BodySeries::Open> BodySeries::begin_file(const Open* last, std::int64_t step,
                                                          std::uint64_t rows) const {
   const hdf5::Path path =
@@ -362,7 +359,7 @@ void BodySeries::append(std::int64_t step, double time, std::size_t n,
   const hdf5::SliceExchange slices(comm_, order.total, order.places);
   std::shared_ptr<Open> file = std::move(open_);  // kept if all goes well
   parallel::on_rank_0(comm_, [&] {
-    if (!file && last_step_ >= 0) {  // the append before has failed
+    if (!file && last_step_ >= 0) {  // the last append has failed
       file = std::make_shared<Open>(body_series_files(path_).back(), info_);
       file->cut_after(last_step_);
     }
@@ -382,11 +379,11 @@ void BodySeries::append(std::int64_t step, double time, std::size_t n,
           c, n, [&](std::size_t r) { return row(order.rows[r]); }, values);
     });
     const auto slice = slices.to_slice(c.bytes(), std::move(values));
-    hdf5::hand_to_rank_0(slices.comm(), slice, rows_a_piece * c.bytes(),
-                         [&](std::span<const std::byte> piece) {
-                           write_rows(file->file, file->bodies[k], c, first, piece);
-                           first += piece.size() / c.bytes();
-                         });
+    hdf5::gather_in_pieces(slices.comm(), slice, rows_a_piece * c.bytes(),
+                           [&](std::span<const std::byte> piece) {
+                             write_rows(file->file, file->bodies[k], c, first, piece);
+                             first += piece.size() / c.bytes();
+                           });
   }
   parallel::on_rank_0(comm_, [&] {
     file->append(time, step, order.total);

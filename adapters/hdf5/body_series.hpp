@@ -1,8 +1,7 @@
 #pragma once
-// bodies.h5: where every body was at every output time, as a series that may be ragged (the number of bodies
-// may change). A file takes as many times as it has room for; bodies_STEP.h5 continues it, STEP being that of
-// its first time, without /kinds and /provenance. cases/OUTPUT.md has the layout, and so do the attributes
-// `unit` and `meaning` of the datasets; rows are sorted by id within a time.
+// bodies.h5: all bodies at every output time; their number may change. When a file is full, bodies_STEP.h5
+// continues it from STEP on, without /kinds and /provenance. Rows are sorted by time, then id.
+// cases/OUTPUT.md and the attributes `unit` and `meaning` of the datasets describe the layout.
 #include <mpi.h>
 
 #include <array>
@@ -18,22 +17,22 @@
 
 namespace silt::adapters {
 
-/// TriangleMesh is the closed surface of a piece of a body, about its centre of mass.
+/// The closed surface of a part of a body, about the body's centre of mass.
 struct TriangleMesh {
   std::vector<std::array<double, 3>> vertices;
   std::vector<std::array<double, 3>> normals;                 // unit, outward
   std::vector<std::array<std::int32_t, 3>> triangles;         // vertices, counter-clockwise seen from outside
-  std::vector<std::array<std::int32_t, 3>> triangle_normals;  // of the surface at the triangles' corners
+  std::vector<std::array<std::int32_t, 3>> triangle_normals;  // indices of normals at the triangles' corners
 };
 
-/// BodyKind holds what all bodies of a kind share, in the units of the case.
+/// Data common to all bodies of a kind, in the units of the case.
 struct BodyKind {
   std::string name;  // "light spheres"
   double bounding_radius = 0, density = 0;
   std::vector<TriangleMesh> parts;
 };
 
-/// BodyRow is one body at one time, in the units of the case.
+/// A body at one time, in the units of the case.
 struct BodyRow {
   std::uint64_t id;
   std::int32_t kind;                  // index into BodySeriesInfo::kinds
@@ -44,10 +43,10 @@ struct BodyRow {
       torque;  // world frame; torque about the centre of mass
   double mass;
   std::array<double, 3> buoyancy, contact_force, contact_torque, spring_force, spring_torque;
-  double scale = 1;  // its size over that of the surface of its kind
+  double scale = 1;  // size relative to the surface of its kind
 };
 
-/// BodyColumns says which columns a series has besides those that all have.
+/// Selects optional columns of a series.
 struct BodyColumns {
   bool buoyancy = false, contacts = false, scale = false, springs = false;  // force and torque of these two
 };
@@ -60,29 +59,28 @@ struct BodySeriesInfo {
   BodyColumns columns;
 };
 
-/// Returns the files of a series in their order: the first, bodies.h5, if it is there, and the others.
+/// Returns the existing files of a series in their order, bodies.h5 first.
 std::vector<std::filesystem::path> body_series_files(const std::filesystem::path& first);
 
-/// BodySeries is the open series. Every call is collective. The files can be read while the run goes on, and
-/// whoever reads sees an append as a whole or not at all, whenever the run is killed: a file gets its name
-/// with its first time and has the space of all it will take, so that an append changes only the lengths of
-/// the columns in their headers, after the rows are written; a time counts once every column reaches it. Each
-/// file has twice the room of the one before, within bounds: N rows take less than 10 + N / 2^20 files unless
-/// one time has more. Errors are std::runtime_error on every rank, naming the file and the reason.
+/// An open series. All calls are collective. Errors are std::runtime_error on every rank, with file and
+/// reason. The files can be read during the run, and a reader sees an append completely or not at all, even
+/// if the run is killed: a file gets its name with its first time and has its final space then, so that an
+/// append only changes the columns' lengths in the headers, after writing the rows; a time counts once every
+/// column has it. Each file has twice the room of the one before, within bounds: N rows take less than 10 + N
+/// / 2^20 files unless one time has more.
 class BodySeries {
  public:
-  /// Begins a series and removes one that is there; with `after` goes on with it, if it is there, behind that
-  /// step, and removes what is of later ones. An error where it does not have these columns.
+  /// Starts a series and removes an existing one; with `after`, continues an existing one after that step and
+  /// removes later steps. Throws if its columns differ.
   BodySeries(MPI_Comm, const std::filesystem::path& first, BodySeriesInfo, Provenance,
              std::optional<std::int64_t> after = {});
 
-  /// Appends one time: row(i) makes the row of the i-th of the n bodies that this rank owns, in any order,
-  /// and is asked for it more than once. An id that two ranks hand over is an error. Steps must increase. The
-  /// ranks sort slices of the rows, a column at a time; rank 0 writes them, and holds its own slice and a
-  /// piece.
+  /// Appends one time: row(i) returns the i-th of the n bodies that this rank owns, in any order, and is
+  /// called more than once for each. The same id on two ranks is an error. Steps must increase. The ranks
+  /// sort slices of the rows, column by column; rank 0 writes them, with one slice and one piece in memory.
   void append(std::int64_t step, double time, std::size_t n, const std::function<BodyRow(std::size_t)>& row);
 
-  /// Returns the step of the last time (rank 0 knows it), -1 without any.
+  /// Returns the step of the last time, -1 if there is none (known on rank 0).
   std::int64_t last_step() const { return last_step_; }
 
  private:

@@ -59,15 +59,15 @@ struct CheckpointWriter::State {
   MPI_Comm comm;
   hdf5::Path path;
   hdf5::TemporaryFile temporary;
-  std::map<std::string, std::uint64_t> checksums;  // of datasets, rank 0
+  std::map<std::string, std::uint64_t> checksums;  // of datasets, on rank 0
 
   const hdf5::Path& part() const { return temporary.path(); }
-  /// Opens the file on rank 0, with room for so many bytes of data more.
+  /// Opens the file on rank 0, with space for these additional bytes.
   File open_to_add(std::uint64_t bytes) const {
     hdf5::reserve(part(), std::filesystem::file_size(part()) + bytes + hdf5::metadata_room);
     return File::open(part(), true);
   }
-  /// Collective. Does add(file, its group /state) on rank 0.
+  /// Collective. Calls add(file, its group /state) on rank 0.
   template <class Add>
   void add_to_state(Add&& add) const {
     parallel::on_rank_0(comm, [&] {
@@ -81,8 +81,7 @@ struct CheckpointWriter::State {
                       const SliceExchange&, Pack&&);
 };
 
-/// Collective. Adds a dataset of this shape and writes it a component after the other: pack(q) returns what
-/// this rank has of it.
+/// Collective. Adds a dataset of this shape and writes component q, this rank's values pack(q), in turn.
 template <class Pack>
 void CheckpointWriter::State::add_components(const std::string& name, Storage storage,
                                              const hdf5::Shape& shape, int components,
@@ -144,7 +143,7 @@ void CheckpointWriter::set(const std::string& name, const std::string& value) {
 
 namespace {
 
-/// The array [q][z][y][x] of `components` numbers a cell; of one, [z][y][x].
+/// The shape [q][z][y][x], or [z][y][x] for one component.
 hdf5::Shape shape_of(std::array<int, 3> lattice, int components) {
   hdf5::Shape shape{hsize_t(lattice[2]), hsize_t(lattice[1]), hsize_t(lattice[0])};
   if (components > 1) shape.insert(shape.begin(), components);
@@ -177,7 +176,7 @@ void CheckpointWriter::list(const std::string& name, Storage storage, std::array
                          });
 }
 
-void CheckpointWriter::bodies(const OwnedRows& owned, std::span<const HolderColumn> holder) {
+void CheckpointWriter::bodies(const OwnedRows& owned, std::span<const AttachedColumn> holder) {
   const auto open = [&](std::uint64_t bytes) { return state_->open_to_add(bytes); };
   state_->checksums.merge(hdf5::write_body_tables(state_->comm, state_->part(), open, owned, holder));
 }
@@ -204,7 +203,7 @@ void CheckpointWriter::commit(int keep, const std::vector<std::filesystem::path>
 
 namespace {
 
-/// Says what went wrong and what to do about it.
+/// Adds to an error message which checkpoint to use instead.
 std::string with_advice(const hdf5::Path& path, const std::string& what) {
   if (const auto previous = previous_checkpoint(path))
     return "cannot use the checkpoint " + what + "; use the previous checkpoint, " + previous->string();
@@ -217,22 +216,22 @@ std::string with_advice(const hdf5::Path& path, const std::string& what) {
 struct CheckpointReader::State {
   MPI_Comm comm;
   hdf5::Path path;
-  std::optional<File> file;  // each rank reads what is small by itself
+  std::optional<File> file;  // every rank reads small data by itself
 
-  /// Collective. Returns the place of a dataset, which must be stored so, after look().
-  template <class Look>
+  /// Collective. Returns the position of a dataset of this storage, after check().
+  template <class Check>
   hdf5::Place place_of(const CheckpointReader& reader, const std::string& name, Storage storage,
-                       Look&& look) const {
+                       Check&& check) const {
     hdf5::Place place;
     parallel::together(comm, [&] {
-      look();
+      check();
       place = file->place(name);
       if (H5Tequal(file->type(file->dataset(name)), hdf5::type_of(storage)) <= 0)
         reader.refuse(name + " was stored in another precision than asked for");
     });
     return place;
   }
-  /// Collective. Calls take(q, values of this rank) for one component after the other.
+  /// Collective. Calls take(q, values of this rank) for each component in turn.
   template <class Take>
   void read_components(const hdf5::Place& place, int components, const SliceExchange& slices,
                        Take&& take) const {
@@ -248,7 +247,7 @@ struct CheckpointReader::State {
       parallel::together(comm, [&] { take(q, packed); });
     }
   }
-  /// Returns what read(file, its group) returns, on every rank alike; errors say which checkpoint to use.
+  /// Returns the result of read(file, its group), the same on every rank; errors say which checkpoint to use.
   template <class Read>
   auto advised(const char* group, Read&& read) const {
     try {
@@ -362,7 +361,7 @@ bool CheckpointReader::has_cells(const std::string& name) const {
   return state_->file->exists("/cells/" + name);
 }
 
-CheckpointReader::Bodies CheckpointReader::bodies(std::span<const HolderColumn> holder) const {
+CheckpointReader::Bodies CheckpointReader::bodies(std::span<const AttachedColumn> holder) const {
   try {
     return hdf5::read_body_tables(state_->comm, *state_->file, holder);
   } catch (const std::runtime_error& error) {  // on every rank

@@ -25,7 +25,7 @@ std::string system_reason(int error) {
 namespace silt::adapters::hdf5 {
 namespace {
 
-/// Opens the file (or creates it, by the flags), acts and closes; throws if act does not return 0.
+/// Opens the file (or creates it, by the flags), calls act and closes; throws unless act returns 0.
 template <class Act>
 void with_descriptor(const Path& path, int flags, const std::string& what, Act&& act) {
   const int file = ::open(path.c_str(), flags | O_CLOEXEC, 0666);
@@ -36,7 +36,7 @@ void with_descriptor(const Path& path, int flags, const std::string& what, Act&&
   if (!good) fail_in_system(path, "cannot " + what, error);
 }
 
-/// Returns 0 if so many bytes are free where the file lies, else -1 with errno as for a full disk.
+/// Returns 0 if these bytes are free on the file's disk, else -1 with errno as for a full disk.
 int room_for(int file, std::uint64_t bytes) {
   struct statvfs disk;
   if (::fstatvfs(file, &disk) != 0 || std::int64_t(bytes) <= 0) return 0;
@@ -98,7 +98,7 @@ void sync_to_disk(const Path& path) {
 TemporaryFile::~TemporaryFile() {
   std::error_code ignored;
   if (!mine_) return;
-  std::filesystem::resize_file(path_, 0, ignored);  // gives the space back even while someone has it open
+  std::filesystem::resize_file(path_, 0, ignored);  // frees the space even while another process has it open
   std::filesystem::remove(path_, ignored);
 }
 

@@ -1,6 +1,5 @@
 #pragma once
-// Files without HDF5: room on the disk, flushing, names that files get when they are whole, files of which
-// each rank reads or writes its part; and the reasons of the system.
+// Files without HDF5: disk space, synchronisation, temporary names, files accessed in parts, system messages.
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -10,10 +9,10 @@
 
 namespace silt::adapters {
 
-/// Adds to the system's words for a file that is too large which limit that is.
+/// Adds the limit in question to the system's message for a file that is too large.
 std::string with_limit(std::string reason);
 
-/// Returns the system's words for an error number.
+/// Returns the system's message for an error number.
 std::string system_reason(int error);
 
 }  // namespace silt::adapters
@@ -26,23 +25,23 @@ struct Error : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Throws Error "FILE: WHAT: REASON", the reason from an error number of the system.
+/// Throws Error "FILE: WHAT: REASON" with the reason of an error number.
 [[noreturn]] void fail_in_system(const Path& file, const std::string& what, int error);
 
-/// Read or write all of it at a place of an open file; behind the file's end there are zeros. They return
-/// whether that went well; errno says why not.
+/// Read or write bytes at a position of an open file; reading past its end gives zeros. Return whether they
+/// succeeded, else errno has the reason.
 bool read_all(int file, std::uint64_t at, std::size_t size, char* to);
 bool write_all(int file, std::uint64_t at, std::size_t size, const char* from);
 
-/// Takes disk space for a file up to `size` bytes, making it longer if need be (HDF5 cuts a longer file when
-/// it closes it), so that a full disk is found before HDF5 is in the middle of something. Throws Error; the
-/// file is then as long as before. Where the file system cannot reserve, it only looks whether there is room.
+/// Allocates disk space for a file up to `size` bytes and extends the file (HDF5 truncates it when it
+/// closes), so that a full disk is detected before HDF5 is in the middle of an operation. Throws Error, with
+/// the file's length unchanged. If the file system cannot allocate, only the free space is checked.
 void reserve(const Path&, std::uint64_t size);
 
-/// Writes a file's content to the disk itself. Throws Error.
+/// Synchronises a file with the disk. Throws Error.
 void sync_to_disk(const Path&);
 
-/// TemporaryFile is a file that rank 0 removes in the end, unless it was renamed.
+/// A file that rank 0 removes in the destructor unless it was renamed.
 class TemporaryFile {
  public:
   TemporaryFile(Path path, bool mine) : path_(std::move(path)), mine_(mine) {}
@@ -57,9 +56,8 @@ class TemporaryFile {
   bool mine_;
 };
 
-/// RawFile is a file of which every rank reads or writes its part by itself. HDF5 has made the file on one
-/// rank and set the places aside (File::create); it does not know of the others, so that an error of one rank
-/// is that rank's own. Every call is local and throws Error.
+/// A file of which every rank reads or writes its own part. HDF5 has created it on one rank, with space for
+/// all values (File::create). Calls are local and throw Error.
 class RawFile {
  public:
   enum Use { to_read, to_write };
@@ -69,7 +67,7 @@ class RawFile {
 
   std::vector<std::byte> read(std::uint64_t at, std::size_t bytes) const;
   void write(std::uint64_t at, const std::vector<std::byte>& values);
-  /// Brings what was written to the disk itself, and closes.
+  /// Synchronises with the disk and closes.
   void close();
 
  private:

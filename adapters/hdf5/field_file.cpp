@@ -24,13 +24,13 @@ using hdf5::SlabExchange;
 
 constexpr std::uint64_t box_bytes = 6 * sizeof(std::int32_t);
 
-/// The datasets of one group: quantities of the cells of these boxes, of this shape.
+/// The datasets of one group: quantities of the cells of these boxes in an array of this shape.
 struct Group {
   std::string name;
   const std::vector<CellBox>& boxes;
   const std::vector<FieldQuantity>& quantities;
   hdf5::Shape shape;
-  int width = 0;  // of the cells of a level of several
+  int width = 0;  // of the cells, for AMR levels
   std::uint64_t boxes_of_all = 0;
 
   std::string dataset(const FieldQuantity& q) const { return name + q.name; }
@@ -50,7 +50,7 @@ Group image_group(const FieldSnapshot& snapshot, const std::vector<CellBox>& box
   return {"/VTKHDF/PointData/", boxes, snapshot.quantities, {hsize_t(z), hsize_t(y), hsize_t(x)}};
 }
 
-/// Collective. Returns the levels that have a cell on any rank, in VTK's order, the coarsest first.
+/// Collective. Returns the levels with cells on any rank in VTK's order, the coarsest first.
 std::vector<Group> level_groups(MPI_Comm comm, const std::vector<FieldLevel>& levels) {
   std::vector<Group> groups;
   for (auto level = levels.rbegin(); level != levels.rend(); ++level) {
@@ -100,7 +100,7 @@ void write_head(File& file, const FieldSnapshot& snapshot, const std::vector<Gro
   file.write_provenance(provenance);
 }
 
-/// Makes the groups of a level but for its CellData's datasets; returns where the list of its boxes begins.
+/// Makes the groups of a level except the datasets of CellData; returns the position of the list of boxes.
 std::uint64_t create_level(File& file, const FieldSnapshot& snapshot, const Group& level) {
   const std::string name = level.name.substr(0, level.name.rfind("CellData"));
   std::array<double, 3> spacing = snapshot.grid.spacing;
@@ -112,8 +112,8 @@ std::uint64_t create_level(File& file, const FieldSnapshot& snapshot, const Grou
   return file.place_of(file.create_dataset(name + "AMRBox", H5T_NATIVE_INT32, {level.boxes_of_all, 6}));
 }
 
-/// Creates the file with everything but the values. Returns where in it those of each quantity begin; of a
-/// level before them where the list of its boxes does. Only rank 0 calls it.
+/// Creates the file with everything but the values. Returns the positions of the quantities' values, for a
+/// level preceded by that of its list of boxes. Called on rank 0 only.
 std::vector<std::uint64_t> create_file(const Path& path, const FieldSnapshot& snapshot,
                                        const std::vector<Group>& groups, const Provenance& provenance) {
   File file = File::create(path, hdf5::Format::classic);
@@ -152,9 +152,9 @@ SlabExchange exchange_of(MPI_Comm comm, const Group& group) {
   return SlabExchange(comm, {int(n[2]), int(n[1]), int(n[0])}, group.boxes);
 }
 
-/// Narrows some planes at a time, while they are still in cache.
+/// Converts some planes at a time, so that they stay in cache.
 std::vector<std::byte> values_here(const SlabExchange& slabs, const FieldQuantity& q) {
-  constexpr std::size_t wide_values = 1 << 12;  // at a time, if a plane has no more
+  constexpr std::size_t wide_values = 1 << 12;  // at a time, unless a plane has more
   std::vector<double> wide;
   return slabs.pack(cell_bytes(q), [&](std::size_t k, void* out) {
     const CellBox& box = slabs.boxes()[k];
@@ -175,7 +175,7 @@ std::vector<std::byte> values_here(const SlabExchange& slabs, const FieldQuantit
   });
 }
 
-/// Writes the boxes of the ranks one after the other, as VTK has them: first and last cell, axis by axis.
+/// Writes the boxes of all ranks in rank order, in VTK's format: first and last cell, axis by axis.
 void write_boxes(MPI_Comm comm, hdf5::RawFile& file, const std::vector<CellBox>& boxes, std::uint64_t place) {
   const std::uint64_t first = parallel::sum_of_ranks_before(comm, std::uint64_t(boxes.size()));
   parallel::together(comm, [&] {
@@ -218,13 +218,13 @@ Path series_path(const Path& path) {
   return path.parent_path() / (stem + path.extension().string() + ".series");
 }
 
-/// Adds a file to the list, in which it replaces those at its time and later.
+/// Adds a file to the list, replacing entries at its time and later.
 void update_series(const Path& field_path, double time) {
   using Json = nlohmann::ordered_json;
   const Path path = series_path(field_path), part = path.string() + ".part";
   Json series = {{"file-series-version", "1.0"}, {"files", Json::array()}};
   std::ifstream in(path);
-  const Json before = Json::parse(in, nullptr, false);  // discarded where there is none
+  const Json before = Json::parse(in, nullptr, false);  // discarded if there is none
   if (before.is_object())
     for (const Json& entry : before.value("files", Json::array()))
       if (entry.value("time", time) < time) series["files"].push_back(entry);

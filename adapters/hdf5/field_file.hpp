@@ -1,6 +1,6 @@
 #pragma once
-// Fields as VTKHDF 1.0, one file a time (ParaView, vtkHDFReader, h5py): image data at cell centres; where
-// cells have several widths, overlapping AMR of those of each.
+// Fields as VTKHDF 1.0, one file for each time (ParaView, vtkHDFReader, h5py): image data at cell centres, or
+// overlapping AMR where cells have several widths.
 #include <mpi.h>
 
 #include <array>
@@ -14,48 +14,46 @@
 
 namespace silt::adapters {
 
-/// ImageGrid is the lattice in the units of the case. origin: the lower corner of cell (0, 0, 0).
+/// The lattice in the units of the case. origin: the lower corner of cell (0, 0, 0).
 struct ImageGrid {
   std::array<int, 3> cells;
   std::array<double, 3> origin{0, 0, 0}, spacing{1, 1, 1};
   std::string length_unit = "cells", time_unit = "steps";
 };
 
-/// FieldQuantity is one quantity, in the units of the case, stored [z][y][x] or [z][y][x][3].
+/// A quantity in the units of the case, stored [z][y][x] or [z][y][x][3].
 struct FieldQuantity {
   std::string name, unit;
   int components = 1;  // 1 or 3
-  /// Writes planes [first, last) of one of this rank's boxes, counted from its lowest: x fastest, then
-  /// components.
+  /// Writes planes [first, last) of one of this rank's boxes, from its lowest, x fastest after components.
   std::function<void(std::size_t box, int first, int last, double* out)> values;
   Storage storage = Storage::single;
 };
 
-/// FieldSnapshot is what one file holds: quantities on the lattice at one time.
+/// The content of a file: quantities on the lattice at one time.
 struct FieldSnapshot {
   ImageGrid grid;
   std::vector<FieldQuantity> quantities;
-  double time = 0;  // in the unit of the grid
+  double time = 0;  // in the grid's time unit
   std::int64_t step = 0;
 };
 
-/// FieldLevel is the cells of one of several widths; their boxes count from the grid's origin in cells of
-/// this width. No two levels have cells at the same place.
+/// The cells of one width. Boxes count such cells from the grid's origin. Levels do not overlap.
 struct FieldLevel {
-  int width;  // in cells of the grid: 2^level
+  int width;  // in cells of the grid, 2^level
   std::vector<CellBox> boxes;
   std::vector<FieldQuantity> quantities;
 };
 
-/// Writes a snapshot, each rank the values of its boxes. Collective; a rank without boxes joins with an empty
-/// list. Names, units and the number of quantities must be the same on every rank. Cells no rank holds are
-/// zero. Also keeps NAME.hdf.series, the list of times next to the file (fields_000100.hdf:
-/// fields.hdf.series), in which entries at or after this time are replaced. The file appears under its name
-/// only when it is whole. Throws std::runtime_error on every rank, naming the file and the reason.
+/// Writes a snapshot; each rank writes the values of its boxes. Collective; a rank may have no boxes. The
+/// number of quantities, their names and units must be the same on every rank. Cells of no rank are zero.
+/// Also updates the list of times NAME.hdf.series (fields_000100.hdf: fields.hdf.series), in which it
+/// replaces entries at or after this time. The file gets its name once it is complete. Throws
+/// std::runtime_error on every rank, with the file and the reason.
 void write_fields(MPI_Comm, const std::filesystem::path&, const std::vector<CellBox>& boxes,
                   const FieldSnapshot&, const Provenance&);
-/// Writes levels instead, the finest first: all but the quantities of the snapshot. Levels without a cell on
-/// any rank are left out: VTK's reader of them fails. Boxes lie in the file as the ranks have them.
+/// Writes levels, the finest first, instead of the snapshot's quantities. Levels without cells are left out,
+/// since VTK's reader fails on them. The file has the boxes as the ranks give them.
 void write_fields(MPI_Comm, const std::filesystem::path&, const std::vector<FieldLevel>& levels,
                   const FieldSnapshot&, const Provenance&);
 

@@ -8,7 +8,7 @@
 namespace silt::adapters::hdf5 {
 namespace {
 
-/// Returns the system's own words inside a message of HDF5's file driver, where there are any.
+/// Extracts the system's message from a message of HDF5's file driver, if there is one.
 std::string innermost_reason() {
   std::string reason;
   H5Ewalk2(
@@ -27,32 +27,32 @@ std::string innermost_reason() {
   return with_limit(reason);
 }
 
-constexpr unsigned most_in_header = 65535;  // as many as HDF5 allows
+constexpr unsigned most_in_header = 65535;  // HDF5's limit
 
-/// Throws std::bad_alloc where there is no room for HDF5 and an open file: it follows null pointers there.
+/// Throws std::bad_alloc if memory does not suffice for HDF5 with a file: it follows null pointers.
 void expect_memory() {
-  constexpr std::size_t of_a_file = 8 << 20;  // bytes
+  constexpr std::size_t of_a_file = 8 << 20;  // in bytes
   void* const room = mmap(nullptr, of_a_file, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
   if (room == MAP_FAILED) throw std::bad_alloc();
   munmap(room, of_a_file);
 }
 
-/// Call before anything else of HDF5: makes sure of its memory, and keeps it from printing.
+/// Checks memory and switches off HDF5's own messages. Call before any other function of HDF5.
 void quiet() {
   expect_memory();
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
 }
 
-/// Returns the properties with which a file is opened or made next.
+/// Returns the properties for opening or creating a file.
 Handle access_list(const Path& file) {
   quiet();
   Handle list(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, file, "file access list");
-  H5Pset_fclose_degree(list, H5F_CLOSE_STRONG);  // else a group that is still open keeps the file so
+  H5Pset_fclose_degree(list, H5F_CLOSE_STRONG);  // otherwise an open group would keep the file open
   H5Pset_driver(list, OutputFile::driver(), nullptr);
   return list;
 }
 
-/// Makes a creation list of an object without times, so that the same data makes a file of the same bytes.
+/// Returns a creation list without time stamps, so that equal data give equal bytes.
 Handle without_times(hid_t kind, const Path& file) {
   quiet();
   Handle list(H5Pcreate(kind), H5Pclose, file, "creation list");
@@ -89,7 +89,7 @@ File File::open(const Path& path, bool writable) {
   const std::string what = "cannot open the file as HDF5 (missing, truncated or altered)";
   if (std::filesystem::exists(path, ignored) && !std::filesystem::is_regular_file(path, ignored))
     throw Error(path.string() + ": is no regular file");
-  // HDF5 would take an empty file for a new one.
+  // HDF5 would take an empty file for a new one
   if (writable && std::filesystem::file_size(path, ignored) == 0) throw Error(path.string() + ": " + what);
   Handle file(H5Fopen(path.c_str(), writable ? H5F_ACC_RDWR : H5F_ACC_RDONLY, access), H5Fclose, path, what);
   return File(path, std::move(file), writable);
@@ -113,7 +113,7 @@ void File::flush() {
 void File::close() {
   const std::string what = "cannot close the file (is the disk full?)";
   flush();
-  const bool closed = handle_.close();  // may still write
+  const bool closed = handle_.close();  // this may still write
   if (output_)
     if (const int error = output_->error ? output_->error : output_->close())
       fail_in_system(path_, what, error);
@@ -136,7 +136,7 @@ Handle File::create_group(const std::string& name) {
   const Handle list = without_times(H5P_GROUP_CREATE, path_);
   H5F_info2_t info;
   if (H5Fget_info2(handle_, &info) >= 0 && info.super.version >= 2) {
-    // Links and attributes all in the header, which has a checksum: HDF5 can crash on a damaged heap of them.
+    // All links and attributes are in the header, which has a checksum: HDF5 can crash on a damaged heap.
     H5Pset_link_phase_change(list, most_in_header, most_in_header);
     H5Pset_attr_phase_change(list, most_in_header, most_in_header);
   }
@@ -231,7 +231,7 @@ void File::attribute(hid_t owner, const std::string& name, hid_t type, const Sha
 }
 
 namespace {
-/// Makes a string type that is ASCII by name (which vtkHDFReader insists on) and holds any bytes.
+/// Makes a string type declared as ASCII (vtkHDFReader requires it) that may contain any bytes.
 Handle string_type(std::size_t length, const Path& path) {
   Handle type(H5Tcopy(H5T_C_S1), H5Tclose, path, "string type");
   H5Tset_size(type, length ? length : 1);

@@ -1,6 +1,5 @@
 #pragma once
-// Private to adapters/hdf5: handles that close themselves, and HDF5's errors as exceptions that name the
-// file, what was attempted and why it failed.
+// Private to adapters/hdf5: RAII handles, and HDF5's errors as exceptions with file, operation and reason.
 #include <hdf5.h>
 
 #include <memory>
@@ -15,10 +14,10 @@
 
 namespace silt::adapters::hdf5 {
 
-/// Throws Error "FILE: WHAT: REASON", the reason from HDF5's innermost message, and clears HDF5's stack.
+/// Throws Error "FILE: WHAT: REASON" with the reason from HDF5's innermost message, and clears HDF5's stack.
 [[noreturn]] void fail(const Path& file, const std::string& what);
 
-/// Handle owns an HDF5 id and knows the call that closes it.
+/// Owns an HDF5 id and closes it.
 class Handle {
  public:
   Handle() = default;
@@ -34,7 +33,7 @@ class Handle {
   }
   ~Handle() { close(); }
   operator hid_t() const { return id_; }
-  /// Closes the id and says whether that went well (closing a file can be what finds the disk full).
+  /// Closes the id. Returns whether it succeeded (a full disk may show only now).
   bool close() { return id_ < 0 || close_(std::exchange(id_, -1)) >= 0; }
 
  private:
@@ -43,28 +42,27 @@ class Handle {
 };
 
 enum class Format {
-  classic,  // any reader, no consistency flags: a file whose writer was killed opens as usual
-  checked,  // HDF5 1.8 object headers: every piece of metadata carries a checksum
+  classic,  // for any reader, without consistency flags: a file whose writer was killed opens as usual
+  checked,  // object headers of HDF5 1.8: all metadata has checksums
 };
 
 using Shape = std::vector<hsize_t>;
 
-/// Returns the shape of a table of so many rows of so many numbers: a row of one has no axis of its own.
+/// Returns the shape of a table; with one column it has one axis.
 inline Shape table_shape(hsize_t rows, hsize_t columns) {
   return columns > 1 ? Shape{rows, columns} : Shape{rows};
 }
 
-/// The layout of a dataset: in one piece, whose space is taken at once and not filled (a fresh file reads as
-/// zeros), or in chunks. A dataset that grows along its
-/// first axis has a single chunk, whose space is taken at once too.
+/// The layout of a dataset: contiguous, allocated at once and not filled (a new file reads as zeros), or
+/// chunked. A dataset that grows along its first axis has a single chunk, also allocated at once.
 struct Layout {
   Shape chunk = {};
   bool grows = false;
 };
 
-/// The place in its file of the values of a dataset in one piece.
+/// The position of a contiguous dataset's values in the file.
 struct Place {
-  std::uint64_t at = 0;  // byte
+  std::uint64_t at = 0;  // in bytes
   std::size_t value_bytes = 1;
   Shape shape;
 
@@ -75,7 +73,7 @@ struct Place {
   }
 };
 
-/// Returns the type of a number in memory.
+/// Returns the HDF5 type of a number in memory.
 template <class T>
 hid_t native_type() {
   if constexpr (std::is_floating_point_v<T>)
@@ -86,10 +84,10 @@ hid_t native_type() {
     return std::is_signed_v<T> ? H5T_NATIVE_INT64 : H5T_NATIVE_UINT64;
 }
 
-/// Returns the type of numbers that are stored so, in the file and in memory alike.
+/// Returns the HDF5 type of stored numbers, the same in file and memory.
 hid_t type_of(Storage);
 
-/// File is an open file with the operations this folder needs, each of which throws Error.
+/// An open file. Every operation throws Error.
 class File {
  public:
   static File create(const Path&, Format);
@@ -98,7 +96,7 @@ class File {
   const Path& path() const { return path_; }
   operator hid_t() const { return handle_; }
   void flush();
-  /// Writes out everything; throws where that fails. The destructor closes silently.
+  /// Writes everything out and throws if that fails. The destructor closes silently.
   void close();
   void check(herr_t status, const std::string& what) const;
   [[noreturn]] void refuse(const std::string& what) const;
@@ -107,10 +105,10 @@ class File {
   Handle group(const std::string& name) const;
   Handle create_group(const std::string& name);
   Handle dataset(const std::string& name) const;
-  /// Opens a dataset that grows: HDF5 keeps nothing of it in memory, and writes rows where they belong.
+  /// Opens a dataset that grows; HDF5 caches nothing of it and writes rows directly.
   Handle dataset_to_append(const std::string& name) const;
   Handle create_dataset(const std::string& name, hid_t type, const Shape&, const Layout& = {});
-  /// Creates a dataset in one piece of a list of numbers, or of arrays of them, and writes it.
+  /// Creates and writes a contiguous dataset from a list of numbers or of arrays of numbers.
   template <class Row>
   Handle write_list(const std::string& name, hid_t type, const std::vector<Row>& rows) {
     if constexpr (std::is_arithmetic_v<Row>)
@@ -120,20 +118,20 @@ class File {
                         native_type<typename Row::value_type>(), rows.data());
   }
   Shape shape(hid_t dataset) const;
-  /// Returns how many rows a dataset can grow to.
+  /// Returns the number of rows to which a dataset can grow.
   hsize_t room(hid_t dataset) const;
   Handle type(hid_t dataset) const;
-  /// Returns where the values of a dataset begin that was created in one piece; 0 of one without any.
+  /// Returns the position of a contiguous dataset's values; 0 if it has none.
   std::uint64_t place_of(hid_t dataset) const;
-  /// Returns where its values lie. Refuses a dataset of another form than this version writes, or one that
-  /// declares more bytes than the file has.
+  /// Returns the position of a dataset's values. Refuses a dataset of another layout than this version
+  /// writes, or one that declares more bytes than the file has.
   Place place(const std::string& name) const;
-  /// Refuses a dataset of another type or shape besides.
+  /// Also refuses a dataset of another type or shape.
   Place place(const std::string& name, hid_t type, const Shape&) const;
 
   void attribute(hid_t owner, const std::string& name, const std::string& value);
   void attribute(hid_t owner, const std::string& name, const std::vector<std::string>& values);
-  /// Writes an attribute of any native type; an empty shape is a scalar.
+  /// Writes an attribute of any native type; an empty shape means a scalar.
   void attribute(hid_t owner, const std::string& name, hid_t type, const Shape&, const void* data);
   template <class T>
   void number(hid_t owner, const std::string& name, T value) {
@@ -153,7 +151,7 @@ class File {
   }
 
   void write_provenance(const Provenance&);
-  /// Returns the case's text as it is stored, and its dataset.
+  /// Returns the stored text of the case, and its dataset.
   std::string case_text() const;
   Handle case_text_dataset() const { return dataset("/provenance/case_text"); }
 
@@ -163,10 +161,10 @@ class File {
   void read_number(hid_t owner, const std::string& name, hid_t type, void* value) const;
   Path path_;
   Handle handle_;
-  std::shared_ptr<OutputFile> output_;  // of a writable one
+  std::shared_ptr<OutputFile> output_;  // of a writable file
 };
 
-/// metadata_room is the bytes that HDF5 may need each time datasets, attributes or chunks are added.
+/// Bytes that HDF5 may need whenever datasets, attributes or chunks are added.
 inline constexpr std::uint64_t metadata_room = 1 << 17;
 
 }  // namespace silt::adapters::hdf5

@@ -8,7 +8,7 @@ namespace {
 using hdf5::File;
 using hdf5::Handle;
 
-/// Opens a dataset of points, and says how many there are.
+/// Opens a dataset of points and sets their number.
 Handle open_points(const File& file, const std::string& name, std::uint64_t& rows) {
   Handle data = file.dataset(name);
   const H5T_class_t kind = H5Tget_class(file.type(data));

@@ -1,5 +1,5 @@
 #pragma once
-// Points in an HDF5 file that another program wrote: a dataset of three numbers a row.
+// Points in an HDF5 file from another program: a dataset of three numbers per row.
 #include <cstdint>
 #include <filesystem>
 #include <string>
@@ -7,11 +7,10 @@
 
 namespace silt::adapters {
 
-/// Returns the number of points in a dataset [n][3] of any type of number. Local. std::runtime_error names
-/// file and dataset and says what is wrong.
+/// Returns the number of points in a dataset [n][3] of any type. Local. Errors: std::runtime_error.
 std::uint64_t count_points(const std::filesystem::path&, const std::string& dataset);
 
-/// Reads the points [first, first + n), three numbers each. Local; ranks may read at once. Errors as above.
+/// Reads the points [first, first + n), three numbers each. Local. Errors as above.
 std::vector<double> read_points(const std::filesystem::path&, const std::string& dataset, std::uint64_t first,
                                 std::uint64_t n);
 

@@ -1,5 +1,5 @@
 #pragma once
-// Terms of all files of results: provenance, boxes of cells, types of numbers, names of files of a step.
+// Common to all result files: provenance, boxes of cells, number types, file names of a step.
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -13,24 +13,24 @@
 
 namespace silt::adapters {
 
-/// Provenance says where a file came from. Each member becomes an attribute of /provenance, except case_text,
-/// which becomes the scalar string dataset /provenance/case_text. Only rank 0's values are used.
+/// The origin of a file. Each member becomes an attribute of /provenance, except case_text, which becomes the
+/// scalar string dataset /provenance/case_text. Rank 0's values are used.
 struct Provenance {
   std::string version, commit;   // of silt
-  std::string title, case_text;  // case.toml as read, with overrides applied
+  std::string title, case_text;  // case.toml as read, with overrides
   std::int64_t ranks = 1;
   std::string backend;  // of the collision detection
   std::string compiler, flags, libraries;
   std::string host, processor, created;  // created: ISO 8601
 };
 
-/// Boxes count in global cell coordinates; those of all ranks must not overlap.
+/// Boxes are in global cell coordinates; those of different ranks must not overlap.
 using lbm::CellBox;
 
-/// How a number of a cell is stored.
+/// The number type of a stored cell value.
 enum class Storage { single, double_, byte };
 
-/// Returns FOLDER/NAME_000000000100SUFFIX for step 100: names sort like steps.
+/// Returns FOLDER/NAME_000000000100SUFFIX for step 100, so that names sort by step.
 std::filesystem::path step_path(const std::filesystem::path& folder, const std::string& name,
                                 std::int64_t step, const std::string& suffix);
 
@@ -39,11 +39,11 @@ struct StepFile {
   std::filesystem::path path;
 };
 
-/// Returns the step in a file's name, if the name is one.
+/// Returns the step in the name of such a file; nothing for other names.
 std::optional<std::int64_t> step_of(const std::filesystem::path&, std::string_view name,
                                     std::string_view suffix);
 
-/// Lists the files of a folder by name, newest (largest step) first; none if there is no folder.
+/// Lists such files of a folder, the newest (largest step) first; none if there is no folder.
 std::vector<StepFile> step_files(const std::filesystem::path& folder, std::string_view name,
                                  std::string_view suffix);
 

@@ -1,6 +1,6 @@
 #pragma once
-// scene.h5: the parts of a case, as it was run with its overrides and files, that a picture shows, in the
-// units of the case. cases/OUTPUT.md has the layout; scripts/silt_results/scene.py reads it.
+// scene.h5: the parts of a case, with its overrides and files, that pictures show, in the units of the case.
+// cases/OUTPUT.md has the layout; scripts/silt_results/scene.py reads it.
 #include <array>
 #include <cstdint>
 #include <filesystem>
@@ -10,7 +10,7 @@
 
 namespace silt::adapters {
 
-/// SceneGroup is a group of the file: the scene, or one of its walls, which has a surface if it is a mesh.
+/// A group of the file: the scene, or a wall, which has a surface if it is a mesh.
 struct SceneGroup {
   using Value = std::variant<std::string, std::vector<std::string>, double, std::vector<double>>;
   std::vector<std::pair<std::string, Value>> attributes;
@@ -19,7 +19,7 @@ struct SceneGroup {
   std::vector<std::array<double, 7>> table;             // time, displacement, rotation vector
 };
 
-/// Writes the file under a temporary name and renames it. Throws std::runtime_error naming file and reason.
+/// Writes the file under a temporary name and renames it. Throws std::runtime_error with file and reason.
 void write_scene(const std::filesystem::path&, const SceneGroup& scene, const std::vector<SceneGroup>& walls);
 
 }  // namespace silt::adapters

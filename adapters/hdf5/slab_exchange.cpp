@@ -27,7 +27,7 @@ SlabExchange::SlabExchange(MPI_Comm comm, std::vector<CellBox> boxes) : boxes_(s
   slices_.emplace(comm, all, mine);
 }
 
-/// Lists the rows of the boxes in file order; returns where they are among all of the lattice.
+/// Lists the rows of the boxes in file order; returns their positions in the lattice.
 std::vector<SliceExchange::Run> SlabExchange::list_rows() {
   for (std::size_t b = 0; b < boxes_.size(); ++b) {
     const CellBox& box = boxes_[b];

@@ -1,9 +1,9 @@
 #pragma once
-// Private to adapters/hdf5: this rank's boxes of an array of cells [z][y][x], or of a list of the cells of
-// all boxes, which may have several numbers a cell.
+// Private to adapters/hdf5: redistribution of boxes of cells of an array [z][y][x], or of a list of the cells
+// of all boxes, with one or more numbers per cell.
 //
-// Blocks are scattered over the file in short rows. So the ranks first swap rows such that each holds a slab
-// of whole rows of the lattice, one after the other, and then each writes or reads its slab in one piece:
+// The rows of a block are short and scattered over the file. So the ranks first exchange rows such that each
+// has a slab of whole lattice rows, and then write or read it contiguously:
 //
 //   boxes  --pack-->  rows by z, y, x  --SliceExchange-->  lattice rows ny nz r / ranks to
 //                                                          ny nz (r + 1) / ranks
@@ -19,23 +19,21 @@ namespace silt::adapters::hdf5 {
 
 class SlabExchange {
  public:
-  /// Plans the exchange; collective. `cells` are those of the whole lattice. A box outside the lattice throws
-  /// on every rank.
+  /// Collective. `cells`: of the lattice. Throws on every rank for a box outside the lattice.
   SlabExchange(MPI_Comm, std::array<int, 3> cells, std::vector<CellBox> boxes);
-  /// Plans the exchange of a list: the boxes of the ranks one after the other.
+  /// Plans the exchange of a list: the boxes of all ranks in rank order.
   SlabExchange(MPI_Comm, std::vector<CellBox> boxes);
 
   const std::vector<CellBox>& boxes() const { return boxes_; }
 
-  /// Packs this rank's cells (local): calls fill(box, buffer) for every box that is not empty, a box's cells
-  /// with x fastest, and returns all cells by z, y, x (of a list, box after box). `element`: bytes a cell.
+  /// Packs this rank's cells (local): calls fill(box, buffer) for every nonempty box, x fastest, and returns
+  /// all cells by z, y, x (for a list, box after box). `element`: bytes per cell.
   std::vector<std::byte> pack(std::size_t element, const std::function<void(std::size_t, void*)>& fill) const;
-  /// Reverses pack (local): hands each box its cells.
+  /// The inverse of pack (local): calls take(box, cells).
   void unpack(const std::vector<std::byte>& packed, std::size_t element,
               const std::function<void(std::size_t, const void*)>& take) const;
 
-  /// Returns the exchange of the packed cells. A slice is a slab, whole rows; zero where no rank holds a
-  /// cell.
+  /// Returns the exchange of the packed cells. A slice is a slab of whole rows, zero for cells of no rank.
   const SliceExchange& slices() const { return *slices_; }
 
  private:
@@ -47,18 +45,18 @@ class SlabExchange {
 
   std::array<int, 3> lattice_{};
   std::vector<CellBox> boxes_;
-  std::vector<Row> rows_;  // by z, y, x; none of a list
+  std::vector<Row> rows_;  // by z, y, x; empty for a list
   std::size_t cells_ = 0;
   std::optional<SliceExchange> slices_;
 };
 
-/// The places of the entries of this rank's tiles in a list of those of all tiles, by z, y, x of the tile.
+/// The positions of this rank's tiles' entries in a list over all tiles, by z, y, x of the tile.
 struct TileRuns {
   std::uint64_t total = 0;  // entries of all tiles
   std::vector<SliceExchange::Run> mine;
 };
 
-/// Collective. The tiles of a lattice are shared by the ranks as boxes; `counts` are of those of this rank's.
+/// Collective. Each rank has a box of the lattice of tiles; `counts` are the entries of this rank's tiles.
 TileRuns runs_of_tiles(MPI_Comm, std::array<int, 3> tiles, const CellBox& box,
                        std::span<const std::uint32_t> counts);
 

@@ -37,7 +37,7 @@ SliceExchange::SliceExchange(MPI_Comm comm, std::uint64_t elements, const std::v
     messages.make_room();
   });
   parallel::together(comm, [&] {
-    messages.unannounced();
+    messages.exchange_sparse();
     add_pieces(messages);
     for (const auto* partners : {&slices_, &holders_})
       for (const Partner& p : *partners)
@@ -47,7 +47,7 @@ SliceExchange::SliceExchange(MPI_Comm comm, std::uint64_t elements, const std::v
   });
 }
 
-/// Tells each rank which parts of the runs lie in its slice.
+/// Sends to each rank the parts of the runs that lie in its slice.
 void SliceExchange::split(const std::vector<Run>& runs, parallel::Messages& asked) {
   std::size_t n = 0;
   for (Run run : runs)
@@ -67,7 +67,7 @@ void SliceExchange::add_pieces(const parallel::Messages& messages) {
   for (const auto& m : messages.received()) {
     holders_.push_back({m.rank, n, 0});
     for (parallel::ByteReader reader(m.bytes); !reader.done();) {
-      const Run run = reader.take<Run>();
+      const Run run = reader.read<Run>();
       pieces_.push_back({run.first - begin_, run.length});
       holders_.back().count += run.length;
     }
@@ -90,7 +90,7 @@ std::vector<std::byte> SliceExchange::swap(std::size_t element, const std::vecto
   return swapped;
 }
 
-/// Returns whether this rank's values are its whole slice: no other rank has a part in either.
+/// Returns whether the runs of this rank are its whole slice, without parts of other ranks.
 bool SliceExchange::is_alone() const {
   return ranks_ == 1 && pieces_.size() == 1 && pieces_[0].first == 0 && pieces_[0].length == size_;
 }
@@ -98,7 +98,7 @@ bool SliceExchange::is_alone() const {
 std::vector<std::byte> SliceExchange::to_slice(std::size_t element, std::vector<std::byte> values) const {
   if (is_alone()) return values;
   const auto arrived = swap(element, slices_, holders_, values);
-  std::vector<std::byte>().swap(values);  // the memory goes to the slice
+  std::vector<std::byte>().swap(values);  // releases the memory before the slice is allocated
   std::vector<std::byte> slice;
   parallel::together(comm_, [&] { slice.resize(size_ * element); });
   const std::byte* in = arrived.data();
@@ -124,9 +124,9 @@ std::vector<std::byte> SliceExchange::from_slice(std::size_t element,
 
 namespace {
 
-/// Calls take(piece) for the pieces that a rank sends, the last of which is empty.
+/// Calls take(piece) for the pieces of a rank, up to an empty one.
 void receive_from(parallel::Transfers& transfers, int rank, std::vector<std::byte>& room,
-                  const TakePiece& take) {
+                  const UsePiece& take) {
   for (std::size_t bytes = 1; bytes > 0;) {
     transfers.receive(rank, std::span(room));
     transfers.wait();
@@ -135,9 +135,9 @@ void receive_from(parallel::Transfers& transfers, int rank, std::vector<std::byt
   }
 }
 
-/// piece(k) is the k-th piece here, and empty after the last.
+/// piece(k) is this rank's k-th piece, empty after the last.
 template <class Piece>
-void hand_over(MPI_Comm comm, std::size_t longest, const TakePiece& take, Piece&& piece) {
+void send_pieces(MPI_Comm comm, std::size_t longest, const UsePiece& take, Piece&& piece) {
   const bool takes = parallel::rank_of(comm) == 0;
   std::vector<std::byte> room;
   parallel::Transfers transfers(comm, pieces_tag);
@@ -154,7 +154,7 @@ void hand_over(MPI_Comm comm, std::size_t longest, const TakePiece& take, Piece&
   parallel::together(comm, [&] {
     std::exception_ptr failed;
     const auto attempt = [&](std::span<const std::byte> some) {
-      if (failed) return;  // the others are still sending
+      if (failed) return;  // the other ranks are still sending
       try {
         take(some);
       } catch (...) {
@@ -170,16 +170,16 @@ void hand_over(MPI_Comm comm, std::size_t longest, const TakePiece& take, Piece&
 
 }  // namespace
 
-void hand_to_rank_0(MPI_Comm comm, const std::vector<std::vector<std::byte>>& pieces, std::size_t longest,
-                    const TakePiece& take) {
-  hand_over(comm, longest, take, [&](std::size_t k) {
+void gather_in_pieces(MPI_Comm comm, const std::vector<std::vector<std::byte>>& pieces, std::size_t longest,
+                      const UsePiece& take) {
+  send_pieces(comm, longest, take, [&](std::size_t k) {
     return k < pieces.size() ? std::span<const std::byte>(pieces[k]) : std::span<const std::byte>();
   });
 }
 
-void hand_to_rank_0(MPI_Comm comm, std::span<const std::byte> bytes, std::size_t longest,
-                    const TakePiece& take) {
-  hand_over(comm, longest, take, [&](std::size_t k) {
+void gather_in_pieces(MPI_Comm comm, std::span<const std::byte> bytes, std::size_t longest,
+                      const UsePiece& take) {
+  send_pieces(comm, longest, take, [&](std::size_t k) {
     const std::size_t first = std::min(k * longest, bytes.size());
     return bytes.subspan(first, std::min(longest, bytes.size() - first));
   });
@@ -189,24 +189,24 @@ namespace {
 
 constexpr auto none = std::numeric_limits<std::uint64_t>::max();
 
-struct Asked {
+struct IdOnRank {
   std::uint64_t id;
   int by;
 };
 
-/// The ids that all ranks have of this rank's share of the range, in ascending order.
-std::vector<Asked> sorted(const parallel::Messages& messages) {
-  std::vector<Asked> asked;
+/// Returns the ids in this rank's share of the range, from all ranks, in ascending order.
+std::vector<IdOnRank> sorted(const parallel::Messages& messages) {
+  std::vector<IdOnRank> asked;
   for (const auto& m : messages.received())
     for (parallel::ByteReader reader(m.bytes); !reader.done();)
-      asked.push_back({reader.take<std::uint64_t>(), m.rank});
-  std::sort(asked.begin(), asked.end(), [](const Asked& a, const Asked& b) { return a.id < b.id; });
+      asked.push_back({reader.read<std::uint64_t>(), m.rank});
+  std::sort(asked.begin(), asked.end(), [](const IdOnRank& a, const IdOnRank& b) { return a.id < b.id; });
   return asked;
 }
 
-std::uint64_t least_twice(const std::vector<Asked>& asked) {
+std::uint64_t least_twice(const std::vector<IdOnRank>& asked) {
   const auto at = std::adjacent_find(asked.begin(), asked.end(),
-                                     [](const Asked& a, const Asked& b) { return a.id == b.id; });
+                                     [](const IdOnRank& a, const IdOnRank& b) { return a.id == b.id; });
   return at == asked.end() ? none : at->id;
 }
 
@@ -232,23 +232,23 @@ IdOrder order_by_id(MPI_Comm comm, std::span<const std::uint64_t> ids) {
       parallel::put(messages.to(int(static_cast<unsigned __int128>(ids[i] - least) * ranks / range)), ids[i]);
     messages.make_room();
   });
-  std::vector<Asked> asked;
+  std::vector<IdOnRank> asked;
   parallel::together(comm, [&] {
-    messages.unannounced();
+    messages.exchange_sparse();
     asked = sorted(messages);
   });
   std::uint64_t number = parallel::sum_of_ranks_before(comm, std::uint64_t(asked.size()));
   const std::uint64_t twice = parallel::least_over_ranks(comm, least_twice(asked));
   if (twice != none) result.twice = twice;
-  parallel::together(comm, [&] {  // each rank is answered in the order of the ids it has
-    for (const Asked& a : asked) parallel::put(messages.to(a.by), number++);
+  parallel::together(comm, [&] {  // each rank gets the places in the order of its ids
+    for (const IdOnRank& a : asked) parallel::put(messages.to(a.by), number++);
     messages.make_room();
   });
   parallel::together(comm, [&] {
-    messages.unannounced();
+    messages.exchange_sparse();
     for (const auto& m : messages.received())
       for (parallel::ByteReader reader(m.bytes); !reader.done();)
-        append_run(result.places, {reader.take<std::uint64_t>(), 1});
+        append_run(result.places, {reader.read<std::uint64_t>(), 1});
   });
   return result;
 }

@@ -1,5 +1,5 @@
 #pragma once
-// Private to adapters/hdf5: rows of a plain struct as one dataset a member ("columns").
+// Private to adapters/hdf5: tables of plain structs, one dataset ("column") for each member.
 #include <cstddef>
 #include <cstring>
 #include <string>
@@ -10,7 +10,7 @@
 
 namespace silt::adapters::hdf5 {
 
-/// Column describes a member of a row: dataset, offset and type in memory, numbers a row, unit, meaning.
+/// A column: dataset name, offset and type of the member in memory, numbers per row, unit, meaning.
 struct Column {
   std::string name;
   std::size_t offset;
@@ -19,8 +19,8 @@ struct Column {
   std::string unit = "", meaning = "";
 
   std::size_t value_bytes() const { return type == int8 || type == uint8 ? 1 : type == int32 ? 4 : 8; }
-  std::size_t bytes() const { return value_bytes() * components; }  // a row's
-  /// Returns the type in memory and, little-endian alike, in the file: bits are kept.
+  std::size_t bytes() const { return value_bytes() * components; }  // per row
+  /// Returns the type, the same in memory and in the little-endian file.
   hid_t stored_type() const {
     const hid_t types[] = {H5T_STD_U64LE, H5T_STD_I64LE, H5T_STD_I32LE,
                            H5T_STD_I8LE,  H5T_STD_U8LE,  H5T_IEEE_F64LE};
@@ -35,7 +35,7 @@ std::size_t offset_of(Member Part::*member) {
                      reinterpret_cast<const std::byte*>(&row));
 }
 
-/// Returns the column of a member: a number or an array of numbers, of Row or of what it derives from.
+/// Returns the column of a member of Row or its bases: a number or an array of numbers.
 template <class Row, class Part, class Member>
 Column column_of(std::string name, Member Part::*member, std::string unit = "", std::string meaning = "") {
   constexpr auto first = [](const Member& x) {
@@ -54,7 +54,7 @@ Column column_of(std::string name, Member Part::*member, std::string unit = "", 
   return {name, offset_of<Row>(member), type, int(sizeof(Member) / sizeof(Number)), unit, meaning};
 }
 
-/// Adds the column's values of n rows, one after the other; row(i) makes the i-th.
+/// Appends the column's values of n rows; row(i) returns the i-th.
 template <class Row, class MakeRow>
 void gather_column(const Column& column, std::size_t n, MakeRow&& row, std::vector<std::byte>& values) {
   static_assert(std::is_trivially_copyable_v<Row>);
@@ -67,7 +67,7 @@ void gather_column(const Column& column, std::size_t n, MakeRow&& row, std::vect
   }
 }
 
-/// Reverses gather_column: puts the values into rows.
+/// The inverse of gather_column: copies the values into rows.
 template <class Row>
 void scatter_column(const Column& column, const std::vector<std::byte>& values, std::vector<Row>& rows) {
   for (std::size_t i = 0; i < rows.size(); ++i)

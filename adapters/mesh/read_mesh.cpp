@@ -15,7 +15,7 @@ namespace {
 
 using rigid::Vec3;
 
-constexpr double same_corner = 5e-7;  // of the size: a few roundings to single precision
+constexpr double same_corner = 5e-7;  // relative to the size: some roundings of single precision
 
 Soup soup_of(std::string_view name, std::string_view bytes) {
   std::string ending(name.substr(std::min(name.rfind('.'), name.size())));
@@ -35,7 +35,7 @@ double size_of(const std::vector<Vec3>& points) {
   return (upper - lower).maxCoeff();
 }
 
-/// Returns the distance between the largest coordinates in single precision.
+/// Returns the spacing of numbers in single precision at the largest coordinate.
 double single_step(const std::vector<Vec3>& points) {
   double largest = 0;
   for (const Vec3& x : points) largest = std::max(largest, x.cwiseAbs().maxCoeff());
@@ -49,9 +49,9 @@ double area_of(const rigid::TriangleMesh& surface) {
   return twice / 2;
 }
 
-/// How deep a dent in a flat face may be: what single precision leaves.
+/// Returns the depth of dents in flat faces that single precision may cause.
 double rounding_of(const ReadMesh& read) {
-  constexpr double rounding = 2e-7;  // of the size
+  constexpr double rounding = 2e-7;  // relative to the size
   const rigid::BoundingBox& box = read.surface->box();
   return std::max(rounding * (box.upper - box.lower).maxCoeff(), read.coordinate_step);
 }
@@ -70,7 +70,7 @@ ReadMesh read_mesh(std::string_view name, std::string_view bytes, double scale) 
                                 "; a closed surface has at least 4");
   if (soup.points.size() > std::numeric_limits<std::uint32_t>::max())
     throw std::invalid_argument("it has more than 1431655765 triangles");
-  leave_out_unused(soup);
+  remove_unused(soup);
   if (soup.is_single) read.coordinate_step = scale * single_step(soup.points);
   for (Vec3& x : soup.points) x *= scale;
   const double size = size_of(soup.points);

@@ -21,7 +21,7 @@ namespace {
 using rigid::Mat3;
 using rigid::Vec3;
 
-/// Coordinates in which the points are of size about 1.
+/// Coordinates scaled to a size of about 1.
 struct Frame {
   Vec3 centre = Vec3::Zero();
   Mat3 to_frame = Mat3::Identity();
@@ -33,7 +33,7 @@ Vec3 extents(std::span<const Vec3> points, const Mat3& axes) {
   return upper - lower;
 }
 
-/// Rows: the directions in which the points spread, the least first.
+/// Returns, as rows, the directions in which the points spread, the narrowest first.
 Mat3 principal_axes(std::span<const Vec3> points, const Vec3& about) {
   Vec3 mean = Vec3::Zero();
   for (const Vec3& p : points) mean += (p - about) / double(points.size());
@@ -42,8 +42,8 @@ Mat3 principal_axes(std::span<const Vec3> points, const Vec3& about) {
   return Eigen::SelfAdjointEigenSolver<Mat3>(spread).eigenvectors().transpose();
 }
 
-/// A hull and a stretched one have the same corners: of slender points that of the stretched ones is found,
-/// for flatness is relative to the size.
+/// Scales slender sets of points to equal extents, since flatness is relative to the size; the hull of the
+/// scaled points has the same vertices.
 Frame frame_of(std::span<const Vec3> points) {
   constexpr double slender = 0.1;
   if (points.size() < 4)
@@ -66,22 +66,22 @@ Frame frame_of(std::span<const Vec3> points) {
   return frame;
 }
 
-/// qhull's state and what it says, both given back at the end. Its errors jump to the end of qh_new_qhull,
-/// which returns a code; no other call that can fail is made, so nothing of it can end the process.
+/// Owns qhull's state and its messages. qhull's errors jump to the end of qh_new_qhull, which returns a code;
+/// no other call that can fail is made, so qhull cannot end the process.
 class Qhull {
  public:
   /// Finds the hull of n points, x y z each, of size about 1.
-  Qhull(double* coordinates, int n, double flatness) : said_(open_memstream(&text_, &length_)) {
-    qh_zero(&state_, said_);
+  Qhull(double* coordinates, int n, double flatness) : messages_(open_memstream(&text_, &length_)) {
+    qh_zero(&state_, messages_);
     char command[64];
     std::snprintf(command, sizeof command, "qhull C-%g", flatness);
-    code_ = qh_new_qhull(&state_, 3, n, coordinates, False, command, nullptr, said_);
+    code_ = qh_new_qhull(&state_, 3, n, coordinates, False, command, nullptr, messages_);
   }
   ~Qhull() {
     int blocks = 0, bytes = 0;
     qh_freeqhull(&state_, !qh_ALL);
     qh_memfreeshort(&state_, &blocks, &bytes);
-    std::fclose(said_);
+    std::fclose(messages_);
     std::free(text_);
   }
   Qhull(const Qhull&) = delete;
@@ -89,19 +89,19 @@ class Qhull {
 
   void require_success() {
     if (code_ == 0) return;
-    std::fflush(said_);
+    std::fflush(messages_);
     const std::string all(text_, length_);
     throw std::invalid_argument("qhull finds no hull of the points: " + all.substr(0, all.find('\n')));
   }
 
-  /// The numbers of the points at the corners of each facet, in no order; and the facet's outward normal.
+  /// The points at the corners of a facet, unordered, and its outward normal.
   struct Facet {
     std::vector<int> corners;
     Vec3 normal;
   };
   std::vector<Facet> facets() {
     std::vector<Facet> all;
-    qhT* qh = &state_;  // the name that qhull's macros know
+    qhT* qh = &state_;  // the name that qhull's macros use
     facetT* facet;
     vertexT *vertex, **vertexp;
     FORALLfacets {
@@ -116,11 +116,11 @@ class Qhull {
   qhT state_;
   char* text_ = nullptr;
   std::size_t length_ = 0;
-  std::FILE* said_;
+  std::FILE* messages_;
   int code_ = 0;
 };
 
-/// A convex polygon's corners, counter-clockwise seen against the normal.
+/// Orders the corners of a convex polygon counter-clockwise as seen against the normal.
 void put_in_order(std::vector<int>& corners, std::span<const Vec3> points, const Vec3& normal) {
   Vec3 centre = Vec3::Zero();
   for (const int c : corners) centre += points[c] / double(corners.size());

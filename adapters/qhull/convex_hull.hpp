@@ -1,5 +1,5 @@
 #pragma once
-// The convex hull of points, by qhull.
+// Convex hulls of points by qhull.
 #include <memory>
 #include <span>
 #include <vector>
@@ -8,29 +8,27 @@
 
 namespace silt::adapters {
 
-/// Neighbouring faces that are flat to this share of the hull's size are one face, and points closer than
-/// this to the hull of the others need not be corners of it: of its largest extent, or, of a hull that is ten
-/// times as long as thick or more, of its extent across the face. Single-precision files resolve 1e-7.
+/// Neighbouring faces that are coplanar to this tolerance are merged, and points closer to the hull of the
+/// others may be dropped. It is relative to the largest extent or, for a hull at least ten times as long as
+/// thick, to the extent across the face. Single precision resolves 1e-7.
 inline constexpr double hull_flatness = 1e-6;
 
 struct ConvexHull {
   std::shared_ptr<const rigid::PolyhedronMesh> mesh;
-  std::vector<int> corners;  // which of the points the mesh's vertices are, rising
+  std::vector<int> corners;  // indices of the points that are the mesh's vertices, ascending
 };
 
-/// Points inside the hull or on it, but no corners of it, are left out. A pure function of the points.
-/// Throws std::invalid_argument if they are fewer than 4, not finite, or nearly in one plane; what qhull
-/// itself has to say is in the message.
+/// Returns the hull without points inside it or on its faces. Throws std::invalid_argument, with qhull's
+/// message, for less than 4 points, non-finite ones, or nearly coplanar ones.
 ConvexHull convex_hull(std::span<const rigid::Vec3> points);
 
-/// A face of a hull, as qhull has it.
+/// A face of a hull as qhull gives it.
 struct HullFace {
-  std::vector<int> corners;  // of the points, counter-clockwise seen from outside
+  std::vector<int> corners;  // indices of points, counter-clockwise seen from outside
   rigid::Vec3 normal;        // outward
 };
 
-/// Returns the faces of the hull of points, without a PolyhedronMesh; `flatness` is as above. Throws
-/// likewise.
+/// Returns the faces of the hull without making a PolyhedronMesh; `flatness` and errors as above.
 std::vector<HullFace> hull_faces(std::span<const rigid::Vec3> points, double flatness);
 
 }  // namespace silt::adapters

@@ -5,8 +5,7 @@
 #include <cmath>
 #include <stdexcept>
 
-// toml++ 3.3 asserts at a header such as "[.a]", and is undefined without assertions: they stay on, and
-// throw.
+// toml++ 3.3 asserts at a header such as "[.a]" and is undefined without assertions; here they throw.
 namespace {
 struct TomlAssertion : std::logic_error {
   using std::logic_error::logic_error;
@@ -129,7 +128,7 @@ std::string written(const Node& node) {
 
 namespace {
 
-// The line, from 1, at which the parser meets an assertion: the first that breaks the text up to it.
+// Returns the line, from 1, at which the parser meets an assertion: the first that breaks the text up to it.
 int asserting_line(std::string_view text) {
   int line = 0;
   for (std::size_t end = 0; end != text.npos;) {
@@ -146,7 +145,7 @@ int asserting_line(std::string_view text) {
   return line;
 }
 
-/// Goes on to the end of the string that begins at `at`, a quote; behind the text if there is none.
+/// Returns the position after the string that begins with the quote at `at`, at most the end of the text.
 std::size_t end_of_string(std::string_view text, std::size_t at) {
   const char quote = text[at];
   const std::string three(3, quote);
@@ -156,8 +155,8 @@ std::size_t end_of_string(std::string_view text, std::size_t at) {
   return std::min(at + end.size(), text.size());
 }
 
-/// toml++ goes on undefined where a value such as "[0,é 0]" has a letter beyond ASCII in it, which only
-/// strings and comments may have. SyntaxError with its place.
+/// Throws SyntaxError with its place for a letter beyond ASCII outside strings and comments, as in "[0,é 0]",
+/// where toml++ has undefined behaviour.
 void require_ascii_outside_strings(std::string_view text, const std::string& file) {
   int line = 1;
   std::size_t line_begin = 0;

@@ -17,14 +17,14 @@ WorkCosts::WorkCosts(const FlowSpec& setup, int substeps) {
   body = 1500 * substeps;
   impulse = 1000 * substeps;
   if (!setup.fluid) return;
-  cell = setup.fluid->precision == Precision::single_ ? 10 : 20;  // by the bandwidth it takes
+  cell = setup.fluid->precision == Precision::single_ ? 10 : 20;  // by memory bandwidth
   link = setup.coupling.time == TimeCoupling::explicit_ ? 26 : 30;
   mapping = 90;
 }
 
 namespace {
 
-/// Calls visit(x, n) for the pieces of a row of a block that lie in one tile each: n cells from x on.
+/// Calls visit(x, n) for the pieces, n cells from x on, into which tiles divide a row of a block.
 template <class Visit>
 void for_pieces(const lbm::CellBox& block, Int3 first, int end, Visit&& visit) {
   Int3 x = first;
@@ -36,7 +36,7 @@ void for_pieces(const lbm::CellBox& block, Int3 first, int end, Visit&& visit) {
   }
 }
 
-/// The cut links of n cells in a row: those into solid cells that are not beyond a side of the domain.
+/// Returns the number of cut links of n cells in a row, without links to cells beyond a side of the domain.
 int links_from(const BlockMap& map, Int3 x, int n) {
   const std::uint64_t fluid = first_cells(~map.solid.from(x.x, x.y, x.z), n);
   int links = 0;
@@ -47,7 +47,7 @@ int links_from(const BlockMap& map, Int3 x, int n) {
   return links;
 }
 
-/// Returns whether a solid cell is in or next to these rows of a plane.
+/// Returns whether a solid cell is in or next to this row.
 bool any_solid(const BlockMap& map, int y, int z) {
   for (int dz = -1; dz <= 1; ++dz)
     for (int dy = -1; dy <= 1; ++dy)
@@ -56,8 +56,8 @@ bool any_solid(const BlockMap& map, int y, int z) {
   return false;
 }
 
-/// The contacts of a body, in halves: one whose partner remembers it as well is a half of each, one with a
-/// wall or another body that does not move by itself is the body's alone.
+/// Returns twice the contacts of a body, where a contact is shared equally with a partner that stores it as
+/// well, and counts fully if the partner is a wall or a body that does not move freely.
 std::int64_t half_contacts(const rigid::BodySet& bodies, std::size_t row) {
   std::int64_t halves = 0;
   for (const rigid::StoredImpulse& s : bodies.stored_impulses[row]) {
@@ -68,12 +68,12 @@ std::int64_t half_contacts(const rigid::BodySet& bodies, std::size_t row) {
   return halves;
 }
 
-/// Returns whether a body is mapped again now and then.
+/// Returns whether a body is mapped repeatedly.
 bool is_mapped(const rigid::BodySet& bodies, std::size_t row) {
   return bodies.motion[row] != Motion::fixed;
 }
 
-/// Steps from one mapping to the next of a body that moves at 0.01 cells a step, or has not moved yet.
+/// Steps between mappings at 0.01 cells a step, assumed for bodies that have not moved yet.
 constexpr std::int64_t usual_steps = 9;
 
 std::int64_t steps_mapped(const rigid::BodySet& bodies, std::size_t row) {
@@ -81,7 +81,7 @@ std::int64_t steps_mapped(const rigid::BodySet& bodies, std::size_t row) {
   return steps.end > steps.first ? steps.end - steps.first : usual_steps;
 }
 
-/// Cut links over cells of a shape whose surface is 6 times its volume over its least width (spheres, cubes).
+/// Returns cut links per cell of a shape whose surface is 6 volume / least width (spheres, cubes).
 double links_a_cell(const rigid::Shape& shape) {
   return links_of_a_surface * 6 / rigid::least_width(shape);
 }
@@ -116,7 +116,7 @@ void add_mapped(const BlockMap& map, const rigid::BodySet& bodies, const rigid::
       if (any_solid(map, y, z))
         for_pieces(map.box, {0, y, z}, size.x,
                    [&](Int3 x, int n) { work.add(map.box.lower + x, costs.link * links_from(map, x, n)); });
-  std::vector<double> links_of(world.shapes.size(), -1);  // over cells
+  std::vector<double> links_of(world.shapes.size(), -1);  // per cell
   for (const BodyMask& mask : map.masks) {
     if (mask.row >= bodies.first_wall() || !is_mapped(bodies, mask.row)) continue;
     double& links = links_of[bodies.shape[mask.row]];

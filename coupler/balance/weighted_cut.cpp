@@ -18,15 +18,15 @@ using lbm::Int3;
 
 namespace {
 
-// ---- the plane that divides a part of the domain best between ranks below and above it ----
+// ---- the plane that divides a part of the domain between two groups of ranks ----
 
 struct CutPlane {
-  int axis = -1, below = 0;                                  // cells of the lower part
-  double largest = std::numeric_limits<double>::infinity();  // work a rank in the part that has more of it
+  int axis = -1, below = 0;                                  // axis; cells of the lower part
+  double largest = std::numeric_limits<double>::infinity();  // work per rank in the part with more of it
   double face = 0;
 };
 
-/// The share of an item's work in its first cells along an axis.
+/// Returns an item's work in its first cells along an axis.
 std::int64_t work_below(const WorkItem& item, int axis, int cells) {
   return item.work * cells / item.box.size[axis];
 }
@@ -51,12 +51,12 @@ CutPlane best_across(int axis, const CellBox& box, const lbm::CutRoom& room,
   return best;
 }
 
-/// A part of the domain: its cells, of so much work each, and the items in it that one rank has.
+/// A part of the domain: its cells, the work of each, and this rank's items in it.
 struct Part {
   CellBox box;
   std::int64_t work_of_a_cell;
   std::vector<WorkItem> items;
-  int edge = lbm::usual_edge;  // of a rank's part, if there is room
+  int edge = lbm::usual_edge;  // of a rank's part, if there is space
 
   std::int64_t work() const {
     std::int64_t sum = work_of_a_cell * box.cells();
@@ -68,7 +68,7 @@ struct Part {
   std::pair<Part, Part> divided(const CutPlane&) const;
 };
 
-/// Returns the work of the items in each layer of cells across each axis, one axis after the other.
+/// Returns the work of the items in each layer of cells, for one axis after another.
 std::vector<std::uint64_t> Part::work_of_layers() const {
   std::vector<std::uint64_t> layers(box.size.x + box.size.y + box.size.z, 0);
   for (const WorkItem& item : items) {
@@ -81,11 +81,10 @@ std::vector<std::uint64_t> Part::work_of_layers() const {
   return layers;
 }
 
-/// Returns the plane that divides the work best by the numbers of ranks, with the items' work of layers that
-/// all ranks have; of those that do it as well, or nearly so, the one with the least face, of several the
-/// nearest to where it divides the cells. Nearly as well is so much more work a rank on a side of a plane;
-/// what planes one below the other allow multiplies. Bodies without a fluid are exchanged in every sweep: a
-/// small face is worth more than even work.
+/// Returns the plane that divides the work best in proportion to the numbers of ranks, given all ranks' work
+/// of layers. Among planes that are nearly as good it is that of the least face, then the nearest to an equal
+/// division of cells. Nearly as good is by work per rank; the tolerances of successive planes multiply.
+/// Without a fluid, where bodies communicate in every sweep, a small face is worth more than balance.
 CutPlane Part::best_plane(const lbm::CutRoom& room, std::vector<std::uint64_t> layers) const {
   const double nearly_as_well = work_of_a_cell > 0 ? 1.01 : 1.05;
   std::array<CutPlane, 3> planes;
@@ -123,9 +122,9 @@ std::pair<Part, Part> Part::divided(const CutPlane& plane) const {
   return {std::move(lower), std::move(upper)};
 }
 
-// ---- by the ranks together ----
+// ---- parallel bisection ----
 
-/// A part of the domain and the ranks that cut it.
+/// A part of the domain and the ranks that divide it.
 class Bisection {
  public:
   Bisection(MPI_Comm all, Part part) : part_(std::move(part)) { MPI_Comm_dup(all, &group_); }
@@ -137,7 +136,7 @@ class Bisection {
     for (int ranks; (ranks = parallel::ranks_of(group_)) > 1;) cut(ranks);
   }
 
-  /// The node that this rank tells of: that of the cut above which it is the first rank. None: of rank 0.
+  /// The tree node that this rank reports: that of the cut above which it is the first rank. Rank 0 has none.
   struct Node {
     std::int32_t number = -1;
     lbm::Cut cut{};
@@ -160,27 +159,27 @@ class Bisection {
     const int own_size = ranks - other_size, own_place = here - (upper ? room.lower_leaves : 0);
     auto [below, above] = part_.divided(plane);
     part_ = std::move(upper ? above : below);
-    give((upper ? below : above).items,
-         (upper ? 0 : room.lower_leaves) + int(std::int64_t(own_place) * other_size / own_size));
+    exchange_items((upper ? below : above).items,
+                   (upper ? 0 : room.lower_leaves) + int(std::int64_t(own_place) * other_size / own_size));
     MPI_Comm half;
     MPI_Comm_split(group_, upper, here, &half);
     MPI_Comm_free(&group_);
     group_ = half;
   }
 
-  /// Sends items to a rank of the other side of a plane, and takes those that come from there.
-  void give(const std::vector<WorkItem>& items, int partner) {
+  /// Sends items to a rank on the other side of a plane, and receives that rank's.
+  void exchange_items(const std::vector<WorkItem>& items, int partner) {
     parallel::Messages messages(group_);
     if (!items.empty()) parallel::put(messages.to(partner), std::span(items));
-    messages.unannounced();
+    messages.exchange_sparse();
     for (const parallel::Messages::Message& m : messages.received())
       for (parallel::ByteReader reader(m.bytes); !reader.done();)
-        part_.items.push_back(reader.take<WorkItem>());
+        part_.items.push_back(reader.read<WorkItem>());
   }
 
   MPI_Comm group_ = MPI_COMM_NULL;
   Part part_;
-  std::int32_t number_ = 0;  // of the node that comes next
+  std::int32_t number_ = 0;  // of the next node
   Node node_;
 };
 
@@ -213,7 +212,7 @@ WeightedCut present_cut(MPI_Comm comm, const lbm::Domain& domain, std::int64_t w
   return with_work(comm, domain.tree(), mine);
 }
 
-// ---- foreseen ----
+// ---- prediction ----
 
 namespace {
 

@@ -30,7 +30,7 @@ void WorkMap::add(const rigid::Vec3& x, std::int64_t work) {
   add(Int3{cell_along(0, x[0]), cell_along(1, x[1]), cell_along(2, x[2])}, work);
 }
 
-/// Points half a tile apart stand for the box, of a large one so many along an edge, each with its share.
+/// Represents the box by points half a tile apart, at most most_points along an edge, each with its share.
 void WorkMap::add(const rigid::BoundingBox& box, std::int64_t work) {
   constexpr double most_points = 32;
   std::array<int, 3> points;
@@ -67,8 +67,8 @@ std::vector<WorkItem> WorkMap::items() const {
 }
 
 namespace {
-/// The cost of a coarse cell at a face across each axis in each of the two fine steps, in updates of fine
-/// cells: fifty regions of 28 cells an edge, one core.
+/// The cost, in updates of fine cells, of a coarse cell at a face across each axis in each of the two fine
+/// steps; measured on one core with fifty regions of 28 cells an edge.
 constexpr std::array<std::int64_t, 3> updates_at_a_face = {60, 30, 15};
 }  // namespace
 

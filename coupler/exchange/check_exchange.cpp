@@ -24,18 +24,18 @@ std::uint64_t hash_of_id(rigid::BodyId id) {
   return XXH3_64bits(&id, sizeof id);
 }
 
-/// Returns the bytes that a copy shares with its owner's body: all but those that the owner keeps to itself.
+/// Returns the bytes in which a copy must agree with its owner's body: all but the owner's private state.
 parallel::Bytes shared_bytes(const rigid::BodyRecord& r) {
   parallel::Bytes bytes;
   bytes.reserve(sizeof r);
   visit_columns(r, [&](const rigid::BodyColumn&, auto numbers) { parallel::put(bytes, numbers); });
-  visit_columns(coupling_of(r.holder_state), [&](const CouplingColumn& c, auto numbers) {
+  visit_columns(coupling_of(r.attached_state), [&](const CouplingColumn& c, auto numbers) {
     if (c.copied) parallel::put(bytes, numbers);
   });
   return bytes;
 }
 
-/// A finding says what is wrong with a body; that of the least id of all ranks is reported.
+/// An error found for a body; the one of the least id over all ranks is reported.
 struct Finding {
   static constexpr rigid::BodyId nobody = std::numeric_limits<rigid::BodyId>::max();
   rigid::BodyId id = nobody;
@@ -46,7 +46,7 @@ struct Finding {
   }
 };
 
-/// Throws the same on every rank, if any of them found something.
+/// Throws the same error on every rank if any rank found one.
 void throw_first(MPI_Comm comm, Finding found, std::int64_t step) {
   const rigid::BodyId least = parallel::least_over_ranks(comm, found.id);
   if (least == Finding::nobody) return;
@@ -56,7 +56,7 @@ void throw_first(MPI_Comm comm, Finding found, std::int64_t step) {
       "; the exchange of bodies between ranks is at fault: please report this with its case");
 }
 
-/// The ids that all ranks own, in the order of ranks, and where those of each rank begin.
+/// The ids owned by all ranks, in rank order, and where those of each rank begin.
 struct AllIds {
   std::vector<std::size_t> first;
   std::vector<rigid::BodyId> ids;
@@ -69,8 +69,7 @@ struct AllIds {
   }
 };
 
-/// Says which body has two owners or none. Of one that left no trace only a gap tells, where ids count up
-/// without one.
+/// Finds a body with two owners or none. One that is nowhere shows as a gap in consecutive ids.
 Finding lost_or_doubled(const ParallelBodyExchange& exchange, const rigid::BodySet& bodies,
                         std::uint64_t expected) {
   const AllIds all(exchange.comm(), bodies);
@@ -102,7 +101,7 @@ Finding lost_or_doubled(const ParallelBodyExchange& exchange, const rigid::BodyS
   return found;
 }
 
-/// Order, look-up and place of the bodies of this rank.
+/// Checks the order, look-up and position of this rank's bodies.
 Finding misplaced(const ParallelBodyExchange& exchange, const rigid::BodySet& bodies) {
   const std::string here = " on rank " + std::to_string(exchange.rank());
   Finding found;
@@ -143,14 +142,14 @@ OwnedBodies owned_here(const rigid::BodySet& bodies) {
 
 ExpectedBodies::ExpectedBodies(const rigid::BodySet& bodies) : share_(owned_here(bodies)) {}
 
-void ExpectedBodies::come(rigid::BodyId first, std::uint64_t n, int rank, int ranks) {
+void ExpectedBodies::add(rigid::BodyId first, std::uint64_t n, int rank, int ranks) {
   for (std::uint64_t k = rank; k < n; k += ranks) {
     ++share_.count;
     share_.ids += hash_of_id(first + k);
   }
 }
 
-void ExpectedBodies::leave(rigid::BodyId id) {
+void ExpectedBodies::remove(rigid::BodyId id) {
   --share_.count;
   share_.ids -= hash_of_id(id);
 }
@@ -164,8 +163,8 @@ std::uint64_t ExpectedBodies::count(MPI_Comm comm) const {
   return parallel::sum_over_ranks(comm, share_.count);
 }
 
-void CheckUnderWay::start(const ParallelBodyExchange& exchange, const rigid::BodySet& bodies,
-                          const ExpectedBodies& expected, std::int64_t step) {
+void PendingCheck::start(const ParallelBodyExchange& exchange, const rigid::BodySet& bodies,
+                         const ExpectedBodies& expected, std::int64_t step) {
   Finding found = misplaced(exchange, bodies);
   const Finding differs = copies_that_differ(exchange, bodies);
   if (differs.id < found.id) found = differs;
@@ -173,8 +172,8 @@ void CheckUnderWay::start(const ParallelBodyExchange& exchange, const rigid::Bod
   sums_.start(exchange.comm(), {expected.excess(bodies), found.id != Finding::nobody});
 }
 
-void CheckUnderWay::finish(const ParallelBodyExchange& exchange, const rigid::BodySet& bodies,
-                           const ExpectedBodies& expected) {
+void PendingCheck::finish(const ParallelBodyExchange& exchange, const rigid::BodySet& bodies,
+                          const ExpectedBodies& expected) {
   if (!sums_.under_way()) return;
   const Sums& all = sums_.finish();
   if (all.excess != OwnedBodies{})
@@ -184,7 +183,7 @@ void CheckUnderWay::finish(const ParallelBodyExchange& exchange, const rigid::Bo
 
 void check_exchange(const ParallelBodyExchange& exchange, const rigid::BodySet& bodies,
                     const ExpectedBodies& expected) {
-  CheckUnderWay check;
+  PendingCheck check;
   check.start(exchange, bodies, expected, -1);
   check.finish(exchange, bodies, expected);
 }

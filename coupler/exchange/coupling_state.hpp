@@ -1,6 +1,6 @@
 #pragma once
-// The coupler keeps this state with every body. rigid::BodySet carries it along as bytes: it travels from
-// rank to rank and into checkpoints with the body. Lattice units, world frame.
+// The state that the coupler keeps with every body, as bytes in rigid::BodySet: it travels with the body
+// between ranks and into checkpoints. Lattice units, world frame.
 #include <array>
 #include <new>
 #include <span>
@@ -14,8 +14,8 @@ namespace silt::coupler {
 
 using Vec6 = Eigen::Matrix<double, 6, 1>;
 
-/// A vector of a state: plain numbers, for Eigen's own vectors are not trivially copyable. One of 6 numbers
-/// is a linear vector and an angular one, the latter about the centre of mass.
+/// A vector of plain numbers, trivially copyable unlike Eigen's. One of 6 has a linear and an angular part,
+/// the latter about the centre of mass.
 template <int n>
 struct Plain {
   double numbers[n] = {};
@@ -28,8 +28,8 @@ struct Plain {
   auto angular() const requires(n == 6) { return Eigen::Map<const rigid::Vec3>(numbers + 3); }
 };
 
-/// The fluid sees a body in this way in the steps [first, end) for which it was mapped: its cells at the pose
-/// in the middle of them, its wall distances as if it moved past that pose with these velocities.
+/// The motion by which the fluid sees a body in the steps [first, end) of a mapping: its cells are those of
+/// the pose in the middle, its wall distances change as if it passed that pose with these velocities.
 struct MappedMotion {
   Plain<3> position;
   Plain<4> orientation;  // w, x, y, z
@@ -56,7 +56,7 @@ struct MappedMotion {
   }
   double middle() const { return 0.5 * static_cast<double>(steps.first + steps.end - 1); }
   bool is_at_rest() const { return velocity().isZero(0); }
-  /// Returns the pose `way` steps from the middle.
+  /// Returns the pose `way` steps after the middle.
   rigid::Pose pose_after(double way) const {
     if (is_at_rest()) return pose();
     const rigid::Pose mapped = pose();
@@ -65,55 +65,53 @@ struct MappedMotion {
   }
 };
 
-/// Mass that a body owes the fluid (forces/fluid_forces.cpp), in quanta of lbm::excess_quantum.
+/// Mass that a body owes the fluid (forces/fluid_forces.cpp), in units of lbm::excess_quantum.
 struct OwedMass {
-  std::int64_t all = 0, by_each_link = 0;  // of `all` each link gives so much in the next step
+  std::int64_t all = 0, by_each_link = 0;  // in total; the part of it that each link returns in the next step
 };
 
-/// Zero until it is set. Each member has its line in visit_columns.
+/// The whole state, initially zero. Every member has a line in visit_columns.
 struct CouplingState {
   MappedMotion mapped;
-  // impulse and angular impulse about the centre of mass that the fluid has still to give the body, in quanta
-  // of lbm::link_quantum
+  // impulse and angular impulse that the fluid still owes the body, in units of lbm::link_quantum
   std::array<std::int64_t, 6> impulse_debt = {};
   OwedMass mass_owed;
-  // impulse that impacts gave to the fluid around the body, still to be passed on by the body
+  // impulse that impacts gave to the fluid around the body, which the body has yet to pass on
   Plain<3> pending_impact;
-  // force and torque of its contacts in the last step: what the coupling in time expects of them in the next
+  // force and torque of its contacts in the last step, which the coupling in time expects again
   Plain<6> contact_load;
-  // impulse and angular impulse that the coupling in time has left for the next step
+  // impulse and angular impulse that the coupling in time deferred to the next step
   Plain<6> deferred_impulse;
-  // change of velocity and angular velocity in the next step with which links return already
+  // change of velocity and angular velocity in the next step, with which links already return
   Plain<6> foreseen_change;
-  // velocity and angular velocity of a body with springs, had nothing else acted in the last step
+  // velocity and angular velocity of a body with springs if nothing else had acted in the last step
   Plain<6> sprung_velocity;
-  // for output: force and torque that the fluid had on the body when they were last evaluated, and those of
-  // its springs in the last step
+  // for output: the last force and torque of the fluid on the body, and those of its springs
   Plain<6> seen_load, spring_load;
 };
 static_assert(std::is_trivially_copyable_v<CouplingState>);
-static_assert(sizeof(CouplingState) == sizeof(rigid::HolderState),
-              "HolderState::size is that of all members");
+static_assert(sizeof(CouplingState) == sizeof(rigid::AttachedState),
+              "AttachedState::size is that of all members");
 
-inline CouplingState& coupling_of(rigid::HolderState& held) {
+inline CouplingState& coupling_of(rigid::AttachedState& held) {
   return *std::launder(reinterpret_cast<CouplingState*>(held.bytes));
 }
-inline const CouplingState& coupling_of(const rigid::HolderState& held) {
+inline const CouplingState& coupling_of(const rigid::AttachedState& held) {
   return *std::launder(reinterpret_cast<const CouplingState*>(held.bytes));
 }
 inline CouplingState& coupling_of(rigid::BodySet& bodies, std::size_t row) {
-  return coupling_of(bodies.holder_state[row]);
+  return coupling_of(bodies.attached_state[row]);
 }
 inline const CouplingState& coupling_of(const rigid::BodySet& bodies, std::size_t row) {
-  return coupling_of(bodies.holder_state[row]);
+  return coupling_of(bodies.attached_state[row]);
 }
 
 struct CouplingColumn : rigid::BodyColumn {
-  bool copied;  // copies on other ranks have what their owner has; else it is the owner's alone
+  bool copied;  // copies have their owner's value; otherwise only the owner has it
   bool saved;   // in checkpoints
 };
 
-/// Calls visit(column, its numbers) for each column of a state, in the order of checkpoints.
+/// Calls visit(column, its numbers) for each column in the order of checkpoints.
 template <class Visit>
 void visit_columns(const CouplingState& s, Visit&& visit) {
   using enum rigid::Values;
@@ -142,20 +140,19 @@ void visit_columns(const CouplingState& s, Visit&& visit) {
 inline rigid::Pose mapping_pose(const rigid::BodySet& bodies, std::size_t row) {
   return coupling_of(bodies, row).mapped.pose();
 }
-/// The fluid sees the body there, at rest, until that is said again.
+/// From now on the fluid sees the body at this pose, at rest.
 inline void set_mapping_pose(rigid::BodySet& bodies, std::size_t row, const rigid::Pose& pose) {
   coupling_of(bodies, row).mapped = pose;
 }
 
-/// The load on a body in the last step is noted with it for output: it stays with the body if another rank
-/// becomes its owner.
+/// A load on a body in the last step, stored with the body for output, even if the owner changes.
 struct BodyLoad {
   rigid::Vec3 force = rigid::Vec3::Zero(), torque = rigid::Vec3::Zero();
 };
-using NotedLoad = Plain<6> CouplingState::*;
+using StoredLoad = Plain<6> CouplingState::*;
 
-/// Returns what was noted of the owned bodies, by row.
-inline std::vector<BodyLoad> noted_loads(const rigid::BodySet& bodies, NotedLoad noted) {
+/// Returns a stored load of the owned bodies, by row.
+inline std::vector<BodyLoad> stored_loads(const rigid::BodySet& bodies, StoredLoad noted) {
   std::vector<BodyLoad> loads;
   for (std::size_t row = 0; row < bodies.owned; ++row) {
     const auto& load = coupling_of(bodies, row).*noted;
@@ -164,13 +161,13 @@ inline std::vector<BodyLoad> noted_loads(const rigid::BodySet& bodies, NotedLoad
   return loads;
 }
 
-/// Notes what acts on the owned bodies now, gravity apart.
-inline void note_loads(rigid::BodySet& bodies) {
+/// Stores the current forces on the owned bodies, without gravity.
+inline void store_loads(rigid::BodySet& bodies) {
   for (std::size_t row = 0; row < bodies.owned; ++row)
     coupling_of(bodies, row).seen_load() << bodies.force[row].value(), bodies.torque[row].value();
 }
 
-/// Notes what contacts have given a body, of which the flow is told in the next step.
+/// Adds an impulse of contacts, which the coupling uses in the next step.
 inline void add_contact_load(rigid::BodySet& bodies, std::size_t row, const rigid::Vec3& impulse,
                              const rigid::Vec3& angular_impulse) {
   auto& load = coupling_of(bodies, row).contact_load;
@@ -178,15 +175,15 @@ inline void add_contact_load(rigid::BodySet& bodies, std::size_t row, const rigi
   load.angular() += angular_impulse;
 }
 
-/// Begins a step in which no contact has acted yet.
-inline void forget_contact_loads(rigid::BodySet& bodies) {
+/// Clears the contact loads at the start of a step.
+inline void clear_contact_loads(rigid::BodySet& bodies) {
   for (std::size_t row = 0; row < bodies.owned; ++row) coupling_of(bodies, row).contact_load = {};
 }
 
-/// The bodies that came and those that left before a step: the fluid takes note of both.
+/// The bodies that entered or left before a step, for the fluid.
 struct BodyChanges {
-  rigid::BodyId first_new = 0, end_new = 0;  // ids from first_new on, below end_new, have come
-  rigid::BodySet gone;                       // those that were held here and have left, as they were
+  rigid::BodyId first_new = 0, end_new = 0;  // new bodies have the ids [first_new, end_new)
+  rigid::BodySet gone;                       // last states of the bodies of this rank that have left
 
   bool none() const { return first_new == end_new && gone.size() == 0; }
   bool is_new(rigid::BodyId id) const { return id >= first_new && id < end_new; }

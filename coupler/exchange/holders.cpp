@@ -14,25 +14,25 @@ void sort_unique(std::vector<int>& ranks) {
   ranks.erase(std::unique(ranks.begin(), ranks.end()), ranks.end());
 }
 
-/// Wraps x into [0, length); rounding may not leave the interval.
+/// Wraps x into [0, length), also after rounding.
 double wrapped(double x, double length) {
   if (x >= 0 && x < length) return x;
   const double y = x - std::floor(x / length) * length;
   return y >= 0 && y < length ? y : 0.0;
 }
 
-/// The first and the last cell reach to infinity; so does the first for what is not a number.
+/// Returns the cell of x; the first and last cell are unbounded, and the first also gets NaN.
 int clamped(double x, int cells) {
   if (!(x >= 0)) return 0;
   return x >= cells ? cells - 1 : static_cast<int>(x);
 }
 
-/// The widest gap of a film between two bodies.
+/// Returns the largest gap of a lubrication film between two bodies.
 double film_reach(const rigid::World& world) {
   return world.contact_margin + world.lubrication->reach();
 }
 
-/// Returns the largest radius of bodies: walls have none.
+/// Returns the largest bounding radius, not counting walls.
 double largest_radius_of(const rigid::World& world) {
   double largest = 0;
   for (const double radius : world.bounding_radii)
@@ -41,9 +41,9 @@ double largest_radius_of(const rigid::World& world) {
 }
 
 constexpr double furthest_in_a_step = 2;  // cells, at least
-constexpr double ahead = 0.5;             // steps that copies drift by themselves
+constexpr double ahead = 0.5;             // steps for which copies drift by themselves
 
-/// Half a cell more or less than a whole number, so that of two blocks each finds the other.
+/// Half-integer, so that rounding cannot make one of two blocks find the other but not the reverse.
 double reach_of(const lbm::Domain& domain, const rigid::World& world, double rim) {
   const double largest = largest_radius_of(world);
   const double to_partner = world.lubrication ? largest + film_reach(world) : 0;
@@ -140,7 +140,7 @@ void include(std::vector<int>& sorted, int rank) {
   if (at == sorted.end() || *at != rank) sorted.insert(at, rank);
 }
 
-/// The bounding sphere first: most bodies are well inside, whatever their shape.
+/// Tests the bounding sphere first: most bodies are well inside a block.
 void Neighbourhood::find_holders(int shape, const rigid::Pose& pose, const rigid::Twist& motion,
                                  std::vector<int>& ranks) const {
   const double radius = world_->bounding_radii[shape];
@@ -162,9 +162,9 @@ void Neighbourhood::find_holders(const rigid::BodySet& bodies, std::size_t row,
   if (world_->lubrication) include_owners_beyond_films(bodies, row, ranks);
 }
 
-/// The coupling in time asks in the next step how fast the bodies beyond the films of an owned body are, so
-/// the owner of a film's other body has to know this one. Who that will be: of a body owned here its new
-/// place tells, of a copy the place it had, of one that only the sweeps knew no more than how wide a film is.
+/// In the next step the coupling in time needs the velocity of the bodies beyond the films of an owned body,
+/// so the owner of a film's other body must know this one. That owner follows from the new position for a
+/// body owned here, from the last position for a copy, and for a visitor only from the range of films.
 void Neighbourhood::include_owners_beyond_films(const rigid::BodySet& bodies, std::size_t row,
                                                 std::vector<int>& ranks) const {
   const rigid::Vec3& x = bodies.position[row];
@@ -182,7 +182,7 @@ void Neighbourhood::include_owners_beyond_films(const rigid::BodySet& bodies, st
   if (near.size() == 1) return;  // this rank
   for (const rigid::StoredImpulse& s : impulses) {
     if (!is_film(s)) continue;
-    const std::size_t other = bodies.row_of(s.partner);  // of a visitor, which is gone, anything
+    const std::size_t other = bodies.row_of(s.partner);  // no valid row for a visitor, which is gone
     if (other < bodies.owned)
       near.assign(1, rank_at(bodies.position[other]));
     else if (other < bodies.owned + bodies.copies && bodies.id[other] == s.partner)

@@ -35,8 +35,8 @@ std::span<T> row_of(std::span<T> rows, std::size_t row, int width) {
   return rows.subspan(row * width, width);
 }
 
-/// Owned rows by id, then the walls that there were.
-rigid::BodySet made_again(std::vector<OwnedBody>& own, const rigid::BodySet& before) {
+/// Makes a body set of the owned bodies, sorted by id, and the former walls.
+rigid::BodySet rebuilt(std::vector<OwnedBody>& own, const rigid::BodySet& before) {
   std::sort(own.begin(), own.end(),
             [](const OwnedBody& a, const OwnedBody& b) { return a.record.id < b.record.id; });
   rigid::BodySet bodies;
@@ -57,7 +57,7 @@ rigid::BodySet made_again(std::vector<OwnedBody>& own, const rigid::BodySet& bef
   return bodies;
 }
 
-/// Calls each(member) with all that a stored impulse is.
+/// Calls each(member) for every member of a stored impulse.
 template <class AnyImpulse, class Each>
 void for_impulse_members(AnyImpulse& s, Each&& each) {
   each(s.partner), each(s.image), each(s.feature);
@@ -70,10 +70,10 @@ void put_impulses(parallel::Bytes& to, const std::vector<rigid::StoredImpulse>& 
     for_impulse_members(s, [&](const auto& member) { parallel::put(to, member); });
 }
 
-std::vector<rigid::StoredImpulse> take_impulses(parallel::ByteReader& from) {
-  std::vector<rigid::StoredImpulse> impulses(from.take<std::uint64_t>());
+std::vector<rigid::StoredImpulse> read_impulses(parallel::ByteReader& from) {
+  std::vector<rigid::StoredImpulse> impulses(from.read<std::uint64_t>());
   for (rigid::StoredImpulse& s : impulses)
-    for_impulse_members(s, [&](auto& member) { member = from.take<std::decay_t<decltype(member)>>(); });
+    for_impulse_members(s, [&](auto& member) { member = from.read<std::decay_t<decltype(member)>>(); });
   return impulses;
 }
 
@@ -103,29 +103,28 @@ void ParallelBodyExchange::relocate(rigid::BodySet& bodies) {
   synchronise(bodies, Owners::anywhere);
 }
 
-void ParallelBodyExchange::cut_again(rigid::BodySet& bodies) {
+void ParallelBodyExchange::repartition(rigid::BodySet& bodies) {
   wrap_positions(bodies);
   if (ranks_ == 1) return;
   neighbourhood_ = neighbourhood_.renewed();
-  deal_out(bodies);
+  redistribute(bodies);
 }
 
-/// Sends bodies that each have an owner on some rank, any one, and no copies that count, to the owners that
-/// the cuts give, and makes their copies.
-void ParallelBodyExchange::deal_out(rigid::BodySet& bodies) {
+/// Sends owned bodies, which may be on any rank, to their owners by the cuts, and makes all copies anew.
+void ParallelBodyExchange::redistribute(rigid::BodySet& bodies) {
   std::vector<OwnedBody> own;
   for (std::size_t row = 0; row < bodies.owned; ++row)
     own.push_back(
         {bodies.record(row), bodies.force[row], bodies.torque[row], std::move(bodies.stored_impulses[row])});
-  own = sent_home(messages_, neighbourhood_.holders(), std::move(own));
-  bodies = made_again(own, bodies);
+  own = sent_to_owners(messages_, neighbourhood_.holders(), std::move(own));
+  bodies = rebuilt(own, bodies);
   held_by_.clear();
   owner_of_.clear();
   velocity_messages_.clear();
   synchronise(bodies, Owners::next_to_each_other);
 }
 
-void ParallelBodyExchange::take_out(rigid::BodySet& bodies, std::span<const std::size_t> rows) {
+void ParallelBodyExchange::remove_bodies(rigid::BodySet& bodies, std::span<const std::size_t> rows) {
   for (std::size_t k = rows.size(); k-- > 0;) {
     held_by_.erase(bodies.id[rows[k]]);
     owner_of_.erase(bodies.id[rows[k]]);
@@ -171,13 +170,11 @@ std::vector<int> ParallelBodyExchange::holders(const rigid::BodySet& bodies, std
   return ranks;
 }
 
-const ExchangeCounters& ParallelBodyExchange::counters() const {
-  counters_.messages = messages_.messages_sent();
-  counters_.bytes = messages_.bytes_sent();
-  return counters_;
+ExchangeCounters ParallelBodyExchange::counters() const {
+  return {counters_.migrations, counters_.copies_made, messages_.messages_sent(), messages_.bytes_sent()};
 }
 
-std::vector<int> ParallelBodyExchange::those_that(std::vector<BodyId> Tie::*have) const {
+std::vector<int> ParallelBodyExchange::ranks_with(std::vector<BodyId> Tie::*have) const {
   std::vector<int> ranks;
   for (const Tie& t : ties_)
     if (!(t.*have).empty()) ranks.push_back(t.rank);
@@ -199,26 +196,26 @@ void ParallelBodyExchange::tie(const rigid::BodySet& bodies) {
   for (const auto& [id, holding] : held_by_) held.push_back(id);
   std::sort(held.begin(), held.end());
   for (const BodyId id : held)
-    for (const int holder : held_by_.find(id)->second.ranks) with(holder).given.push_back(id);
+    for (const int holder : held_by_.find(id)->second.ranks) with(holder).sent.push_back(id);
   for (std::size_t row = bodies.owned; row < bodies.owned + bodies.copies; ++row)
-    with(owner(bodies.id[row])).taken.push_back(bodies.id[row]);
+    with(owner(bodies.id[row])).received.push_back(bodies.id[row]);
 }
 
 void ParallelBodyExchange::sum_to_owners(const rigid::BodySet& bodies, std::span<std::int64_t> rows,
-                                         int width) const {
+                                         int width) {
   if (ranks_ == 1) return;
   for (const Tie& t : ties_)
-    for (const BodyId id : t.taken) {
+    for (const BodyId id : t.received) {
       const std::span<std::int64_t> values = row_of(rows, bodies.row_of(id), width);
       parallel::put(messages_.to(t.rank), std::span<const std::int64_t>(values));
       std::fill(values.begin(), values.end(), 0);
     }
-  messages_.with_partners(those_that(&Tie::given));
+  messages_.exchange_with(ranks_with(&Tie::sent));
   std::vector<std::int64_t> values(width);
   for (const parallel::Messages::Message& m : messages_.received()) {
     parallel::ByteReader reader(m.bytes);
-    for (const BodyId id : tie_with(m.rank).given) {
-      reader.take(std::span(values));
+    for (const BodyId id : tie_with(m.rank).sent) {
+      reader.read(std::span(values));
       const std::span<std::int64_t> sums = row_of(rows, bodies.row_of(id), width);
       for (int k = 0; k < width; ++k) sums[k] += values[k];
     }
@@ -226,20 +223,20 @@ void ParallelBodyExchange::sum_to_owners(const rigid::BodySet& bodies, std::span
 }
 
 void ParallelBodyExchange::share_with_copies(const rigid::BodySet& bodies, std::span<double> rows,
-                                             int width) const {
+                                             int width) {
   if (ranks_ == 1) return;
-  std::vector<double> none(width, 0.0);  // of a body taken out of the simulation since
+  std::vector<double> none(width, 0.0);  // for a body removed from the simulation since
   const auto values_of = [&](BodyId id) {
     const std::size_t row = bodies.row_of(id);
     return row < bodies.size() ? row_of(rows, row, width) : std::span(none);
   };
   for (const Tie& t : ties_)
-    for (const BodyId id : t.given)
+    for (const BodyId id : t.sent)
       parallel::put(messages_.to(t.rank), std::span<const double>(values_of(id)));
-  messages_.with_partners(those_that(&Tie::taken));
+  messages_.exchange_with(ranks_with(&Tie::received));
   for (const parallel::Messages::Message& m : messages_.received()) {
     parallel::ByteReader reader(m.bytes);
-    for (const BodyId id : tie_with(m.rank).taken) reader.take(values_of(id));
+    for (const BodyId id : tie_with(m.rank).received) reader.read(values_of(id));
   }
 }
 
@@ -250,39 +247,39 @@ void put_body(parallel::Bytes& to, const OwnedBody& body) {
   put_impulses(to, body.impulses);
 }
 
-OwnedBody take_body(parallel::ByteReader& from) {
-  OwnedBody body{from.take<rigid::BodyRecord>()};
-  body.force.q = from.take<decltype(body.force.q)>();
-  body.torque.q = from.take<decltype(body.torque.q)>();
-  body.impulses = take_impulses(from);
+OwnedBody read_body(parallel::ByteReader& from) {
+  OwnedBody body{from.read<rigid::BodyRecord>()};
+  body.force.q = from.read<decltype(body.force.q)>();
+  body.torque.q = from.read<decltype(body.torque.q)>();
+  body.impulses = read_impulses(from);
   return body;
 }
 
-std::vector<OwnedBody> sent_home(parallel::Messages& messages, const Holders& holders,
-                                 std::vector<OwnedBody> given) {
+std::vector<OwnedBody> sent_to_owners(parallel::Messages& messages, const Holders& holders,
+                                      std::vector<OwnedBody> bodies) {
   const int rank = parallel::rank_of(messages.comm());
   std::vector<OwnedBody> own;
-  for (OwnedBody& body : given) {
+  for (OwnedBody& body : bodies) {
     const int owner = holders.rank_at(Eigen::Map<const rigid::Vec3>{body.record.position});
     if (owner == rank)
       own.push_back(std::move(body));
     else
       put_body(messages.to(owner), body);
   }
-  messages.unannounced();
+  messages.exchange_sparse();
   for (const parallel::Messages::Message& m : messages.received())
-    for (parallel::ByteReader reader(m.bytes); !reader.done();) own.push_back(take_body(reader));
+    for (parallel::ByteReader reader(m.bytes); !reader.done();) own.push_back(read_body(reader));
   return own;
 }
 
-void send_home(parallel::Messages& messages, const Holders& holders, const SavedBodies& saved,
-               rigid::BodySet& bodies, std::size_t at_once) {
+void distribute_to_owners(parallel::Messages& messages, const Holders& holders, const SavedBodies& saved,
+                          rigid::BodySet& bodies, std::size_t at_once) {
   const std::size_t n = saved.records.size(), most = parallel::most_over_ranks(messages.comm(), n);
   for (std::size_t first = 0; first < most; first += at_once) {
-    std::vector<OwnedBody> given;
+    std::vector<OwnedBody> round;
     for (std::size_t i = first; i < std::min(first + at_once, n); ++i)
-      given.push_back({.record = saved.records[i], .impulses = saved.impulses[i]});
-    for (OwnedBody& body : sent_home(messages, holders, std::move(given))) {
+      round.push_back({.record = saved.records[i], .impulses = saved.impulses[i]});
+    for (OwnedBody& body : sent_to_owners(messages, holders, std::move(round))) {
       bodies.add(body.record);
       bodies.stored_impulses[bodies.owned - 1] = std::move(body.impulses);
     }

@@ -1,6 +1,6 @@
-// Line 13 of Algorithm 1, and what the sweeps exchange. A contact is found by the rank that owns its point,
-// which need own neither body (the paper's Figure 2). That rank tells the owners, and with it the partner's
-// record where the owner may not have it: a copy here equals the owner's state bitwise.
+// Line 13 of Algorithm 1, and the exchange in the sweeps. The rank that owns a contact's point finds it, and
+// may own neither body (the paper's Figure 2). It sends the contact to the owners, with the partner's
+// record if the owner may lack it: a copy here equals the owner's state bitwise.
 #include <algorithm>
 #include <map>
 #include <string>
@@ -18,7 +18,7 @@ namespace {
 
 enum class ContactItem : std::uint64_t { contact, partner };
 
-/// Calls each(member) with all that a contact is.
+/// Calls each(member) for every member of a contact.
 template <class AnyContact, class Each>
 void for_contact_members(AnyContact& c, Each&& each) {
   each(c.a), each(c.b), each(c.image), each(c.feature);
@@ -31,20 +31,20 @@ void put_contact(parallel::Bytes& to, const Contact& c) {
   for_contact_members(c, [&](const auto& member) { parallel::put(to, member); });
 }
 
-Contact take_contact(parallel::ByteReader& from) {
+Contact read_contact(parallel::ByteReader& from) {
   Contact c;
-  for_contact_members(c, [&](auto& member) { member = from.take<std::decay_t<decltype(member)>>(); });
+  for_contact_members(c, [&](auto& member) { member = from.read<std::decay_t<decltype(member)>>(); });
   return c;
 }
 
 }  // namespace
 
-/// `contacts` come sorted and stay so; those of a pair come from one rank, in the order of their keys.
+/// `contacts` stay sorted; those of a pair come from one rank, in the order of their keys.
 void ParallelBodyExchange::exchange_contacts(BodySet& bodies, std::vector<Contact>& contacts) {
   if (ranks_ == 1) return;
   for (const Tie& t : ties_)
-    if (!t.taken.empty()) messages_.to(t.rank);  // expects one, if only an empty one
-  Pairs crossing;                                // in contact, not both owned, and those received
+    if (!t.received.empty()) messages_.to(t.rank);  // it expects a message, possibly empty
+  Pairs crossing;                                   // pairs in contact with one owned body, and received ones
   std::size_t kept = 0, row_a = 0, row_b = 0;
   for (std::size_t k = 0; k < contacts.size(); ++k) {
     const Contact& c = contacts[k];
@@ -59,7 +59,7 @@ void ParallelBodyExchange::exchange_contacts(BodySet& bodies, std::vector<Contac
     ++kept;
   }
   contacts.resize(kept);
-  messages_.with_partners(those_that(&Tie::given));
+  messages_.exchange_with(ranks_with(&Tie::sent));
   receive_contacts(bodies, contacts, crossing);
   const auto by_pair = [](const Contact& p, const Contact& q) { return p.pair() < q.pair(); };
   const auto received = contacts.begin() + static_cast<std::ptrdiff_t>(kept);
@@ -99,19 +99,19 @@ void ParallelBodyExchange::send_partner(const BodySet& bodies, BodyId partner, i
   parallel::put(message, partners_owner);
 }
 
-/// Contacts are appended; partners that are not here yet become visitors, sorted by id.
+/// Appends contacts; unknown partners become visitors, sorted by id.
 void ParallelBodyExchange::receive_contacts(BodySet& bodies, std::vector<Contact>& contacts,
                                             Pairs& crossing) {
   std::map<BodyId, BodyRecord> visitors;
   for (const parallel::Messages::Message& m : messages_.received())
     for (parallel::ByteReader reader(m.bytes); !reader.done();) {
-      if (reader.take<ContactItem>() == ContactItem::contact) {
-        const Contact& c = contacts.emplace_back(take_contact(reader));
+      if (reader.read<ContactItem>() == ContactItem::contact) {
+        const Contact& c = contacts.emplace_back(read_contact(reader));
         if (!rigid::is_wall(c.b)) crossing.push_back({c.a, c.b});
         continue;
       }
-      const auto record = reader.take<BodyRecord>();
-      const int partners_owner = reader.take<int>();
+      const auto record = reader.read<BodyRecord>();
+      const int partners_owner = reader.read<int>();
       if (bodies.row_of(record.id) < bodies.size()) continue;
       visitors[record.id] = record;
       owner_of_[record.id] = partners_owner;
@@ -124,7 +124,7 @@ void ParallelBodyExchange::receive_contacts(BodySet& bodies, std::vector<Contact
   bodies.reindex();
 }
 
-/// The lists follow from the contacts alone: the other owner has the same contacts, hence the same lists.
+/// The lists follow from the contacts, which both owners have, so both make the same lists.
 void ParallelBodyExchange::plan_velocity_messages(const BodySet& bodies, const Pairs& crossing) {
   velocity_messages_.clear();
   const auto with = [&](int other) -> VelocityMessages& {
@@ -142,30 +142,30 @@ void ParallelBodyExchange::plan_velocity_messages(const BodySet& bodies, const P
     if (a < bodies.owned && b < bodies.owned) continue;
     const std::size_t own = std::min(a, b), other = std::max(a, b);  // owned rows come first
     VelocityMessages& sweep = with(owner(bodies.id[other]));
-    sweep.given.push_back(own);
-    sweep.taken.push_back(other);
+    sweep.sent.push_back(own);
+    sweep.received.push_back(other);
   }
   for (VelocityMessages& sweep : velocity_messages_)
-    for (auto* rows : {&sweep.given, &sweep.taken}) {
+    for (auto* rows : {&sweep.sent, &sweep.received}) {
       std::sort(rows->begin(), rows->end(), [&](auto i, auto j) { return bodies.id[i] < bodies.id[j]; });
       rows->erase(std::unique(rows->begin(), rows->end()), rows->end());
     }
 }
 
-/// A message is the word, then the rows if any has changed; its length tells. How long it may be both ends
-/// know, so receives are posted before anything is sent.
+/// A message has one entry of `sent`, then the rows if any has changed, as its length shows. Both ends know
+/// its greatest length, so receives are posted before sends.
 void ParallelBodyExchange::share(BodySet&, std::span<double> rows, int width,
-                                 std::span<const rigid::EchoReduction::Message> said,
-                                 std::span<rigid::EchoReduction::Message> heard, bool changed) {
+                                 std::span<const rigid::EchoReduction::Message> sent,
+                                 std::span<rigid::EchoReduction::Message> received, bool changed) {
   for (VelocityMessages& with : velocity_messages_) {
-    with.incoming.resize(said.size_bytes() + with.taken.size() * width * sizeof(double));
+    with.incoming.resize(sent.size_bytes() + with.received.size() * width * sizeof(double));
     sharing_.receive(with.rank, std::span(with.incoming));
   }
   for (VelocityMessages& with : velocity_messages_) {
     with.outgoing.clear();
-    parallel::put(with.outgoing, said);
+    parallel::put(with.outgoing, sent);
     if (changed)
-      for (const std::size_t row : with.given)
+      for (const std::size_t row : with.sent)
         parallel::put(with.outgoing, std::span<const double>(rows.subspan(row * width, width)));
     sharing_.send(with.rank, std::span(with.outgoing));
   }
@@ -173,9 +173,9 @@ void ParallelBodyExchange::share(BodySet&, std::span<double> rows, int width,
   for (std::size_t k = 0; k < velocity_messages_.size(); ++k) {
     const VelocityMessages& with = velocity_messages_[k];
     parallel::ByteReader reader(std::span(with.incoming).first(sharing_.bytes_received(k)));
-    if (!heard.empty()) reader.take(heard.subspan(k, 1));
+    if (!received.empty()) reader.read(received.subspan(k, 1));
     if (reader.done()) continue;
-    for (const std::size_t row : with.taken) reader.take(rows.subspan(row * width, width));
+    for (const std::size_t row : with.received) reader.read(rows.subspan(row * width, width));
   }
 }
 

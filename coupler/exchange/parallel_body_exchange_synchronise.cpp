@@ -1,12 +1,12 @@
-// Line 23 of Algorithm 1: after it every copy equals its owner's state, and every body is where its centre
-// is.
+// Line 23 of Algorithm 1: afterwards every copy equals its owner's state, and bodies belong to their centre's
+// rank.
 //
-// A message holds, one after the other, in the order of the sender's rows:
-//   update    a rank that had a copy and keeps it: the state
-//   copy      a rank that had none: everything
-//   handover  the new owner: everything, forces, stored impulses, and which ranks hold a copy
-// A copy that nobody updates is dropped. The rank that hands a body over keeps a copy until the next time,
-// whether it overlaps or not.
+// A message has items in the order of the sender's rows:
+//   update    to a rank that keeps its copy: the state
+//   copy      to a rank without a copy: the record
+//   handover  to the new owner: the record, forces, stored impulses, and the ranks with a copy
+// A copy that is not updated is deleted. A rank that hands a body over keeps a copy until the next
+// synchronisation, whether it overlaps or not.
 #include <algorithm>
 #include <string>
 
@@ -22,7 +22,7 @@ namespace {
 
 enum class BodyItem : std::uint64_t { update, copy, handover };
 
-/// The part of a body's record that changes from step to step.
+/// The part of a body's record that changes in every step.
 struct State {
   BodyId id;
   rigid::Kinematics kinematics;
@@ -40,7 +40,7 @@ void assign(BodySet& bodies, std::size_t row, const State& s) {
   bodies.motion[row] = rigid::Motion(s.motion);
 }
 
-/// Inserts where the order of ids in a section of rows asks for it.
+/// Inserts into a section of rows in the order of ids.
 std::size_t insert_sorted(BodySet& bodies, std::size_t first, std::size_t& count, const BodyRecord& record) {
   const auto begin = bodies.id.begin() + first;
   const std::size_t row = std::lower_bound(begin, begin + count, record.id) - bodies.id.begin();
@@ -52,38 +52,38 @@ std::size_t insert_sorted(BodySet& bodies, std::size_t first, std::size_t& count
 }  // namespace
 
 struct ParallelBodyExchange::Arrivals {
-  /// A body between ranks.
+  /// A received body.
   struct Traveller {
-    OwnedBody body;  // of a copy only the record
+    OwnedBody body;  // only the record, if it is a copy
     int owner;       // after this synchronisation
     std::vector<int> holders;
   };
-  std::vector<std::uint8_t> updated;  // one a copy
+  std::vector<std::uint8_t> updated;  // one per copy
   std::vector<Traveller> copies, own;
 };
 
 void ParallelBodyExchange::synchronise(BodySet& bodies, Owners owners) {
-  bool rows_changed = drop_visitors(bodies);
+  bool rows_changed = remove_visitors(bodies);
   std::vector<std::size_t> departures;  // owned rows that are handed over
   announce(bodies, owners, departures);
   if (owners == Owners::anywhere)
-    messages_.unannounced();
+    messages_.exchange_sparse();
   else
-    messages_.with_partners(neighbourhood_.around());
+    messages_.exchange_with(neighbourhood_.around());
   Arrivals arrivals;
   arrivals.updated.assign(bodies.copies, 0);
   read(bodies, arrivals);
-  rows_changed = settle(bodies, arrivals, departures) || rows_changed;
+  rows_changed = update_rows(bodies, arrivals, departures) || rows_changed;
   if (rows_changed) bodies.reindex();
   tie(bodies);
 }
 
-/// Each of them waits for a message, if only an empty one.
+/// Prepares messages to all ranks around, which expect one, possibly empty.
 void ParallelBodyExchange::expect_all_around() {
   for (const int other : neighbourhood_.around()) messages_.to(other);
 }
 
-bool ParallelBodyExchange::drop_visitors(BodySet& bodies) {
+bool ParallelBodyExchange::remove_visitors(BodySet& bodies) {
   velocity_messages_.clear();
   if (bodies.visitors == 0) return false;
   for (; bodies.visitors > 0; --bodies.visitors) {
@@ -155,9 +155,9 @@ bool ParallelBodyExchange::announce_body(const BodySet& bodies, std::size_t row,
 void ParallelBodyExchange::read(BodySet& bodies, Arrivals& arrivals) {
   for (const parallel::Messages::Message& m : messages_.received())
     for (parallel::ByteReader reader(m.bytes); !reader.done();) {
-      const auto item = reader.take<BodyItem>();
+      const auto item = reader.read<BodyItem>();
       if (item == BodyItem::update) {
-        const auto state = reader.take<State>();
+        const auto state = reader.read<State>();
         const std::size_t row = bodies.row_of(state.id);
         if (row < bodies.owned || row >= bodies.owned + bodies.copies)
           throw std::logic_error("an update came for body " + std::to_string(state.id) +
@@ -167,21 +167,21 @@ void ParallelBodyExchange::read(BodySet& bodies, Arrivals& arrivals) {
         arrivals.updated[row - bodies.owned] = 1;
       } else if (item == BodyItem::copy) {
         Arrivals::Traveller& t = arrivals.copies.emplace_back();
-        t.body.record = reader.take<BodyRecord>();
-        t.owner = reader.take<int>();
+        t.body.record = reader.read<BodyRecord>();
+        t.owner = reader.read<int>();
       } else {
         Arrivals::Traveller& t = arrivals.own.emplace_back();
-        t.body = take_body(reader);
-        t.holders.resize(reader.take<std::uint64_t>());
-        reader.take(std::span(t.holders));
+        t.body = read_body(reader);
+        t.holders.resize(reader.read<std::uint64_t>());
+        reader.read(std::span(t.holders));
       }
     }
 }
 
-/// Rows take their new places, the last sections first so that the numbers of the others hold. True if any
-/// did.
-bool ParallelBodyExchange::settle(BodySet& bodies, Arrivals& arrivals,
-                                  const std::vector<std::size_t>& departures) {
+/// Deletes copies without an update, makes copies of bodies handed over, inserts arrivals. Returns whether
+/// rows changed.
+bool ParallelBodyExchange::update_rows(BodySet& bodies, Arrivals& arrivals,
+                                       const std::vector<std::size_t>& departures) {
   bool changed = !departures.empty() || !arrivals.own.empty() || !arrivals.copies.empty();
   for (std::size_t k = arrivals.updated.size(); k-- > 0;) {
     if (arrivals.updated[k]) continue;

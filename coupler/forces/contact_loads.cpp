@@ -16,8 +16,8 @@ Vec3 point_of(const rigid::BodySet& bodies, rigid::BodyId wall, rigid::Image ima
   return bodies.position[bodies.row_of(wall)] + extent.shift(image);
 }
 
-/// Calls visit(row, is_first, contact, impulse) with what each owned body remembers of each of its contacts;
-/// the impulse is that on the second body.
+/// Calls visit(row, is_first, contact, impulse) for each contact and each of its owned bodies that stores its
+/// impulse, the one on the second body.
 template <class Visit>
 void for_remembered(const ContactsInStep& step, Visit&& visit) {
   const rigid::BodySet& bodies = step.bodies;
@@ -30,14 +30,13 @@ void for_remembered(const ContactsInStep& step, Visit&& visit) {
     }
 }
 
-/// Appends the load that a contact with an owned free body puts on the other one, if that does not move by
-/// it.
+/// Appends the loads of owned free bodies' contacts on walls and on bodies of infinite mass.
 class LoadList {
  public:
   LoadList(const rigid::BodySet& bodies, const rigid::Extent& extent, std::vector<ContactLoad>& found)
       : bodies_(bodies), extent_(extent), found_(found) {}
 
-  /// `impulse` and `moment`: on the second body.
+  /// `impulse` and `moment` are those on the second body.
   void add(bool on_second, const Contact& c, const Vec3& impulse, const Vec3& moment) {
     const rigid::BodyId on = on_second ? c.b : c.a;
     const std::size_t row = bodies_.row_of(on);

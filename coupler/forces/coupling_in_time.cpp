@@ -14,15 +14,15 @@ using rigid::Vec3;
 
 namespace {
 
-/// One pass is stable up to twice this eigenvalue at least, alone and in dense beds
+/// Half of the eigenvalue up to which one pass is stable, alone and in dense beds
 /// (scripts/accuracy/coupling_in_time.md).
 double one_pass_limit(double relaxation_time) {
   const double relaxation = relaxation_time - 0.5;
   return std::min({4 * relaxation, 1.0, 0.8 / relaxation});
 }
 
-/// The explicit step is stable up to an eigenvalue of 0.40 sqrt(tau - 1/2), within a fifth. It is the one
-/// pass of `exact`, which with impulses under way cannot keep the sum of all momenta exactly.
+/// Half of the eigenvalue up to which the explicit step is stable, 0.40 sqrt(tau - 1/2) within a fifth.
+/// `exact` uses it as its one-pass scheme, since deferred impulses would violate the exact sum of momenta.
 double explicit_limit(double relaxation_time) {
   return 0.20 * std::sqrt(relaxation_time - 0.5);
 }
@@ -56,8 +56,7 @@ Mat6 mass_matrix(const rigid::BodySet& bodies, std::size_t row) {
   return m;
 }
 
-/// x with m x = b, m symmetric and positive definite: its blocks of velocity and of rotation are eliminated
-/// one after the other.
+/// Solves m x = b for symmetric positive definite m, by elimination of the 3 x 3 block of velocities.
 Vec6 solution_of(const Mat6& m, const Vec6& b) {
   const Mat3 mixed = m.topRightCorner<3, 3>(), inverse = Mat3(m.topLeftCorner<3, 3>()).inverse();
   const Mat3 taken = inverse * mixed;
@@ -69,21 +68,20 @@ Vec6 solution_of(const Mat6& m, const Vec6& b) {
   return x;
 }
 
-/// Returns the part of the last step's load that continues in the coming step: as far as it opposes the load,
-/// and at most `most` times it.
+/// Returns the part of the last step's load that continues: what opposes the new load, up to `most` times it.
 Vec3 going_on(const Vec3& last, const Vec3& load, double most) {
   const double opposing = -last.dot(load);
   if (!(opposing > 0)) return Vec3::Zero();
   return std::min(opposing / last.squaredNorm(), most) * last;
 }
 
-/// The load of contacts and films on a body in the last step.
+/// The loads of contacts and films on a body in the last step.
 struct LastStep {
   Vec3 contacts = Vec3::Zero(), films = Vec3::Zero();  // impulses of a sub-step
-  Vec3 approach = Vec3::Zero();  // of films: momentum relative to the bodies beyond them, times the impulse
-  double weight = 0, mass = 0;   // of films: sums of impulses, and of these times the reduced mass
-  Vec3 rolling, torque;          // against rolling, which no stored impulse has; of contacts and films
-  bool still_held;               // by something, and no film's other body has left the scene
+  Vec3 approach = Vec3::Zero();  // of films: relative momentum to the other bodies, times the impulse
+  double weight = 0, mass = 0;   // of films: sum of impulses, and of impulses times reduced mass
+  Vec3 rolling, torque;          // against rolling, which is not stored; of contacts and films
+  bool still_held;               // by some contact, and no film's other body has left
 
   LastStep(const rigid::BodySet& bodies, std::size_t row, int substeps)
       : rolling(coupling_of(bodies, row).contact_load.linear()),
@@ -109,10 +107,10 @@ struct LastStep {
     approach += size * reduced_mass * (bodies.velocity[row] - bodies.velocity[other]);
     weight += size, mass += size * reduced_mass;
   }
-  /// Returns the impulse that films will give in the coming step. A film that gave an impulse in the last
-  /// sub-step gives it again in each of the next ones while the load lasts. Films damp: at most they balance
-  /// the load and stop the motion relative to the bodies beyond them; they reverse neither. After an impact,
-  /// which a film may have met within a single sub-step, the film gives nothing.
+  /// Returns the films' expected impulse in the coming step. A film that gave an impulse in the last sub-step
+  /// gives it again in each sub-step while the load lasts. Films damp: at most they balance the load and stop
+  /// the motion relative to the other bodies, but reverse neither. After an impact, which a film may have met
+  /// within a single sub-step, the film gives nothing.
   Vec3 films_going_on(const Vec3& load, double turning_speed, double radius, int substeps) const {
     const double size = films.norm();
     if (size == 0) return Vec3::Zero();
@@ -127,7 +125,7 @@ void add_force(rigid::BodySet& bodies, std::size_t row, const Vec6& f) {
   bodies.add_torque(row, f.tail<3>());
 }
 
-/// Returns a lower bound of the principal moments (Gershgorin); where it says nothing, it is not above 0.
+/// Returns a lower bound of the principal moments (Gershgorin), which may be useless (<= 0).
 double least_moment(const Mat3& inertia) {
   const Mat3 sizes = inertia.cwiseAbs();
   return (2 * sizes.diagonal() - sizes.rowwise().sum()).minCoeff();
@@ -136,7 +134,7 @@ double least_moment(const Mat3& inertia) {
 }  // namespace
 
 bool largest_eigenvalue_is_within(double limit, const Mat6& resistance, double mass, const Mat3& inertia_B) {
-  if (resistance(0, 0) > limit * mass) return false;  // light bodies
+  if (resistance(0, 0) > limit * mass) return false;  // early exit for light bodies
   const double moment = least_moment(inertia_B);
   if (!(moment > 0)) return false;
   Vec6 scale;
@@ -158,7 +156,7 @@ CouplingInTime::CouplingInTime(const rigid::World& world, const CouplingSpec& sp
                                                  : one_pass_limit(relaxation_time)),
       resistance_quantum_(resistance_quantum) {}
 
-/// F + F_ext.
+/// Returns F + F_ext.
 Vec6 CouplingInTime::load_on(const rigid::BodySet& bodies, std::size_t row, const Vec6& link_force) const {
   Vec6 external;
   external << bodies.force[row].value() + bodies.mass[row] * bodies.weight_in_fluid[row] * world_.gravity,
@@ -167,14 +165,14 @@ Vec6 CouplingInTime::load_on(const rigid::BodySet& bodies, std::size_t row, cons
   const LastStep last(bodies, row, substeps_);
   load.head<3>() += last.films_going_on(load.head<3>(), bodies.angular_velocity[row].norm(),
                                         world_.bounding_radii[bodies.shape[row]], substeps_);
-  // A body that rests, or rolls, goes on to; one that was struck is not struck again.
+  // A body that rests or rolls continues to; an impact is not repeated.
   if (last.still_held) load.head<3>() += going_on(last.rolling, load.head<3>(), 1);
   load.head<3>() += going_on(last.contacts, load.head<3>(), substeps_);
   if (last.still_held) load.tail<3>() += going_on(last.torque, load.tail<3>(), 1);
   return load;
 }
 
-/// Adds F + left - H delta, with (M + H) delta = load + left, to the row's accumulators; returns delta.
+/// Solves (M + H) delta = load + left, adds F + left - H delta to the row's load, and returns delta.
 Vec6 CouplingInTime::solve(rigid::BodySet& bodies, std::size_t row, const Links& links, const Vec6& load,
                            const Vec6& left) const {
   const Vec6 delta = solution_of(mass_matrix(bodies, row) + links.resistance, load + left);
@@ -182,13 +180,13 @@ Vec6 CouplingInTime::solve(rigid::BodySet& bodies, std::size_t row, const Links&
   return delta;
 }
 
-Vec6 CouplingInTime::take_explicitly(rigid::BodySet& bodies, std::size_t row, const Vec6& force) const {
+Vec6 CouplingInTime::apply_explicitly(rigid::BodySet& bodies, std::size_t row, const Vec6& force) const {
   coupling_of(bodies, row).foreseen_change = {};
   add_force(bodies, row, force);
   return Vec6::Zero();
 }
 
-Vec6 CouplingInTime::take_implicitly(rigid::BodySet& bodies, std::size_t row, const Links& links) const {
+Vec6 CouplingInTime::apply_implicitly(rigid::BodySet& bodies, std::size_t row, const Links& links) const {
   Eigen::Map<Vec6> foreseen = coupling_of(bodies, row).foreseen_change();
   const Vec6 load = load_on(bodies, row, links.force);
   const Vec6 correction = solve(bodies, row, links, load, links.resistance * foreseen) - foreseen;
@@ -197,7 +195,7 @@ Vec6 CouplingInTime::take_implicitly(rigid::BodySet& bodies, std::size_t row, co
   return correction;
 }
 
-Vec6 CouplingInTime::take_in_one_pass(rigid::BodySet& bodies, std::size_t row, const Links& links) const {
+Vec6 CouplingInTime::apply_in_one_pass(rigid::BodySet& bodies, std::size_t row, const Links& links) const {
   CouplingState& state = coupling_of(bodies, row);
   Eigen::Map<Vec6> foreseen = state.foreseen_change(), deferred = state.deferred_impulse();
   const Vec6 load = load_on(bodies, row, links.force);
@@ -206,22 +204,21 @@ Vec6 CouplingInTime::take_in_one_pass(rigid::BodySet& bodies, std::size_t row, c
   return Vec6::Zero();
 }
 
-Vec6 CouplingInTime::take_velocity_change(rigid::BodySet& bodies, std::size_t row,
-                                          const RowSums& sums) const {
+Vec6 CouplingInTime::apply_links(rigid::BodySet& bodies, std::size_t row, const RowSums& sums) const {
   Links links;
   links.force = force_of(sums.force(row));
-  if (!is_implicit()) return take_explicitly(bodies, row, links.force);
+  if (!is_implicit()) return apply_explicitly(bodies, row, links.force);
   const int exponent = lbm::resistance_exponent(world_.bounding_radii[bodies.shape[row]]);
   links.resistance = resistance_of(sums.resistance(row), resistance_quantum_, exponent);
   const bool soft =
       largest_eigenvalue_is_within(soft_limit_, links.resistance, bodies.mass[row], bodies.inertia_B[row]);
   switch (soft ? of_soft_links_ : of_stiff_links_) {
     case TimeScheme::explicit_:
-      return take_explicitly(bodies, row, links.force);
+      return apply_explicitly(bodies, row, links.force);
     case TimeScheme::implicit_:
-      return take_implicitly(bodies, row, links);
+      return apply_implicitly(bodies, row, links);
     case TimeScheme::one_pass:
-      return take_in_one_pass(bodies, row, links);
+      return apply_in_one_pass(bodies, row, links);
   }
   return Vec6::Zero();
 }

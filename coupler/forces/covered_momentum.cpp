@@ -25,8 +25,8 @@ Impulse to_quanta(const Vec3& momentum, const Vec3& angular) {
   return quanta;
 }
 
-/// Momentum, and angular momentum about the centre of mass, that the body's cells have beyond its volume if
-/// they move with it. `cells` are counted as in add_cells.
+/// Returns momentum, and angular momentum about the centre of mass, of the body's cells in excess of its
+/// volume, if they move with it. `cells`: as in add_cells.
 Impulse momentum_of_excess(const rigid::BodySet& bodies, std::size_t row, const std::int64_t* cells) {
   const double count = double(cells[0]), displaced = bodies.displaced_mass(row);
   const Vec3 moment = Vec3(double(cells[1]), double(cells[2]), double(cells[3])) +
@@ -35,7 +35,7 @@ Impulse momentum_of_excess(const rigid::BodySet& bodies, std::size_t row, const 
   return to_quanta((count - displaced) * v + w.cross(moment), moment.cross(v));
 }
 
-/// Sum of the positions of the bits that are set.
+/// Returns the sum of the positions of the set bits.
 int sum_of_positions(std::uint64_t word) {
   constexpr std::uint64_t with_bit[] = {0xAAAAAAAAAAAAAAAA, 0xCCCCCCCCCCCCCCCC, 0xF0F0F0F0F0F0F0F0,
                                         0xFF00FF00FF00FF00, 0xFFFF0000FFFF0000, 0xFFFFFFFF00000000};
@@ -53,7 +53,7 @@ Vec3 impulse_debt(const rigid::BodySet& bodies, std::size_t row) {
   return impulse;
 }
 
-/// Each cell is counted by the one block that has it. Coordinates are canonical, as the body's position.
+/// Each cell is counted by its own block only. Coordinates are canonical, like the body's position.
 void add_cells(std::span<const BlockMap> maps, RowSums& sums) {
   for (const BlockMap& map : maps)
     for (const BodyMask& mask : map.masks) {
@@ -89,7 +89,7 @@ void CoveredMomentum::add(rigid::BodyId id, const Vec3& momentum, const Vec3& ar
   gains_.push_back({id, to_quanta(momentum, arm.cross(momentum))});
 }
 
-void CoveredMomentum::give_to(RowSums& sums, const rigid::BodySet& bodies) {
+void CoveredMomentum::add_to(RowSums& sums, const rigid::BodySet& bodies) {
   for (const Gain& gain : gains_)
     if (const std::size_t row = bodies.row_of(gain.id); row < bodies.size())
       for (int d = 0; d < 6; ++d) sums.force(row)[d] += gain.impulse[d];

@@ -1,7 +1,7 @@
 #pragma once
-// The momentum of cells that change sides, in the form `exact` of the force (method.md, equation 38). Given
-// at once it would come in jolts of a whole cell's momentum, 58 % of the drag of an array that moves at 0.05
-// with the fluid at 0.003 relative to it; with the impulse debt of a body the noise is 0.68 %.
+// Momentum of cells that become covered or uncovered, in the form `exact` of the force (method.md, equation
+// 38). Without the impulse debt it would act in jolts of a whole cell's momentum: noise of 58 % of the drag,
+// for an array that moves at 0.05 with the fluid at 0.003 relative to it, instead of 0.68 %.
 #include <array>
 #include <span>
 #include <vector>
@@ -12,26 +12,25 @@
 
 namespace silt::coupler {
 
-/// Returns the impulse that the fluid still owes a body for cells that changed sides; lattice units, world
-/// frame.
+/// Returns the impulse that a body has yet to receive for covered cells; lattice units, world frame.
 rigid::Vec3 impulse_debt(const rigid::BodySet&, std::size_t row);
 
-/// Counts the cells of each body into the sums of its row.
+/// Counts the cells of each body into its row's sums.
 void add_cells(std::span<const BlockMap>, RowSums&);
 
-/// Gives a row what its impulse debt has shrunk by since the last step. The row is owned, its cells complete.
+/// Adds the decrease of the impulse debt to the sums of an owned row whose cells are complete.
 void settle_debt(rigid::BodySet&, std::size_t row, RowSums&);
 
-/// Sets the debt of an owned row to that of its cells, before the first step of all.
+/// Sets the initial debt of an owned row from its cells, before the first step.
 void begin_debt(rigid::BodySet&, std::size_t row, const RowSums&);
 
-/// Momentum that bodies gained through cells that changed sides since it was last given to them.
+/// Momentum that bodies gain through covered and uncovered cells.
 class CoveredMomentum {
  public:
-  /// A body gains momentum (lattice units, world frame) at an arm from its centre of mass; rounded once.
+  /// Adds momentum (lattice units, world frame) with an arm from the centre of mass; rounded once.
   void add(rigid::BodyId, const rigid::Vec3& momentum, const rigid::Vec3& arm);
-  /// Adds it to the sums of the bodies' rows.
-  void give_to(RowSums&, const rigid::BodySet&);
+  /// Adds all gains to the sums of the bodies' rows, and clears them.
+  void add_to(RowSums&, const rigid::BodySet&);
 
  private:
   struct Gain {

@@ -11,7 +11,7 @@ namespace silt::coupler {
 namespace {
 
 constexpr double speed_of_sound = std::numbers::inv_sqrt3;
-constexpr double negligible = 1e-9;  // change of velocity, cells a step: given at once
+constexpr double negligible = 1e-9;  // change of velocity in cells a step; smaller rests are applied at once
 
 double share_of_step(double displaced) {
   const double radius = rigid::elementary::cbrt(0.75 * displaced / std::numbers::pi);
@@ -21,7 +21,7 @@ double share_of_step(double displaced) {
 }  // namespace
 
 rigid::Vec3 EntrainedFluid::operator()(rigid::BodySet& bodies, const rigid::Impact& impact) const {
-  const auto compliance = [&](std::size_t row) {  // with the entrained fluid
+  const auto compliance = [&](std::size_t row) {  // including the entrained fluid
     return bodies.inverse_mass(row) / (1 + entrained_ * (1 - bodies.weight_in_fluid[row]));
   };
   const std::size_t a = impact.row_a, b = impact.row_b;
@@ -33,7 +33,7 @@ rigid::Vec3 EntrainedFluid::operator()(rigid::BodySet& bodies, const rigid::Impa
   return impulse;
 }
 
-void give_pending_impacts(rigid::BodySet& bodies) {
+void apply_pending_impacts(rigid::BodySet& bodies) {
   for (std::size_t row = 0; row < bodies.owned; ++row) {
     Eigen::Map<rigid::Vec3> pending = coupling_of(bodies, row).pending_impact();
     if (pending == rigid::Vec3::Zero()) continue;

@@ -33,13 +33,12 @@ void add_sums(const SurfaceLinks<T>& surface, RowSums& sums) {
   for (int e = 0; e < RowSums::push_width; ++e) push[e] += surface.resistance.push[e];
 }
 
-// The mass that bodies owe the fluid. Over all links of a body the mass that its motion carries sums to zero,
-// because every line of cells that enters the body leaves it. Where bodies touch with no cell between them,
-// and where one touches a wall, links are missing, and what the others carry too much is the volume of the
-// gap that closes or opens. The body gives it back through all its links in the next step.
+// Mass owed to the fluid. Over all links of a body the mass carried by its motion sums to zero, since every
+// line of cells that enters the body leaves it. Where bodies touch without a cell between them, or a body
+// touches a wall, links are missing, and the excess of the others is the change of the gap's volume. The body
+// returns it through all its links in the next step.
 
-/// Returns whether a ball crosses a side through which fluid passes. There the domain ends, not the body, and
-/// links that are missing are nobody's.
+/// Returns whether a ball crosses a side through which fluid flows. Its missing links close no gap.
 bool crosses_open_side(const lbm::Domain& domain, const Vec3& centre, double radius) {
   for (int axis = 0; axis < 3; ++axis)
     for (const bool upper : {false, true}) {
@@ -49,9 +48,9 @@ bool crosses_open_side(const lbm::Domain& domain, const Vec3& centre, double rad
   return false;
 }
 
-/// Settles the mass that an owned body owes after a step in which its links moved like this (velocity,
-/// angular velocity), and says what each of them gives in the next one. The first quantum is that of the
-/// resistance and the exponent its own (lbm::ResistanceSums); the other one is that of the mass.
+/// Sets the mass that an owned body owes after a step in which its links moved with this velocity and angular
+/// velocity, and what each link returns in the next step. The first quantum and the exponent are those of the
+/// resistance (lbm::ResistanceSums), the last that of the mass.
 void owe_mass(rigid::BodySet& bodies, std::size_t row, const RowSums& sums, const Vec6& motion,
               double resistance_quantum, int exponent, double mass_quantum) {
   const std::int64_t *const h = sums.resistance(row), *const push = sums.push(row);
@@ -73,7 +72,7 @@ ForceOutOfRange::ForceOutOfRange(rigid::BodyId id)
       on(id) {}
 
 template <class T>
-FluidForces<T>::FluidForces(const CouplingSpec& spec, const ParallelBodyExchange& exchange, int substeps,
+FluidForces<T>::FluidForces(const CouplingSpec& spec, ParallelBodyExchange& exchange, int substeps,
                             double relaxation_time)
     : spec_(spec),
       exchange_(exchange),
@@ -99,7 +98,7 @@ void FluidForces<T>::begin(const lbm::Fluid<T>& fluid, std::span<const BlockMap>
   changes_ = &changes;
   outcome_ = {};
   sums_.reset(bodies.size());
-  covered_.give_to(sums_, bodies);
+  covered_.add_to(sums_, bodies);
   if (is_exact()) add_cells(maps, sums_);
   for (std::size_t b = 0; b < maps.size(); ++b) {
     const auto& masks = maps[b].masks;
@@ -118,7 +117,7 @@ void FluidForces<T>::begin(const lbm::Fluid<T>& fluid, std::span<const BlockMap>
   }
 }
 
-/// A body that has just come gets nothing: the cells it took were not the fluid's for it to gain from.
+/// A new body gains nothing from the cells it took, since they were not fluid cells that it covered.
 template <class T>
 void FluidForces<T>::settle(rigid::BodySet& bodies, std::size_t row) {
   if (!is_exact()) return;
@@ -127,7 +126,7 @@ void FluidForces<T>::settle(rigid::BodySet& bodies, std::size_t row) {
   if (bodies.is_dynamic(row)) outcome_.debts_begun.add(impulse_debt(bodies, row));
 }
 
-/// The velocity and angular velocity with which links return.
+/// Returns velocity and angular velocity of the body's links.
 template <class T>
 Vec6 FluidForces<T>::motion_of_links(rigid::BodySet& bodies, std::size_t row) const {
   Vec6 motion;
@@ -169,7 +168,7 @@ void FluidForces<T>::apply_inner(lbm::Block<T>& block, BlockLinks<T>& links, Gro
   });
 }
 
-/// A hint that the body may be finished soon.
+/// Prefetches a row that finish_body may need soon.
 template <class T>
 void FluidForces<T>::prefetch_row(const SurfaceLinks<T>& surface) {
   if (surface.left != 1) return;
@@ -180,7 +179,7 @@ void FluidForces<T>::prefetch_row(const SurfaceLinks<T>& surface) {
   prefetch_to_read(&bodies_->stored_impulses[surface.row]);
 }
 
-/// Does for a body on which nobody else has links what move() would do for it later.
+/// Does at once what move() would do later, for a body whose links are all in this block.
 template <class T>
 void FluidForces<T>::finish_body(lbm::Block<T>& block, const BlockLinks<T>& links, SurfaceLinks<T>& surface) {
   const std::size_t row = surface.row;
@@ -188,7 +187,7 @@ void FluidForces<T>::finish_body(lbm::Block<T>& block, const BlockLinks<T>& link
   add_sums(surface, sums_);
   settle(*bodies_, row);
   surface.finished = true;
-  const Vec6 motion = motion_of_links(*bodies_, row), d = time_.take_velocity_change(*bodies_, row, sums_);
+  const Vec6 motion = motion_of_links(*bodies_, row), d = time_.apply_links(*bodies_, row, sums_);
   owe(*bodies_, row, motion + d);
   if (d.isZero(0)) return;
   lbm::SurfaceMotion increment;
@@ -212,8 +211,7 @@ void FluidForces<T>::apply_rims(lbm::Fluid<T>& fluid, std::span<BlockLinks<T>> l
   }
 }
 
-/// Adds what all blocks have of the bodies that are not finished, at their owners; without what is out of
-/// range (the run ends in the next step).
+/// Sums the links of unfinished bodies over blocks, at their owners, except sums out of range.
 template <class T>
 void FluidForces<T>::gather(std::span<const BlockLinks<T>> links, const rigid::BodySet& bodies) {
   for (const BlockLinks<T>& block : links)
@@ -238,7 +236,7 @@ void FluidForces<T>::move(lbm::Fluid<T>& fluid, std::span<BlockLinks<T>> links, 
     Eigen::Map<Vec6> correction(corrections.data() + row * 6);
     const Vec6 motion = motion_of_links(bodies, row);
     if (bodies.is_dynamic(row))
-      correction = time_.take_velocity_change(bodies, row, sums_);
+      correction = time_.apply_links(bodies, row, sums_);
     else
       add_link_force(bodies, row, sums_);
     owe(bodies, row, motion + correction);
@@ -247,8 +245,7 @@ void FluidForces<T>::move(lbm::Fluid<T>& fluid, std::span<BlockLinks<T>> links, 
   for (std::size_t b = 0; b < links.size(); ++b) correct(fluid.blocks()[b], links[b], bodies, corrections);
 }
 
-/// Copies get the corrections of their owners (6 a row), the changes that these foresee, and the mass that
-/// their links give next.
+/// Sends to copies the corrections (6 per row), the foreseen changes, and the mass that each link returns.
 template <class T>
 void FluidForces<T>::share(rigid::BodySet& bodies, std::span<double> corrections) const {
   constexpr int width = 14;
@@ -270,8 +267,7 @@ void FluidForces<T>::share(rigid::BodySet& bodies, std::span<double> corrections
   }
 }
 
-/// The links of bodies that were not finished during the pass return as if they had moved faster by these
-/// corrections (6 a row).
+/// Corrects the links of bodies not finished during the pass for these changes of velocity (6 per row).
 template <class T>
 void FluidForces<T>::correct(lbm::Block<T>& block, BlockLinks<T>& links, const rigid::BodySet& bodies,
                              std::span<const double> corrections) {

@@ -1,10 +1,9 @@
 #pragma once
-// Force evaluation (Algorithm 2, lines 9-11): the passes over the cut links, in which surfaces return
-// populations to the fluid and the fluid acts on the bodies by momentum exchange (method.md, equations 22
-// and 33), summed in fixed point. How the sums move a body is in coupling_in_time.hpp; covered_momentum.hpp
-// has what the form `exact` adds.
+// Force evaluation (Algorithm 2, lines 9-11): passes over the cut links, in which surfaces return populations
+// to the fluid, and the fluid acts on bodies by momentum exchange (method.md, equations 22 and 33), summed in
+// fixed point. coupling_in_time.hpp moves bodies by the sums, covered_momentum.hpp has the form `exact`.
 //
-// There is no history besides the state of bodies (with their stored impulses and debts) and populations.
+// The state consists of bodies (with stored impulses and debts) and populations only.
 #include <array>
 #include <limits>
 #include <span>
@@ -21,47 +20,43 @@
 
 namespace silt::coupler {
 
-/// ForceOutOfRange says that the sums of the links of a body or wall are no numbers, or beyond the range of
-/// the fixed point.
+/// Thrown if the sum over the links of a body or wall is NaN or beyond the range of the fixed point.
 struct ForceOutOfRange : std::overflow_error {
   explicit ForceOutOfRange(rigid::BodyId);
   rigid::BodyId on;
 };
 
-/// The outcome of one step of this rank's links.
+/// The result of one step for this rank's links.
 struct LinkOutcome {
   static constexpr rigid::BodyId nobody = std::numeric_limits<rigid::BodyId>::max();
-  rigid::BodyId out_of_range = nobody;  // the least id of bodies whose sums are
-  // force and torque on the walls, by their rows, torque about their positions, in lbm::link_quantum
+  rigid::BodyId out_of_range = nobody;  // the least id of bodies with sums out of range
+  // force and torque on the walls, by row, torque about their positions, in lbm::link_quantum
   std::vector<std::array<std::int64_t, 6>> wall_loads;
-  rigid::FixedVec3 debts_begun;  // of bodies owned here that came, form `exact` only
+  rigid::FixedVec3 debts_begun;  // of new bodies owned here, form `exact` only
 };
 
 template <class T>
 class FluidForces {
  public:
-  /// `substeps` are those of the bodies' step.
-  FluidForces(const CouplingSpec&, const ParallelBodyExchange&, int substeps, double relaxation_time);
+  /// substeps: number of sub-steps of the bodies.
+  FluidForces(const CouplingSpec&, ParallelBodyExchange&, int substeps, double relaxation_time);
 
-  /// Collective, before the first step of all: the impulse debts become what the bodies' cells hold at the
-  /// start.
+  /// Collective, before the first step: sets the impulse debts to the initial momentum of the bodies' cells.
   void start(std::span<const BlockMap>, rigid::BodySet&);
-  /// A body gains momentum through a cell that it covered or left (form `exact` only).
+  /// Adds momentum that a body gained through a cell that it covered or uncovered (form `exact` only).
   void add_covered(rigid::BodyId id, const rigid::Vec3& momentum, const rigid::Vec3& arm) {
     covered_.add(id, momentum, arm);
   }
 
   // ---- a step ----
-  /// Sets the velocities with which surfaces return; before the fluid's pass. The bodies and their changes
-  /// stay where they are in memory until the step's last call.
+  /// Sets the velocities of surfaces before the fluid's pass. Bodies and changes stay until finish().
   void begin(const lbm::Fluid<T>&, std::span<const BlockMap>, std::span<BlockLinks<T>>, rigid::BodySet&,
              const BodyChanges&);
-  /// Applies inner groups of a block, all of whose cells have collided, and solves for bodies all of whose
-  /// links have been applied; on a device finish() does. `at_hand`: the dense pass has just come by, so the
-  /// populations are in a cache.
+  /// Applies inner groups of a block, whose cells have collided, and solves for bodies with all links applied
+  /// (on a device finish() does). `at_hand`: the populations are in cache.
   void apply_inner(lbm::Block<T>&, BlockLinks<T>&, GroupRange, bool at_hand);
-  /// Applies all other links and solves for all other bodies, after the halo exchange, with messages between
-  /// ranks that hold a body. What is out of range is left out of the sums: its step means nothing.
+  /// Applies the other links and solves for the other bodies, after the halo exchange, with messages between
+  /// ranks that hold a body. Sums out of range are left out; the step is then invalid.
   const LinkOutcome& finish(lbm::Fluid<T>&, std::span<BlockLinks<T>>, rigid::BodySet&);
 
  private:
@@ -81,15 +76,15 @@ class FluidForces {
   void owe(rigid::BodySet&, std::size_t row, const Vec6& motion) const;
 
   CouplingSpec spec_;
-  const ParallelBodyExchange& exchange_;
+  ParallelBodyExchange& exchange_;
   CouplingInTime time_;
   CoveredMomentum covered_;
-  const lbm::Domain* domain_ = nullptr;  // of the step under way, as what follows
+  const lbm::Domain* domain_ = nullptr;  // this and the following members: of the current step
   rigid::BodySet* bodies_ = nullptr;
   const BodyChanges* changes_ = nullptr;
   LinkOutcome outcome_;
   RowSums sums_;
-  lbm::ListedLinks listed_;  // from one call of apply to the next
+  lbm::ListedLinks listed_;  // scratch
 };
 
 }  // namespace silt::coupler

@@ -12,8 +12,8 @@ namespace {
 
 using rigid::Mat3;
 
-constexpr double widest = 1;    // cells: of a gap that its cells do not resolve
-constexpr double furthest = 8;  // cells from the middle, where a surface is hardly curved
+constexpr double widest = 1;    // cells: largest gap that its cells do not resolve
+constexpr double furthest = 8;  // cells from the middle, for nearly flat surfaces
 
 double sum_over(const GapOnLattice& gap) {
   return SILT_CHOSEN(sum_over_gap)(gap);
@@ -31,18 +31,17 @@ struct Principal {
   }
 };
 
-/// Returns the fall of the surface with the axes x, y, z of the lattice taken in this order.
+/// Returns the form of a surface with the lattice axes in the order x, y, z.
 SurfaceFall fall_of(const Mat3& k, int x, int y, int z) {
   return {0.5 * k(x, x), 0.5 * k(y, y), 0.5 * k(z, z), k(x, y), k(y, z), k(z, x)};
 }
 
-/// Returns the largest share that one surface takes of the gap's widening away from its middle.
+/// Returns the largest fraction of the gap's widening, away from the middle, that is due to one surface.
 double largest_share(const Principal& of, const Principal& other) {
   return of.most / (of.most + other.least);
 }
 
-/// Sets the heights along the normal, from a to b, and around the middle at which the gap is narrower than a
-/// cell.
+/// Sets the bounds, along the normal and around the middle, where the gap is narrower than a cell.
 void set_heights(GapOnLattice& g, const Mat3& a, const Mat3& b) {
   const Principal k_a(a), k_b(b);
   const double room = widest - 2 * g.half_width;

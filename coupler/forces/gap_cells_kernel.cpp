@@ -1,5 +1,4 @@
-// Built once an instruction set. Eight columns along x at a time, whatever the vectors of the machine, so
-// that all builds sum in one order.
+// Built once for each instruction set. It always sums eight columns along x at a time, in the same order.
 #include <cmath>
 
 #include "coupler/forces/gap_cells.hpp"
@@ -12,14 +11,14 @@ namespace {
 constexpr int lanes = 8;
 using Real8 = VectorOf<double, lanes>::type;
 
-/// The least whole number that is not below x; of less than 2^51.
+/// Returns the least integer >= x, for |x| < 2^51.
 Real8 whole_above(const Real8& x) {
   constexpr double round = 0x1.8p52;
   const Real8 nearest = (x + round) - round;
   return nearest < x ? nearest + 1 : nearest;
 }
 
-/// A surface over columns (y, z): its distance from the plane through the gap's middle, at x.
+/// A surface over columns (y, z): its distance at x from the plane through the gap's middle, and its slope.
 struct Surface {
   Real8 here, slope;
   double curvature;
@@ -31,7 +30,7 @@ struct Surface {
   Real8 at(const Real8& x) const { return here + x * (slope + x * curvature); }
 };
 
-/// Sum of (1 - H)^2 of the columns' cells in the gap.
+/// Returns the sum of (1 - H)^2 over the columns' cells in the gap.
 Real8 columns(const GapOnLattice& g, double y, const Real8& z) {
   const Surface a(g.a, g.half_width, y, z), b(g.b, g.half_width, y, z);
   const Real8 height = g.normal[1] * y + g.normal[2] * z;

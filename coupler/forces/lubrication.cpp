@@ -13,9 +13,9 @@ namespace silt::coupler {
 
 namespace {
 
-constexpr double negligible_travel = 1e-6;  // of the gap
+constexpr double negligible_travel = 1e-6;  // relative to the gap
 
-/// Integral over h of the positive part of 1 / max(h, least) - 1 / cutoff, from h = least.
+/// Returns the integral over h, from h = least, of the positive part of 1 / max(h, least) - 1 / cutoff.
 double squeeze_integral(double h, double least, double cutoff) {
   if (least >= cutoff) return 0;
   if (h <= least) return (h - least) * (1 / least - 1 / cutoff);
@@ -23,7 +23,7 @@ double squeeze_integral(double h, double least, double cutoff) {
   return rigid::elementary::log(end / least) - (end - least) / cutoff;
 }
 
-/// Mean of 1 / h - 1 / cutoff over the way that the gap is about to go: a step may take it far.
+/// Returns the mean of 1 / h - 1 / cutoff over the gap's change in the step, which may be large.
 double mean_squeeze(const rigid::LubricatedGap& gap, double least, double cutoff) {
   if (std::abs(gap.travel) <= negligible_travel * std::max(gap.width, least))
     return std::max(0.0, 1 / std::max(gap.width, least) - 1 / cutoff);
@@ -52,14 +52,14 @@ ResolvedFlows resolved_flows(WallScheme scheme, double share) {
         rest = resolved_flows(WallScheme::cli);
     return {mean(share, whole.bodies, rest.bodies), mean(share, whole.side, rest.side)};
   }
-  if (lbm::follows_distance(scheme))  // `cli`, and one that nobody has calibrated
+  if (lbm::follows_distance(scheme))  // `cli`, and schemes without a calibration
     return {{0.764, 0.550, 2.652, 0.472, 0.286}, {0.489, 1.298, 2.538, 0.472, 0.286}};
   return {{1.159, 0.167, 1.331, 0.402, 0.264}, {0.692, 1.299, 1.424, 0.402, 0.264}};
 }
 
 namespace {
 
-/// The gap at which even without a cell in it the lattice resolves all: 1 = (b + w h) h.
+/// Returns the gap at which the lattice resolves everything even without a cell in it: 1 = (b + w h) h.
 double reach_of(const ResolvedFlow& resolved) {
   const double b = resolved.base, w = resolved.width;
   const double squeeze = w == 0 ? 1 / b : (std::sqrt(b * b + 4 * w) - b) / (2 * w);

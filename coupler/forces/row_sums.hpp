@@ -1,20 +1,20 @@
 #pragma once
-// The sums of a step for each body and wall over links and cells, blocks and ranks.
+// Sums over links, cells, blocks and ranks, for each body and wall in a step.
 #include <cstdint>
 #include <span>
 #include <vector>
 
 namespace silt::coupler {
 
-/// One row of integers for each row of the BodySet: force (3) and torque (3) in lbm::link_quantum; the
-/// resistance (21) and the push (6) of its links in the quanta of lbm::ResistanceSums; in the form `exact`
-/// how many cells it has and the sum of the coordinates of their lower corners (4).
+/// Integers for each row of the BodySet: force (3) and torque (3) in lbm::link_quantum; resistance (21) and
+/// push (6) of its links in the quanta of lbm::ResistanceSums; in the form `exact` the number of its cells
+/// and the sum of their lower corners' coordinates (4).
 class RowSums {
  public:
   static constexpr int force_width = 6, resistance_width = 21, push_width = 6, cells_width = 4;
 
   explicit RowSums(bool cells) : width_(cells_begin + (cells ? cells_width : 0)) {}
-  /// All zero.
+  /// Sets all to zero.
   void reset(std::size_t rows) { all_.assign(rows * width_, 0); }
 
   int width() const { return width_; }

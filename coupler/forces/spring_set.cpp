@@ -13,7 +13,7 @@ using Vector = Eigen::VectorXd;
 using Matrix = Eigen::SparseMatrix<double>;
 using Entries = std::vector<Eigen::Triplet<double>>;
 
-constexpr int freedoms = 6;  // of a body
+constexpr int freedoms = 6;  // degrees of freedom of a body
 
 void put(Entries& entries, Eigen::Index row, Eigen::Index column, const Mat3& block) {
   for (int i = 0; i < 3; ++i)
@@ -26,8 +26,8 @@ Matrix matrix_of(const Entries& entries, Eigen::Index rows, Eigen::Index columns
   return matrix;
 }
 
-/// Returns how the second ends part from the first ones as the bodies move. Motions are in units in which
-/// mass and inertia of every body are 1, so the transpose gives the motions that forces cause.
+/// Returns the matrix from the bodies' motions to the relative motions of the springs' ends. Motions are
+/// scaled to unit mass and inertia, so the transpose maps forces to motions.
 Matrix parting(std::span<const SpringInStep> springs, std::span<const Yield> bodies) {
   Entries entries;
   for (std::size_t k = 0; k < springs.size(); ++k)
@@ -44,7 +44,7 @@ Matrix parting(std::span<const SpringInStep> springs, std::span<const Yield> bod
   return matrix_of(entries, Eigen::Index(3 * springs.size()), Eigen::Index(freedoms * bodies.size()));
 }
 
-/// The dampers along the diagonal.
+/// Returns the block-diagonal matrix of the dampers.
 Matrix dampers(std::span<const SpringInStep> springs) {
   Entries entries;
   for (std::size_t k = 0; k < springs.size(); ++k)

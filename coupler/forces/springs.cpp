@@ -18,16 +18,16 @@ using rigid::Vec3;
 
 namespace {
 
-/// What a rank has to know of a body.
-struct Told : rigid::Kinematics {
+/// The data of a body that all ranks need.
+struct SharedBody : rigid::Kinematics {
   double gain[6] = {}, along[3] = {}, about[9] = {};
 };
 constexpr double most_damping =
-    1e4;  // times the compliance: what is stronger stops as soon, but for rounding
-constexpr std::size_t words = sizeof(Told) / sizeof(std::int64_t);
+    1e4;  // times the compliance: stronger dampers stop the motion as fast, up to rounding
+constexpr std::size_t words = sizeof(SharedBody) / sizeof(std::int64_t);
 
-Told told_of(const BodySet& bodies, std::size_t row) {
-  Told told{bodies.kinematics(row)};
+SharedBody shared_of(const BodySet& bodies, std::size_t row) {
+  SharedBody told{bodies.kinematics(row)};
   Yield yield;
   if (bodies.is_dynamic(row)) {
     yield.along = bodies.unlocked(row, Vec3::Constant(1 / std::sqrt(bodies.mass[row])));
@@ -41,7 +41,7 @@ Told told_of(const BodySet& bodies, std::size_t row) {
   return told;
 }
 
-/// Of each body by its id, the first of those that it is tied to over springs and bodies that move.
+/// Returns, by id, the first body of each body's set, connected by springs and free bodies.
 std::vector<BodyId> first_of_sets(std::span<const SpringSpec> springs,
                                   std::span<const rigid::Motion> motions) {
   std::vector<BodyId> first(motions.size() + 1);
@@ -96,44 +96,44 @@ void Springs::start(BodySet& bodies) {
     if (const std::size_t row = bodies.row_of(id); row < bodies.owned) start(bodies, row);
 }
 
-/// Each body has one owner: the bits of the others add nothing.
-void Springs::look(const BodySet& bodies) {
+/// Each body has one owner, and zeros from other ranks add nothing to its bits.
+void Springs::share(const BodySet& bodies) {
   if (shared_.empty()) return;
   std::vector<std::int64_t> mine(words * shared_.size());
   for (std::size_t k = 0; k < shared_.size(); ++k)
     if (const std::size_t row = bodies.row_of(shared_[k]); row < bodies.owned) {
-      const Told told = told_of(bodies, row);
+      const SharedBody told = shared_of(bodies, row);
       std::memcpy(&mine[words * k], &told, sizeof told);
     }
   sums_.start(comm_, std::move(mine));
 }
 
-void Springs::push(BodySet& bodies) {
+void Springs::add_forces(BodySet& bodies) {
   for (const BodyId id : bodies_)
     if (const std::size_t row = bodies.row_of(id); row < bodies.owned)
       coupling_of(bodies, row).spring_load = {};
-  if (!shared_.empty()) told_ = sums_.finish();
+  if (!shared_.empty()) shared_bits_ = sums_.finish();
   const auto is_here = [&](BodyId id) { return bodies.row_of(id) < bodies.owned; };
   for (const Set& set : sets_)
-    if (std::ranges::any_of(set.bodies, is_here)) push(bodies, set);
+    if (std::ranges::any_of(set.bodies, is_here)) add_forces(bodies, set);
 }
 
-void Springs::leave_out(BodySet& bodies) const {
+void Springs::subtract_from_loads(BodySet& bodies) const {
   for (const BodyId id : bodies_)
     if (const std::size_t row = bodies.row_of(id); row < bodies.owned)
       coupling_of(bodies, row).seen_load() -= coupling_of(bodies, row).spring_load();
 }
 
-/// Returns the body where drift takes it before it is kicked; nothing for one that is not there.
+/// Returns the body after the first half of the drift, before forces; nothing for one that has left.
 std::optional<Springs::Sprung> Springs::sprung(const BodySet& bodies, BodyId id) const {
   const auto found = std::lower_bound(shared_.begin(), shared_.end(), id);
-  Told told;
+  SharedBody told;
   if (found != shared_.end() && *found == id) {
-    std::memcpy(static_cast<void*>(&told), &told_[words * (found - shared_.begin())], sizeof told);
+    std::memcpy(static_cast<void*>(&told), &shared_bits_[words * (found - shared_.begin())], sizeof told);
   } else {
     const std::size_t row = bodies.row_of(id);
     if (row >= bodies.owned) return {};
-    told = told_of(bodies, row);
+    told = shared_of(bodies, row);
   }
   const rigid::Quat q(told.orientation[0], told.orientation[1], told.orientation[2], told.orientation[3]);
   if (q.squaredNorm() == 0) return {};
@@ -144,7 +144,7 @@ std::optional<Springs::Sprung> Springs::sprung(const BodySet& bodies, BodyId id)
                 {Vec3(told.along), Mat3(told.about)}};
 }
 
-/// method.md, equations 49 and 50; of the bodies only where they are.
+/// method.md, equations 49 and 50, at the positions of the bodies.
 SpringInStep Springs::in_step(const SpringSpec& spec, const Sprung& a, const Sprung& b) const {
   SpringInStep spring{{-1, -1}, {a.pose.orientation * spec.arm, b.pose.orientation * spec.to_arm}};
   const auto& [arm_a, arm_b] = spring.arms;
@@ -159,8 +159,8 @@ SpringInStep Springs::in_step(const SpringSpec& spec, const Sprung& a, const Spr
   return spring;
 }
 
-/// A set has the same forces on all ranks that have one of its bodies.
-void Springs::push(BodySet& bodies, const Set& set) {
+/// All ranks with a body of a set compute the same forces.
+void Springs::add_forces(BodySet& bodies, const Set& set) {
   std::vector<std::optional<Sprung>> sprung_ones;
   std::vector<Yield> yields;
   for (const BodyId id : set.bodies) {

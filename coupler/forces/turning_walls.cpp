@@ -13,12 +13,13 @@ std::vector<TurningWalls::Impulse> TurningWalls::impulses(const rigid::BodySet& 
     const auto* const mesh = std::get_if<rigid::Mesh>(&world_.shapes[bodies.shape[row]]);
     if (!mesh || w.isZero(0)) continue;
     const rigid::MassProperties& solid = solid_of(bodies.shape[row]);
-    const double sign = mesh->hollow ? -1 : 1;  // its solid is around the volume
+    const double sign = mesh->hollow ? -1 : 1;  // the solid of a hollow mesh is outside its volume
     const rigid::Mat3 turn = bodies.orientation[row].toRotationMatrix();
     const Vec3 centre = turn * solid.centre, axis = w.normalized();
     const Vec3 momentum = sign * solid.volume * w.cross(v + w.cross(centre));
     const Vec3 couple = sign * w.cross(turn * (solid.inertia * (turn.transpose() * w)));
-    const Vec3 pair = couple.cross(axis);  // at half a cell to either side along the axis it is the couple
+    const Vec3 pair =
+        couple.cross(axis);  // acting half a cell to either side along the axis it is the couple
     all.push_back({bodies.id[row], 0.5 * momentum + pair, centre + 0.5 * axis});
     all.push_back({bodies.id[row], 0.5 * momentum - pair, centre - 0.5 * axis});
   }

@@ -75,7 +75,7 @@ void MapBodies::map_walls(const rigid::BodySet& bodies) {
     block.solid = block.walls;
     for (std::size_t row = bodies.first_wall(); row < bodies.size(); ++row) {
       const rigid::Shape& shape = world_.shapes[bodies.shape[row]];
-      if (!rigid::is_endless(shape) && !std::holds_alternative<rigid::Mesh>(shape)) continue;
+      if (!rigid::is_infinite(shape) && !std::holds_alternative<rigid::Mesh>(shape)) continue;
       if (rigid::signed_distance(shape, bodies.pose(row).to_body(middle)) < 0)
         std::fill(block.solid.all().begin(), block.solid.all().end(), ~std::uint64_t{0});
     }
@@ -93,7 +93,7 @@ void MapBodies::find_images(const BlockMap& block, const rigid::BodySet& bodies)
   for (std::size_t row = 0; row < bodies.first_wall(); ++row) add_images(block, bodies, row);
   for (std::size_t row = bodies.first_wall(); row < bodies.size(); ++row) {
     const rigid::Shape& shape = world_.shapes[bodies.shape[row]];
-    if (rigid::is_endless(shape))
+    if (rigid::is_infinite(shape))
       add_endless(block, bodies, row);
     else if (std::holds_alternative<rigid::Mesh>(shape))
       add_images(block, bodies, row);

@@ -14,7 +14,7 @@ using rigid::Vec3;
 
 namespace {
 
-constexpr double furthest = 1 << 28;  // cells: what is beyond is as good as there
+constexpr double furthest = 1 << 28;  // limit of coordinates, cells
 
 Int3 floor_of(const Vec3& x) {
   Int3 cell;
@@ -26,12 +26,12 @@ Int3 ceil_of(const Vec3& x) {
   return {-cell.x, -cell.y, -cell.z};
 }
 
-/// Divides whole numbers, rounding towards minus infinity.
+/// Divides integers, rounding towards minus infinity.
 int floor_div(int x, int n) {
   return x >= 0 ? x / n : -((n - 1 - x) / n);
 }
 
-/// The distance that a level's cells reach beyond those of the level before.
+/// Returns the distance by which a level's cells extend beyond the cells of the finer level.
 int growth(const CoarseningSpec& spec, int level) {
   return int(std::ceil(spec.distance * (1 << level)));
 }
@@ -119,7 +119,7 @@ void FineBoxes::add_named(std::vector<LevelBox>& boxes) const {
 bool FineBoxes::is_near(const CellBox& box, const CellBox& part) const {
   for (int d = 0; d < 3; ++d) {
     const int n = cells_[d];
-    // how far the box begins above the lower end of all that is near
+    // distance of the box's lower end from that of the region that counts as near
     const int from = part.lower[d] - reach(), length = part.size[d] + 2 * reach(), gap = box.lower[d] - from;
     const bool meet = flow_.periodic(d) ? [&] {
       const int image = gap - floor_div(gap, n) * n;

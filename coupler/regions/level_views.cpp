@@ -24,7 +24,7 @@ rigid::BoundingBox bounds(const CellBox& box) {
   return {lower, lower + size};
 }
 
-/// The other ranks whose parts are no further than so many cells from a part, sorted.
+/// Returns the other ranks, sorted, whose parts are within a distance in cells of a part.
 std::vector<int> ranks_within(int cells, const lbm::Domain& domain, const CellBox& part, int rank) {
   std::vector<int> ranks;
   Holders(domain, cells + 0.5).ranks_of(bounds(part), ranks);
@@ -89,7 +89,7 @@ LevelViews::LevelViews(const FlowSpec& flow, std::vector<rigid::BoundingBox> ent
   for (const int rank : in_reach_) parts_in_reach_.push_back(parts_.leaf(rank).box);
 }
 
-/// Returns the boxes that decide the levels of this rank's part.
+/// Returns the boxes that determine the levels of this rank's part.
 std::vector<lbm::LevelBox> LevelViews::boxes_here(const rigid::BodySet& bodies) {
   std::vector<lbm::LevelBox> boxes;
   fine_.add_named(boxes);
@@ -107,20 +107,20 @@ std::vector<lbm::LevelBox> LevelViews::boxes_here(const rigid::BodySet& bodies) 
     const rigid::Pose pose = bodies.pose(row), mapped = mapping_pose(bodies, row);
     add(row, pose);
     if ((mapped.position - pose.position).norm() > least_margin(flow_.coupling))
-      add(row, mapped);  // it was moved
+      add(row, mapped);  // the body has been moved since
   }
-  messages_.with_partners(in_reach_);
+  messages_.exchange_with(in_reach_);
   messages_.for_received<CellBox>([&](const CellBox& box, int) { fine_.add(box, 0, boxes); });
   return boxes;
 }
 
-LevelCut LevelViews::told_by(const parallel::Bytes& bytes) const {
+LevelCut LevelViews::cut_from(const parallel::Bytes& bytes) const {
   parallel::ByteReader reader(bytes);
   LevelCut cut;
-  cut.levels.resize(reader.take<std::int32_t>());
+  cut.levels.resize(reader.read<std::int32_t>());
   cut.nodes.resize(cut.levels.size() - 1);
-  reader.take(std::span(cut.nodes));
-  reader.take(std::span(cut.levels));
+  reader.read(std::span(cut.nodes));
+  reader.read(std::span(cut.levels));
   return cut;
 }
 
@@ -133,8 +133,8 @@ CutTree LevelViews::view(std::span<const lbm::LevelBox> boxes) {
     parallel::put(to, std::span(mine.nodes));
     parallel::put(to, std::span(mine.levels));
   }
-  messages_.with_partners(beside_);
-  for (const parallel::Messages::Message& m : messages_.received()) cuts[m.rank] = told_by(m.bytes);
+  messages_.exchange_with(beside_);
+  for (const parallel::Messages::Message& m : messages_.received()) cuts[m.rank] = cut_from(m.bytes);
   return view_of(parts_, cuts);
 }
 

@@ -1,6 +1,6 @@
 #pragma once
-// How a rank sees the levels of cells: those of its own part of the domain and of the parts beside it. Each
-// rank cuts its part by what the bodies of all ranks near it ask for, and tells the ranks beside it.
+// A rank's view of the levels of cells: those of its own part of the domain and of adjacent parts. Each rank
+// determines the levels of its part from the bodies of all nearby ranks and sends them to adjacent ranks.
 #include <mpi.h>
 
 #include "coupler/regions/fine_boxes.hpp"
@@ -8,36 +8,34 @@
 
 namespace silt::coupler {
 
-/// Returns a tree of one leaf a rank whose planes lie where faces of the coarsest border may.
-/// std::invalid_argument if there are too many ranks.
+/// Returns a tree with one leaf per rank and planes where faces of the coarsest border may lie. Throws
+/// std::invalid_argument for too many ranks.
 lbm::CutTree cut_for_levels(const FlowSpec&, int ranks);
-/// The cells of the domain, of which the ranks' parts are whole tiles: so many finest cells an edge, two of
-/// the coarsest. Of an axis with half a tile over the last one is longer.
+/// Parts consist of whole tiles: coarsest_tile is their edge in finest cells, two coarsest cells; tiles_of is
+/// the number of tiles. Along an axis that leaves at least half a tile over the last tile is longer.
 int coarsest_tile(const FlowSpec&);
 lbm::Int3 tiles_of(const FlowSpec&);
-/// Returns a tree of that box of tiles as one of cells, and the other way.
+/// Convert between a tree of tiles and one of cells.
 lbm::CutTree of_cells(const lbm::CutTree& of_tiles, const FlowSpec&);
 lbm::CutTree of_tiles(const lbm::CutTree& of_cells, const FlowSpec&);
 
 class LevelViews {
  public:
-  /// Collective. Parts: as cut_for_levels. Keeps references to the spec and the world. Entrances: as of
-  /// FineBoxes.
+  /// Collective. parts: as of cut_for_levels. entrances: as in FineBoxes. Keeps references to spec and world.
   LevelViews(const FlowSpec&, std::vector<rigid::BoundingBox> entrances, lbm::CutTree parts,
              const rigid::World&, MPI_Comm);
 
-  /// Collective: the view that follows from bodies and walls. Leaves of a part not beside this rank's are
-  /// far.
+  /// Collective. Returns the view for these bodies and walls. Leaves of other parts count as far.
   lbm::CutTree view(const rigid::BodySet& bodies) { return view(boxes_here(bodies)); }
-  /// Collective: that of given levels of the cells of this rank's part.
+  /// Collective. Returns the view for given levels of this rank's part.
   lbm::CutTree view(std::span<const lbm::LevelBox>);
   const lbm::CellBox& part() const { return part_; }
-  /// The other ranks whose parts are beside this one, sorted: they agree.
+  /// Returns the other ranks with adjacent parts, sorted; a symmetric relation.
   const std::vector<int>& beside() const { return beside_; }
 
  private:
   std::vector<lbm::LevelBox> boxes_here(const rigid::BodySet&);
-  lbm::LevelCut told_by(const parallel::Bytes&) const;
+  lbm::LevelCut cut_from(const parallel::Bytes&) const;
 
   const FlowSpec& flow_;
   FineBoxes fine_;
@@ -45,7 +43,7 @@ class LevelViews {
   lbm::CutTree parts_;
   lbm::CellBox part_;
   int rank_;
-  std::vector<int> beside_, in_reach_;  // in_reach_: whose bodies may matter here
+  std::vector<int> beside_, in_reach_;  // in_reach_: ranks whose bodies may matter here
   std::vector<lbm::CellBox> parts_in_reach_;
   parallel::Messages messages_;
 };

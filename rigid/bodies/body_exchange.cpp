@@ -10,10 +10,10 @@ void Extent::wrap(Vec3& x, std::array<std::int32_t, 3>& image) const {
     if (!periodic[d] || (x[d] >= 0 && x[d] < size[d])) continue;
     const double periods = std::floor(x[d] / size[d]);
     x[d] -= periods * size[d];
-    const double now = image[d] + periods;  // of a body that flies away it is only some large number
+    const double now = image[d] + periods;  // may exceed 32 bits for a body that flies away
     image[d] = std::abs(now) <= 0x1p30 ? static_cast<std::int32_t>(now) : 1 << 30;
     if (x[d] < 0) x[d] = 0;  // rounding of the line above
-    if (x[d] >= size[d]) {   // a tiny negative x, rounded up to the period itself
+    if (x[d] >= size[d]) {   // a tiny negative x was rounded up to the period
       x[d] = 0;
       ++image[d];
     }
@@ -29,10 +29,10 @@ void BodyExchange::exchange_contacts(BodySet&, std::vector<Contact>&) {}
 
 int BodyExchange::share_in_round(BodySet& bodies, std::span<double> rows, int width, int value,
                                  bool changed) {
-  const EchoReduction::Message said = cluster_.message(value);
-  heard_.resize(cluster_.partners().size());
-  share(bodies, rows, width, {&said, 1}, heard_, changed);
-  return cluster_.receive(value, heard_);
+  const EchoReduction::Message sent = cluster_.message(value);
+  received_.resize(cluster_.partners().size());
+  share(bodies, rows, width, {&sent, 1}, received_, changed);
+  return cluster_.receive(value, received_);
 }
 
 }  // namespace silt::rigid

@@ -9,24 +9,24 @@ namespace silt::rigid {
 namespace {
 
 constexpr std::size_t bytes_of_columns() {
-  std::size_t bytes = sizeof(HolderState);
+  std::size_t bytes = sizeof(AttachedState);
   visit_columns(
       [&](const BodyColumn&, auto, auto member) { bytes += sizeof(std::declval<BodyRecord&>().*member); });
   return bytes;
 }
 static_assert(sizeof(BodyRecord) - bytes_of_columns() < 8, "visit_columns has a line for every member");
 
-/// Calls f with every array of the set that has a value a body.
+/// Calls f for every array of the set that has one value per body.
 template <class F>
 void for_each_array(BodySet& b, F f) {
   visit_columns([&](const BodyColumn&, auto array, auto) { f(b.*array); });
   f(b.force);
   f(b.torque);
-  f(b.holder_state);
+  f(b.attached_state);
   f(b.stored_impulses);
 }
 
-/// A value of a set as that of a record, and back: the same bytes, but for the order of a quaternion.
+/// Copies a value between set and record: the same bytes, except for the order of a quaternion.
 template <class From, class To>
 void copy(const From& from, To& to) {
   static_assert(sizeof(From) == sizeof(To));
@@ -39,7 +39,7 @@ void copy(const double (&from)[4], Quat& to) {
   to = {from[0], from[1], from[2], from[3]};
 }
 
-/// Calls f(array, member) for the columns that a part of a record has.
+/// Calls f(array, member) for the columns that are members of `Part`, a base of a record or a record.
 template <class Part, class F>
 void for_columns_of(F f) {
   visit_columns([&]<class Array, class Owner, class T>(const BodyColumn&, Array array, T Owner::*member) {
@@ -57,7 +57,7 @@ void set_part(BodySet& bodies, std::size_t row, const Part& part) {
   for_columns_of<Part>([&](auto array, auto member) { copy(part.*member, (bodies.*array)[row]); });
 }
 
-/// A value to start from; Eigen's own default is uninitialised memory.
+/// Returns an initial value; Eigen's default is uninitialised memory.
 template <class T>
 T blank() {
   if constexpr (std::is_same_v<T, Quat>)
@@ -80,7 +80,7 @@ void sort_section(BodySet& b, std::size_t first, std::size_t last) {
   });
 }
 
-/// The inverse of the inertia between the axes about which the body may turn, else zero.
+/// Inverts the inertia restricted to the axes about which the body may turn; the other entries are zero.
 Mat3 inverse_about_free_axes(const BodySet& bodies, std::size_t row) {
   const Mat3 r = bodies.orientation[row].toRotationMatrix();
   Mat3 inertia = r * bodies.inertia_B[row] * r.transpose();
@@ -105,19 +105,19 @@ void BodySet::set_kinematics(std::size_t row, const Kinematics& k) {
 
 BodyRecord BodySet::record(std::size_t row) const {
   BodyRecord r = part_of<BodyRecord>(*this, row);
-  r.holder_state = holder_state[row];
+  r.attached_state = attached_state[row];
   return r;
 }
 
 void BodySet::assign(std::size_t row, const BodyRecord& r) {
   set_part(*this, row, r);
-  holder_state[row] = r.holder_state;
+  attached_state[row] = r.attached_state;
 }
 
 void BodySet::insert(std::size_t row, const BodyRecord& r) {
   for_each_array(*this, [&](auto& array) {
     if (array.size() == array.capacity())
-      array.reserve(array.size() + array.size() / 8 + 16);  // not the double
+      array.reserve(array.size() + array.size() / 8 + 16);  // grows by an eighth instead of doubling
     array.insert(array.begin() + row, blank<typename std::decay_t<decltype(array)>::value_type>());
   });
   assign(row, r);
@@ -144,13 +144,13 @@ void BodySet::reindex() {
 }
 
 std::size_t BodySet::row_of(BodyId wanted) const {
-  // consecutive ids, as those of a whole scene on one rank
+  // consecutive ids, as for a whole scene on one rank
   if (owned > 0 && wanted - id[0] < owned && id[wanted - id[0]] == wanted) return wanted - id[0];
   return row_of_.find(wanted, size());
 }
 
 bool BodySet::is_isotropic(std::size_t row) const {
-  // Rounding makes the moments of a symmetric body differ by this; a real difference is never as small.
+  // Rounding can make the moments of a symmetric body differ by this much; real differences are larger.
   constexpr double tolerance = 1e-14;
   const Mat3& i = inertia_B[row];
   const double off = std::max({std::abs(i(0, 1)), std::abs(i(0, 2)), std::abs(i(1, 2)),

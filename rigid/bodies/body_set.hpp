@@ -1,9 +1,9 @@
 #pragma once
-// The bodies a rank holds, as a structure of arrays. Rows, in this order:
+// The bodies of a rank, as a structure of arrays with the rows
 //   [0, owned)             bodies whose centre of mass lies in this rank's blocks, sorted by id
-//   [owned, owned+copies)  remote copies of bodies that reach into this rank's blocks, sorted by id
-//   then                   visitors: partners of owned bodies in a contact, here for the rest of one step
-//   only last              walls (global: on every rank, never sent)
+//   [owned, owned+copies)  copies of remote bodies that reach into this rank's blocks, sorted by id
+//   then                   visitors: contact partners of owned bodies, held for the rest of one step
+//   last                   walls (on every rank, never sent)
 // A copy equals its owner's state bitwise. On one rank there are only owned bodies and walls.
 #include <array>
 #include <bit>
@@ -19,11 +19,11 @@
 
 namespace silt::rigid {
 
-/// A table gives the row of a body by its id. It lies in one piece of memory, is filled again when rows
-/// change, which on many ranks is most steps, and is asked several times a contact.
+/// A hash table from body id to row, with open addressing in one array: it is rebuilt whenever rows change,
+/// on many ranks in most steps, and is read several times per contact.
 class RowTable {
  public:
-  /// Row k is that of ids[k]; of equal ids the first.
+  /// Makes k the row of ids[k]; of equal ids the first counts.
   void assign(std::span<const BodyId> ids) {
     const std::size_t places = std::bit_ceil(2 * ids.size() + 1);
     places_.assign(places, {});
@@ -33,7 +33,7 @@ class RowTable {
       if (place.row == none) place = {ids[row], row};
     }
   }
-  /// The row of an id; `otherwise` if there is none.
+  /// Returns the row of an id, or `otherwise` if there is none.
   std::size_t find(BodyId id, std::size_t otherwise) const {
     if (places_.empty()) return otherwise;
     const Place& place = places_[of(id)];
@@ -47,9 +47,9 @@ class RowTable {
     std::size_t row = none;
   };
 
-  /// Returns the place where an id is, or would be. At most half of the places are taken.
+  /// Returns the place of an id, or the free place for it. At most half of the places are used.
   std::size_t of(BodyId id) const {
-    constexpr std::uint64_t golden = 0x9E3779B97F4A7C15;  // spreads ids that follow one another
+    constexpr std::uint64_t golden = 0x9E3779B97F4A7C15;  // spreads consecutive ids
     std::size_t at = shift_ < 64 ? id * golden >> shift_ : 0;
     while (places_[at].row != none && places_[at].id != id) at = (at + 1) & (places_.size() - 1);
     return at;
@@ -65,8 +65,8 @@ enum class Motion : std::uint8_t {
   prescribed,  // moves with its constant velocity and angular velocity, infinite mass
 };
 
-/// Axes of the world along which, or about which, nothing moves a free body: bits 0 to 2 of x, y and z, bits
-/// 3 to 5 of rotation about them. Along the former its velocity stays, about the latter it does not turn.
+/// Degrees of freedom of a free body, in world axes, that forces and contacts do not change: bits 0 to 2 for
+/// translation along x, y, z (the velocity is constant), bits 3 to 5 for rotation about them (there is none).
 using LockedAxes = std::uint8_t;
 inline constexpr LockedAxes locked_along(int axis) {
   return static_cast<LockedAxes>(1 << axis);
@@ -76,15 +76,14 @@ inline constexpr LockedAxes locked_about(int axis) {
 }
 inline constexpr LockedAxes locked_rotations = 7 << 3;
 
-/// Returns the part of a change of velocity that locked axes leave.
+/// Returns a change of velocity without its components along locked axes.
 inline Vec3 without_locked(LockedAxes locked, Vec3 change) {
   for (int d = 0; d < 3; ++d)
     if (locked & locked_along(d)) change[d] = 0;
   return change;
 }
 
-/// The impulse of one contact in the previous step (world frame, acting on the pair's body b): the warm
-/// start.
+/// The impulse of a contact in the last step (world frame, on body b), for the warm start.
 struct StoredImpulse {
   BodyId partner;  // the other body
   Image image;     // of b relative to a, as in Contact
@@ -92,21 +91,21 @@ struct StoredImpulse {
   Vec3 impulse;
 };
 
-/// What a holder of bodies, such as a coupler, keeps with each: it travels with the body from rank to rank
-/// and into checkpoints; rigid/ carries it along and never reads it. Zero until it is set.
-struct alignas(8) HolderState {
+/// State that a coupler keeps with each body; zero until it is set. It travels with the body between ranks
+/// and into checkpoints; rigid/ never reads it.
+struct alignas(8) AttachedState {
   static constexpr std::size_t size = 496;
   std::byte bytes[size] = {};
 };
 
-/// The place and the motion of a body; trivially copyable, as all of a record.
+/// Pose and motion of a body; trivially copyable, as the whole record.
 struct Kinematics {
   double position[3] = {}, orientation[4] = {1, 0, 0, 0};  // w, x, y, z
   double velocity[3] = {}, angular_velocity[3] = {}, angular_momentum[3] = {};
 };
 
-/// A record has everything there is to know about one body but its stored impulses: what a message, a
-/// checkpoint and a program that adds a body carry. Trivially copyable; meaning and units as in BodySet.
+/// The complete state of one body except stored impulses, for messages, checkpoints and programs that add
+/// bodies. Trivially copyable; meaning and units as in BodySet.
 struct BodyRecord : Kinematics {
   BodyId id = 0;
   std::int32_t shape = 0, material = 0, kind = 0;
@@ -114,20 +113,20 @@ struct BodyRecord : Kinematics {
   std::int32_t image[3] = {};
   double mass = 1, weight_in_fluid = 1;
   double inertia_B[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
-  HolderState holder_state = {};
+  AttachedState attached_state = {};
 };
 
-// ---- the columns of bodies: arrays of a set, members of a record ----
+// ---- the columns of bodies: arrays of BodySet, members of BodyRecord ----
 
 struct BodyIdentities {
   std::vector<BodyId> id;
   std::vector<std::int32_t> shape;     // index into the scene's shapes
   std::vector<std::int32_t> material;  // index into the scene's materials
-  std::vector<std::int32_t> kind;      // which entry of the case made it (for output)
+  std::vector<std::int32_t> kind;      // number of the case's entry that made it (for output)
   std::vector<Motion> motion;
 };
 
-/// The position is canonical, wrapped into the domain; position + image * period is the unwrapped path.
+/// Positions are wrapped into the domain; position + image * period is the unwrapped path.
 struct BodyMotions {
   std::vector<Vec3> position;
   std::vector<std::array<std::int32_t, 3>> image;
@@ -139,8 +138,8 @@ struct BodyMotions {
 
 struct BodyMasses {
   std::vector<double> mass;
-  // weight in the fluid over that in vacuum, 1 - displaced mass / mass (method.md, M7). Stored as this ratio,
-  // so that bodies of one density fall bitwise alike
+  // weight in the fluid over weight in vacuum, 1 - displaced mass / mass (method.md, M7). Stored as this
+  // ratio, so that bodies of equal density accelerate bitwise alike
   std::vector<double> weight_in_fluid;
   std::vector<Mat3> inertia_B;
 };
@@ -148,47 +147,47 @@ struct BodyMasses {
 struct BodySet : BodyIdentities, BodyMotions, BodyMasses {
   std::size_t owned = 0, copies = 0, visitors = 0, walls = 0;
 
-  std::vector<LockedAxes> locked_of_kind;  // of the bodies of each kind; empty: none has any
+  std::vector<LockedAxes> locked_of_kind;  // indexed by kind; empty: no body has locked axes
 
-  // what acts on it this step, besides gravity; any holder may add
+  // forces of this step other than gravity, from any source
   std::vector<FixedVec3> force, torque;  // W, about the centre of mass
-  // the coupler's; travels with the body
-  std::vector<HolderState> holder_state;
+  // the coupler's data
+  std::vector<AttachedState> attached_state;
   // contact impulses of the previous step, sorted by (partner, image, feature); owned rows only
   std::vector<std::vector<StoredImpulse>> stored_impulses;
 
   std::size_t size() const { return id.size(); }
   std::size_t first_wall() const { return size() - walls; }
-  /// Moved by contacts and forces. What is not has infinite mass.
+  /// Returns whether contacts and forces move the body; otherwise its mass is infinite.
   bool is_dynamic(std::size_t row) const { return motion[row] == Motion::free; }
 
   Kinematics kinematics(std::size_t row) const;
   void set_kinematics(std::size_t row, const Kinematics&);
   BodyRecord record(std::size_t row) const;
   void assign(std::size_t row, const BodyRecord&);  // all but forces and stored impulses
-  /// Inserts before row, with zero force. Neither this nor erase touches the four counts above or the
-  /// look-up: keeping the sections' order is the caller's business.
+  /// Inserts before row, with zero force. Neither this nor erase changes the four counts above or the table
+  /// of rows; the caller keeps the sections in order.
   void insert(std::size_t row, const BodyRecord&);
   void erase(std::size_t row);
-  /// Appends to the owned bodies and counts it. Call reindex() after the last one.
+  /// Appends an owned body and counts it. Call reindex() after the last one.
   void add(const BodyRecord&);
   void resize(std::size_t rows);
-  /// Sorts the owned and the copied section by id and rebuilds the look-up. Call after any change of rows.
+  /// Sorts owned bodies and copies by id and rebuilds the table of rows. Call after changing rows.
   void reindex();
-  /// Row of a body this rank holds in any role, or size() if none.
+  /// Returns the row of a body, in whatever section, or size() if this rank does not hold it.
   std::size_t row_of(BodyId) const;
 
   LockedAxes locked(std::size_t row) const {
     return locked_of_kind.empty() ? LockedAxes{0} : locked_of_kind[kind[row]];
   }
-  /// Returns the part of a change of a body's velocity that its locked axes leave.
+  /// Returns a change of the body's velocity without its components along locked axes.
   Vec3 unlocked(std::size_t row, const Vec3& change) const {
     return locked(row) == 0 ? change : without_locked(locked(row), change);
   }
-  /// Zero unless free, and about locked axes.
+  /// Returns zero for a body that is not free, and about locked axes.
   Mat3 inverse_inertia_W(std::size_t row) const;
-  bool is_isotropic(std::size_t row) const;  // the same moment of inertia about every axis
-  /// Mass of the fluid that the body displaces.
+  bool is_isotropic(std::size_t row) const;  // whether all its moments of inertia are equal
+  /// Returns the mass of the displaced fluid.
   double displaced_mass(std::size_t row) const { return mass[row] * (1 - weight_in_fluid[row]); }
   double inverse_mass(std::size_t row) const { return is_dynamic(row) ? 1.0 / mass[row] : 0.0; }
   Pose pose(std::size_t row) const { return {position[row], orientation[row]}; }
@@ -200,7 +199,7 @@ struct BodySet : BodyIdentities, BodyMotions, BodyMasses {
 
   void add_force(std::size_t row, const Vec3& force_W) { force[row].add(force_W); }
   void add_torque(std::size_t row, const Vec3& torque_W) { torque[row].add(torque_W); }
-  /// Both keep angular velocity and momentum consistent (with a new pose the angular velocity stays).
+  /// Both keep angular velocity and momentum consistent; set_pose keeps the angular velocity.
   void set_pose(std::size_t row, const Pose&);
   void set_velocity(std::size_t row, const Vec3& velocity, const Vec3& angular_velocity);
 
@@ -208,7 +207,7 @@ struct BodySet : BodyIdentities, BodyMotions, BodyMasses {
   RowTable row_of_;
 };
 
-/// What the numbers of a column are, and with it what a checkpoint may hold of them.
+/// The kind of numbers in a column, which determines what values a checkpoint may contain.
 enum class Values {
   id,
   shape,
@@ -221,10 +220,10 @@ enum class Values {
   place,        // a point in the domain or not far outside
   orientation,  // a unit quaternion
   periods,
-  velocity,  // or angular velocity
-  impulse,   // or momentum or load, linear or angular
+  velocity,  // linear or angular
+  impulse,   // linear or angular; or a momentum or load
   step,
-  quanta,  // of a sum in integers
+  quanta,  // of an integer sum
 };
 
 struct BodyColumn {
@@ -232,8 +231,7 @@ struct BodyColumn {
   Values values;
 };
 
-/// Calls visit(column, array of a set, member of a record) for each column that both have but the holder's,
-/// in the order of checkpoints.
+/// Calls visit(column, array of a set, member of a record), except for attached state, in checkpoint order.
 template <class Visit>
 constexpr void visit_columns(Visit&& visit) {
   using Set = BodySet;
@@ -255,13 +253,13 @@ constexpr void visit_columns(Visit&& visit) {
   visit(BodyColumn{"angular_momentum", Values::impulse}, &Set::angular_momentum, &Record::angular_momentum);
 }
 
-/// Returns the numbers that a member consists of.
+/// Returns the numbers of which a member consists.
 template <class Number, class Member>
 std::span<const Number> numbers_of(const Member& member) {
   return {reinterpret_cast<const Number*>(&member), sizeof member / sizeof(Number)};
 }
 
-/// Calls visit(column, its numbers) for the same columns of a record.
+/// Calls visit(column, its numbers) for the same columns of one record.
 template <class Visit>
 void visit_columns(const BodyRecord& record, Visit&& visit) {
   visit_columns([&](const BodyColumn& column, auto, auto member) {

@@ -24,7 +24,7 @@ int EchoReduction::receive(int value, std::span<const Message> messages) {
   return value;
 }
 
-/// The least number heard of leads; who said so first, the one of them with the lowest number, is the parent.
+/// Adopts the least leader received; the sender is the parent, of several the one of the lowest rank.
 void EchoReduction::follow(std::span<const Message> messages) {
   for (std::size_t k = 0; k < messages.size(); ++k)
     if (messages[k].leader < leader_) {
@@ -53,7 +53,7 @@ void EchoReduction::update_children(std::span<const Message> messages) {
   known_from_ = round_ + depth_;
 }
 
-/// No cluster is as far across as there are ranks, which all know from the start.
+/// The diameter of a cluster is less than the number of ranks, which all of them know from the start.
 bool EchoReduction::is_complete(int rounds) const {
   if (is_alone() || rounds >= all_ - 1) return true;
   return across_ > 0 && round_ >= known_from_ && rounds >= across_;

@@ -4,41 +4,39 @@
 
 namespace silt::rigid {
 
-/// The least of a value over the ranks that contacts connect, directly or over others (a cluster), without a
-/// message to or from any other rank. Messages go between ranks with a common contact, in rounds in which the
-/// whole cluster takes part. A value reaches all of them after as many rounds as the cluster is across; the
-/// first rounds find that number with the same messages.
+/// Computes the minimum of a value over the ranks that contacts connect directly or indirectly (a cluster),
+/// without messages to other ranks. Messages go between ranks with a common contact, in rounds of the whole
+/// cluster. A value reaches all ranks after a number of rounds, the cluster's diameter.
 ///
-/// It is the echo algorithm with extinction of waves (E. Chang, "Echo algorithms: depth parallel operations
-/// on general graphs", IEEE Trans. Softw. Eng. SE-8 (1982) 391). The rank of the lowest number in the cluster
-/// leads it. Every rank takes the lowest number that has reached it for its leader and the rank that sent it
-/// first for its parent. A rank is whole if its partners all have its leader and all of its children are
-/// whole: the part of the tree below it is complete. A leader that is not the lowest never becomes whole,
-/// since next to some rank on its tree there is one that never followed it. The leader that is whole knows
-/// the depth of its tree and the number of ranks: the cluster is at most twice the depth across, and less
-/// than the number. It sends all of them this, and from which round on all know.
+/// It is the echo algorithm with extinction (E. Chang, "Echo algorithms: depth parallel operations on general
+/// graphs", IEEE Trans. Softw. Eng. SE-8 (1982) 391). The lowest rank of the cluster is its leader. Every
+/// rank adopts the lowest leader received, and as its parent the rank that sent it first. A rank is whole if
+/// its partners have the same leader and all its children are whole: the subtree below it is complete. A
+/// leader that is not the lowest rank never becomes whole, since some rank of its tree has a partner that
+/// never followed it. The whole leader knows the depth of its tree and the number of ranks: the diameter is
+/// at most twice the depth and less than that number. It sends this bound and the round from which all know
+/// it.
 class EchoReduction {
  public:
-  /// What a rank sends its partners in a round.
+  /// The message of a rank to its partners in a round.
   struct Message {
     int value;  // to be reduced
     int leader, distance, parent;
-    int depth, ranks;        // of the part of the tree below the rank; depth -1: not whole yet
-    int across, known_from;  // what the leader found; 0: nothing yet
+    int depth, ranks;        // of the subtree below the rank; depth -1: not whole yet
+    int across, known_from;  // bound of the diameter and the round from which all know it; 0: unknown
   };
 
-  /// Begins with the ranks that own a partner of a body owned here. `all` is the number of ranks there are.
+  /// Starts with the ranks that own contact partners of bodies owned here; `all`: number of ranks.
   void begin(int rank, std::vector<int> partners, int all);
   const std::vector<int>& partners() const { return partners_; }
   bool is_alone() const { return partners_.empty(); }
 
-  /// Returns what this rank sends in a round.
+  /// Returns this rank's message in a round.
   Message message(int value) const;
-  /// Ends a round with the messages of the partners, in their order. Returns the least of their values and
-  /// this rank's.
+  /// Ends a round with the messages of all partners, in their order. Returns the least value.
   int receive(int value, std::span<const Message> messages);
-  /// Returns whether the values of `rounds` rounds ago have reached all ranks of the cluster, and all of them
-  /// know that. All ranks get one answer in a round; it is true for 0 rounds on a rank alone.
+  /// Returns whether the values of `rounds` rounds ago have reached all ranks of the cluster and all know it.
+  /// The answer is the same on all of them in each round; without partners it is true for 0 rounds.
   bool is_complete(int rounds) const;
 
  private:

@@ -22,13 +22,13 @@ double in_table(const std::vector<OverTime::Row>& table, double time) {
 
 constexpr double full_turn = 2 * std::numbers::pi;
 
-/// Displacement and rotation, and their rates.
+/// Displacement and rotation vector, or their rates.
 struct Interpolated {
   Vec3 displacement = Vec3::Zero(), rotation = Vec3::Zero();
   Vec3 velocity = Vec3::Zero(), rate = Vec3::Zero();
 };
 
-/// Slope of a parabola through a row and its neighbours; zero at the ends, where the wall is at rest.
+/// Returns the slope at a row of the parabola through it and its neighbours; zero at the ends.
 template <class Of>
 Vec3 slope(const std::vector<MotionRow>& table, std::size_t k, Of of) {
   if (k == 0 || k + 1 == table.size()) return Vec3::Zero();
@@ -38,8 +38,7 @@ Vec3 slope(const std::vector<MotionRow>& table, std::size_t k, Of of) {
   return (after * left + before * right) / (before + after);
 }
 
-/// Returns a bound on the derivative of the cubic between two rows: the maximum of the parabola whose
-/// coefficients in Bernstein's form are the lengths of those of the derivative.
+/// Bounds the derivative of the cubic between two rows by the largest norm of its Bernstein coefficients.
 template <class Of>
 double slope_bound(const std::vector<MotionRow>& table, std::size_t k, Of of) {
   const Vec3 first = slope(table, k, of), last = slope(table, k + 1, of);
@@ -48,7 +47,7 @@ double slope_bound(const std::vector<MotionRow>& table, std::size_t k, Of of) {
   return b > std::max(a, c) ? (b * b - a * c) / (2 * b - a - c) : std::max(a, c);
 }
 
-/// The cubic between two rows that has their values and slopes (C. Hermite), and its derivative.
+/// Evaluates the cubic Hermite interpolation between two rows, and its derivative.
 template <class Of>
 std::pair<Vec3, Vec3> cubic(const std::vector<MotionRow>& table, std::size_t k, double time, Of of) {
   const double length = table[k + 1].time - table[k].time, s = (time - table[k].time) / length;
@@ -72,10 +71,10 @@ Interpolated at(const std::vector<MotionRow>& table, double time) {
   return found;
 }
 
-/// Angular velocity of a body whose rotation vector changes at a rate (the left Jacobian of SO(3)).
+/// Returns the angular velocity for a rotation vector and its rate (left Jacobian of SO(3)).
 Vec3 angular_velocity_of(const Vec3& rotation, const Vec3& rate) {
   const double angle = rotation.norm();
-  const double small = 1e-4;  // below it the next terms of the series are rounding
+  const double small = 1e-4;  // below it the next terms of the series are smaller than rounding
   const double a = angle < small ? 0.5 - angle * angle / 24 : (1 - elementary::cos(angle)) / (angle * angle);
   const double b = angle < small ? 1. / 6 - angle * angle / 120
                                  : (angle - elementary::sin(angle)) / (angle * angle * angle);
@@ -120,8 +119,7 @@ PrescribedMotion::Velocity PrescribedMotion::over_step(double time) const {
   return {to.position - from.position, angle_of(to.orientation * from.orientation.conjugate())};
 }
 
-/// The angular velocity is at most the rate of the rotation vector: no direction is stretched by the
-/// Jacobian.
+/// The angular velocity never exceeds the rate of the rotation vector: the Jacobian's norm is 1.
 double PrescribedMotion::speed_bound(double radius) const {
   double along_table = 0;
   for (std::size_t k = 0; k + 1 < table.size(); ++k)

@@ -35,7 +35,7 @@ void add_walls(BodySet& bodies, World& world, const Extent& extent, const std::a
 
 namespace {
 
-/// The row of a wall after all others, of a shape that is added.
+/// Adds the shape to the world and appends the wall's row.
 template <class Spec>
 void append(BodySet& bodies, World& world, const Shape& shape, const Spec& spec) {
   world.shapes.push_back(shape);

@@ -8,7 +8,7 @@ namespace silt::rigid {
 void BroadPhase::sort_into(const BodySet& bodies, std::vector<CandidatePair>& pairs) {
   pairs.clear();
   if (found_.empty()) return;
-  // by the lower id: counting sort over the ranks of the ids; then each body's few partners by themselves
+  // a counting sort by the lower id; then each body's few partners are sorted
   const std::size_t n = bodies.first_wall();
   order_.resize(n);
   std::iota(order_.begin(), order_.end(), 0u);
@@ -28,14 +28,14 @@ void BroadPhase::sort_into(const BodySet& bodies, std::vector<CandidatePair>& pa
     });
 }
 
-/// Looks for pairs that meet or might soon do.
-void BroadPhase::look(const Surroundings& around, std::span<const WallSurface> walls) {
-  const std::span slack = kept_.plan(around);
+/// Finds pairs within reach, or within reach plus slack if a Verlet list is worthwhile.
+void BroadPhase::find_candidates(const Surroundings& around, std::span<const WallSurface> walls) {
+  const std::span slack = list_.plan(around);
   wider_.assign(around.reach.begin(), around.reach.end());
   for (std::size_t row = 0; row < around.size(); ++row) wider_[row].margin += slack[row].to_bodies;
   found_.clear();
   find_pairs({around.bodies, around.extent, wider_}, found_);
-  sort_into(around.bodies, kept_.renew(around, walls));
+  sort_into(around.bodies, list_.renew(around, walls));
 }
 
 void BroadPhase::operator()(const BodySet& bodies, const Extent& extent, std::span<const Reach> reach,
@@ -43,8 +43,8 @@ void BroadPhase::operator()(const BodySet& bodies, const Extent& extent, std::sp
   pairs.clear();
   const Surroundings around{bodies, extent, reach};
   if (around.size() == 0) return;
-  if (!kept_.hold(around, walls)) look(around, walls);
-  kept_.select(around, walls, pairs);
+  if (!list_.is_valid(around, walls)) find_candidates(around, walls);
+  list_.select(around, walls, pairs);
 }
 
 }  // namespace silt::rigid

@@ -1,13 +1,13 @@
 #pragma once
-// A broad phase finds the bodies that come close enough to be looked at: pairs of bodies whose bounding
-// spheres nearly touch, and bodies near a wall. Positions are canonical; through a periodic side a body meets
-// the images of others (but never its own), through each side separately. This file decides bitwise which
-// bodies are a pair, so that the ways to find them (rigid/collision/uniform_grid, the trees of the engines in
-// adapters/) can be swapped freely; how often they are asked does not show (rigid/collision/kept_pairs).
+// The broad phase: finds pairs of bodies whose bounding spheres nearly touch, and bodies near walls.
+// Positions are canonical; through a periodic side a body meets the images of other bodies (never its own),
+// through each side separately. The criterion is defined here, bitwise, so that the searches
+// (rigid/collision/uniform_grid, the trees of engines in adapters/) are interchangeable, and the Verlet list
+// (rigid/collision/verlet_list) does not change results.
 #include <string_view>
 #include <vector>
 
-#include "rigid/collision/kept_pairs.hpp"
+#include "rigid/collision/verlet_list.hpp"
 
 namespace silt::rigid {
 
@@ -15,20 +15,19 @@ class BroadPhase {
  public:
   virtual ~BroadPhase() = default;
   virtual std::string_view name() const = 0;
-  /// Fills pairs with every (a, b, image) that meet; sorted by (id a, id b, image), each once. A wall
-  /// is near if the distance of a free body's bounding sphere to it is within the margin. reach: one a row
-  /// (unused for walls). walls: one a wall row. A function of its arguments alone, whatever is kept from call
-  /// to call.
+  /// Fills pairs with every (a, b, image) within reach, each once, sorted by (id a, id b, image). A wall is
+  /// within reach if the bounding sphere of a free body is no further from it than the body's margin. reach:
+  /// one per row (unused for walls). walls: one per wall row. The result depends on the arguments only.
   void operator()(const BodySet&, const Extent&, std::span<const Reach> reach,
                   std::span<const WallSurface> walls, std::vector<CandidatePair>& pairs);
 
  private:
-  void look(const Surroundings&, std::span<const WallSurface>);
-  /// Appends the pairs of bodies that meet, each once, in any order. Called with one body at least.
+  void find_candidates(const Surroundings&, std::span<const WallSurface>);
+  /// Appends the pairs of bodies within reach, each once, in any order. Called with at least one body.
   virtual void find_pairs(const Surroundings&, std::vector<CandidatePair>& found) = 0;
   void sort_into(const BodySet&, std::vector<CandidatePair>& pairs);
 
-  KeptPairs kept_;
+  VerletList list_;
   std::vector<Reach> wider_;
   std::vector<CandidatePair> found_;
   std::vector<std::uint32_t> order_, rank_, start_;

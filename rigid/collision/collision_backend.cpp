@@ -6,13 +6,13 @@
 namespace silt::rigid {
 namespace {
 
-/// Walks down two trees at once.
+/// Traverses two trees simultaneously.
 class PairSearch {
  public:
   PairSearch(const TriangleMesh& a, const Pose& pose_a, const TriangleMesh& b, const Pose& pose_b,
              double margin, std::vector<TrianglePair>& out)
       : a_(a), b_(b), margin_(margin), out_(out) {
-    const Pose a_in_b = pose_a.seen_from(pose_b);
+    const Pose a_in_b = pose_a.relative_to(pose_b);
     turn_ = a_in_b.orientation.toRotationMatrix();
     shift_ = a_in_b.position;
   }
@@ -63,13 +63,13 @@ class PairSearch {
   Vec3 shift_;
 };
 
-/// Two spheres, the pair that most scenes ask about most: without cores.
+/// Two spheres, the most frequent pair, without the general path through cores.
 void collide_spheres(double radius_a, const Vec3& centre_a, double radius_b, const Vec3& centre_b,
                      double tolerance, std::vector<ContactPoint>& out) {
   const Vec3 d = centre_b - centre_a;
   const double distance = d.norm(), radii = radius_a + radius_b, gap = distance - radii;
   if (gap > tolerance) return;
-  // concentric to rounding: any unit vector will do, the same one every time
+  // concentric to rounding: an arbitrary normal, always the same one
   const Vec3 normal = distance > 1e-13 * radii ? Vec3(d / distance) : Vec3(Vec3::UnitZ());
   const Vec3 on_a = centre_a + radius_a * normal;
   out.push_back({on_a, on_a + gap * normal, normal, gap, feature_id({}, {})});

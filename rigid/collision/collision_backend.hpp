@@ -1,6 +1,6 @@
 #pragma once
-// The narrow phase rigid/ asks for contact points, one pair of convex shapes at a time, and for the triangles
-// of meshes that are near. Engines implement it in adapters/; rigid/ never sees them.
+// The interface of the narrow phase: contact points of a pair of convex shapes, and nearby triangles of
+// meshes. Engines implement it in adapters/; rigid/ never includes them.
 #include <cstdint>
 #include <string_view>
 #include <vector>
@@ -13,42 +13,39 @@ namespace silt::rigid {
 
 using TrianglePair = std::pair<std::uint32_t, std::uint32_t>;
 
-/// The queries to the narrow phase, and how many of them an engine answered. A query that is neither answered
-/// nor refined is ours, checked by the engine or not.
+/// Counters of the narrow phase. Queries neither answered nor refined were computed here.
 struct BackendCounters {
-  std::uint64_t queries = 0;    // pairs of shapes, and meshes asked for triangles
-  std::uint64_t answered = 0;   // an engine's answer was taken: its normal, that there is none, its triangles
-  std::uint64_t refined = 0;    // an engine's normal was where our search for the exact one started
-  std::uint64_t fallbacks = 0;  // answers that failed their check and were replaced by another method's
+  std::uint64_t queries = 0;    // pairs of shapes, and searches for triangles
+  std::uint64_t answered = 0;   // an engine's normal, triangles, or verdict that there is no contact was used
+  std::uint64_t refined = 0;    // an engine's normal was the start of the own search
+  std::uint64_t fallbacks = 0;  // an answer failed its check and was replaced by another method's
 };
 
 class CollisionBackend {
  public:
   virtual ~CollisionBackend() = default;
   virtual std::string_view name() const = 0;
-  /// Says whether collide() answers the pair: every bounded convex shape against every convex shape,
-  /// polyhedra of up to some 10000 vertices (has_codes).
+  /// Returns whether collide() handles the pair: every bounded convex shape with every convex shape, but
+  /// polyhedra only up to some 10000 vertices (has_codes).
   bool supports(const ConvexShape& a, const ConvexShape& b) const;
-  /// Appends every contact point with gap <= tolerance (lattice units) between a and b. Poses are relative to
-  /// the first *body* (small numbers). A pure function of its arguments: no state is kept from query to
-  /// query. A flat face on a flat face or plane gives at least the corners of the common patch (4 for boxes).
-  /// b may be a half-space; a never is. Points are ordered by feature, which is unique within the call.
+  /// Appends all contact points of a and b with gap <= tolerance (lattice units), ordered by feature, which
+  /// is unique within the call. Poses are relative to the first *body*, so that numbers are small. A pure
+  /// function: no state is kept between queries. A flat face on a flat face or plane gives at least the
+  /// corners of the common patch (4 for boxes). b may be a half-space, a may not.
   virtual void collide(const ConvexShape& a, const Pose& pose_a, const ConvexShape& b, const Pose& pose_b,
                        double tolerance, std::vector<ContactPoint>& out) = 0;
 
-  /// Appends, in any order, each once, at least the triangles that reach into `near` (frame of the mesh).
+  /// Appends at least the triangles that reach into `near` (frame of the mesh), each once, in any order.
   void triangles_near(const SharedMesh& mesh, const BoundingBox& near, std::vector<std::uint32_t>& out);
-  /// Appends, in any order, each once, at least the pairs of triangles no further apart than `margin`
-  /// (lattice units).
+  /// Appends at least the pairs of triangles within `margin` (lattice units), each once, in any order.
   void triangle_pairs_near(const SharedMesh& a, const Pose& pose_a, const SharedMesh& b, const Pose& pose_b,
                            double margin, std::vector<TrianglePair>& out);
   const BackendCounters& counters() const { return counters_; }
 
  protected:
-  /// Says whether an engine's tree answers the two below.
+  /// Returns whether an engine's tree implements the two functions below.
   virtual bool finds_triangles() const { return false; }
-  /// These two answer triangles_near and triangle_pairs_near: by the mesh's own tree of boxes, if no
-  /// engine's.
+  /// Implement triangles_near and triangle_pairs_near; by default with the mesh's own tree of boxes.
   virtual void find_triangles(const SharedMesh& mesh, const BoundingBox& near,
                               std::vector<std::uint32_t>& out);
   virtual void find_triangle_pairs(const SharedMesh& a, const Pose& pose_a, const SharedMesh& b,
@@ -57,12 +54,12 @@ class CollisionBackend {
   BackendCounters counters_;
 };
 
-/// "analytic": closed forms and Newton's method, no engine.
+/// "analytic": closed forms and Newton's method, without an engine.
 class AnalyticBackend : public CollisionBackend {
  public:
   std::string_view name() const override { return "analytic"; }
-  /// Spheres, capsules and boxes by closed forms (deepest_separation), anything on a half-space by its
-  /// vertices, rims and supports, all other pairs by deepest_direction.
+  /// Closed forms for spheres, capsules and boxes (deepest_separation); vertices, rims and support points on
+  /// a half-space; deepest_direction for all other pairs.
   void collide(const ConvexShape& a, const Pose& pose_a, const ConvexShape& b, const Pose& pose_b,
                double tolerance, std::vector<ContactPoint>& out) override;
 };

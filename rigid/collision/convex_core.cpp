@@ -3,7 +3,7 @@
 namespace silt::rigid {
 namespace {
 
-/// Calls use(core), the core being the shape itself or what is swept.
+/// Calls use(core), where the core is the shape itself or the swept box.
 template <class Use>
 decltype(auto) visit_core(const ConvexShape& shape, Use&& use) {
   return std::visit(
@@ -33,7 +33,7 @@ Vec3 half_widths(const S& s) {
   }
 }
 
-/// Returns the derivative of the support, by central differences if the shape does not give it.
+/// Returns the derivative of the support point, by central differences unless the shape provides it.
 template <class S>
 Mat3 derivative(const S& s, const Vec3& n) {
   if constexpr (requires { s.support_derivative(n); }) {
@@ -41,7 +41,7 @@ Mat3 derivative(const S& s, const Vec3& n) {
   } else if constexpr (polytope<S>) {
     return Mat3::Zero();
   } else {
-    constexpr double step = 1e-5;  // radian: rounding and the third derivative weigh about alike
+    constexpr double step = 1e-5;  // radian; balances rounding and the third derivative
     const Vec3 u = n.unitOrthogonal(), v = n.cross(u);
     Mat3 k = Mat3::Zero();
     for (const Vec3& t : {u, v})
@@ -140,7 +140,7 @@ ConvexCore convex_core(const ConvexShape& shape, const Pose& pose) {
     core.is_polytope = polytope<Core>;
     core.is_box = std::is_same_v<Core, Box>;
   });
-  if (!core.is_point()) core.axes = pose.orientation.toRotationMatrix();  // a point looks alike from anywhere
+  if (!core.is_point()) core.axes = pose.orientation.toRotationMatrix();  // a point has no orientation
   return core;
 }
 

@@ -6,11 +6,11 @@
 namespace silt::rigid {
 namespace {
 
-/// Part of the pair's size by which two points that are one may miss each other.
+/// Largest miss of two points that count as common, relative to the pair's size.
 constexpr double meeting_slack = 1e-10;
-/// The proof that a direction is one of nearest approach bears this miss, over the pair's size.
+/// Tolerance of the proof that a direction is the best one, relative to the pair's size.
 constexpr double proven = 1e-12;
-/// Radian: how far edges and faces are tried where those within search_resolution did not lead to a peak.
+/// Radians: angle within which edges and faces are tried where search_resolution did not lead to a maximum.
 constexpr double widest_angle = 0.6;
 
 CommonPoint meeting_point(const ConvexCore& a, const ConvexCore& b, const Peak& peak) {
@@ -19,7 +19,7 @@ CommonPoint meeting_point(const ConvexCore& a, const ConvexCore& b, const Peak& 
   const double scale = length_scale(a, b);
   CommonPoint best{};
   best.miss = std::numeric_limits<double>::infinity();
-  // a normal that is off by rounding may leave out a corner of an edge or a face
+  // a normal with a rounding error may exclude a corner of an edge or a face
   for (const double slack :
        {meeting_slack * scale, 100 * meeting_slack * scale, 1e4 * meeting_slack * scale}) {
     a.touching_outline(n, slack, of_a);
@@ -35,36 +35,34 @@ Approach meet(const ConvexCore& a, const ConvexCore& b, const Peak& peak) {
   return {peak, meeting_point(a, b, peak)};
 }
 
-/// Improves an approach whose cores have no common point on the normal: the peak is narrow, or so flat that
-/// the next feature is far.
+/// Improves an approach whose cores have no common point on the normal: the maximum is narrow or very flat.
 void improve(const ConvexCore& a, const ConvexCore& b, Approach& found) {
-  const auto take = [&](const Peak& other) {
+  const auto consider = [&](const Peak& other) {
     if (other.core_gap > found.peak.core_gap) found = meet(a, b, other);
   };
-  // of cores that hardly touch, the points that were to meet tell the direction
+  // if the cores hardly touch, their nearest points give the direction
   if (const Vec3 between = found.where.on_b - found.where.on_a; between.dot(found.peak.normal) > 0)
-    take(climb(a, b, between.normalized(), search_resolution));
-  take(climb(a, b, found.peak.normal, widest_angle));
+    consider(climb(a, b, between.normalized(), search_resolution));
+  consider(climb(a, b, found.peak.normal, widest_angle));
   if (const auto apart = gjk_direction(a, b, Vec3::Zero(), found.peak.normal))
-    take(climb(a, b, *apart, widest_angle));
+    consider(climb(a, b, *apart, widest_angle));
 }
 
-/// Says whether the separation is proven to be the largest; see proven_direction().
+/// Returns whether the separation is proven to be the largest; see proven_direction().
 bool is_best(const ConvexCore& a, const ConvexCore& b, const Approach& found) {
   const double slack = proven * length_scale(a, b), gap = found.peak.core_gap + slack;
   if (!(found.where.miss <= slack)) return false;
   return gap >= 0 || is_least_depth(a, b, found.peak.normal, -gap, found.where);
 }
 
-/// Makes an approach of the cores' least depth, which needs no proof.
+/// Makes an approach from the least depth of the cores, which needs no proof.
 Approach overlap(const ConvexCore& a, const ConvexCore& b, const Peak& least) {
   Approach found = meet(a, b, least);
   if (found.where.miss > proven * length_scale(a, b)) improve(a, b, found);
   return found;
 }
 
-/// Returns (A + B)^-1 d for two ellipsoids d apart: normal to the plane on which both have the same value of
-/// their quadratic forms if these were one.
+/// Returns (A + B)^-1 d for two ellipsoids with quadratic forms A and B at distance d.
 Vec3 between_ellipsoids(const ConvexCore& a, const ConvexCore& b) {
   const auto form = [](const ConvexCore& c) -> Mat3 {
     return c.axes * c.half.cwiseAbs2().asDiagonal() * c.axes.transpose();
@@ -72,19 +70,18 @@ Vec3 between_ellipsoids(const ConvexCore& a, const ConvexCore& b) {
   return ((form(a) + form(b)).inverse() * between_centres(a, b)).normalized();
 }
 
-/// GJK finds the direction of polyhedra with more corners sooner than climb(), which tries many of their
-/// faces.
+/// For polyhedra of more vertices GJK is faster than climb(), which tries many faces.
 bool has_few_corners(const ConvexCore& core) {
   constexpr std::size_t most = 48;
   const auto* const polyhedron = std::get_if<Polyhedron>(core.shape);
   return !polyhedron || polyhedron->mesh->vertices.size() <= most;
 }
 
-constexpr double touching_slack = 1e-10;  // part of the pair's size: corners of an edge that touch
+constexpr double touching_slack = 1e-10;  // relative to the pair's size
 
-/// Returns how far the line of the core that x is on, or the rim of its disc, continues from there, where
-/// unit n is an outward normal: as a form of the part of a direction across n (is_least_depth). If both are
-/// of one core half of each counts: the core has what lies in the middle between them.
+/// Returns how far the line or the rim of a disc on which x lies extends from there, as a quadratic form of
+/// the part of a direction across the outward unit normal n (is_least_depth). If both sources belong to one
+/// core, each counts half: the core contains the points midway between them.
 Mat3 reach_of_edges(const ConvexCore& core, const Vec3& x, const Vec3& n, double slack) {
   Mat3 reach = Mat3::Zero();
   thread_local ContactOutline outline;
@@ -96,22 +93,21 @@ Mat3 reach_of_edges(const ConvexCore& core, const Vec3& x, const Vec3& n, double
     reach += share * std::min(to_ends[0].norm(), to_ends[1].norm()) * along * along.transpose();
   }
   if (core.is_revolved()) {
-    const Vec3 round = core.axes.col(2).cross(x - core.centre);  // along the rim, as long as its radius
+    const Vec3 round = core.axes.col(2).cross(x - core.centre);  // tangent of the rim, times its radius
     if (const double radius = round.norm(); radius > 0)
       reach += share * round * round.transpose() / (2 * radius);
   }
   return reach;
 }
 
-/// The least value of a form of unit vectors across unit n.
+/// Returns the least value of a quadratic form over unit vectors normal to unit n.
 double least_across(const Mat3& form, const Vec3& n) {
   const Vec3 t = n.unitOrthogonal(), u = n.cross(t);
   const double tt = t.dot(form * t), tu = t.dot(form * u), uu = u.dot(form * u);
   return 0.5 * (tt + uu - std::sqrt((tt - uu) * (tt - uu) + 4 * tu * tu));
 }
 
-/// Says whether balls inside the cores reach further than `depth` in all directions more than 90 degrees from
-/// n.
+/// Returns whether balls inside the cores cover the separation in all directions more than 90 degrees from n.
 bool reach_behind(const ConvexCore& a, const ConvexCore& b, const Vec3& n, double depth,
                   const CommonPoint& where) {
   const InnerBall in_a = a.inner_ball(where.on_a), in_b = b.inner_ball(where.on_b);

@@ -7,17 +7,17 @@ namespace silt::rigid {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-/// Differences below this part of the pair's size are rounding.
+/// Differences below this, relative to the pair's size, are rounding.
 constexpr double difference_rounding = 1e-13;
-/// Edges more nearly parallel than this (sine) have no normal of their own worth trying: a face's is as good.
+/// Sine of the angle below which edges count as parallel: their common normal is no better than a face's.
 constexpr double parallel_edges_sine = 1e-8;
 
-/// Unit axis with the sign that points from a to b.
+/// Returns the unit axis with the sign that points from a to b.
 Vec3 oriented(const Vec3& axis, const Vec3& d) {
   return axis.dot(d) < 0 ? Vec3(-axis) : axis;
 }
 
-/// Normal to the edges along axis i of a and j of b; nothing where they are parallel.
+/// Returns the common normal of the edges along axis i of a and j of b; nothing if they are parallel.
 std::optional<Vec3> crossed_edges(const ConvexCore& a, int i, const ConvexCore& b, int j) {
   if (a.half[i] <= 0 || b.half[j] <= 0) return {};
   const Vec3 cross = a.axes.col(i).cross(b.axes.col(j));
@@ -26,8 +26,7 @@ std::optional<Vec3> crossed_edges(const ConvexCore& a, int i, const ConvexCore& 
   return oriented(cross / sine, b.centre - a.centre);
 }
 
-/// Calls use(unit axis from a to b, whether of two crossed edges): the normals of the faces of the Minkowski
-/// difference of the cores.
+/// Calls use(unit axis from a to b, whether of two crossed edges) for the Minkowski difference's normals.
 template <class Use>
 void for_each_candidate(const ConvexCore& a, const ConvexCore& b, Use use) {
   const Vec3 d = b.centre - a.centre;
@@ -40,12 +39,12 @@ void for_each_candidate(const ConvexCore& a, const ConvexCore& b, Use use) {
       if (const auto n = crossed_edges(a, i, b, j)) use(*n, true);
 }
 
-/// The separations along all candidates from one table of cosines, in a's axes (Gottschalk, Lin, Manocha,
-/// SIGGRAPH 1996, section 5).
+/// Computes the separations along all candidates from one table of cosines in a's axes (Gottschalk, Lin,
+/// Manocha, SIGGRAPH 1996, section 5).
 struct AxisTable {
   const ConvexCore &a, &b;
-  Vec3 d, d_a, d_b;     // from a to b: as it is, along the axes of a and of b
-  Mat3 cosine, extent;  // of axis i of a with axis j of b, and its size
+  Vec3 d, d_a, d_b;     // from a to b: in the query's frame, in the axes of a and of b
+  Mat3 cosine, extent;  // of axis i of a with axis j of b, and its absolute value
 
   AxisTable(const ConvexCore& first, const ConvexCore& second)
       : a(first),
@@ -58,7 +57,7 @@ struct AxisTable {
 
   double of_face_a(int i) const { return std::abs(d_a[i]) - a.half[i] - extent.row(i).dot(b.half); }
   double of_face_b(int j) const { return std::abs(d_b[j]) - b.half[j] - extent.col(j).dot(a.half); }
-  /// Minus infinity for axes that are no edges, or parallel, or that cannot beat `best`.
+  /// Returns minus infinity if an axis has no edge, the edges are parallel, or they cannot exceed `best`.
   double of_edges(int i, int j, double best) const {
     if (a.half[i] <= 0 || b.half[j] <= 0) return -infinity;
     const int i1 = (i + 1) % 3, i2 = (i + 2) % 3, j1 = (j + 1) % 3, j2 = (j + 2) % 3;
@@ -72,8 +71,7 @@ struct AxisTable {
   }
 };
 
-/// Point to box; the normal has no component along a free axis of the nearest edge or face, whatever the
-/// distance.
+/// From a point to a box; the normal has exactly zero components along the nearest edge or face.
 Peak point_to_core(const Vec3& x, const ConvexCore& core) {
   const Vec3 outside = core.outside(x);
   const double distance = outside.norm();
@@ -81,7 +79,7 @@ Peak point_to_core(const Vec3& x, const ConvexCore& core) {
   return {core.axes * (outside / distance), distance};
 }
 
-/// Nearest of the vertices of `core` to `other`; normal from `other` to `core`.
+/// Returns the vertex of `core` nearest to `other`, with the normal from `other` to `core`.
 Peak nearest_vertex(const ConvexCore& core, const ConvexCore& other) {
   Peak best{Vec3::Zero(), infinity};
   core.for_each_vertex([&](const Feature& f) {
@@ -91,8 +89,7 @@ Peak nearest_vertex(const ConvexCore& core, const ConvexCore& other) {
   return best;
 }
 
-/// Says whether the interiors of the two edges that support n, along axis i of a and j of b, lie over each
-/// other.
+/// Returns whether the edges that support n, along axis i of a and j of b, cross as seen along n.
 bool edges_cross(const ConvexCore& a, int i, const ConvexCore& b, int j, const Vec3& n) {
   Vec3 mid_a = a.centre, mid_b = b.centre;
   for (int k = 0; k < 3; ++k) {
@@ -105,7 +102,7 @@ bool edges_cross(const ConvexCore& a, int i, const ConvexCore& b, int j, const V
   return std::abs(s) <= a.half[i] && std::abs(t) <= b.half[j];
 }
 
-/// The exact distance of cores that do not overlap.
+/// Returns the exact distance of cores that do not overlap.
 Peak closest_features(const ConvexCore& a, const ConvexCore& b) {
   Peak best = nearest_vertex(b, a);
   const Peak of_a = nearest_vertex(a, b);
@@ -119,15 +116,15 @@ Peak closest_features(const ConvexCore& a, const ConvexCore& b) {
   return best;
 }
 
-/// Says whether the vertex of `core` nearest to `other` along n, from `other` to `core` a face's normal, is
-/// over that face: then no distance is smaller than theirs.
+/// Returns whether the vertex of `core` nearest to `other` along n, a face normal of `other`, projects onto
+/// that face: then it realises the distance of the cores.
 bool vertex_over_face(const ConvexCore& core, const ConvexCore& other, const Vec3& n) {
   const Vec3 along = core.axes.transpose() * n;
   const Vec3 nearest(along.x() > 0 ? -1 : 1, along.y() > 0 ? -1 : 1, along.z() > 0 ? -1 : 1);
   return (other.outside(core.vertex(nearest)).array() != 0).count() == 1;
 }
 
-/// Says whether the axis, along which the cores are apart, is known to be that of their distance.
+/// Returns whether the axis of two separated cores is known to be that of their distance.
 bool is_distance(const ConvexCore& a, const ConvexCore& b, const Vec3& axis) {
   const auto face_of = [&](const ConvexCore& core) {
     return core.extent() == 3 && (core.axes.transpose() * axis).cwiseAbs().maxCoeff() > 1 - 1e-15;
@@ -135,12 +132,12 @@ bool is_distance(const ConvexCore& a, const ConvexCore& b, const Vec3& axis) {
   return (face_of(a) && vertex_over_face(b, a, axis)) || (face_of(b) && vertex_over_face(a, b, -axis));
 }
 
-/// Cores that touch and have no inside: spheres at one point, segments that cross or lie in one line.
+/// Handles touching cores without volume: coinciding points, segments that cross or are collinear.
 Peak touching_cores(const ConvexCore& a, const ConvexCore& b) {
   if (const auto n = crossed_edges(a, 2, b, 2)) return {*n, 0};
   const ConvexCore& line = a.extent() ? a : b;
   const Vec3 d = b.centre - a.centre;
-  // any unit vector will do, the same one every time
+  // an arbitrary unit vector, always the same
   return {line.extent() ? oriented(line.axes.col(0), d) : Vec3::UnitZ(), 0};
 }
 
@@ -149,7 +146,7 @@ Peak touching_cores(const ConvexCore& a, const ConvexCore& b) {
 Peak best_separating_axis(const ConvexCore& a, const ConvexCore& b, double enough) {
   const AxisTable table(a, b);
   const double edge_handicap =
-      10 * difference_rounding * length_scale(a, b);  // of two equal axes the face's is kept
+      10 * difference_rounding * length_scale(a, b);  // of two equal axes the face normal is kept
   double best = -infinity;
   Vec3 axis = Vec3::UnitZ();
   const auto found = [&] { return Peak{axis, best > -infinity ? box_separation(a, b, axis) : best}; };
@@ -201,8 +198,8 @@ std::optional<Peak> deepest_separation(const ConvexCore& a, const ConvexCore& b,
   if (axis.core_gap > difference_rounding * scale && is_distance(a, b, axis.normal)) return axis;
   const Peak closest = closest_features(a, b);
   if (closest.core_gap <= difference_rounding * scale) return with_box ? axis : touching_cores(a, b);
-  // the better supported normal is the right one: where faces are parallel, with no vertex over either
-  // (crossed beams), the closest features found are not the closest there are, and the axis shows it
+  // The normal of larger separation is correct: for parallel faces with no vertex over either (crossed
+  // beams), the features found are not the closest, and only the axis gives the distance.
   const Peak best = box_separation(a, b, closest.normal) > axis.core_gap ? closest : axis;
   if (best.core_gap > reach) return {};
   return best;

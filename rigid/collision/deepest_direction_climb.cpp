@@ -9,25 +9,25 @@
 namespace silt::rigid {
 namespace {
 
-/// A bound this little above the best (part of the pair's size) is not worth following.
+/// Bounds that exceed the best by less than this (relative to the pair's size) are not refined.
 constexpr double bound_rounding = 1e-12;
-/// Pairs whose separation is the same in many directions (concentric bodies of revolution) need this limit.
+/// Limit for pairs whose separation is equal in many directions (concentric bodies of revolution).
 constexpr int most_bisections = 6000;
 
-/// A direction and the supports' difference found there.
+/// A direction and the difference of the support points there.
 struct Sample {
   Vec3 n, w;
   double height() const { return n.dot(w); }
 };
 
 struct DirectionTriangle {
-  double bound;  // no direction of it has a larger separation
+  double bound;  // upper bound of the separation in the triangle
   std::array<Sample, 3> corner;
 
   bool operator<(const DirectionTriangle& other) const { return bound < other.bound; }
 };
 
-/// The least over some mixtures of the three w of the largest n_j . w.
+/// Returns the least bound max_j n_j . w over a few mixtures w of the three support differences.
 double bound_of(const std::array<Sample, 3>& c) {
   std::array<std::array<double, 3>, 3> m;  // m[i][j] = w_i . n_j
   for (int i = 0; i < 3; ++i)
@@ -65,7 +65,7 @@ class Search {
   }
 
  private:
-  /// Octants turned out of the axes, along which shapes are often aligned: there many directions are equal.
+  /// Starts with octants rotated off the axes, to which shapes are often aligned.
   void start_with_octants() {
     const Mat3 turn =
         Quat(0.8414709848, 0.3141592654, -0.2718281828, 0.3466020610).normalized().toRotationMatrix();
@@ -88,7 +88,7 @@ class Search {
     std::push_heap(heap_.begin(), heap_.end());
   }
 
-  void take(const Peak& peak) {
+  void consider(const Peak& peak) {
     if (peak.core_gap > best_.core_gap) best_ = peak;
   }
 
@@ -100,12 +100,12 @@ class Search {
     const Sample &from = c[k], &to = c[(k + 1) % 3], &opposite = c[(k + 2) % 3];
     if (length < search_resolution) {
       if (2 - 2 * best_.normal.dot(from.n) > search_resolution * search_resolution)
-        take(climb(a_, b_, (c[0].n + c[1].n + c[2].n).normalized(), 2 * search_resolution));
+        consider(climb(a_, b_, (c[0].n + c[1].n + c[2].n).normalized(), 2 * search_resolution));
       return;
     }
     const Sample middle = sample((from.n + to.n).normalized());
     if (middle.height() > best_.core_gap + slack_)
-      take(climb(a_, b_, walk_uphill(a_, b_, middle.n), search_resolution));
+      consider(climb(a_, b_, walk_uphill(a_, b_, middle.n), search_resolution));
     push({from, middle, opposite});
     push({middle, to, opposite});
   }
@@ -116,23 +116,24 @@ class Search {
   std::vector<DirectionTriangle> heap_;
 };
 
-constexpr double height_rounding = 2e-15;  // part of the pair's size: differences of height below it are none
+constexpr double height_rounding =
+    2e-15;  // relative to the pair's size: smaller height differences are rounding
 constexpr double parallel_sine = 1e-8;
-/// Radian, squared: after a step of Newton's method this small the next one is rounding; and so it is after
-/// one of the second size that is not much smaller than the one before.
+/// Squared angles at which Newton's method ends: after a step below last_step, and after one below small_step
+/// that is not much smaller than its predecessor.
 constexpr double last_step = 1e-22, small_step = 1e-12;
 constexpr int most_steps = 30;
-constexpr double least_share = 0.125;  // of a step that would lead downhill
+constexpr double least_share = 0.125;  // least fraction of a step that would lead downhill
 
-/// A track holds the directions that a search may take: all of them, or those normal to an axis.
+/// The directions that a search may use: all, or those normal to an axis.
 struct Track {
   const Vec3* axis = nullptr;
 
-  /// The part of v across the axis.
+  /// Returns the part of v normal to the axis.
   Vec3 across(const Vec3& v) const { return axis ? Vec3(v - v.dot(*axis) * *axis) : v; }
 };
 
-/// The step of Newton's method in the tangent plane at n; nothing where the height is not curved downwards.
+/// Returns Newton's step in the tangent plane at n; nothing unless the height is concave there.
 std::optional<Vec3> newton_step(const Vec3& n, const Vec3& d, const Mat3& k, const Track& track) {
   const double height = n.dot(d);
   if (track.axis) {
@@ -148,8 +149,8 @@ std::optional<Vec3> newton_step(const Vec3& n, const Vec3& d, const Mat3& k, con
   return (t * (uu * rt - tu * ru) + u * (tt * ru - tu * rt)) / det;
 }
 
-/// Climbs to where the slope vanishes, or where it turns at a kink, both cores changing their support as they
-/// do; returns nothing where that fails. Heights that differ by `rounding` are equal.
+/// Climbs to a stationary point, or to a kink where both cores change their support point; returns nothing if
+/// that fails. Heights that differ by `rounding` count as equal.
 std::optional<Vec3> climb_smooth(const ConvexCore& a, const ConvexCore& b, const Vec3& from,
                                  const Track& track, double rounding) {
   Vec3 n = track.across(from);
@@ -161,7 +162,7 @@ std::optional<Vec3> climb_smooth(const ConvexCore& a, const ConvexCore& b, const
     const Vec3 within = track.across(d);
     const double distance = within.norm();
     if (!(within.dot(n) > 0)) return {};
-    return track.across(within / distance).normalized();  // again: of a small remainder little is left normal
+    return track.across(within / distance).normalized();  // projected again, since the remainder may be small
   }
   double moved = std::numeric_limits<double>::infinity();
   for (int i = 0; i < most_steps; ++i) {
@@ -183,20 +184,19 @@ std::optional<Vec3> climb_smooth(const ConvexCore& a, const ConvexCore& b, const
   return n;
 }
 
-/// Keeps the highest of the directions tried; of equal ones the first.
+/// Keeps the highest direction tried; of equal ones the first.
 struct Best {
   const ConvexCore &a, &b;
   double handicap;
   Peak peak{Vec3::Zero(), -std::numeric_limits<double>::infinity()};
 
-  void take(const Vec3& n) {
+  void consider(const Vec3& n) {
     const double gap = core_separation(a, b, n);
     if (gap > peak.core_gap + handicap || peak.normal.isZero(0)) peak = {n, gap};
   }
 };
 
-/// Returns the direction on the circles of both axes that is nearer to n; nothing where the axes are
-/// parallel.
+/// Returns the common direction, nearer to n, of two great circles, given by their axes, unless parallel.
 std::optional<Vec3> on_both(const Vec3& u, const Vec3& v, const Vec3& n) {
   const Vec3 cross = u.cross(v);
   const double sine = cross.norm();
@@ -204,7 +204,7 @@ std::optional<Vec3> on_both(const Vec3& u, const Vec3& v, const Vec3& n) {
   return cross.dot(n) < 0 ? Vec3(-cross / sine) : Vec3(cross / sine);
 }
 
-/// The highest direction that the features near n allow.
+/// Returns the highest direction that features near n give.
 Peak step_up(const ConvexCore& a, const ConvexCore& b, const Vec3& n, double angle, double handicap) {
   thread_local Kinks of_a, of_b;
   of_a.clear();
@@ -212,15 +212,15 @@ Peak step_up(const ConvexCore& a, const ConvexCore& b, const Vec3& n, double ang
   a.kinks(n, angle, of_a);
   b.kinks(-n, angle, of_b);
   Best best{a, b, handicap};
-  for (const Vec3& face : of_a.faces) best.take(face);
-  for (const Vec3& face : of_b.faces) best.take(-face);
+  for (const Vec3& face : of_a.faces) best.consider(face);
+  for (const Vec3& face : of_b.faces) best.consider(-face);
   for (const Vec3& u : of_a.circles)
     for (const Vec3& v : of_b.circles)
-      if (const auto crossing = on_both(u, v, n)) best.take(*crossing);
+      if (const auto crossing = on_both(u, v, n)) best.consider(*crossing);
   for (const Kinks* kinks : {&of_a, &of_b})
     for (const Vec3& axis : kinks->circles)
-      if (const auto on_circle = climb_smooth(a, b, n, {&axis}, handicap)) best.take(*on_circle);
-  if (const auto smooth = climb_smooth(a, b, n, {}, handicap)) best.take(*smooth);
+      if (const auto on_circle = climb_smooth(a, b, n, {&axis}, handicap)) best.consider(*on_circle);
+  if (const auto smooth = climb_smooth(a, b, n, {}, handicap)) best.consider(*smooth);
   return best.peak;
 }
 

@@ -8,13 +8,12 @@
 namespace silt::rigid {
 namespace {
 
-/// A simplex holds up to four points of the difference b - a, and the point of their hull nearest to the
-/// origin.
+/// Up to four points of the Minkowski difference b - a, with the point of their hull nearest to the origin.
 struct Simplex {
   std::array<Vec3, 4> w;
   int size = 0;
 
-  /// The point nearest to the origin; keeps only the points it lies between. Zero where the origin is inside.
+  /// Returns the point nearest to the origin and keeps the points that span it; zero inside.
   Vec3 reduce() {
     switch (size) {
       case 1:
@@ -58,15 +57,15 @@ struct Simplex {
     if (inside) return Vec3::Zero();
     return best_of<4, 3>();
   }
-  /// The nearest of the simplices of one point less.
+  /// Reduces to the best of the faces of one point less.
   template <int points, int fewer>
   Vec3 best_of() {
     Simplex best = *this;
     Vec3 nearest = Vec3::Zero();
     double least = std::numeric_limits<double>::infinity();
-    for (int leave_out = 0; leave_out < points; ++leave_out) {
+    for (int without = 0; without < points; ++without) {
       Simplex s = *this;
-      std::copy(w.begin() + leave_out + 1, w.begin() + points, s.w.begin() + leave_out);
+      std::copy(w.begin() + without + 1, w.begin() + points, s.w.begin() + without);
       s.size = fewer;
       const Vec3 x = s.reduce();
       if (x.squaredNorm() < least) least = x.squaredNorm(), nearest = x, best = s;
@@ -75,12 +74,12 @@ struct Simplex {
   }
 };
 
-/// `size`: what rounding is relative to.
+/// `size`: the length to which rounding is relative.
 template <class A, class B>
 std::optional<Vec3> nearest_direction(const A& a, const B& b, const Vec3& shift, const Vec3& start,
                                       double size) {
   constexpr int most_rounds = 40;
-  constexpr double enough = 1e-8;  // relative: the square of the direction's error
+  constexpr double enough = 1e-8;  // square of the direction's relative error
   const double touching = 1e-9 * size, rounding = 1e-15 * size;
   Simplex simplex;
   Vec3 n = start;
@@ -100,7 +99,7 @@ std::optional<Vec3> nearest_direction(const A& a, const B& b, const Vec3& shift,
 }
 
 constexpr std::size_t most_edge_pairs = 10000;
-constexpr double tie = 1e-14;  // part of the pair's size: by less no edges beat a face
+constexpr double tie = 1e-14;  // relative to the pair's size: edges must be better than a face by this
 
 const PolyhedronMesh& mesh_of(const ConvexCore& core) {
   return *std::get<Polyhedron>(*core.shape).mesh;
@@ -110,7 +109,7 @@ std::size_t edges_of(const ConvexCore& core) {
   return core.is_box ? 12 : mesh_of(core).edges.size();
 }
 
-/// A polytope in the axes of the world, seen from a point near it.
+/// A polytope in the axes of the world, relative to a point near it.
 struct Polytope {
   struct Face {
     Vec3 normal;  // unit, outward
@@ -127,11 +126,11 @@ struct Polytope {
   void reset(const ConvexCore& core, const Vec3& origin) {
     vertices.clear(), faces.clear(), edges.clear();
     if (core.is_box)
-      take_box(core, core.centre - origin);
+      set_box(core, core.centre - origin);
     else
-      take_mesh(core, core.centre - origin, mesh_of(core));
+      set_mesh(core, core.centre - origin, mesh_of(core));
   }
-  /// The least n.x of its points.
+  /// Returns the least n.x over its vertices.
   double lowest(const Vec3& n) const {
     double least = std::numeric_limits<double>::infinity();
     for (const Vec3& x : vertices) least = std::min(least, n.dot(x));
@@ -139,8 +138,8 @@ struct Polytope {
   }
 
  private:
-  /// Corner k has the signs of the bits of k; face 2 d + s looks along axis d if s, else against it.
-  void take_box(const ConvexCore& core, const Vec3& centre) {
+  /// Sets a box: vertex k has the signs of the bits of k; face 2 d + s the normal of axis d, reversed if !s.
+  void set_box(const ConvexCore& core, const Vec3& centre) {
     const Mat3 half = core.axes * core.half.asDiagonal();
     const auto sign = [](int k, int d) { return k >> d & 1 ? 1.0 : -1.0; };
     for (int k = 0; k < 8; ++k) vertices.push_back(centre + half * Vec3(sign(k, 0), sign(k, 1), sign(k, 2)));
@@ -156,7 +155,7 @@ struct Polytope {
         edges.push_back({vertices[k], 2 * half.col(d), {2 * e + (k >> e & 1), 2 * f + (k >> f & 1)}});
       }
   }
-  void take_mesh(const ConvexCore& core, const Vec3& centre, const PolyhedronMesh& mesh) {
+  void set_mesh(const ConvexCore& core, const Vec3& centre, const PolyhedronMesh& mesh) {
     for (const Vec3& x : mesh.vertices) vertices.push_back(centre + core.axes * x);
     for (const auto& face : mesh.faces) {
       const Vec3 normal = core.axes * face.normal;
@@ -169,7 +168,7 @@ struct Polytope {
   }
 };
 
-/// Unit n, made normal to a vector.
+/// Returns unit n projected normal to a vector.
 Vec3 across(const Vec3& n, const Vec3& v) {
   return (n - v * (n.dot(v) / v.squaredNorm())).normalized();
 }
@@ -179,32 +178,32 @@ class FacesOfDifference {
   FacesOfDifference(const Polytope& a, const Polytope& b, double scale) : a_(a), b_(b), tie_(tie * scale) {}
 
   Vec3 highest() {
-    for (const auto& face : a_.faces) take(face.normal, b_.lowest(face.normal) - face.offset);
-    for (const auto& face : b_.faces) take(-face.normal, a_.lowest(face.normal) - face.offset);
+    for (const auto& face : a_.faces) consider(face.normal, b_.lowest(face.normal) - face.offset);
+    for (const auto& face : b_.faces) consider(-face.normal, a_.lowest(face.normal) - face.offset);
     edges_must_exceed_ = separation_ + tie_;
     along_edge_.resize(b_.faces.size());
-    for (const auto& edge : a_.edges) look_at_pairs_of(edge);
+    for (const auto& edge : a_.edges) test_pairs_of(edge);
     return normal_;
   }
 
  private:
-  void take(const Vec3& normal, double separation) {
+  void consider(const Vec3& normal, double separation) {
     if (separation > separation_) normal_ = normal, separation_ = separation;
   }
-  void look_at_pairs_of(const Polytope::Edge& u) {
+  void test_pairs_of(const Polytope::Edge& u) {
     for (std::size_t f = 0; f < b_.faces.size(); ++f) along_edge_[f] = b_.faces[f].normal.dot(u.along);
     const Vec3 &from = a_.faces[u.faces[0]].normal, &to = a_.faces[u.faces[1]].normal;
     for (const auto& v : b_.edges) {
       if (!(along_edge_[v.faces[0]] * along_edge_[v.faces[1]] < 0)) continue;
       if (!(from.dot(v.along) * to.dot(v.along) < 0)) continue;
-      // both great circles cross the other's arc, perhaps on opposite sides
+      // both great circles cross the other's arc, but perhaps on opposite sides
       Vec3 n = u.along.cross(v.along);
       if (n.dot(from + to) < 0) n = -n;
       if (!(n.dot(b_.faces[v.faces[0]].normal + b_.faces[v.faces[1]].normal) < 0)) continue;
-      n = across(n.normalized(), u.along);  // of edges nearly parallel little is left normal
+      n = across(n.normalized(), u.along);  // for nearly parallel edges the cross product is inexact
       if (n.dot(v.from - u.from) <= edges_must_exceed_) continue;
       const double separation = b_.lowest(n) + a_.lowest(-n);
-      if (separation > edges_must_exceed_) take(n, separation);
+      if (separation > edges_must_exceed_) consider(n, separation);
     }
   }
 
@@ -212,7 +211,7 @@ class FacesOfDifference {
   double tie_, edges_must_exceed_ = 0;
   Vec3 normal_ = Vec3::Zero();
   double separation_ = -std::numeric_limits<double>::infinity();
-  std::vector<double> along_edge_;  // of the faces of b, along the edge of a at work
+  std::vector<double> along_edge_;  // for the faces of b, along the current edge of a
 };
 
 }  // namespace
@@ -227,7 +226,7 @@ std::optional<Vec3> gjk_direction(const SweptCore& a, const ShrunkCore& b, const
 }
 
 Vec3 walk_uphill(const ConvexCore& a, const ConvexCore& b, const Vec3& from) {
-  constexpr double apart = 0.02;  // part of the pair's size
+  constexpr double apart = 0.02;  // relative to the pair's size
   constexpr int most_rounds = 6;
   Vec3 n = from;
   for (int round = 0; round < most_rounds; ++round) {

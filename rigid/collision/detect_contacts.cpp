@@ -15,15 +15,12 @@ namespace silt::rigid {
 
 namespace {
 
-/// Approach speeds are those before the kick and before contacts; some room for what these two add.
+/// Factor on the approach, whose speeds are those before gravity, forces and contacts.
 constexpr double margin_safety = 1.5;
-/// Keeps resting contacts in sight, relative to the bounding radius; those that pull, as far as they may
-/// open.
+/// Least margins relative to the bounding radius, to detect resting contacts, and cohesive ones that open.
 constexpr double least_margin = 1e-6, least_margin_of_cohesion = 1e-4;
-constexpr double least_roundness = 0.02;  // lesser over greater curvature of a gap that is no line contact
-constexpr double same_gap = 0.95;         // cosine of the angle up to which the normals of one gap differ
 
-/// Puts the arms, which reach to either body's own surface, where the impulse acts (method.md, C3a).
+/// Sets the arms, which reach to either body's surface, to the point of action (method.md, C3a).
 void set_arms(const BodySet& bodies, const CandidatePair& p, const Vec3& across, Contact& c) {
   const bool a_moves = bodies.is_dynamic(p.row_a), b_moves = bodies.is_dynamic(p.row_b);
   if (!c.lubrication && !(a_moves && b_moves)) return;
@@ -33,8 +30,7 @@ void set_arms(const BodySet& bodies, const CandidatePair& p, const Vec3& across,
   c.r_b -= (1 - share) * across;
 }
 
-/// Walls that are no meshes turn in their own surface.
-template <class ShapeParts>
+/// Walls other than meshes rotate in their own surface, so their normals are constant.
 NormalTurns normal_turns(const ShapeParts& a, const ShapeParts& b) {
   using enum NormalTurns;
   if (b.half_space || b.tube) return never;
@@ -42,7 +38,7 @@ NormalTurns normal_turns(const ShapeParts& a, const ShapeParts& b) {
   return b.sphere ? with_a : with_both;
 }
 
-/// Canonical and inside the domain also where a contact point lies behind a wall.
+/// Returns the canonical position, moved into the domain if a contact point lies behind a wall.
 Vec3 into_domain(const Extent& extent, Vec3 x) {
   std::array<std::int32_t, 3> image{};
   extent.wrap(x, image);
@@ -58,9 +54,9 @@ DetectContacts::DetectContacts(std::unique_ptr<BroadPhase> broad_phase)
 DetectContacts::DetectContacts(DetectContacts&&) noexcept = default;
 DetectContacts::~DetectContacts() = default;
 
-void DetectContacts::learn_shapes(const World& world) {
+void DetectContacts::prepare_shapes(const World& world) {
   for (std::size_t s = shapes_.size(); s < world.shapes.size(); ++s) {
-    shapes_.emplace_back(world.shapes[s], world.lubrication || world.asks_for_radii());
+    shapes_.emplace_back(world.shapes[s], world.lubrication || world.needs_radii());
     with_meshes_ |= shapes_.back().mesh != nullptr;
   }
   if (!with_meshes_) return;
@@ -95,7 +91,7 @@ void DetectContacts::set_reach(const World& world, const BodySet& bodies, double
   for (std::size_t row = count; row < bodies.size(); ++row) {
     const ShapeParts& shape = shapes_[bodies.shape[row]];
     if (shape.mesh)
-      walls_.push_back(WallSurface::out_of_sight());
+      walls_.push_back(WallSurface::unreachable());
     else if (shape.tube)
       walls_.push_back({.tube = shape.tube, .pose = bodies.pose(row)});
     else
@@ -104,8 +100,8 @@ void DetectContacts::set_reach(const World& world, const BodySet& bodies, double
   }
 }
 
-/// A point near both bodies, however deep they overlap: the middle of a gap, the surface of the smaller body
-/// in an overlap. Whoever looks at it holds both.
+/// Returns a point near both bodies for any overlap, so that every rank that tests it holds both: the middle
+/// of a gap, or the surface point of the smaller body in an overlap.
 Vec3 DetectContacts::point_near_both(const Pair& p, const ContactPoint& point) const {
   if (point.gap >= 0) return 0.5 * (point.on_a + point.on_b);
   const bool b_is_smaller =
@@ -116,7 +112,7 @@ Vec3 DetectContacts::point_near_both(const Pair& p, const ContactPoint& point) c
 double DetectContacts::pair_margin(const Call& call, const CandidatePair& p, const Vec3& shift) const {
   const auto& [world, bodies, exchange, backend, dt] = call;
   const bool wall = is_wall(bodies.id[p.row_b]);
-  const bool turns = wall && shapes_[bodies.shape[p.row_b]].mesh;  // the others turn in their own surface
+  const bool turns = wall && shapes_[bodies.shape[p.row_b]].mesh;  // other walls rotate in their own surface
   const Vec3 arm = turns ? Vec3(bodies.position[p.row_a] - bodies.position[p.row_b] - shift) : Vec3::Zero();
   const double approach = dt * (bodies.velocity_at(p.row_b, arm) - bodies.velocity[p.row_a]).norm();
   const double turn =
@@ -153,7 +149,7 @@ bool DetectContacts::pieces_apart(const Piece& a, const Piece& b, double margin)
          ((box_b.lower - box_a.upper).array() > margin).any();
 }
 
-/// Compares by the bodies' speeds relative to each other; the broad phase knew only each body's own.
+/// Tests with the bodies' relative velocity; the broad phase only used each body's own speed.
 bool DetectContacts::bodies_apart(const Pair& p) const {
   const auto& shape = p.call.bodies.shape;
   const double range = reach_[p.row_a].radius + reach_[p.row_b].radius + p.margin;
@@ -164,70 +160,7 @@ bool DetectContacts::bodies_apart(const Pair& p) const {
          ((a.lower - b.upper - p.from_a_to_b).array() > p.margin).any();
 }
 
-/// A mesh stands for a smooth surface that it is near to. Of two meshes nothing is known.
-bool DetectContacts::may_lubricate(const ShapeParts& a, const ShapeParts& b) {
-  const auto any = [](const ShapeParts& s) { return s.smooth || s.mesh || s.tube; };
-  return (a.smooth && any(b)) || (b.smooth && any(a));
-}
-
-/// The gap between two convex pieces that touch at one point has a film there. A mesh may touch a body at
-/// several points of one gap: its film is where it is narrowest.
-bool DetectContacts::has_lubrication(const ContactPoint& point, bool with_mesh) const {
-  if (!with_mesh) return points_.size() == 1;
-  return std::ranges::none_of(points_, [&](const ContactPoint& other) {
-    return std::tie(other.gap, other.feature) < std::tie(point.gap, point.feature) &&
-           other.normal.dot(point.normal) > same_gap;
-  });
-}
-
-/// Gives the contact a film if both surfaces are smooth and curve away from each other.
-void DetectContacts::put_lubrication(const Pair& p, const Piece& a, const Piece& b, const ContactPoint& point,
-                                     Contact& c) const {
-  if (!a.of->is_smooth(a.index) || !b.of->is_smooth(b.index)) return;
-  const BodySet& bodies = p.call.bodies;
-  const Vec3& n = point.normal;
-  const std::uint32_t code = feature_of(point.feature);
-  const auto of_a = a.of->curvature_at(a.index, a.pose, point.on_a, n, code),
-             of_b = b.of->curvature_at(b.index, b.pose, point.on_b, -n, code);
-  if (!of_a || !of_b) return;
-  const double opening = n.dot(bodies.velocity_at(p.row_b, c.r_b) - bodies.velocity_at(p.row_a, c.r_a));
-  const Vec3 middle = bodies.position[p.row_a] + 0.5 * (point.on_a + point.on_b);
-  const LubricatedGap gap{point.gap, p.call.dt * opening, *of_a, *of_b, middle, n, b.of->half_space};
-  const double sum = gap.curvature_sum();
-  if (sum > 0 && gap.curvature_product() >= least_roundness * sum * sum)
-    c.lubrication = (*p.call.world.lubrication)(gap);
-  if (c.lubrication) c.feature |= lubrication_feature;
-}
-
-/// Of a body that is a mesh.
-std::uint32_t DetectContacts::code_of_a(const Piece& b, const ContactPoint& point) {
-  return b.of->mesh ? static_cast<std::uint32_t>(point.feature >> 32) : feature_of(point.feature);
-}
-
-/// What has infinite mass has no arm: a wall is the same however thick it is.
-ReducedRadii DetectContacts::radii_of(const Pair& p, const Piece& a, const Piece& b,
-                                      const ContactPoint& point) const {
-  constexpr double infinity = std::numeric_limits<double>::infinity();
-  if (a.of->sphere && (b.of->sphere || b.of->half_space)) {
-    const double radius = reduced(a.of->radii[0], b.of->sphere ? b.of->radii[0] : infinity);
-    return {radius, radius};
-  }
-  const auto curvature = [&](const Piece& piece, const Vec3& x, const Vec3& out, std::uint32_t code) {
-    const Vec3 out_B = piece.pose.orientation.conjugate() * out;
-    return piece.of->curvature_at(piece.index, piece.pose, x, out,
-                                  piece.of->mesh ? piece.of->mesh->code_across(out_B, code) : code);
-  };
-  const auto arm = [&](std::size_t row, const Vec3& r) {
-    return p.call.bodies.is_dynamic(row) ? std::abs(point.normal.dot(r)) : infinity;
-  };
-  const auto of_a = curvature(a, point.on_a, point.normal, code_of_a(b, point)),
-             of_b = curvature(b, point.on_b, -point.normal, feature_of(point.feature));
-  if (!of_a || !of_b) return {};
-  return reduced_radii(*of_a, *of_b, point.normal,
-                       reduced(arm(p.row_a, point.on_a), arm(p.row_b, point.on_b - p.from_a_to_b)));
-}
-
-/// Fills points_ with those of a piece of one body and a piece of the other.
+/// Fills points_ with the contact points of one piece of each body.
 void DetectContacts::collide_pieces(const Pair& p, const Piece& a, const Piece& b) {
   points_.clear();
   CollisionBackend& backend = p.call.backend;
@@ -266,11 +199,11 @@ void DetectContacts::collide_pair(const Pair& p, std::vector<Contact>& contacts)
       pose_b{p.from_a_to_b, bodies.orientation[p.row_b]};
   const bool single = a.pieces() == 1 && b.pieces() == 1, with_mesh = a.mesh || b.mesh;
   const Material& material = world.pair(bodies.material[p.row_a], bodies.material[p.row_b]);
-  const bool with_radii = material.asks_for_radii();
+  const bool with_radii = material.needs_radii();
   const LubricationLaw* const lubrication = may_lubricate(a, b) ? world.lubrication.get() : nullptr;
   const std::size_t first = contacts.size();
   double least_gap = std::numeric_limits<double>::infinity();
-  Vec3 narrowest = Vec3::Zero();  // a point near both bodies at the least gap
+  Vec3 narrowest = Vec3::Zero();  // point near both bodies at the least gap
   pieces_of_b_.clear();
   for (std::size_t j = 0; j < b.pieces(); ++j) pieces_of_b_.push_back({&b, j, b.pose_of(j, pose_b)});
   for (std::size_t i = 0; i < a.pieces(); ++i) {
@@ -282,16 +215,24 @@ void DetectContacts::collide_pair(const Pair& p, std::vector<Contact>& contacts)
       for (const ContactPoint& point : points_) {
         const std::uint64_t feature = with_mesh ? packed_mesh_feature(i + of_b.index, point.feature)
                                                 : packed_feature(i, of_b.index, point.feature);
-        contacts.push_back({bodies.id[p.row_a], bodies.id[p.row_b], p.image, feature, point.normal, point.gap,
-                            point.on_a, point.on_b - p.from_a_to_b, material.restitution, material.friction});
+        contacts.push_back({.a = bodies.id[p.row_a],
+                            .b = bodies.id[p.row_b],
+                            .image = p.image,
+                            .feature = feature,
+                            .normal = point.normal,
+                            .gap = point.gap,
+                            .r_a = point.on_a,
+                            .r_b = point.on_b - p.from_a_to_b,
+                            .restitution = material.restitution,
+                            .friction = material.friction});
         if (lubrication && point.gap < lubrication->reach() && has_lubrication(point, with_mesh))
-          put_lubrication(p, of_a, of_b, point, contacts.back());
+          add_lubrication(p, of_a, of_b, point, contacts.back());
         if (with_radii) contacts.back().radii = radii_of(p, of_a, of_b, point);
         set_arms(bodies, p, point.on_b - point.on_a, contacts.back());
         if (material.pulls()) contacts.back().normal_turns = normal_turns(a, b);
         if (point.gap < least_gap) least_gap = point.gap, narrowest = point_near_both(p, point);
       }
-      let_pass(p, of_a, of_b, std::span(contacts).subspan(first_of_pieces));
+      set_separating_normals(p, of_a, of_b, std::span(contacts).subspan(first_of_pieces));
     }
   }
   if (contacts.size() == first) return;
@@ -302,32 +243,34 @@ void DetectContacts::collide_pair(const Pair& p, std::vector<Contact>& contacts)
       ++(c.lubrication ? lubrication_counts_.with : lubrication_counts_.without);
 }
 
-/// The contacts of two pieces, those of points_ one by one, that would act although the pieces pass each
-/// other get the plane between which they do so.
-void DetectContacts::let_pass(const Pair& p, const Piece& a, const Piece& b,
-                              std::span<Contact> of_pieces) const {
+/// Replaces the normal of contacts between two pieces that pass each other without touching: each contact,
+/// point by point in points_, that would act nevertheless gets the normal of the plane between them.
+void DetectContacts::set_separating_normals(const Pair& p, const Piece& a, const Piece& b,
+                                            std::span<Contact> of_pieces) const {
   if (a.of->sphere || b.of->sphere || b.of->half_space || b.of->tube) return;
   const BodySet& bodies = p.call.bodies;
-  const double slack =
-      passing_slack * (reach_[p.row_a].radius + (is_wall(bodies.id[p.row_b]) ? 0.0 : reach_[p.row_b].radius));
-  std::optional<Passing> found;
-  bool looked = false;
+  const double slack = separation_slack * (reach_[p.row_a].radius +
+                                           (is_wall(bodies.id[p.row_b]) ? 0.0 : reach_[p.row_b].radius));
+  std::optional<SeparatingPlane> found;
+  bool searched = false;
   for (std::size_t k = 0; k < of_pieces.size(); ++k) {
     Contact& c = of_pieces[k];
     const ContactPoint& point = points_[k];
     const Vec3 motion = p.call.dt * (bodies.velocity_at(p.row_b, c.r_b) - bodies.velocity_at(p.row_a, c.r_a));
     if (c.lubrication || c.gap < -slack || c.gap + c.normal.dot(motion) >= -slack) continue;
-    if (!looked || a.of->mesh || b.of->mesh)
-      found = find_passing(p, a, b, point, std::abs(c.gap) + motion.norm() + slack);
-    looked = true;
+    if (!searched || a.of->mesh || b.of->mesh)
+      found = find_separating_plane(p, a, b, point, std::abs(c.gap) + motion.norm() + slack);
+    searched = true;
     if (!found) continue;
     c.normal = found->normal;
     c.gap = std::min(found->front_b - c.normal.dot(point.on_a), c.normal.dot(point.on_b) - found->front_a);
   }
 }
 
-std::optional<Passing> DetectContacts::find_passing(const Pair& p, const Piece& a, const Piece& b,
-                                                    const ContactPoint& point, double reach) const {
+std::optional<SeparatingPlane> DetectContacts::find_separating_plane(const Pair& p, const Piece& a,
+                                                                     const Piece& b,
+                                                                     const ContactPoint& point,
+                                                                     double reach) const {
   const BodySet& bodies = p.call.bodies;
   const double dt = p.call.dt;
   const auto moving = [&](const Piece& piece, std::size_t row, const Vec3& position, std::uint32_t code) {
@@ -343,12 +286,12 @@ std::optional<Passing> DetectContacts::find_passing(const Pair& p, const Piece& 
     part.fallen = piece.of->pose_of(piece.index, after);
     return part;
   };
-  return passing(moving(a, p.row_a, Vec3::Zero(), code_of_a(b, point)),
-                 moving(b, p.row_b, p.from_a_to_b, feature_of(point.feature)), point.on_a, reach);
+  return separating_plane(moving(a, p.row_a, Vec3::Zero(), code_of_a(b, point)),
+                          moving(b, p.row_b, p.from_a_to_b, feature_of(point.feature)), point.on_a, reach);
 }
 
-/// Returns the displacement from a to b: small numbers, and the same ones on every rank. A tube, alike all
-/// along its axis, is taken where a is abreast of it.
+/// Returns the displacement from a to b, computed bitwise the same on every rank from small numbers. Of a
+/// tube the point of the axis next to a is taken.
 Vec3 DetectContacts::displacement_to(const Call& call, const CandidatePair& p) const {
   const BodySet& bodies = call.bodies;
   const Vec3 displacement =
@@ -358,8 +301,8 @@ Vec3 DetectContacts::displacement_to(const Call& call, const CandidatePair& p) c
   return displacement - axis.dot(displacement) * axis;
 }
 
-/// The broad phase sees no wall that is a mesh: it may be as large as the domain, and move, while few of its
-/// triangles are near a body, which the mesh's tree tells. Adds the free bodies that come near its box.
+/// Adds the free bodies near the box of each wall that is a mesh. The broad phase leaves these out: a mesh
+/// may be as large as the domain and move, while only few triangles, which its tree finds, are near a body.
 void DetectContacts::add_mesh_walls(const Call& call) {
   const BodySet& bodies = call.bodies;
   const Extent& extent = call.exchange.extent();
@@ -367,7 +310,8 @@ void DetectContacts::add_mesh_walls(const Call& call) {
   for (std::size_t wall = bodies.first_wall(); wall < bodies.size(); ++wall) {
     const auto& mesh = shapes_[bodies.shape[wall]].mesh;
     if (!mesh) continue;
-    const BoundingBox box = Mesh{mesh->mesh().surface}.bounding_box(bodies.pose(wall));  // if hollow, too
+    const BoundingBox box =
+        Mesh{mesh->mesh().surface}.bounding_box(bodies.pose(wall));  // finite if hollow, too
     for (const Image image : images_of(extent))
       for (std::size_t row = 0; row < bodies.first_wall(); ++row) {
         if (!bodies.is_dynamic(row)) continue;
@@ -387,7 +331,7 @@ std::size_t DetectContacts::operator()(const World& world, const BodySet& bodies
                                        const BodyExchange& exchange, CollisionBackend& backend, double dt,
                                        std::vector<Contact>& contacts) {
   contacts.clear(), lubrication_counts_ = {};
-  learn_shapes(world);
+  prepare_shapes(world);
   set_reach(world, bodies, dt);
   const Call call{world, bodies, exchange, backend, dt};
   (*broad_phase_)(bodies, exchange.extent(), reach_, walls_, pairs_);

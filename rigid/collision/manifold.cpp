@@ -10,21 +10,21 @@
 namespace silt::rigid {
 namespace {
 
-constexpr double length_rounding = 1e-12;  // part of the pair's size: lengths below it are none
-constexpr double same_depth = 2e-14;       // part of the pair's size: gaps that differ by less are equal
-/// Faces seen more obliquely than this (cosine) have no points worth having.
+constexpr double length_rounding = 1e-12;  // relative to the pair's size: smaller lengths are rounding
+constexpr double same_depth = 2e-14;  // relative to the pair's size: smaller differences of gaps are rounding
+/// Cosine between normals below which a face is too oblique for contact points.
 constexpr double oblique_cosine = 0.1;
-/// Lines (of capsules and cylinders) at an angle with a sine up to this may touch along their common length,
+/// Sine of the largest angle at which lines (of capsules and cylinders) may touch along their common length,
 constexpr double parallel_lines_sine = 0.2;
-/// ... where their surfaces' normals are this near (cosine) to that of the deepest point.
+/// and the least cosine between their surfaces' normals there and the normal of the deepest point.
 constexpr double same_side_cosine = 0.9;
 
 std::uint32_t pair_code(std::uint32_t of_a, std::uint32_t of_b) {
   return of_a << 16 | of_b;
 }
 
-/// Contact points as seen from the first of the two bodies, or with the two exchanged.
-struct SeenPoints {
+/// Collects contact points given as on the first and second body, which are b and a if `swap`.
+struct PointList {
   std::vector<ContactPoint>& points;
   bool swap;
 
@@ -52,9 +52,9 @@ void face_on_face(const ContactOutline& a, const ContactOutline& b, const Vec3& 
   }
 }
 
-/// Returns the distance from the point x of a swept segment's axis, `t` from its middle, along unit m to the
-/// surface; nothing where that point is past the barrel and on no hemisphere (which has a point of its own).
-/// A cylinder's line is on the surface already.
+/// Returns the distance, along unit m, from a point on a swept segment's axis, `t` from its middle, to the
+/// surface; nothing if that surface point is beyond the barrel but not on a hemisphere (which has its own
+/// point). The line of a cylinder is already on the surface.
 std::optional<double> to_surface(const ConvexCore& line, double t, const Vec3& m) {
   if (line.radius == 0) return 0;
   const double half = line.half.z(), tilt = line.axes.col(2).dot(m);
@@ -66,7 +66,7 @@ std::optional<double> to_surface(const ConvexCore& line, double t, const Vec3& m
 }
 
 void line_on_face(const ConvexCore& core, const ContactOutline& line, const ContactOutline& face,
-                  const Vec3& m, double slack, const SeenPoints& points) {
+                  const Vec3& m, double slack, const PointList& points) {
   if (-face.normal.dot(m) < oblique_cosine) return;
   const Prism prism(face, m);
   const auto over = clip_segment(prism, line.corners[0].x, line.corners[1].x, slack);
@@ -75,21 +75,20 @@ void line_on_face(const ConvexCore& core, const ContactOutline& line, const Cont
     const auto offset = to_surface(core, (end - core.centre).dot(core.axes.col(2)), m);
     if (!offset) continue;
     const Vec3 surface = end + *offset * m;
-    // both ends cut: the features of the face tell them apart
+    // where both ends are cut the features of the face distinguish them
     points.add(surface, m, face.height(surface, m), over->is_cut[e] ? line.code : line.corners[e].code,
                code_under(face, prism, end, 10 * slack));
   }
 }
 
-/// Returns the radius of the round surface about the third axis that a line lies on, or sweeps; 0: there is
-/// none.
+/// Returns the radius of the round surface of a line about the third axis; 0 if none.
 double barrel_radius(const ConvexCore& core, const ContactOutline& line) {
   return line.barrel_radius > 0 ? line.barrel_radius : core.radius;
 }
 
-/// The points at the ends of a's barrel, along its own normal there to the barrel of b.
+/// Adds the points at the ends of a's barrel, along its normals there to the barrel of b.
 void ends_over_barrel(const ConvexCore& a, const ContactOutline& line_a, const ConvexCore& b,
-                      const ContactOutline& line_b, const Vec3& n, const SeenPoints& points) {
+                      const ContactOutline& line_b, const Vec3& n, const PointList& points) {
   const Vec3 u = a.axes.col(2), v = b.axes.col(2);
   const Vec3 m = (n - n.dot(u) * u).normalized();
   if (!(m.dot(n) >= same_side_cosine)) return;
@@ -144,7 +143,7 @@ void append_manifold(const ConvexCore& a, const ConvexCore& b, const Approach& a
   thread_local std::vector<ContactPoint> points;
   points.clear();
   flat_points(a, b, n, slack, points);
-  // nothing can lie between the supporting planes
+  // no point can lie between the supporting planes
   std::erase_if(points, [&](const ContactPoint& p) { return p.gap < gap - slack || p.gap > tolerance; });
   const bool has_deepest =
       std::ranges::any_of(points, [&](const ContactPoint& p) { return p.gap <= gap + deep; });
@@ -188,7 +187,7 @@ void add_unique(std::vector<ContactPoint>& points, const ContactPoint& p) {
 void reduce_manifold(std::vector<ContactPoint>& points) {
   if (points.size() <= most_contact_points) return;
   std::vector<double> apart(points.size(),
-                            std::numeric_limits<double>::infinity());  // squared, from those kept
+                            std::numeric_limits<double>::infinity());  // squared, to the points kept
   std::vector<char> kept(points.size(), 0);
   std::size_t next =
       std::ranges::min_element(points, [](const auto& p, const auto& q) { return p.gap < q.gap; }) -

@@ -10,12 +10,11 @@
 namespace silt::rigid {
 namespace {
 
-/// Lengths below this part of the pair's size are rounding.
+/// Lengths below this, relative to the pair's size, are rounding.
 constexpr double gap_rounding = 1e-10;
-/// Capsules whose axes make an angle with a sine up to this may touch along their common length.
+/// Sine of the largest angle at which capsules may touch along their common length,
 constexpr double parallel_axes_sine = 0.2;
-/// ... at points whose normals make an angle with a cosine from this up with that of the nearest point: for
-/// deep overlaps they may not.
+/// and the least cosine between the normals there and that of the nearest point (for deep overlaps).
 constexpr double same_gap_cosine = 0.9;
 
 ContactPoint contact(const Vec3& on_a, const Vec3& normal, double gap, const Feature& of_a,
@@ -23,7 +22,7 @@ ContactPoint contact(const Vec3& on_a, const Vec3& normal, double gap, const Fea
   return {on_a, on_a + gap * normal, normal, gap, feature_id(of_a, of_b)};
 }
 
-/// The feature of a core that is nearest to x, where `towards` decides for an x inside.
+/// Returns the feature of a core nearest to x; for an x inside, the one in the direction `towards`.
 Feature nearest_feature(const ConvexCore& core, const Vec3& x, const Vec3& towards, double slack) {
   const Vec3 local = core.direction_B(x - core.centre);
   Feature f;
@@ -50,9 +49,9 @@ OnSegment clamp_to(const ConvexCore& capsule, double t) {
   return {std::clamp(t, -half, half), f};
 }
 
-/// Returns the distance from the point of a capsule's segment `t` from its middle along unit m to the
-/// surface: on the hemisphere of the end if m leads away from the other, else on the side; nothing where that
-/// is under the other hemisphere, which has a point of its own.
+/// Returns the distance, along unit m, from a point on a capsule's segment, `t` from its middle, to the
+/// surface: on the hemisphere of its end if m points away from the other end, else on the side; nothing if
+/// that surface point is on the other hemisphere, which has its own point.
 std::optional<double> to_surface(const ConvexCore& capsule, const OnSegment& at, const Vec3& m) {
   const double tilt = capsule.axes.col(2).dot(m);
   if (at.feature.sign[2] * tilt >= 0 && (at.feature.sign[2] != 0 || std::abs(tilt) < 1e-12))
@@ -62,7 +61,7 @@ std::optional<double> to_surface(const ConvexCore& capsule, const OnSegment& at,
   return capsule.radius / across;
 }
 
-/// Both are spheres, or one is and the other is anything.
+/// The contact of two spheres, or of a sphere and any other core.
 void sphere_point(const ConvexCore& a, const ConvexCore& b, const Vec3& n, double core_gap,
                   std::vector<ContactPoint>& points) {
   const double gap = core_gap - a.radius - b.radius;
@@ -74,8 +73,7 @@ void sphere_point(const ConvexCore& a, const ConvexCore& b, const Vec3& n, doubl
   }
 }
 
-/// The point of b's segment over the point t of a's, as spheres at the two; nothing where it lies past b's
-/// end.
+/// Adds the contact of point t of a's segment with b's, as of two spheres, unless it is beyond the end of b.
 void end_over(const ConvexCore& a, const OnSegment& end, const ConvexCore& b, const Vec3& n, bool swap,
               std::vector<ContactPoint>& points) {
   const Vec3 x = a.centre + end.t * a.axes.col(2);
@@ -105,7 +103,7 @@ void capsule_points(const ConvexCore& a, const ConvexCore& b, const Vec3& n, dou
       end_over(b, clamp_to(b, sign * b.half.z()), a, n, true, points);
     }
   }
-  // the closest points of the lines, clamped in turn (exact for the closest points of segments)
+  // the closest points of the lines, clamped in turn, which is exact for segments
   const double gap = core_gap - a.radius - b.radius;
   for (const ContactPoint& p : points)
     if (p.gap <= gap + gap_rounding * length_scale(a, b)) return;
@@ -121,7 +119,7 @@ void capsule_points(const ConvexCore& a, const ConvexCore& b, const Vec3& n, dou
   add_unique(points, contact(x + a.radius * n, n, gap, on_a.feature, on_b.feature));
 }
 
-/// A capsule over the face of a box; `m` is unit, from the capsule to the box.
+/// Adds the points of a capsule over a box's face; `m` is the unit vector from the capsule to the box.
 void capsule_on_box(const ConvexCore& capsule, const ConvexCore& box, const Vec3& m, bool swap, double slack,
                     std::vector<ContactPoint>& points) {
   const BoxFace face = face_towards(box, -m);
@@ -153,20 +151,18 @@ void box_points(const ConvexCore& a, const ConvexCore& b, const Vec3& n, double 
   for (std::size_t c = 0; c < patch.size(); ++c) {
     const Vec3& x = patch[c];
     const double gap = -face_a.height(x, n);
-    // by where it is, not by what the clipping passed through: where a vertex meets an edge that is up to
-    // rounding
+    // by position, since rounding decides which edges the clipping has passed through at a vertex
     const Feature of_a = feature_under(face_a, over_a, x, 10 * slack);
     const Feature of_b = feature_under(face_b, over_b, x, 10 * slack);
     add_unique(points, {x - gap * n, x, n, gap, feature_id(of_a, of_b)});
   }
 }
 
-/// The last resort where a normal that is not exact enough leaves nothing over anything (an edge along an
-/// edge): of the vertices that touch, on either side, the one with the other core nearest to where its
-/// partner should be.
+/// The last resort if an inexact normal leaves no point over any feature (an edge along an edge): adds, of
+/// the touching vertices of either body, the one whose partner point is closest to the other core.
 void add_deepest(const ConvexCore& a, const ConvexCore& b, const Vec3& n, double core_gap,
                  std::vector<ContactPoint>& points) {
-  constexpr double touching = 1e-6;  // part of the pair's size
+  constexpr double touching = 1e-6;  // relative to the pair's size
   const double slack = touching * length_scale(a, b), gap = core_gap - a.radius - b.radius;
   double least = std::numeric_limits<double>::infinity();
   ContactPoint best{};
@@ -200,8 +196,8 @@ void append_box_manifold(const ConvexCore& a, const ConvexCore& b, const Peak& p
   const auto is_deepest = [&](const ContactPoint& p) {
     return std::abs(p.gap - gap) <= 10 * gap_rounding * scale;
   };
-  // an edge along an edge is over it or not by rounding, or by what the normal is off: the deepest point
-  // must not be lost, and none can lie between the supporting planes
+  // for an edge along an edge, rounding or the error of the normal decides what is over what; the deepest
+  // point must be kept, and no point can lie between the supporting planes
   bool has_deepest = false;
   for (const double slack : {gap_rounding * scale, 100 * gap_rounding * scale}) {
     points.clear();

@@ -8,10 +8,10 @@
 namespace silt::rigid {
 namespace {
 
-/// Cosine up to which normals are much the same.
+/// Cosine above which normals count as equal.
 constexpr double same_way = 0.95;
 
-/// Orders points by all that they have, so that the order in which a backend names triangles does not show.
+/// A total order of points, so that the order in which a backend returns triangles has no influence.
 bool is_before(const ContactPoint& p, const ContactPoint& q) {
   if (p.feature != q.feature || p.gap != q.gap)
     return std::tie(p.feature, p.gap) < std::tie(q.feature, q.gap);
@@ -22,7 +22,7 @@ bool is_before(const ContactPoint& p, const ContactPoint& q) {
   return differs(p.normal, q.normal) ? less(p.normal, q.normal) : less(p.on_a, q.on_a);
 }
 
-/// Keeps the deepest point of a feature, and a few of those that point the same way as the deepest.
+/// Keeps the deepest point of each feature, and of points with nearly equal normals only a few.
 void reduce(std::vector<ContactPoint>& points) {
   std::sort(points.begin(), points.end(), is_before);
   const auto same = [](const ContactPoint& p, const ContactPoint& q) { return p.feature == q.feature; };
@@ -44,7 +44,7 @@ void reduce(std::vector<ContactPoint>& points) {
   points.swap(kept);
 }
 
-/// Brings the points from the frame of the query to that of the call.
+/// Reduces the points and transforms them from the frame of the query to that of the call.
 void finish(std::vector<ContactPoint>& points, const Pose& frame, std::vector<ContactPoint>& out) {
   reduce(points);
   const Mat3 turn = frame.orientation.toRotationMatrix();
@@ -56,7 +56,7 @@ void finish(std::vector<ContactPoint>& points, const Pose& frame, std::vector<Co
   }
 }
 
-/// A body with its centre in the solid.
+/// Handles a body whose centre is inside the solid.
 void append_deep(const ConvexShape& body, const Pose& pose, const MeshFeatures& mesh, double tolerance,
                  std::vector<ContactPoint>& out) {
   const TriangleMesh::Nearest nearest = mesh.surface().nearest(pose.position);
@@ -75,7 +75,7 @@ Vec3 half_of(const BoxTree::Node& node) {
          Vec3(node.upper[0] - node.lower[0], node.upper[1] - node.lower[1], node.upper[2] - node.lower[2]);
 }
 
-/// Calls use(corner) for the corners of triangles whose box may have a gap up to the tolerance.
+/// Calls use(corner) for the vertices of triangles whose box may be within the tolerance.
 template <class Bound, class Use>
 void for_corners(const MeshFeatures& mesh, const Bound& gap_of_box, double tolerance, Use&& use) {
   thread_local std::vector<std::uint32_t> corners;
@@ -95,7 +95,7 @@ void for_corners(const MeshFeatures& mesh, const Bound& gap_of_box, double toler
 void append_mesh_contacts(const ConvexAt& part, const MeshAt& at, double tolerance, CollisionBackend& backend,
                           std::vector<ContactPoint>& out) {
   const MeshFeatures& mesh = at.mesh;
-  const Pose pose = part.pose.seen_from(at.pose);
+  const Pose pose = part.pose.relative_to(at.pose);
   BoundingBox box = std::visit([&](const auto& s) { return s.bounding_box(pose); }, part.shape);
   const double reach = std::max(tolerance, deep_behind_faces(part.shape));
   box.lower.array() -= reach;
@@ -131,7 +131,7 @@ void append_mesh_contacts(const MeshAt& a, const MeshAt& b, double tolerance, Co
   thread_local std::vector<ContactPoint> points;
   pairs.clear();
   points.clear();
-  const Pose pose = a.pose.seen_from(b.pose);
+  const Pose pose = a.pose.relative_to(b.pose);
   backend.triangle_pairs_near(a.mesh.mesh().surface, pose, b.mesh.mesh().surface, Pose{},
                               std::max(tolerance, deepest(a.mesh, b.mesh)), pairs);
   append_mesh_on_mesh(a.mesh, pose, b.mesh, pairs, tolerance, points);
@@ -141,7 +141,7 @@ void append_mesh_contacts(const MeshAt& a, const MeshAt& b, double tolerance, Co
 void append_mesh_contacts(const MeshAt& at, const HalfSpace& wall, const Pose& pose_of_plane,
                           double tolerance, std::vector<ContactPoint>& out) {
   const auto& [mesh, pose] = at;
-  const Pose seen = pose_of_plane.seen_from(pose);
+  const Pose seen = pose_of_plane.relative_to(pose);
   const Vec3 outward = seen.orientation * wall.normal;
   const auto gap_of = [&](const Vec3& x) { return outward.dot(x - seen.position); };
   thread_local std::vector<ContactPoint> points;
@@ -160,7 +160,7 @@ void append_mesh_contacts(const MeshAt& at, const HalfSpace& wall, const Pose& p
 void append_mesh_contacts(const MeshAt& at, const Tube& wall, const Pose& pose_of_wall, double tolerance,
                           std::vector<ContactPoint>& out) {
   const auto& [mesh, pose] = at;
-  const Pose seen = pose_of_wall.seen_from(pose);
+  const Pose seen = pose_of_wall.relative_to(pose);
   thread_local std::vector<ContactPoint> points;
   points.clear();
   const auto least = [&](const Vec3& middle, const Vec3& half) {

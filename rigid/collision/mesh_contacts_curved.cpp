@@ -9,11 +9,11 @@
 namespace silt::rigid {
 namespace {
 
-/// The feature of a triangle that is nearest to a point.
+/// The feature of a triangle nearest to a point.
 struct Nearest {
   enum Kind { face, edge, corner } kind;
-  std::uint32_t index;     // of the triangle, edge or corner
-  std::uint32_t triangle;  // that found it
+  std::uint32_t index;     // number of the triangle, edge or corner
+  std::uint32_t triangle;  // through which it was found
   Vec3 point;
   double square;  // of the distance
 
@@ -21,7 +21,7 @@ struct Nearest {
   bool is_same(const Nearest& other) const { return kind == other.kind && index == other.index; }
 };
 
-/// Every triangle of an edge finds the same point on it: its ends are taken by their numbers.
+/// Orders the ends by vertex number, so that all triangles of an edge return bitwise the same point on it.
 Nearest nearest_on_edge(const MeshFeatures& mesh, std::uint32_t triangle, std::uint32_t e, const Vec3& x) {
   const MeshFeatures::Edge& edge = mesh.edge(e);
   const Vec3 &a = mesh.corner(edge.low), &b = mesh.corner(edge.high);
@@ -78,20 +78,20 @@ ContactPoint contact_at(const MeshFeatures& mesh, const Nearest& nearest, const 
   return {on_ball, on_ball + gap * normal, normal, gap, code_of(mesh, nearest)};
 }
 
-/// Says whether all triangles around the feature, of which `found` have it as their nearest, do so.
+/// Returns whether the feature is the nearest one of all triangles around it, as it is of `found` triangles.
 bool is_nearest_around(const MeshFeatures& mesh, const Nearest& nearest, std::size_t found,
                        const Vec3& centre) {
   if (nearest.kind == Nearest::face) return mesh.normal(nearest.triangle).dot(centre - nearest.point) > 0;
   return found >= (nearest.kind == Nearest::edge ? 2 : mesh.valence(nearest.index));
 }
 
-/// Part of the pair's size: what a normal that was searched for may be off.
+/// Error of a normal found by a search, relative to the pair's size.
 constexpr double normal_rounding = 1e-9;
-/// Part of a body's least width: deeper behind a triangle, the way out may be another one.
+/// Depth behind a triangle, relative to the least width, beyond which the way out may be elsewhere.
 constexpr double deep = 0.02;
 constexpr double wide_angle = 0.6;  // radian
 
-/// A triangle as a flat polyhedron, whose codes are 1 to 3 its corners, 4 to 6 its edges, 7 its face.
+/// A triangle as a flat polyhedron with the feature codes 1 to 3 (corners), 4 to 6 (edges) and 7 (face).
 class FlatPolyhedron {
  public:
   FlatPolyhedron() : mesh_(std::make_shared<PolyhedronMesh>()), shape_(Polyhedron{mesh_}) {
@@ -100,7 +100,7 @@ class FlatPolyhedron {
     mesh_->edges = {{{0, 1}, {0, 1}}, {{1, 2}, {0, 1}}, {{2, 0}, {0, 1}}};
     mesh_->neighbours = {{1, 2}, {2, 0}, {0, 1}};
   }
-  /// Returns where its middle is.
+  /// Sets the triangle and returns its centre.
   Vec3 set(const std::array<Vec3, 3>& corners, const Vec3& n) {
     const Vec3 middle = (corners[0] + corners[1] + corners[2]) / 3;
     for (int k = 0; k < 3; ++k) mesh_->vertices[k] = corners[k] - middle;
@@ -117,11 +117,11 @@ class FlatPolyhedron {
   ConvexShape shape_;
 };
 
-/// The body and one triangle after the other.
-class OnTriangle {
+/// Finds the contacts of a body with one triangle after another.
+class TriangleContacts {
  public:
-  OnTriangle(const ConvexShape& body, const Pose& pose, const MeshFeatures& mesh, double tolerance,
-             std::vector<ContactPoint>& out)
+  TriangleContacts(const ConvexShape& body, const Pose& pose, const MeshFeatures& mesh, double tolerance,
+                   std::vector<ContactPoint>& out)
       : pose_(pose),
         mesh_(mesh),
         core_(convex_core(body, {Vec3::Zero(), pose.orientation})),
@@ -129,34 +129,34 @@ class OnTriangle {
         tolerance_(tolerance),
         out_(out) {}
 
-  void look(std::uint32_t triangle) {
-    const std::optional<double> gap = take(triangle);
+  void collide(std::uint32_t triangle) {
+    const std::optional<double> gap = select(triangle);
     if (!gap || *gap > tolerance_) return;
     const bool sharp = has_sharp(triangle), is_deep = *gap < -deep_;
     bool over = true;
     if (sharp || is_deep) {
-      const std::optional<Vec3> found = meet_features(triangle);
+      const std::optional<Vec3> found = collide_features(triangle);
       over = found && (!is_deep || !sharp || found->dot(n_) > 1 - tilt);
     }
     if (over) add_over_face(triangle);
   }
-  /// Keeps the triangle if the body overlaps it.
-  void look_for_overlap(std::uint32_t triangle) {
-    const std::optional<double> gap = take(triangle);
+  /// Stores the triangle if the body overlaps it.
+  void store_if_overlapping(std::uint32_t triangle) {
+    const std::optional<double> gap = select(triangle);
     if (!gap || *gap > 0) return;
     const auto found = approach();
     if (!found || found->peak.core_gap > core_.radius) return;
     overlapped_.push_back(triangle);
     for (const Vec3& m : {n_, Vec3(-found->peak.normal)})
-      if (m.dot(n_) > 0) ways_.push_back(m);
+      if (m.dot(n_) > 0) directions_.push_back(m);
   }
-  /// Adds the contact along the way in which it has to go the least to be clear of the hull of them all.
+  /// Adds the contact of least penetration with the hull of all overlapped triangles.
   void add_overlap() {
     if (overlapped_.empty()) return;
     const ConvexShape hull = Polyhedron{hull_of_overlapped()};
     const ConvexCore other = convex_core(hull, {Vec3::Zero(), Quat::Identity()});
     std::optional<Peak> best;
-    for (const Vec3& m : ways_)
+    for (const Vec3& m : directions_)
       if (const Peak peak = climb(core_, other, -m, wide_angle); !best || peak.core_gap > best->core_gap)
         best = peak;
     const Vec3& n = best->normal;
@@ -166,8 +166,8 @@ class OnTriangle {
   }
 
  private:
-  /// Returns the gap to the plane of a triangle; nothing if it does not look at the body's centre.
-  std::optional<double> take(std::uint32_t triangle) {
+  /// Selects a triangle and returns the gap to its plane; nothing if it does not face the body's centre.
+  std::optional<double> select(std::uint32_t triangle) {
     n_ = mesh_.normal(triangle);
     if (n_.isZero(0)) return {};
     corners_ = mesh_.surface().corners(triangle);
@@ -177,7 +177,7 @@ class OnTriangle {
     return n_.dot(core_.support(-n_) - corners_[0]) - core_.radius;
   }
 
-  /// Enough of a polyhedron to climb on: corners, those along edges from each, faces.
+  /// Makes a polyhedron with the members that climb() needs: vertices, their neighbours, and faces.
   std::shared_ptr<const PolyhedronMesh> hull_of_overlapped() const {
     auto hull = std::make_shared<PolyhedronMesh>();
     std::map<std::uint32_t, int> number;
@@ -213,7 +213,7 @@ class OnTriangle {
     for (const ContactPoint& p : points)
       if (is_over(triangle, p)) add(p);
   }
-  /// A point behind the triangle at a sharp edge is not: it comes out over the edge's other side.
+  /// A point behind the triangle at a sharp edge does not count: it leaves over the edge's other side.
   bool is_over(std::uint32_t triangle, const ContactPoint& point) const {
     const double slack = normal_rounding * deep_;
     for (int k = 0; k < 3; ++k) {
@@ -225,20 +225,20 @@ class OnTriangle {
     return true;
   }
 
-  /// The triangle as a convex body.
+  /// Returns the triangle as a convex core.
   ConvexCore flat() {
     const Vec3 middle = flat_.set(corners_, n_);
     return convex_core(flat_.shape(), {middle, Quat::Identity()});
   }
   std::optional<Approach> approach() { return deepest_direction(core_, flat(), tolerance_ + core_.radius); }
 
-  /// The contact with the triangle's sharp edges and corners; returns the direction from the triangle to the
-  /// body, nothing where they are apart.
-  std::optional<Vec3> meet_features(std::uint32_t triangle) {
+  /// Adds contacts with the triangle's sharp edges and corners. Returns the direction from the triangle to
+  /// the body, or nothing if they are apart.
+  std::optional<Vec3> collide_features(std::uint32_t triangle) {
     const auto found = approach();
     if (!found) return {};
     const Vec3 m = -found->peak.normal;
-    if (!is_true(triangle, m, normal_rounding * length_scale(core_, flat()))) return m;
+    if (!is_local_maximum(triangle, m, normal_rounding * length_scale(core_, flat()))) return m;
     thread_local std::vector<ContactPoint> points;
     points.clear();
     append_manifold(core_, flat(), *found, tolerance_, points);
@@ -250,7 +250,7 @@ class OnTriangle {
     return m;
   }
 
-  /// Corner k of the triangle as the mesh numbers it: those of a hollow one run the other way.
+  /// Returns the mesh's number of corner k; in a hollow mesh the orientation is reversed.
   int in_mesh(int k) const { return mesh_.mesh().hollow ? (3 - k) % 3 : k; }
   std::uint32_t corner_of(std::uint32_t triangle, int k) const {
     return mesh_.surface().triangles()[triangle][in_mesh(k)];
@@ -260,8 +260,8 @@ class OnTriangle {
     return mesh_.edge_of(triangle, mesh_.mesh().hollow ? 2 - k : k);
   }
 
-  /// Says whether the surface near the feature of the triangle that is furthest along m is not further.
-  bool is_true(std::uint32_t triangle, const Vec3& m, double slack) const {
+  /// Returns whether the triangle's feature furthest along m is a local maximum of the mesh.
+  bool is_local_maximum(std::uint32_t triangle, const Vec3& m, double slack) const {
     std::array<double, 3> height;
     for (int k = 0; k < 3; ++k) height[k] = m.dot(corners_[k]);
     const double highest = *std::ranges::max_element(height);
@@ -301,14 +301,14 @@ class OnTriangle {
 
   const Pose& pose_;
   const MeshFeatures& mesh_;
-  const ConvexCore core_;  // about the origin
+  const ConvexCore core_;  // centred at the origin
   double deep_, tolerance_;
   std::vector<ContactPoint>& out_;
   Vec3 n_;
-  std::array<Vec3, 3> corners_;  // from the body's centre
+  std::array<Vec3, 3> corners_;  // relative to the body's centre
   FlatPolyhedron flat_;
   std::vector<std::uint32_t> overlapped_;
-  std::vector<Vec3> ways_;  // out
+  std::vector<Vec3> directions_;  // candidate directions of separation
 };
 
 }  // namespace
@@ -358,15 +358,15 @@ void append_on_plane(const ConvexCore& body, const Vec3& origin, const Vec3& out
 void append_curved_on_mesh(const ConvexShape& body, const Pose& pose, const MeshFeatures& mesh,
                            std::span<const std::uint32_t> near, double tolerance,
                            std::vector<ContactPoint>& out) {
-  OnTriangle on(body, pose, mesh, tolerance, out);
-  for (const std::uint32_t t : near) on.look(t);
+  TriangleContacts contacts(body, pose, mesh, tolerance, out);
+  for (const std::uint32_t t : near) contacts.collide(t);
 }
 
 void append_overlap(const ConvexShape& body, const Pose& pose, const MeshFeatures& mesh,
                     std::span<const std::uint32_t> near, std::vector<ContactPoint>& out) {
-  OnTriangle on(body, pose, mesh, 0, out);
-  for (const std::uint32_t t : near) on.look_for_overlap(t);
-  on.add_overlap();
+  TriangleContacts contacts(body, pose, mesh, 0, out);
+  for (const std::uint32_t t : near) contacts.store_if_overlapping(t);
+  contacts.add_overlap();
 }
 
 }  // namespace silt::rigid

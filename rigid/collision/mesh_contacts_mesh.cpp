@@ -7,10 +7,10 @@
 namespace silt::rigid {
 namespace {
 
-constexpr double mesh_rounding = 1e-12;  // part of the meshes' size: lengths below it are none
-constexpr double exact = 1e-9;           // sine of an angle that is none
+constexpr double mesh_rounding = 1e-12;  // relative to the meshes' size: smaller lengths are rounding
+constexpr double exact = 1e-9;           // sines below it are rounding
 
-/// A mesh and where it is, in the frame of the query.
+/// A mesh and its pose in the frame of the query.
 struct PlacedFeatures {
   const MeshFeatures& mesh;
   Vec3 shift;
@@ -28,18 +28,18 @@ struct PlacedFeatures {
   }
 };
 
-/// A corner of one mesh beside an edge or a corner of the other.
+/// A vertex of one mesh beside an edge or vertex of the other.
 struct BesideFace {
   std::uint32_t vertex, code;
-  Vec3 x, towards;  // of the corner; unit, from the other to it; query frame
+  Vec3 x, towards;  // position of the vertex; unit vector from the other feature to it; query frame
   double distance;
 };
 
-/// A corner of one mesh over a triangle of the other.
+/// A vertex of one mesh over a triangle of the other.
 struct OnFace {
   std::uint32_t vertex, facet, triangle;
-  double height;  // over the triangle's plane
-  Vec3 x;         // of the corner, query frame
+  double height;  // above the triangle's plane
+  Vec3 x;         // position of the vertex, query frame
   auto key() const { return std::tuple(vertex, -height, triangle); }
 };
 
@@ -51,7 +51,7 @@ bool is_over(const std::array<Vec3, 3>& corners, const Vec3& n, const Vec3& x, d
   return true;
 }
 
-/// Corners of one mesh on the other.
+/// Finds the contacts of one mesh's vertices with the other mesh.
 class CornersOn {
  public:
   CornersOn(const PlacedFeatures& corners, const PlacedFeatures& faces, double tolerance, double slack)
@@ -61,7 +61,7 @@ class CornersOn {
         deepest_(deepest(corners.mesh, faces.mesh)),
         slack_(slack) {}
 
-  void look(std::uint32_t of_triangle, std::uint32_t on_triangle) {
+  void test(std::uint32_t of_triangle, std::uint32_t on_triangle) {
     const auto& own = of_.mesh.surface().triangles()[of_triangle];
     if (!of_.mesh.is_corner(own[0]) && !of_.mesh.is_corner(own[1]) && !of_.mesh.is_corner(own[2])) return;
     const Face face = face_of(on_triangle);
@@ -70,15 +70,15 @@ class CornersOn {
     for (const std::uint32_t v : own) {
       if (!of_.mesh.is_corner(v)) continue;
       const Vec3 x = of_.corner(v);
-      const double above = face.area.dot(x - face.corners[0]);  // times twice the area
+      const double above = face.area.dot(x - face.corners[0]);  // height times twice the area
       const double most = above > 0 ? tolerance_ : deepest_;
       if (above * above > most * most * square) continue;
-      if (!look_over(v, x, on_triangle, face, above / std::sqrt(square))) look_beside(v, x, on_triangle);
+      if (!is_over_face(v, x, on_triangle, face, above / std::sqrt(square))) find_beside(v, x, on_triangle);
     }
   }
 
-  /// Appends the contacts of those beside edges and corners, and of those over faces that touch; the corners
-  /// are of the second body if `exchanged`.
+  /// Appends the contacts beside edges and vertices, and those over faces that touch; `exchanged`: the
+  /// vertices are those of the second body.
   void append(bool exchanged, std::vector<ContactPoint>& out) {
     const auto add = [&](const Vec3& x, const Vec3& normal, double gap, std::uint32_t v, std::uint32_t code) {
       const std::uint32_t own = of_.mesh.code_of_corner(v);
@@ -91,7 +91,7 @@ class CornersOn {
     for (const BesideFace& p : beside_) add(p.x, -p.towards, p.distance, p.vertex, p.code);
     std::sort(found_.begin(), found_.end(),
               [](const OnFace& p, const OnFace& q) { return p.key() < q.key(); });
-    std::vector<const OnFace*> nearer;  // of one corner
+    std::vector<const OnFace*> nearer;  // of the same vertex
     for (const OnFace& p : found_) {
       if (!nearer.empty() && nearer[0]->vertex != p.vertex) nearer.clear();
       if (p.height < 0 && !is_way_out(p, nearer)) continue;
@@ -103,7 +103,7 @@ class CornersOn {
  private:
   struct Face {
     std::array<Vec3, 3> corners;  // counter-clockwise seen from outside the solid
-    Vec3 area;                    // outward, of length twice the area
+    Vec3 area;                    // outward normal times twice the area
   };
   Face face_of(std::uint32_t triangle) const {
     const auto& t = on_.mesh.surface().triangles()[triangle];
@@ -113,8 +113,8 @@ class CornersOn {
     return face;
   }
 
-  /// Returns whether the corner at x is over the triangle.
-  bool look_over(std::uint32_t v, const Vec3& x, std::uint32_t triangle, const Face& face, double height) {
+  /// Returns whether the vertex at x is over the triangle.
+  bool is_over_face(std::uint32_t v, const Vec3& x, std::uint32_t triangle, const Face& face, double height) {
     const Vec3 n = face.area.normalized();
     if (!is_over(face.corners, n, x, slack_)) return false;
     if (of_.mesh.corner_supports(v, of_.direction(-n), tilt))
@@ -122,8 +122,8 @@ class CornersOn {
     return true;
   }
 
-  /// Looks for edges beside a corner that touch as those of two convex bodies do that are apart.
-  void look_beside(std::uint32_t v, const Vec3& x, std::uint32_t triangle) {
+  /// Finds edges beside a vertex that touch it as on two separated convex bodies.
+  void find_beside(std::uint32_t v, const Vec3& x, std::uint32_t triangle) {
     for (int k = 0; k < 3; ++k) {
       const std::uint32_t e = on_.mesh.edge_of(triangle, k);
       if (!on_.mesh.is_sharp(e)) continue;
@@ -148,8 +148,8 @@ class CornersOn {
       beside_.push_back({v, code, x, m, distance});
   }
 
-  /// Says whether a corner behind a face has to come out there, and not through those that are nearer: all of
-  /// these meet it as in a room's corner.
+  /// Returns whether a vertex behind a face can leave through it although other faces are nearer: only if all
+  /// of these meet it in a concave corner.
   bool is_way_out(const OnFace& p, const std::vector<const OnFace*>& nearer) const {
     if (p.height < -1e3 * slack_ && !on_.contains(p.x)) return false;
     const auto own = on_.mesh.surface().corners(p.triangle);
@@ -178,7 +178,7 @@ EdgeSegment segment_of(const PlacedFeatures& placed, std::uint32_t e) {
   return {x, placed.corner(placed.mesh.edge(e).high) - x};
 }
 
-/// The length of a segment that is behind both faces of an edge.
+/// Returns the length of a segment's part that is behind both faces of an edge.
 double length_behind(const EdgeSegment& s, const PlacedFeatures& placed, std::uint32_t e) {
   const MeshFeatures::Edge& edge = placed.mesh.edge(e);
   const Vec3 origin = placed.corner(edge.low);
@@ -215,7 +215,7 @@ void cross_edges(const PlacedFeatures& a, std::uint32_t edge_a, const PlacedFeat
                  mesh_feature(a.mesh.code_of_edge(edge_a), b.mesh.code_of_edge(edge_b))});
 }
 
-/// Each edge is looked at with the first of its triangles, which is near where the edge is.
+/// Calls use(edge) for the edges of which this is the first triangle, so that each edge is visited once.
 template <class Use>
 void for_own_edges(const MeshFeatures& mesh, std::uint32_t triangle, Use&& use) {
   for (int k = 0; k < 3; ++k) {
@@ -245,8 +245,8 @@ void append_mesh_on_mesh(const MeshFeatures& mesh_a, const Pose& pose, const Mes
   const double slack = mesh_rounding * (size(mesh_a) + size(mesh_b));
   CornersOn of_a(a, b, tolerance, slack), of_b(b, a, tolerance, slack);
   for (const auto& [t, r] : near) {
-    of_a.look(t, r);
-    of_b.look(r, t);
+    of_a.test(t, r);
+    of_b.test(r, t);
     for_own_edges(mesh_a, t, [&](std::uint32_t e) {
       for_own_edges(mesh_b, r, [&](std::uint32_t f) { cross_edges(a, e, b, f, tolerance, out); });
     });

@@ -34,7 +34,7 @@ TriangleMesh surface_of(const Vec3& half) {
   return {std::move(corners), std::move(triangles)};
 }
 
-/// Returns the angle by which the outward normal turns across an edge; positive where the solid is convex.
+/// Returns the angle between the outward normals across an edge, positive where the solid is convex.
 double turn_at(const MeshFeatures& mesh, const MeshFeatures::Edge& edge) {
   const Vec3 n = mesh.normal(edge.triangles[0]), m = mesh.normal(edge.triangles[1]);
   const double angle = elementary::atan2(n.cross(m).norm(), n.dot(m));
@@ -77,7 +77,7 @@ std::uint32_t MeshFeatures::third_corner(std::uint32_t triangle, std::uint32_t l
   return low;
 }
 
-/// Finds the edges; of an edge of four triangles two and two are taken together.
+/// Finds the edges; an edge of four triangles becomes two edges of two triangles.
 void MeshFeatures::find_edges() {
   const auto triangles = surface().triangles();
   const std::vector<TriangleSide> sides = sides_of(triangles);
@@ -114,7 +114,7 @@ void MeshFeatures::find_rings() {
     ring_[next[edges_[e].low]++] = ring_[next[edges_[e].high]++] = e;
 }
 
-/// Vertices on a straight line, where just two sharp edges meet and one continues the other, are no corners.
+/// A vertex where just two sharp edges meet in a straight line is not a corner.
 void MeshFeatures::find_corners() {
   std::vector<std::uint8_t> ends(vertex_count(), 0);
   std::vector<Vec3> sum(vertex_count(), Vec3::Zero());
@@ -131,7 +131,7 @@ void MeshFeatures::find_corners() {
     corner_[v] = ends[v] == many || ends[v] == 1 || (ends[v] == 2 && sum[v].norm() > flat);
 }
 
-/// Grows each facet from its first triangle on, to neighbours with its normal.
+/// Grows each facet from its first triangle to neighbours of the same normal.
 void MeshFeatures::find_facets() {
   const auto count = static_cast<std::uint32_t>(surface().triangles().size());
   facet_.assign(count, none);
@@ -179,15 +179,15 @@ bool MeshFeatures::corner_supports(std::uint32_t vertex, const Vec3& m, double s
 }
 
 std::uint32_t MeshFeatures::code_across(const Vec3& m, std::uint32_t code) const {
-  const auto look = [&](std::uint32_t e) {
+  const auto facet_or_code = [&](std::uint32_t e) {
     for (const std::uint32_t t : edges_[e].triangles)
       if (is_along(normal(t), m)) return code_of_facet(t);
     return code;
   };
   if (code >= vertex_count() + edge_count()) return code;
-  if (code >= vertex_count()) return look(code - vertex_count());
+  if (code >= vertex_count()) return facet_or_code(code - vertex_count());
   for (std::uint32_t k = ring_start_[code]; k < ring_start_[code + 1]; ++k)
-    if (const std::uint32_t found = look(ring_[k]); found != code) return found;
+    if (const std::uint32_t found = facet_or_code(ring_[k]); found != code) return found;
   return code;
 }
 

@@ -1,6 +1,6 @@
 #pragma once
-// The features of a surface of triangles that can touch other bodies: its corners, its edges, its flat sides;
-// and how such a surface curves if it stands for a smooth one, on which lubrication films depend.
+// The features of a triangle mesh that can touch other bodies: corners, edges and facets; and, where the mesh
+// represents a smooth surface, the curvature of that surface, which lubrication needs.
 #include <memory>
 #include <optional>
 #include <vector>
@@ -10,51 +10,48 @@
 
 namespace silt::rigid {
 
-/// Neighbouring triangles in one plane are a facet: edges and corners within it are those of the triangles
-/// only, not of the surface. Everything is in the frame of the mesh; normals point out of the solid.
+/// A facet is a set of adjacent triangles in one plane; edges and vertices within it are no features of the
+/// surface. All in the frame of the mesh; normals point out of the solid.
 class MeshFeatures {
  public:
-  /// std::invalid_argument for a mesh of so many triangles that its features have no numbers of 31 bits.
+  /// Throws std::invalid_argument if the mesh has too many triangles for feature codes of 31 bits.
   explicit MeshFeatures(const Mesh&);
 
   struct Edge {
-    std::uint32_t low, high;                 // corners
-    std::array<std::uint32_t, 2> triangles;  // the two it parts
-    std::array<std::uint32_t, 2> opposite;   // their other corners
+    std::uint32_t low, high;                 // vertices
+    std::array<std::uint32_t, 2> triangles;  // the two triangles at the edge
+    std::array<std::uint32_t, 2> opposite;   // their vertices opposite to the edge
   };
   const TriangleMesh& surface() const { return *mesh_.surface; }
   const Mesh& mesh() const { return mesh_; }
   const Vec3& corner(std::uint32_t vertex) const { return surface().vertices()[vertex]; }
   const Edge& edge(std::uint32_t e) const { return edges_[e]; }
   std::uint32_t edge_count() const { return static_cast<std::uint32_t>(edges_.size()); }
-  /// The edge from corner k of a triangle to its next.
+  /// Returns the edge from corner k of a triangle to the next corner.
   std::uint32_t edge_of(std::uint32_t triangle, int k) const { return edges_of_[triangle][k]; }
   std::uint32_t facet(std::uint32_t triangle) const { return facet_[triangle]; }
-  /// Unit; zero for a triangle without area.
+  /// Returns the unit normal; zero for a triangle without area.
   Vec3 normal(std::uint32_t triangle) const;
 
-  /// Says whether the solid is less than a half-space at an edge, by more than `flat` (radian): only such an
-  /// edge can touch.
+  /// Returns whether an edge is convex, by more than the angle `flat` (radians); others cannot touch.
   bool is_sharp(std::uint32_t e) const { return sharp_[e]; }
-  /// Says whether a sharp edge ends at a vertex, and does not just continue as another.
+  /// Returns whether a sharp edge ends at a vertex, other than to continue as another edge.
   bool is_corner(std::uint32_t vertex) const { return corner_[vertex]; }
-  /// Returns how many edges end at a vertex.
+  /// Returns the number of edges at a vertex.
   std::size_t valence(std::uint32_t vertex) const { return ring_start_[vertex + 1] - ring_start_[vertex]; }
-  /// Say whether unit m (for an edge: normal to it) is a direction in which nothing near the feature is
-  /// further out than the feature itself, up to a sine.
+  /// Return whether no surface nearby is further along unit m (normal to an edge), up to the sine `slack`.
   bool edge_supports(std::uint32_t e, const Vec3& m, double slack) const;
   bool corner_supports(std::uint32_t vertex, const Vec3& m, double slack) const;
-  /// Returns the number of the facet that unit m is the outward normal of, of those at the corner or edge
-  /// numbered `code`: the surface lies flat there. Without one, `code`.
+  /// Returns the code of the facet at this corner or edge whose outward normal is m; without one, `code`.
   std::uint32_t code_across(const Vec3& m, std::uint32_t code) const;
 
-  /// Numbers for contacts, below 2^31: stable for one mesh. An edge or corner within a facet is the facet.
+  /// Codes of contacts, below 2^31, constant for a mesh. An edge or vertex within a facet has the facet's.
   std::uint32_t code_of_corner(std::uint32_t vertex) const { return vertex; }
   std::uint32_t code_of_edge(std::uint32_t e) const { return vertex_count() + e; }
   std::uint32_t code_of_facet(std::uint32_t triangle) const {
     return vertex_count() + edge_count() + facet_[triangle];
   }
-  /// Says whether a triangle is at the corner or the edge, or in the facet, of that number.
+  /// Returns whether a triangle has the corner or edge, or is in the facet, of this code.
   bool is_at(std::uint32_t triangle, std::uint32_t code) const;
 
   static constexpr double flat = 1e-4;
@@ -70,24 +67,23 @@ class MeshFeatures {
   Mesh mesh_;
   std::vector<Edge> edges_;
   std::vector<std::array<std::uint32_t, 3>> edges_of_;
-  std::vector<std::uint32_t> facet_, ring_start_, ring_;  // ring: the edges that end at a vertex
+  std::vector<std::uint32_t> facet_, ring_start_, ring_;  // ring: the edges at each vertex
   std::vector<char> sharp_, corner_;
 };
 
-/// The surface of a box or a polyhedron; nothing for a shape that has none of triangles.
+/// Returns the features of a box or polyhedron; null for other shapes.
 std::shared_ptr<const MeshFeatures> features_of_polytope(const ConvexShape&);
 
-/// The curvature follows from the angles between neighbouring facets (method-bodies.md, L3). An edge at which
-/// the normal turns by more than a crease's angle is an edge of the smooth surface too: nothing is known of
-/// the surface beyond.
+/// Curvature of the smooth surface that a mesh represents, from the angles between neighbouring facets
+/// (method-bodies.md, L3). Edges with a larger angle than `crease` are edges of the smooth surface, too.
 class FacetCurvature {
  public:
   static constexpr double crease = 0.5;  // radian
 
   explicit FacetCurvature(const MeshFeatures&);
-  /// The curvature tensor at a feature, by the code that contacts have (frame of the mesh, 1 / lattice unit;
-  /// positive where the solid is convex); of an edge or corner within the smooth surface that of a facet
-  /// beside it. None at creases and where they end.
+  /// Returns the curvature tensor at a feature, by its contact code (frame of the mesh, 1 / lattice unit;
+  /// positive where the solid is convex). At an edge or vertex within the smooth surface it is that of an
+  /// adjacent facet. None at creases and at their ends.
   std::optional<Mat3> at(std::uint32_t code) const;
 
  private:
@@ -99,7 +95,7 @@ class FacetCurvature {
   void add_edge(const MeshFeatures&, const MeshFeatures::Edge&, double turn, const std::vector<double>& area);
 
   std::vector<Tensor> of_facet_;
-  std::vector<std::uint32_t> facet_of_code_;  // corners, then edges
+  std::vector<std::uint32_t> facet_of_code_;  // for vertices, then edges
 };
 
 }  // namespace silt::rigid

@@ -20,7 +20,7 @@ BoxFace face_towards(const ConvexCore& box, const Vec3& direction) {
   face.feature.sign[k] = up;
   for (int c = 0; c < 4; ++c) {
     face.corner[c] = middle + si[c] * along_i + sj[c] * along_j;
-    // the edge to the next corner keeps the sign the two have in common
+    // the edge to the next corner has the sign common to both corners
     face.edge_feature[c] = face.feature;
     if (si[c] == si[(c + 1) % 4]) face.edge_feature[c].sign[i] = si[c];
     if (sj[c] == sj[(c + 1) % 4]) face.edge_feature[c].sign[j] = sj[c];
@@ -58,7 +58,7 @@ double across(const Vec3& v, const Vec3& n) {
   return (v - v.dot(n) * n).norm();
 }
 
-/// The point of the edge from corner k that is nearest to x, seen along n.
+/// Returns the point of the edge from corner k nearest to x, as seen along n.
 Place nearest_on_edge(const ContactOutline& o, std::size_t k, const Vec3& x, const Vec3& n, double slack) {
   const auto &from = o.corners[k], &to = o.next(k);
   const Vec3 along = to.x - from.x, seen = along - along.dot(n) * n;
@@ -70,7 +70,7 @@ Place nearest_on_edge(const ContactOutline& o, std::size_t k, const Vec3& x, con
   return {from.x + t * along, code};
 }
 
-/// The point of the outline nearest to x, seen along n.
+/// Returns the point of the outline nearest to x, as seen along n.
 Place nearest(const ContactOutline& o, const Vec3& x, const Vec3& n, double slack) {
   if (o.size() == 1) return {o.corners[0].x, o.corners[0].code};
   if (o.size() == 2) return nearest_on_edge(o, 0, x, n, slack);
@@ -96,8 +96,7 @@ Place nearest(const ContactOutline& o, const Vec3& x, const Vec3& n, double slac
   return best;
 }
 
-/// Returns the point where the edge from p to p_end crosses the line of another, seen along n, or the edge's
-/// end nearest to it.
+/// Returns where the edge p to p_end crosses another edge's line, seen along n, or its nearer end.
 Vec3 crossing(const Vec3& p, const Vec3& p_end, const Vec3& q, const Vec3& q_end, const Vec3& n) {
   const Vec3 side = (q_end - q).cross(n);
   const double slope = (p_end - p).dot(side);
@@ -139,21 +138,21 @@ std::uint32_t code_under(const ContactOutline& face, const Prism& prism, const V
 CommonPoint common_point(const ContactOutline& a, const ContactOutline& b, const Vec3& n, double gap,
                          double slack) {
   CommonPoint best{Vec3::Zero(), Vec3::Zero(), std::numeric_limits<double>::infinity(), 0, 0};
-  const auto take = [&](const Vec3& near) {
+  const auto consider = [&](const Vec3& near) {
     const Place on_a = nearest(a, near, n, slack), on_b = nearest(b, on_a.x, n, slack);
     const double miss = (on_b.x - on_a.x - gap * n).norm();
     if (miss < best.miss) best = {on_a.x, on_b.x, miss, on_a.code, on_b.code};
   };
-  if (a.size() == 1) return take(a.corners[0].x), best;
-  if (b.size() == 1) return take(b.corners[0].x), best;
+  if (a.size() == 1) return consider(a.corners[0].x), best;
+  if (b.size() == 1) return consider(b.corners[0].x), best;
   for (std::size_t i = 0; i < edges_of(a); ++i)
     for (std::size_t j = 0; j < edges_of(b); ++j)
-      take(crossing(a.corners[i].x, a.next(i).x, b.corners[j].x, b.next(j).x, n));
+      consider(crossing(a.corners[i].x, a.next(i).x, b.corners[j].x, b.next(j).x, n));
   for (const ContactOutline* o : {&a, &b}) {
-    for (const auto& c : o->corners) take(c.x);
+    for (const auto& c : o->corners) consider(c.x);
     if (o->disc_radius > 0) {
-      take(o->centre);
-      take(nearest(o == &a ? b : a, o->centre, n, slack).x);
+      consider(o->centre);
+      consider(nearest(o == &a ? b : a, o->centre, n, slack).x);
     }
   }
   return best;

@@ -1,5 +1,5 @@
 #pragma once
-// The side of a box that faces a direction, and what of another shape lies over it.
+// Outlines: the face of a box in a direction, and the clipping of outlines against each other.
 #include <algorithm>
 #include <array>
 #include <optional>
@@ -9,7 +9,7 @@
 
 namespace silt::rigid {
 
-/// The face of a box most nearly normal to a direction: four corners in order, edge i from corner i to i + 1.
+/// The face of a box whose normal is closest to a direction; edge i is from corner i to i + 1.
 struct BoxFace {
   Vec3 normal;
   Feature feature;
@@ -21,8 +21,7 @@ struct BoxFace {
 };
 BoxFace face_towards(const ConvexCore& box, const Vec3& direction);
 
-/// A face as seen along unit n (not in its plane): inside are the points with outward[k] . x <= bound[k] for
-/// every edge.
+/// The prism over a face along unit n (not parallel to it): inside outward[k] . x <= bound[k] for all edges.
 struct FacePrism {
   std::array<Vec3, 4> outward;  // unit
   std::array<double, 4> bound;
@@ -32,16 +31,15 @@ struct FacePrism {
 };
 FacePrism prism_over(const BoxFace&, const Vec3& n);
 
-/// Returns the feature that lies under x: the face, or an edge or corner of it within `slack` (lattice
-/// units).
+/// Returns the feature under x: the face, or an edge or corner within `slack` (lattice units).
 Feature feature_under(const BoxFace&, const FacePrism&, const Vec3& x, double slack);
 
-/// Returns the point where the line from x to y, at distances d_x and d_y from a plane, crosses it.
+/// Returns where the line from x to y, at signed distances d_x and d_y from a plane, crosses the plane.
 inline Vec3 crossing(const Vec3& x, const Vec3& y, double d_x, double d_y) {
   return x + std::clamp(d_x / (d_x - d_y), 0.0, 1.0) * (y - x);
 }
 
-/// Corners of a clipped face of a box: four, and one more for each edge it is cut by.
+/// Corners of a box face clipped by another: four plus one for each edge that cuts it.
 class BoxPolygon {
  public:
   std::size_t size() const { return size_; }
@@ -54,8 +52,7 @@ class BoxPolygon {
   std::size_t size_ = 0;
 };
 
-/// Leaves of a polygon the part within a prism (Sutherland, Hodgman, CACM 17 (1974) 32); points within
-/// `slack` (lattice units) outside count as inside.
+/// Clips a polygon by a prism (Sutherland, Hodgman, CACM 17 (1974) 32), up to `slack` (lattice units).
 template <class AnyPrism, class Polygon>
 void clip(const AnyPrism& prism, double slack, Polygon& polygon) {
   Polygon kept;
@@ -65,7 +62,7 @@ void clip(const AnyPrism& prism, double slack, Polygon& polygon) {
       const Vec3 &x = polygon[c], &y = polygon[c + 1 < polygon.size() ? c + 1 : 0];
       const double d_x = prism.beyond(k, x), d_y = prism.beyond(k, y);
       if (d_x <= slack) kept.push_back(x);
-      // a corner on the plane, within slack, is where the outline crosses it
+      // a corner within slack of the plane is itself the crossing
       if ((d_x < -slack && d_y > slack) || (d_x > slack && d_y < -slack))
         kept.push_back(crossing(x, y, d_x, d_y));
     }
@@ -73,7 +70,7 @@ void clip(const AnyPrism& prism, double slack, Polygon& polygon) {
   }
 }
 
-/// The part of a segment within a prism, and which of its ends were cut; nothing where it is outside.
+/// The part of a segment within a prism, and which of its ends were cut; nothing if it is outside.
 struct ClippedSegment {
   std::array<Vec3, 2> end;
   std::array<bool, 2> is_cut{};
@@ -91,21 +88,20 @@ std::optional<ClippedSegment> clip_segment(const AnyPrism& prism, const Vec3& fr
   return s;
 }
 
-/// The normal of a contact passes through both outlines at this point: it proves that the normal is a
-/// direction of closest or least deep approach.
+/// A point where a line along the contact normal meets both outlines. It proves that the normal is a
+/// direction of closest approach or least depth.
 struct CommonPoint {
-  Vec3 on_a = Vec3::Zero(), on_b = Vec3::Zero();  // lattice units, on the cores
-  double miss = 0;                                // of on_b from on_a + gap n: 0 but for rounding
-  std::uint32_t code_a = 0, code_b = 0;           // of the features they lie on
+  Vec3 on_a = Vec3::Zero(), on_b = Vec3::Zero();  // on the cores, lattice units
+  double miss = 0;                                // distance of on_b from on_a + gap n: 0 but for rounding
+  std::uint32_t code_a = 0, code_b = 0;           // of the features at the points
 };
 
-/// The points of the two outlines, `gap` (lattice units) apart, that lie most exactly over each other along
-/// unit n, found among the corners, the crossings of edges and the centres of discs: one of these is common
-/// to both if anything is.
+/// Returns the points of two outlines, `gap` (lattice units) apart, that lie most exactly over each other
+/// along unit n. Candidates, which suffice, are corners, crossings of edges and centres of discs.
 CommonPoint common_point(const ContactOutline& a, const ContactOutline& b, const Vec3& n, double gap,
                          double slack);
 
-/// The face as seen along unit n (not in its plane): signed distance of x to the edge k, positive outside.
+/// The prism over a face along unit n (not parallel to it); beyond() is > 0 outside edge k.
 class Prism {
  public:
   Prism(const ContactOutline& face, const Vec3& n);
@@ -117,8 +113,7 @@ class Prism {
   std::vector<double> bound_;
 };
 
-/// Returns the code of the feature under x: the face, or an edge or corner of it within `slack` (lattice
-/// units).
+/// Returns the code of the feature under x: the face, or an edge or corner within `slack` (lattice units).
 std::uint32_t code_under(const ContactOutline& face, const Prism&, const Vec3& x, double slack);
 
 }  // namespace silt::rigid

@@ -28,7 +28,7 @@ std::optional<Mat3> ShapeParts::curvature_at(std::size_t piece, const Pose& pose
 }
 
 ReducedRadii reduced_radii(const Mat3& curvature_a, const Mat3& curvature_b, const Vec3& n, double arm) {
-  constexpr double flat = 1e-9;  // part of either surface's curvature
+  constexpr double flat = 1e-9;  // relative to either surface's curvature
   const Mat3 k = curvature_a + curvature_b;
   const Vec3 x = n.unitOrthogonal(), y = n.cross(x);
   const double xx = x.dot(k * x), yy = y.dot(k * y), xy = x.dot(k * y);

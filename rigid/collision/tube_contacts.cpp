@@ -14,7 +14,7 @@ namespace {
 
 using Vec2 = Eigen::Vector2d;
 
-/// A tube is looked at along its axis: x and y of its frame, from the axis.
+/// A tube in its own cross-section: x and y of its frame, relative to the axis.
 class PlacedTube {
  public:
   PlacedTube(const Tube& tube, const Pose& pose)
@@ -35,20 +35,19 @@ class PlacedTube {
   Mat3 turn_;
 };
 
-/// The points of an ellipse that are further from the origin than those near them. Unit directions from the
-/// origin to those points, the one further from the origin first, and at which end of the longer axis each is
-/// (0 or 1; the same end from step to step while the ellipse turns less than half a turn). On a circle about
-/// the origin: one, along the first axis.
+/// The local maxima of the distance from the origin on an ellipse: unit directions from the origin to those
+/// points, the furthest first, and at which end of the major axis each is (0 or 1, constant over steps while
+/// the ellipse rotates by less than half a turn). A circle about the origin has one, along the first axis.
 struct FurthestOnEllipse {
   std::array<Vec2, 2> direction;
   std::array<int, 2> end{};
   int count = 1;
 };
 
-/// Returns the angle between the two at which `slope`, above 0 before and below after it, crosses 0.
+/// Finds by bisection the zero of `slope`, which is positive before and negative after it.
 template <class Slope>
 double crossing(double low, double high, Slope&& slope) {
-  constexpr int halvings = 55;  // of at most a quarter of a turn: to rounding
+  constexpr int halvings = 55;  // reduces a quarter of a turn to rounding
   for (int i = 0; i < halvings; ++i) {
     const double middle = 0.5 * (low + high);
     (slope(middle) > 0 ? low : high) = middle;
@@ -58,11 +57,11 @@ double crossing(double low, double high, Slope&& slope) {
 
 /// The ellipse is centre + u cos t + v sin t, given by spread = u u^T + v v^T.
 ///
-/// In the frame of its half axes a >= b, with the centre (p, q) in the first quadrant, the distance's square
-/// has the slope  2 sin t cos t (-p a / cos t + q b / sin t - k),  k = a^2 - b^2.  In the first quadrant the
-/// bracket falls, so there is one furthest point in it; in the second one, where t = pi - s, the slope by s
-/// is 2 sin s cos s (p a / cos s + q b / sin s - k), a bracket with one minimum, at tan^3 s = q b / (p a):
-/// below 0 there is a second furthest point, at the bracket's zero before it.
+/// In the frame of its half axes a >= b, with the centre (p, q) in the first quadrant, the derivative of the
+/// squared distance is 2 sin t cos t (-p a / cos t + q b / sin t - k), k = a^2 - b^2. In the first quadrant
+/// the bracket decreases, so there is one maximum. In the second, with t = pi - s, the derivative by s is 2
+/// sin s cos s (p a / cos s + q b / sin s - k), whose bracket has one minimum, at tan^3 s = q b / (p a): if
+/// that is negative there is a second maximum, at the zero before it.
 FurthestOnEllipse furthest_on_ellipse(const Vec2& centre, const Eigen::Matrix2d& spread) {
   const double mean = 0.5 * (spread(0, 0) + spread(1, 1)), half = 0.5 * (spread(0, 0) - spread(1, 1));
   const double k = 2 * elementary::hypot(half, spread(0, 1));  // a^2 - b^2
@@ -100,8 +99,8 @@ FurthestOnEllipse furthest_on_ellipse(const Vec2& centre, const Eigen::Matrix2d&
   return found;
 }
 
-/// Calls use(centre, radius, feature) for balls or points of a body, the nearest to the wall among them:
-/// those of the balls, discs and ellipsoids that the body is the hull of (`extremes` of its shape).
+/// Calls use(centre, radius, feature) for balls or points of a body, including the one nearest to the wall:
+/// from the balls, discs and ellipsoids of whose union the body is the convex hull (`extremes` of its shape).
 template <class Use>
 class ExtremePoints {
  public:
@@ -111,14 +110,14 @@ class ExtremePoints {
   void ball(const Vec3& centre_B, double radius, std::uint32_t feature) const {
     use_(pose_.to_world(centre_B), radius, feature);
   }
-  /// Appends the contacts of a disc about the body's z axis, at this z.
+  /// Handles a disc about the body's z axis at height z.
   void disc(double z, double radius, std::uint32_t first_feature) const {
     const Mat3 turn = pose_.orientation.toRotationMatrix();
     const Vec3 centre = pose_.to_world({0, 0, z});
     const Vec2 u = radius * wall_.of_direction(turn.col(0)), v = radius * wall_.of_direction(turn.col(1));
     for_nearest(centre, u * u.transpose() + v * v.transpose(), first_feature, [&](const Vec3& n) -> Vec3 {
       const double x = turn.col(0).dot(n), y = turn.col(1).dot(n), across = elementary::hypot(x, y);
-      if (!(across > 0)) return centre;  // the whole rim is equally far
+      if (!(across > 0)) return centre;  // the whole rim is at equal distance
       return centre + radius / across * (x * turn.col(0) + y * turn.col(1));
     });
   }
@@ -132,8 +131,8 @@ class ExtremePoints {
   }
 
  private:
-  /// support(n): the point of a disc or ellipsoid furthest along n. Its shadow along the axis of the tube is
-  /// an ellipse, of this spread; where that is furthest from the axis, n points from the axis to it.
+  /// support(n): the point of a disc or ellipsoid furthest along n. Its projection along the tube's axis is
+  /// an ellipse of this spread; n points from the axis to its furthest point.
   template <class Support>
   void for_nearest(const Vec3& centre, const Eigen::Matrix2d& spread, std::uint32_t first_feature,
                    Support&& support) const {

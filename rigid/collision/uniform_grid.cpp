@@ -6,8 +6,8 @@
 namespace silt::rigid {
 
 void UniformGrid::build_levels(const Surroundings& around) {
-  // level of a body: the power of two its reach (radius + margin) fits under, counted from the smallest
-  constexpr int most_levels = 24;  // size ratios beyond 2^23 share the last
+  // the level of a body is the power of two, counted from the smallest body, below which its reach is
+  constexpr int most_levels = 24;  // size ratios beyond 2^23 share the last level
   levels_.clear();
   double least = around.reach[0].sum();
   for (std::size_t row = 0; row < around.size(); ++row) least = std::min(least, around.reach[row].sum());
@@ -26,8 +26,8 @@ void UniformGrid::build_levels(const Surroundings& around) {
   }
 }
 
-/// Cells that two bodies of the level cannot reach across. Their keys leave room for two cells on each side,
-/// so that a neighbour's key is never that of another cell.
+/// Sets cells across which two bodies of the level cannot reach. The keys leave room for two cells on each
+/// side, so that a neighbour's key is never that of another cell.
 void UniformGrid::set_cells(Level& level, const Surroundings& around, double largest_reach) {
   level.largest_reach = largest_reach;
   const double wanted = largest_reach > 0 ? 2 * largest_reach * (1 + 1e-12) : 1.0;
@@ -58,7 +58,7 @@ void UniformGrid::set_cells(Level& level, const Surroundings& around, double lar
   }
 }
 
-/// One beyond the level's outermost bodies stands for everything further out.
+/// Cells beyond the level's outermost bodies count as the first one beyond.
 UniformGrid::Cell UniformGrid::Level::cell_of(const Vec3& x) const {
   Cell c;
   for (int d = 0; d < 3; ++d) {
@@ -75,7 +75,7 @@ std::int64_t UniformGrid::Level::key_of(const Cell& c) const {
   return key;
 }
 
-/// The bodies of one level by their cells in the grid of another: least significant digit first.
+/// Sorts the bodies of one level by their cells in the grid of another, by radix sort.
 void UniformGrid::sort_by_cell(const Surroundings& around, const Level& of, const Level& grid,
                                std::vector<Entry>& sorted) {
   constexpr int bits = 11;
@@ -99,7 +99,7 @@ void UniformGrid::sort_by_cell(const Surroundings& around, const Level& of, cons
   }
 }
 
-/// The cells x + first_offset to x + 1 along x, in runs that no periodic side cuts. Returns their number.
+/// Writes the cells x + first_offset to x + 1 along x, split into runs at periodic sides.
 int UniformGrid::Level::runs(std::int32_t x, int first_offset, std::array<Run, 3>& out) const {
   int count = 0;
   for (int offset = first_offset; offset <= 1; ++offset) {
@@ -113,16 +113,15 @@ int UniformGrid::Level::runs(std::int32_t x, int first_offset, std::array<Run, 3
   return count;
 }
 
-/// Wraps a cell's index into the grid along a periodic axis; `image` is that of the bodies there.
+/// Wraps a cell's index into the grid along a periodic axis and sets `image` to that of the bodies there.
 std::int32_t UniformGrid::Level::stepped(int axis, std::int32_t cell, std::int8_t& image) const {
   const std::int32_t n = cells[axis];
   image = n == 0 || (cell >= 0 && cell < n) ? 0 : cell < 0 ? -1 : 1;
   return cell - image * n;
 }
 
-/// Pairs of a body of `from` and one of `in`, whose grid this is. Cells along x follow one another, so a row
-/// of three is looked through at once. Within a level only one half of the rows is looked at, and of a body's
-/// own what comes after it.
+/// Finds pairs of a body of `from` and one of `in`, whose grid this is. A row of three cells along x is
+/// consecutive and searched at once. Within a level half of the rows suffices.
 void UniformGrid::search(const Surroundings& around, const Level& level, const std::vector<Entry>& from,
                          const std::vector<Entry>& in, bool same_level, std::vector<CandidatePair>& found) {
   constexpr int own_row = 4, images = 27;
@@ -157,8 +156,8 @@ void UniformGrid::search(const Surroundings& around, const Level& level, const s
   }
 }
 
-/// The cells that bodies of this level are in whose spheres come as near: along a periodic axis in the image
-/// before, this one and the next, from -cells on.
+/// Returns the range of cells that can contain bodies of this level within the distance; along a periodic
+/// axis it spans three images, from -cells on.
 UniformGrid::Run UniformGrid::Level::cells_within(int axis, double x, double distance) const {
   const std::int32_t n = cells[axis], least = n ? -n : lowest[axis], most = n ? 2 * n - 1 : highest[axis];
   constexpr double rounding = 1e-9;  // cells
@@ -168,7 +167,7 @@ UniformGrid::Run UniformGrid::Level::cells_within(int axis, double x, double dis
   return {cell((x - distance) / width[axis] - rounding), cell((x + distance) / width[axis] + rounding), 0};
 }
 
-/// Returns about how many rows of cells a body that reaches so far has to look through.
+/// Estimates the number of rows of cells to be searched for a body of this reach.
 double UniformGrid::Level::rows_around(double reach) const {
   double rows = 1;
   for (int d = 1; d < 3; ++d) {
@@ -178,7 +177,7 @@ double UniformGrid::Level::rows_around(double reach) const {
   return rows;
 }
 
-/// Pairs of a large body and one of `in`, sorted by the cells of `grid`.
+/// Finds pairs of a large body and one of `in`, sorted by the cells of `grid`.
 void UniformGrid::search_around(const Surroundings& around, const Level& large, const Level& grid,
                                 const std::vector<Entry>& in, std::vector<CandidatePair>& found) {
   for (const std::uint32_t row : large.rows) {
@@ -194,7 +193,7 @@ void UniformGrid::search_around(const Surroundings& around, const Level& large, 
           const Cell cell{grid.stepped(0, x, image.x), grid.stepped(1, y, image.y),
                           grid.stepped(2, z, image.z)};
           const std::int32_t n = grid.cells[0];
-          last = n ? std::min(within[0].last, x + n - 1 - cell[0]) : within[0].last;  // of the same image
+          last = n ? std::min(within[0].last, x + n - 1 - cell[0]) : within[0].last;  // in the same image
           const std::int64_t first_key = grid.key_of(cell), last_key = first_key + (last - x);
           for (auto e = std::lower_bound(in.begin(), in.end(), first_key,
                                          [](const Entry&entry, std::int64_t key) { return entry.key < key; });
@@ -223,7 +222,7 @@ void UniformGrid::find_pairs(const Surroundings& around, std::vector<CandidatePa
     search(around, large, entries_[k], entries_[k], true, found);
     for (std::size_t j = 0; j < k; ++j) {
       const Level& small = levels_[j];
-      constexpr double rows_of_a_small_one = 5;  // take as long as all that it looks through
+      constexpr double rows_of_a_small_one = 5;  // cost of a small body's search, in rows
       if (small.rows_around(large.largest_reach) * double(large.rows.size()) <
           rows_of_a_small_one * double(small.rows.size())) {
         search_around(around, large, small, entries_[j], found);

@@ -1,17 +1,16 @@
 #pragma once
-// The default broad phase: uniform grids, one for each power of two of the radius, so that a few large bodies
-// among many small ones cost the small ones nothing.
+// The default broad phase: one uniform grid for each power of two of the radius, so that a few large bodies
+// do not make the search among many small ones more expensive.
 //
-// A grid has no cells in memory: its bodies are sorted by the number of their cell. Seen from bodies in that
-// order, the row of three cells at a given offset only moves forward through them:
+// A grid stores no cells: its bodies are sorted by cell number. For bodies visited in that order, the row of
+// three cells at a given offset only moves forward:
 //
 //     bodies by cell   0 0 1 3 3 4 7 7 9 ...
-//     looking from             ^
+//     current body             ^
 //     cell + a row                 ^           one cursor for each row (and each periodic side it crosses)
 //
-// so memory is read in order, and nothing depends on how much of the domain is empty. Between two sizes small
-// bodies look for large ones in the grid of these, or large ones for small ones in theirs: whichever asks for
-// fewer rows.
+// so memory is read in order, and empty space costs nothing. Between two levels either the small bodies
+// search the grid of the large ones or the reverse, whichever needs fewer rows.
 #include "rigid/collision/broad_phase.hpp"
 
 namespace silt::rigid {
@@ -22,7 +21,7 @@ class UniformGrid : public BroadPhase {
 
  private:
   using Cell = std::array<std::int32_t, 3>;
-  struct Entry {  // a body, with all that the search reads
+  struct Entry {  // the data of a body that the search reads
     std::int64_t key;
     BodyId id;
     Vec3 position;
@@ -35,11 +34,11 @@ class UniformGrid : public BroadPhase {
     std::int8_t image;
   };
   struct Level {
-    std::vector<std::uint32_t> rows;     // of this size
-    double largest_reach;                // of them
-    std::array<double, 3> width;         // of a cell
-    Cell cells;                          // along periodic axes; 0 along others: as far as the bodies reach
-    Cell lowest, highest;                // cell of a body of this level
+    std::vector<std::uint32_t> rows;  // bodies of this size
+    double largest_reach;             // of these bodies
+    std::array<double, 3> width;      // of a cell
+    Cell cells;            // number along periodic axes; 0 along others, where bodies set the range
+    Cell lowest, highest;  // extreme cells of the level's bodies
     std::array<std::int64_t, 3> stride;  // of the keys
 
     Cell cell_of(const Vec3& x) const;

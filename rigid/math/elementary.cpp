@@ -11,7 +11,7 @@
 namespace silt::rigid::elementary {
 namespace {
 
-/// c[0] + x (c[1] + x (c[2] + ...)).
+/// Evaluates c[0] + x (c[1] + x (c[2] + ...)).
 template <std::size_t terms>
 double series(const std::array<double, terms>& c, double x) {
   double sum = c[terms - 1];
@@ -19,7 +19,7 @@ double series(const std::array<double, terms>& c, double x) {
   return sum;
 }
 
-/// 1 / n!, of every second n from `first` on, with alternating signs, the first one positive.
+/// Returns +-1 / n! for n = first, first + 2, ..., with alternating signs, the first positive.
 template <std::size_t terms>
 constexpr std::array<double, terms> alternating_factorials(int first) {
   std::array<double, terms> c{};
@@ -44,15 +44,15 @@ constexpr std::array<double, terms> factorials(int first) {
   return c;
 }
 
-/// 1/first, 1/(first + 2), ..., with alternating signs or not.
+/// Returns 1 / first, 1 / (first + 2), ..., optionally with alternating signs.
 template <std::size_t terms>
-constexpr std::array<double, terms> odd_parts(int first, bool alternating) {
+constexpr std::array<double, terms> odd_reciprocals(int first, bool alternating) {
   std::array<double, terms> c{};
   for (std::size_t k = 0; k < terms; ++k) c[k] = (alternating && k % 2 ? -1. : 1.) / (first + 2 * int(k));
   return c;
 }
 
-// Taylor's, for |x| <= pi/4: what is left out is below 2^-57 of the sum.
+// Taylor series for |x| <= pi/4; the truncation error is below 2^-57 of the sum.
 double sin_near_zero(double x) {
   static constexpr auto c = alternating_factorials<8>(3);
   const double square = x * x;
@@ -64,14 +64,14 @@ double cos_near_zero(double x) {
   return rounded + ((1 - rounded - half) + square * square * series(c, square));
 }
 
-/// x less the nearest multiple of pi/2, and which multiple it is, of four.
-struct Quarter {
+/// An angle reduced by the nearest multiple of pi/2, and that multiple modulo 4.
+struct ReducedAngle {
   double angle;
-  int turns;
+  int quarters;
 };
 
-Quarter quarter_of(double x) {
-  // pi/2 in parts of 22 bits, whose products with a multiple below 2^30 are exact, and the rest.
+ReducedAngle reduced(double x) {
+  // pi/2 as a sum: three parts of 22 bits, whose products with n < 2^30 are exact, and the remainder.
   constexpr double parts[] = {0x1.921fb0p+0, 0x1.5110b0p-22, 0x1.184698p-44, 0x1.3198a2e037073p-69};
   if (std::abs(x) <= std::numbers::pi / 4) return {x, 0};
   const double n = std::floor(x / (std::numbers::pi / 2) + 0.5);
@@ -80,14 +80,14 @@ Quarter quarter_of(double x) {
   return {angle, int(std::int64_t(n) & 3)};
 }
 
-double turned(const Quarter& q) {
-  const double value = q.turns % 2 ? cos_near_zero(q.angle) : sin_near_zero(q.angle);
-  return q.turns < 2 ? value : -value;
+double sine_of(const ReducedAngle& q) {
+  const double value = q.quarters % 2 ? cos_near_zero(q.angle) : sin_near_zero(q.angle);
+  return q.quarters < 2 ? value : -value;
 }
 
-/// atan t, 0 <= t <= 1: the angle is halved twice, to at most pi/16.
+/// atan t for 0 <= t <= 1; halves the angle twice, to at most pi/16.
 double atan_below_one(double t) {
-  static constexpr auto c = odd_parts<12>(3, true);
+  static constexpr auto c = odd_reciprocals<12>(3, true);
   for (int halving = 0; halving < 2; ++halving) t = t / (1 + std::sqrt(1 + t * t));
   const double square = t * t;
   return 4 * (t - t * square * series(c, square));
@@ -98,13 +98,13 @@ constexpr double ln2_high = 0x1.62e42feep-1, ln2_low = 0x1.a39ef35793c76p-33;  /
 }  // namespace
 
 double sin(double x) {
-  return turned(quarter_of(x));
+  return sine_of(reduced(x));
 }
 
 double cos(double x) {
-  Quarter q = quarter_of(x);
-  q.turns = (q.turns + 1) & 3;
-  return turned(q);
+  ReducedAngle q = reduced(x);
+  q.quarters = (q.quarters + 1) & 3;
+  return sine_of(q);
 }
 
 double atan2(double y, double x) {
@@ -116,7 +116,7 @@ double atan2(double y, double x) {
 }
 
 double log(double x) {
-  static constexpr auto c = odd_parts<11>(3, false);
+  static constexpr auto c = odd_reciprocals<11>(3, false);
   int exponent = 0;
   double m = std::frexp(x, &exponent);  // 1/2 <= m < 1
   if (!(x > 0) || !std::isfinite(x))
@@ -149,7 +149,7 @@ double cbrt(double x) {
   double m = std::frexp(std::abs(x), &exponent);
   while (exponent % 3 != 0) m *= 0.5, ++exponent;  // 1/8 <= m < 1
   double y = 0.38 + 0.66 * m;
-  for (int round = 0; round < 5; ++round) y -= (y * y * y - m) / (3 * y * y);  // Newton's
+  for (int round = 0; round < 5; ++round) y -= (y * y * y - m) / (3 * y * y);  // Newton's method
   return std::ldexp(x < 0 ? -y : y, exponent / 3);
 }
 

@@ -52,7 +52,7 @@ double ExactSum::value() const {
   }
   int top = digits - 1;
   while (top > 2 && magnitude.parts_[top] == 0) --top;
-  // Three digits hold more than a double does; of the rest only counts whether it is zero.
+  // Three digits hold more than a double does; of the others only matters whether any is nonzero.
   unsigned __int128 leading = 0;
   for (int k = top; k > top - 3; --k)
     leading = leading << 32 | static_cast<unsigned __int128>(magnitude.parts_[k]);

@@ -1,5 +1,5 @@
 #pragma once
-// Wall-clock time by the stages of a step, and what else is counted by stage.
+// Wall-clock time, and optionally another meter, by the stages of a step.
 #include <array>
 #include <chrono>
 #include <functional>
@@ -7,45 +7,45 @@
 
 namespace silt::rigid {
 
-/// Counts the seconds that this rank spends in each stage. `Stage` is an enum class whose last enumerator is
-/// `count`. A stage that runs within another one suspends it, so no second is counted twice. A Reading is
-/// what some meter shows, a number or a set of them; it begins at zero and can be added and subtracted.
+/// Measures the seconds that this rank spends in each stage. `Stage` is an enum class whose last enumerator
+/// is `count`. A stage nested in another suspends it, so no second is counted twice. A Reading is the state
+/// of a meter: zero by default, with += and -.
 template <class Stage, class Reading = double>
 class StageClock {
  public:
   using Seconds = std::array<double, std::size_t(Stage::count)>;
   using Readings = std::array<Reading, std::size_t(Stage::count)>;
 
-  /// `read` reads a meter that never goes back; empty: there is none.
+  /// `read` reads a meter that never decreases; without it no readings are taken.
   explicit StageClock(std::function<Reading()> read = {}) : read_(std::move(read)) {}
 
-  /// Stages one after the other: the first runs until goes_on, the last as long as this lives.
-  class Turn {
+  /// Runs consecutive stages: the first until switch_to, the last until destruction.
+  class Scope {
    public:
-    Turn(StageClock& clock, Stage first) : clock_(clock), outer_(clock.change_to(first)) {}
-    ~Turn() { clock_.change_to(outer_); }
-    Turn(const Turn&) = delete;
-    void goes_on(Stage next) { clock_.change_to(next); }
+    Scope(StageClock& clock, Stage first) : clock_(clock), outer_(clock.change_to(first)) {}
+    ~Scope() { clock_.change_to(outer_); }
+    Scope(const Scope&) = delete;
+    void switch_to(Stage next) { clock_.change_to(next); }
 
    private:
     StageClock& clock_;
     Stage outer_;
   };
 
-  /// Runs `work` as a part of `stage`, and returns what it returns. An exception ends the stage too.
+  /// Runs `work` as part of `stage` and returns its result. The stage ends at an exception, too.
   template <class Work>
   decltype(auto) timed(Stage stage, Work&& work) {
-    const Turn turn(*this, stage);
+    const Scope scope(*this, stage);
     return std::forward<Work>(work)();
   }
-  /// Return the sums over all stages that have ended since the clock was made.
+  /// Return the sums over all stages that have ended since construction.
   const Seconds& seconds() const { return seconds_; }
   const Readings& readings() const { return readings_; }
 
  private:
   using Clock = std::chrono::steady_clock;
 
-  /// Charges the time since the last change to the stage that ran, and returns that stage.
+  /// Adds the time since the last change to the stage that ran, and returns that stage.
   Stage change_to(Stage next) {
     const Clock::time_point now = Clock::now();
     const Reading reading = read_ ? read_() : Reading{};
@@ -59,7 +59,7 @@ class StageClock {
   }
 
   std::function<Reading()> read_;
-  Stage running_ = Stage::count;  // count: none
+  Stage running_ = Stage::count;  // count: no stage
   Clock::time_point changed_;
   Reading at_change_{};
   Seconds seconds_{};

@@ -1,7 +1,6 @@
 #pragma once
-// The vocabulary of rigid/: vectors, poses, ids. Lattice units everywhere (length: one cell, time: one
-// fluid step, mass: reference density times a cell's volume). Frames in names where two are in play:
-// _W world, _B body.
+// Vectors, poses and ids of rigid/, in lattice units (length: one cell; time: one fluid step; mass: reference
+// density times a cell's volume). Suffixes name frames: _W world, _B body.
 #include <Eigen/Dense>
 
 #include <array>
@@ -12,8 +11,7 @@ namespace silt::rigid {
 
 using Vec3 = Eigen::Vector3d;
 using Mat3 = Eigen::Matrix3d;
-/// Unit quaternion, body to world. Unaligned, so that its layout does not depend on the vector width a
-/// translation unit was built for.
+/// Unit quaternion, body to world. Unaligned: the same layout for every vector width.
 using Quat = Eigen::Quaternion<double, Eigen::DontAlign>;
 
 struct Pose {
@@ -23,20 +21,19 @@ struct Pose {
   bool operator==(const Pose&) const = default;
   Vec3 to_world(const Vec3& x_B) const { return position + orientation * x_B; }
   Vec3 to_body(const Vec3& x_W) const { return orientation.conjugate() * (x_W - position); }
-  /// Returns this pose as seen from another one of the same frame.
-  Pose seen_from(const Pose& other) const {
+  /// Returns this pose relative to another pose given in the same frame.
+  Pose relative_to(const Pose& other) const {
     return {other.to_body(position), (other.orientation.conjugate() * orientation).normalized()};
   }
-  /// The pose of a child given in this frame.
+  /// Returns the pose of a child whose pose is given relative to this one.
   Pose operator*(const Pose& child) const {
     return {to_world(child.position), (orientation * child.orientation).normalized()};
   }
 };
 
 using BodyId = std::uint64_t;
-/// Ids from here on are walls: the half-spaces of the domain's sides, first_wall_id + 2 * axis + (upper
-/// side), then the curved walls, from first_tube_id, in the order they were added. They are above every
-/// body's id, so that a wall is always the second of a pair.
+/// Ids of walls: the domain's sides are first_wall_id + 2 * axis + (upper side); curved walls follow from
+/// first_tube_id in the order they were added. They exceed every body's id: a wall is the second of a pair.
 inline constexpr BodyId first_wall_id = BodyId{1} << 63;
 inline constexpr BodyId first_tube_id = first_wall_id + 6;
 inline bool is_wall(BodyId id) {
@@ -49,7 +46,7 @@ struct BoundingBox {
   bool operator==(const BoundingBox&) const = default;
 
   static BoundingBox around(const Vec3& centre, const Vec3& half) { return {centre - half, centre + half}; }
-  /// It holds no point; `add` makes it grow.
+  /// Returns a box without points, to be extended by `add`.
   static BoundingBox empty() {
     constexpr double infinity = std::numeric_limits<double>::infinity();
     return {Vec3::Constant(infinity), Vec3::Constant(-infinity)};
@@ -61,29 +58,27 @@ struct BoundingBox {
   }
 };
 
-/// The velocities of a body.
+/// Linear and angular velocity of a body.
 struct Twist {
   Vec3 v = Vec3::Zero(), w = Vec3::Zero();  // of the centre; W
   Vec3 at(const Vec3& r) const { return v + w.cross(r); }
 };
 
-/// (1, a / 2) normalised: the Cayley map of the rotation vector a (radian), good to the third order of its
-/// length.
+/// Returns the Cayley map of the rotation vector a (radians), (1, a / 2) normalised, exact to third order.
 inline Quat cayley(const Vec3& a) {
   return Quat(1, 0.5 * a[0], 0.5 * a[1], 0.5 * a[2]).normalized();
 }
 
-/// Returns the rotation by the angle between two vectors, neither of them zero, about the normal of both; of
-/// opposite ones about some normal. Compiled in one place: Eigen solves for that normal, which takes a
-/// compiler seconds.
+/// Returns the rotation from one nonzero vector's direction to the other's, about their common normal; for
+/// opposite vectors about some normal. Defined in types.cpp, since Eigen's solver takes seconds to compile.
 Quat rotation_between(const Vec3& from, const Vec3& to);
 
-/// Returns the rotation by the vector angle (radians about its own axis).
+/// Returns the rotation by a rotation vector (axis times angle in radians).
 Quat rotation_by(const Vec3& angle);
-/// Returns the shortest such vector of a rotation.
+/// Returns the shortest rotation vector of a rotation.
 Vec3 angle_of(const Quat&);
 
-/// The normal and two tangents.
+/// Returns the normal n and two unit tangents.
 inline std::array<Vec3, 3> contact_directions(const Vec3& n) {
   int smallest = 0;
   n.cwiseAbs().minCoeff(&smallest);

@@ -1,26 +1,25 @@
-// Pairs with any contacts: first the guess that all of them stick, then Gauss-Seidel over the contacts of a
-// pair. Built once an instruction set.
+// Pairs with any number of contacts: first a trial in which all contacts stick, then Gauss-Seidel over the
+// contacts of a pair. Built once for each instruction set.
 #include "rigid/response/stick_trial_kernel.hpp"
 
 namespace silt::rigid::SILT_ISA {
 namespace {
 
 constexpr int most_rounds = 100;         // of Gauss-Seidel within a pair that is solved once
-constexpr double converged = 1e-14;      // change of an impulse in a round, relative to the largest
-constexpr double converged_push = 1e-6;  // the same where only positions are corrected
+constexpr double converged = 1e-14;      // relative change of an impulse in a round
+constexpr double converged_push = 1e-6;  // the same in the position correction
 
-/// The rounds of eight pairs.
+/// Gauss-Seidel rounds of eight pairs.
 struct Rounds {
   PairMotion motion;
   Mask active;
-  Numbers change{}, scale{};                      // squared, largest of the round
-  Numbers moved{};                                // at most: a contact's impulse, in all rounds
-  Mask cut_short{};                               // by the number of rounds
+  Numbers change{}, scale{};                      // largest squares in the round
+  Numbers moved{};                                // bound on the change of a contact's impulse in all rounds
+  Mask cut_short{};                               // lanes that reached the limit of rounds
   const BlockLubrication* lubrication = nullptr;  // of the group's contacts, or null
-  BlockRolling* rolling = nullptr;                // likewise
+  BlockRolling* rolling = nullptr;                // of the group's contacts, or null
 
-  /// Return what a contact's impulses become, given those that would stop it: (C4) and (C5) of
-  /// method.md, (L2) in a lubrication film.
+  /// Return new impulses from those that would stop the contact: (C4), (C5) of method.md, (L2) for a film.
   static Numbers normal(const BlockContact& c, const BlockLubrication* lubrication, Numbers stop,
                         Numbers u_n) {
     const Numbers hard = c.normal_impulse + (c.target - u_n) * c.inverse_k_n;
@@ -34,7 +33,7 @@ struct Rounds {
     return rubbed + (stop - rubbed) * lubrication->tangential_damped;
   }
 
-  /// (C4), then (C5): first the normal impulse, then the tangential one.
+  /// Solves (C4) for the normal impulse, then (C5) for the tangential one.
   void solve(const BlockGroup& g, BlockContact& c, const BlockLubrication* lubrication) {
     const Vector r = load(c.r), n = load(c.normal), u = motion.at(r), old_t = load(c.tangential_impulse);
     const Numbers old_n = c.normal_impulse;
@@ -51,7 +50,7 @@ struct Rounds {
     motion.push(g, r, n * d_n + d_t);
   }
 
-  /// Solves, after the impulses, for the moments against rolling and twisting.
+  /// Then solves for the moments against rolling and twisting.
   void resist(const BlockGroup& g, const BlockContact& c, BlockRolling& r) {
     const Vector n = load(c.normal), old = load(r.impulse);
     const Vector stop = old - motion.omega * (Numbers(r.roll_arm) * r.inverse_k_roll);
@@ -65,16 +64,16 @@ struct Rounds {
     motion.push_about_a(g, {}, d * r.roll_arm);
   }
 
-  /// Squared, of the whole pair in this sweep.
+  /// Returns the square of the pair's total impulse in this sweep.
   Numbers total(const BlockGroup& g) const {
     return dot(motion.impulse, motion.impulse) +
            Numbers(g.inverse_arm) * g.inverse_arm * dot(motion.angular, motion.angular);
   }
 
-  /// A lane that has settled ends, and keeps its result whatever the others do. With pairs that later sweeps
-  /// go on with, one round is as good as many: beds overlap no less by more.
+  /// Runs the rounds. A lane that has converged keeps its result. Pairs that later sweeps solve again get one
+  /// round: in beds, more rounds did not reduce overlaps.
   void run(const BlockGroup& g, BlockContact* contacts, double tolerance) {
-    const Mask final = ~goes_on(g.bodies);
+    const Mask final = ~needs_sweeps(g.bodies);
     for (int round = 0; round < most_rounds && any_lane(active); ++round) {
       change = Numbers{};
       scale = choose(active, Numbers{}, scale);
@@ -84,7 +83,7 @@ struct Rounds {
       }
       moved += square_root(change);
       active = active & (change > tolerance * tolerance * scale);
-      if (rolling) continue;  // and slip are coupled too closely for one round
+      if (rolling) continue;  // rolling and slip are coupled too closely for one round
       cut_short = cut_short | (active & ~final);
       active = active & final;
     }
@@ -92,7 +91,7 @@ struct Rounds {
   }
 };
 
-/// Carries the impulses on along their last change.
+/// Extrapolates the impulses along their last change.
 class CarryOn {
  public:
   CarryOn(const BlockGroup& g, const BlockContact* contacts) : used_(g.count <= most) {
@@ -104,15 +103,15 @@ class CarryOn {
   void operator()(BlockGroup& g, BlockContact* contacts, PairMotion& motion,
                   const LanesToSolve& lanes) const {
     if (!used_) return;
-    Numbers led_wrong{};
+    Numbers opposed{};
     for (std::uint32_t k = 0; k < g.count; ++k) {
       const BlockContact& c = contacts[k];
       const Vector found_t = load(c.tangential_impulse);
-      led_wrong += (old_n_[k] - c.normal_impulse) * (Numbers(c.normal_impulse) - c.last_normal) +
-                   dot(old_t_[k] - found_t, found_t - load(c.last_tangential));
+      opposed += (old_n_[k] - c.normal_impulse) * (Numbers(c.normal_impulse) - c.last_normal) +
+                 dot(old_t_[k] - found_t, found_t - load(c.last_tangential));
     }
     const Mask on = lanes.on;
-    const Numbers beta = momentum(g.age, led_wrong, lanes.to_carry);
+    const Numbers beta = momentum(g.age, opposed, lanes.to_carry);
     g.carried = choose(on, beta, g.carried);
     Vector impulse{}, moment{};
     for (std::uint32_t k = 0; k < g.count; ++k) {
@@ -132,13 +131,13 @@ class CarryOn {
   }
 
  private:
-  static constexpr std::uint32_t most = 16;  // contacts of a pair; more are not carried on
+  static constexpr std::uint32_t most = 16;  // contacts of a pair; with more there is no extrapolation
   bool used_;
   Numbers old_n_[most];
   Vector old_t_[most];
 };
 
-/// A pair whose rounds were cut short has not come to rest, however little it moved, and is not final.
+/// Stores the result. A pair whose rounds were cut short is not final, however small its change.
 void finish(BlockGroup& g, const Rounds& rounds, Mask solved, double tolerance) {
   store(g.impulse, rounds.motion.impulse);
   store(g.angular, rounds.motion.angular);
@@ -171,7 +170,7 @@ SweepOutcome sweep_blocks(std::span<BlockGroup> groups, BlockContact* all_contac
     rounds.lubrication =
         g.first_lubrication != without && !sweep.push ? all_lubrication + g.first_lubrication : nullptr;
     if (rounds.lubrication || rounds.rolling)
-      ;  // lubricated surfaces creep, and moments share the load: not all sticks by itself
+      ;  // lubricated surfaces creep, and moments share the load: the contacts cannot all stick
     else if (sweep.push)
       try_sticking<true>(g, contacts, rounds.motion, rounds.active, rounds.scale);
     else

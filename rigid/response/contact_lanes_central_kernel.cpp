@@ -1,27 +1,25 @@
-// Contacts on the line of centres, dry or with a lubrication film in the gap (method.md, C4, C5, L1 and
-// L2). Built once an instruction set.
+// Central contacts, dry or lubricated (method.md, C4, C5, L1, L2). Built once for each instruction set.
 //
-// An impulse p that would stop a motion of compliance k becomes damped * p by the film alone. The contact
-// adds what is missing: normal = larger(damped * stop, stop + target / k), and friction takes its part of the
-// tangential one before the film does. Rolling is eliminated from the tangential motion, so that one pass is
-// exact here too.
+// Against an impulse p that would stop a motion of compliance k the film alone gives damped * p. The contact
+// adds the rest: normal = larger(damped * stop, stop + target / k), and friction takes its part of the
+// tangential impulse before the film. Rolling is eliminated from the tangential motion: one pass is exact.
 #include "rigid/response/lanes_kernel.hpp"
 
 namespace silt::rigid::SILT_ISA {
 namespace {
 
-/// Contacts of a kind have an impulse along the normal (frictionless), across it too (dry), and one against
-/// rolling (rolling, lubricated).
+/// Kinds of contact: with a normal impulse only (frictionless), with a tangential one (dry), and with one
+/// against rolling (rolling, lubricated).
 enum Kind { frictionless, dry, rolling, lubricated };
 
-/// Impulses on b; those that a kind does not have are not computed with.
+/// Impulses on b; components that a kind lacks are not computed.
 template <Kind kind>
 struct Impulse {
   Numbers normal;
   Vector tangential, rolling;
 };
 
-/// of(part of p, part of q) in every part.
+/// Applies of(part of p, part of q) to every part.
 template <Kind kind, class Of>
 [[gnu::always_inline]] inline Impulse<kind> by_part(const Impulse<kind>& p, const Impulse<kind>& q, Of of) {
   Impulse<kind> result;
@@ -46,7 +44,7 @@ Numbers dot(const Impulse<kind>& p, const Impulse<kind>& q) {
   return sum;
 }
 
-/// The impulses there are, or those of the last sweep.
+/// Reads the current impulses, or those of the last sweep.
 template <Kind kind, class Group>
 Impulse<kind> impulse_of(const Group& g) {
   Impulse<kind> p;
@@ -71,8 +69,7 @@ void store(Group& g, const Impulse<kind>& now, const Impulse<kind>& last) {
   if constexpr (kind > dry) store(g.rolling_impulse, now.rolling), store(g.last_rolling, last.rolling);
 }
 
-/// The pair alone, from the impulses at hand. Without friction tangential impulses are zero and stay so, and
-/// the bits are those of `dry`.
+/// Solves the pair from its current impulses. Without friction tangential impulses stay zero, as in `dry`.
 template <Kind kind>
 Impulse<kind> find(const CentralGroup& g, const Impulse<kind>& old, const Twist& a, const Twist& b) {
   const Vector n = load(g.normal), u = b.v - a.v;
@@ -86,8 +83,8 @@ Impulse<kind> find(const CentralGroup& g, const Impulse<kind>& old, const Twist&
   return p;
 }
 
-/// Slip that sticks follows rolling and is eliminated, which is exact. Where it slides after all, rolling is
-/// solved for with the impulse that slip has, and later sweeps continue.
+/// While the contact sticks, slip is determined by rolling and eliminated, which is exact. If it slides after
+/// all, rolling is solved for with the slip's impulse, and later sweeps continue.
 template <Kind kind>
 Impulse<kind> find(const RollingGroup& g, const Impulse<kind>& old, const Twist& a, const Twist& b) {
   const Vector n = load(g.normal), u = b.v - a.v;
@@ -127,7 +124,7 @@ Impulse<kind> find(const LubricatedGroup& g, const Impulse<kind>& old, const Twi
   p.normal = larger(g.normal_damped * stop_n, old.normal + (g.target - u_n) * g.inverse_k_n);
   const Numbers pressing = g.normal_stiffness * (p.normal - g.normal_damped * stop_n);
 
-  const Vector unrolled = old.rolling * g.roll_keeps - roll * g.roll_gain;  // if slip took no impulse
+  const Vector unrolled = old.rolling * g.roll_keeps - roll * g.roll_gain;  // for zero impulse against slip
   const Vector slip = u - n * u_n + (unrolled - old.rolling) * g.roll_to_slip;
   const Vector stop_t = old.tangential - slip * g.inverse_k_t;
   const Vector rubbed = into_cone(stop_t, g.friction * pressing);
@@ -136,12 +133,12 @@ Impulse<kind> find(const LubricatedGroup& g, const Impulse<kind>& old, const Twi
   return p;
 }
 
-/// Returns the push on the bodies by a change of the impulses.
+/// Returns the effect on the bodies of a change of the impulses.
 template <Kind kind>
 Push push_by(const CentralGroup& g, const Impulse<kind>& d) {
   const Vector n = load(g.normal);
   if constexpr (kind == frictionless) return {n * d.normal, {}, {}};
-  const Vector torque = cross(n, d.tangential);  // per unit of arm
+  const Vector torque = cross(n, d.tangential);  // per unit arm
   return {n * d.normal + d.tangential, torque * (Numbers{} - g.arm_a), torque * g.arm_b};
 }
 template <Kind kind>
@@ -156,8 +153,8 @@ Push push_by(const LubricatedGroup& g, const Impulse<kind>& d) {
           slip * g.arm_b - roll * g.reach_b};
 }
 
-/// One pass over a group: its pairs solved, and carried on along their last change (method-bodies.md, a
-/// sweep). Returns the squares of the relative changes.
+/// Solves the pairs of a group once and extrapolates along their last change (method-bodies.md, a sweep).
+/// Returns the squares of the relative changes.
 template <Kind kind, class Group>
 Numbers sweep_group(Group& g, const LanesToSolve& lanes, const BodyState* state, BodySum* sums,
                     double tolerance) {
@@ -181,7 +178,7 @@ Numbers sweep_group(Group& g, const LanesToSolve& lanes, const BodyState* state,
   return relative;
 }
 
-/// All groups that have anything to solve.
+/// Sweeps all groups that have a pair to solve.
 template <class Group, class SweepGroup>
 SweepOutcome sweep_all(std::span<Group> groups, const BodyState* state, const ContactSweep& sweep,
                        SweepGroup sweep_one) {

@@ -20,9 +20,15 @@ Made make_sffd(const ResolverSettings& settings) {
 }
 
 constexpr ResolverModel models[] = {
-    {"sffd", true, true, true, false, true, make_sffd},
-    {"ffd", false, false, false, true, false,
-     [](const ResolverSettings& settings) -> Made { return std::make_unique<FfdResolver>(settings); }},
+    {.name = "sffd",
+     .lubricates = true,
+     .has_impact_phase = true,
+     .resists_rolling_and_pulls = true,
+     .sweeps = true,
+     .make = make_sffd},
+    {.name = "ffd",
+     .makes_energy = true,
+     .make = [](const ResolverSettings& s) -> Made { return std::make_unique<FfdResolver>(s); }},
 };
 
 }  // namespace

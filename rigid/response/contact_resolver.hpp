@@ -1,6 +1,6 @@
 #pragma once
-// A contact resolver turns the contacts of one step into post-contact velocities (lines 14 to 20 of the
-// paper's Algorithm 1).
+// The interface of contact resolvers, which turn the contacts of a step into post-contact velocities (lines
+// 14 to 20 of the paper's Algorithm 1).
 #include <algorithm>
 #include <memory>
 #include <span>
@@ -15,38 +15,38 @@
 
 namespace silt::rigid {
 
-/// A contact that changes the velocities of two bodies at once.
+/// A contact with a sudden change of two bodies' velocities.
 struct Impact {
   std::size_t row_a, row_b;  // of the BodySet
   Vec3 normal;               // unit, from a to b, W
   double impulse;            // on b along the normal, mass times velocity in lattice units
 };
 
-/// A sink does something about impacts. It hears of each once its impulse is final, on every rank that solved
-/// the pair (that owns one of its free bodies), in the order of the contacts, bitwise the same on each.
+/// Receives every impact once its impulse is final, on each rank that solved the pair (owns one of its free
+/// bodies), bitwise the same and in the order of the contacts.
 class ImpactSink {
  public:
   virtual ~ImpactSink() = default;
-  /// Returns what b gets besides the impulse reported, and a the reverse of, in time; W.
+  /// Returns the additional impulse that b receives over later steps, and a reversed; W.
   virtual Vec3 operator()(BodySet&, const Impact&) const = 0;
 };
 
 struct ResolverSettings {
   int max_sweeps = 16;
   double sweep_tolerance = 1e-10;  // relative change of the impulses at which the sweeps stop
-  double correction = 0.2;         // share of the overlap taken back a step (split impulses; ffd: alpha)
-  double slop = 0.0;               // overlap left alone, lattice units
+  double correction = 0.2;         // fraction of the overlap removed per step (split impulses; ffd: alpha)
+  double slop = 0.0;               // overlap that is not corrected, lattice units
   bool warm_start = true;
-  int impact_sweeps = 0;  // sffd: of the impact phase before it (impact_phase.hpp), at most; 0: none
-  double least_impact_restitution = 0;  // the least with which a pair takes part in it
+  int impact_sweeps = 0;  // sffd: limit of sweeps of the impact phase before it (impact_phase.hpp); 0: none
+  double least_impact_restitution = 0;  // least restitution of a pair that takes part in it
   std::shared_ptr<const ImpactSink>
-      impacts;  // sffd: told of every impact but those of the impact phase; null: nobody
-  // of pairs, as those of the World; empty: no pair resists rolling or pulls (sffd)
+      impacts;  // sffd: receives every impact outside the impact phase; null: none does
+  // of pairs, as in World; empty: no pair resists rolling or pulls (sffd)
   std::vector<Material> materials;
   int material_count = 0;
 };
 
-/// Gives a resolver the materials that have more than restitution and friction.
+/// Sets the materials if any has more than restitution and friction.
 inline void set_materials(ResolverSettings& settings, const World& world) {
   const auto plain = [](const Material& m) { return m.rolls_freely() && !m.pulls(); };
   if (std::ranges::all_of(world.materials, plain)) return;
@@ -55,16 +55,16 @@ inline void set_materials(ResolverSettings& settings, const World& world) {
 }
 
 struct ResolverStatistics {
-  std::uint64_t contacts = 0;  // of owned bodies, each counted at the owner of its lower id
-  int sweeps = 0;              // the last that solved a pair of this rank
+  std::uint64_t contacts = 0;  // of owned bodies, each counted by the owner of its lower id
+  int sweeps = 0;              // number of the last sweep that solved a pair of this rank
   int impact_sweeps = 0;
-  double residual = 0;     // largest change of a body's velocity in the last sweep allowed; 0: at rest before
-  double penetration = 0;  // deepest overlap met, lattice units
-  double cone_excess = 0;  // largest |p_t| - mu p_n, relative to p_n
-  std::uint64_t infeasible = 0;  // ffd: bodies stopped because no feasible velocity was found
+  double residual =
+      0;  // largest change of a body's velocity in the last sweep allowed; 0 if converged before
+  double penetration = 0;        // deepest overlap, lattice units
+  double cone_excess = 0;        // largest |p_t| - mu p_n, relative to p_n
+  std::uint64_t infeasible = 0;  // ffd: bodies stopped for lack of a feasible velocity
 
-  /// Adds a later sub-step: sums of what is done, extremes of what is met; contacts are those of the last
-  /// one.
+  /// Adds a later sub-step: sums of sweeps and failures, maxima of errors; contacts are replaced.
   ResolverStatistics& operator+=(const ResolverStatistics& later) {
     contacts = later.contacts;
     sweeps += later.sweeps;
@@ -77,26 +77,26 @@ struct ResolverStatistics {
   }
 };
 
-/// What a contact gives its second body, and takes from its first one, besides the impulse that they
-/// remember: what its film does against rolling, an impact, which is forgotten, and what the ImpactSink adds.
+/// A part of a contact's impulse, on its second body and reversed on its first, that is not stored for the
+/// warm start: of a film against rolling, of an impact, or from the ImpactSink.
 struct OtherImpulse {
-  std::size_t contact;   // its index
-  Vec3 impulse, moment;  // W; the latter about its point
+  std::size_t contact;   // index
+  Vec3 impulse, moment;  // W; the moment is about the contact point
 };
 
-/// Velocities at hand in the middle of a step, one entry a row of the BodySet: set where a contact is.
+/// Velocities during a step, one entry per row of the BodySet, set for rows with a contact.
 struct StepVelocities {
-  bool start = false;                     // in: nothing happened before, so no impulse is stored
-  std::vector<std::size_t> rows;          // that have a contact
-  std::vector<Twist> before;              // the kick: what restitution sees
+  bool start = false;                     // in: the first step, without stored impulses
+  std::vector<std::size_t> rows;          // rows with a contact
+  std::vector<Twist> before;              // in: before the kick, for restitution
   std::vector<Twist> now;                 // in: after the kick; out: after the contacts
-  std::vector<Twist> push;                // out: position correction, velocities for positions only; or empty
-  std::vector<std::uint8_t> misses_kick;  // out (if first_kick() < 1): bodies that miss the rest of theirs
+  std::vector<Twist> push;                // out: pseudo velocities of the position correction; or empty
+  std::vector<std::uint8_t> misses_kick;  // out (if first_kick() < 1): bodies that do not get the rest of it
   std::vector<double>
-      rebounds;  // in: least velocities of contacts at which impacts have parted them; or empty
-  bool wants_all_impulses = false;           // in: else those of walls and fixed bodies alone are told
-  std::vector<OtherImpulse> other_impulses;  // added to: of pairs with an owned free body
-  bool tells_impulses(const BodySet& bodies, std::size_t row_a, std::size_t row_b) const {
+      rebounds;  // in: least separation velocity of each contact after the impact phase; or empty
+  bool wants_all_impulses = false;           // in: false: only for walls and fixed bodies
+  std::vector<OtherImpulse> other_impulses;  // appended, for pairs with an owned free body
+  bool records_impulses(const BodySet& bodies, std::size_t row_a, std::size_t row_b) const {
     return wants_all_impulses || !bodies.is_dynamic(row_a) || !bodies.is_dynamic(row_b);
   }
 };
@@ -105,28 +105,26 @@ class ContactResolver {
  public:
   virtual ~ContactResolver() = default;
   virtual std::string_view name() const = 0;
-  /// Share of the external force (not of gravity) that acts before the contacts: 1 (sffd) or 1/2 (ffd).
+  /// Fraction of the external force (not of gravity) that acts before the contacts: 1 (sffd) or 1/2 (ffd).
   virtual double first_kick() const { return 1.0; }
-  /// bodies: after the kick. contacts: sorted by key, all those of owned bodies. Fills velocities of owned
-  /// rows that have one.
+  /// Sets velocities.now of the owned rows in contact. Bodies are after the kick; contacts sorted by key.
   virtual ResolverStatistics resolve(BodySet&, const std::vector<Contact>&, double dt, StepVelocities&,
                                      BodyExchange&) = 0;
 };
 
-/// A resolver by its name, and which settings and phases of a step it knows. A new one is a row in
-/// contact_resolver.cpp.
+/// A resolver's name and features. A new one is a row in contact_resolver.cpp.
 struct ResolverModel {
   std::string_view name;
-  bool lubricates, has_impact_phase;
-  bool resists_rolling_and_pulls;
-  bool makes_energy;  // contacts of several bodies may leave more than there was
-  bool sweeps;        // over the contacts, again and again
+  bool lubricates = false, has_impact_phase = false;
+  bool resists_rolling_and_pulls = false;
+  bool makes_energy = false;  // several contacts of a body may increase the energy
+  bool sweeps = false;        // iterates over the contacts
   std::unique_ptr<ContactResolver> (*make)(const ResolverSettings&);
 };
 
-/// Returns every resolver, the default first.
+/// Returns all resolvers, the default first.
 std::span<const ResolverModel> resolver_models();
-/// Returns the row of a name; std::invalid_argument names the known ones.
+/// Returns the resolver of a name; throws std::invalid_argument with the known names.
 const ResolverModel& resolver_model(std::string_view name);
 std::unique_ptr<ContactResolver> make_resolver(std::string_view name, const ResolverSettings&);
 

@@ -1,6 +1,5 @@
 #pragma once
-// The least normal velocity that a contact is to have after a step (method.md, C1), and in the position
-// correction (C7).
+// The target of a contact: its least normal velocity after a step (method.md, C1), or in the correction (C7).
 #include <algorithm>
 #include <cmath>
 #include <span>
@@ -16,12 +15,11 @@ inline double lever_arms(const Contact& c) {
   return is_wall(c.b) ? c.r_a.norm() : c.r_a.norm() + c.r_b.norm();
 }
 
-/// The target closes the gap, or is the one that Newton's restitution asks of a contact that would be
-/// reached, by the velocities before the kick (so that a body at rest does not bounce), as far as a
-/// lubrication film leaves them.
+/// The velocity that closes the gap or, for a contact that would be reached, that of Newton's restitution.
+/// The approach velocity is that before the kick (so that a body at rest does not bounce), less the film.
 struct Target {
   double velocity;
-  double impact_change = 0;  // of the velocity, where the contact is hit
+  double impact_change = 0;  // change of velocity by the impact, if any
 };
 inline Target target_of(const Contact& c, double dt, double reduced_mass, const Vec3& before) {
   const double closing = c.gap > 0 ? -c.gap / dt : 0.0;
@@ -32,55 +30,53 @@ inline Target target_of(const Contact& c, double dt, double reduced_mass, const 
   return {target, target - speed};
 }
 
-/// A contact that pressed may have opened by this share of the lever arms.
+/// Largest opening of a contact that still counts as pressed, relative to the lever arms.
 inline constexpr double hair = 1e-4;
 
-/// The target of a contact that pressed in the last step: one that has opened by a hair is held, not let
-/// fall. Else the load shifts to the contacts that are left and back again, and stacks rock and creep. A
+/// The target of a contact that pressed in the last step. A contact that has opened by less than a hair is
+/// held: otherwise the load would shift to the other contacts and back, and stacks would rock and creep. A
 /// lubrication film holds by itself, and its impulse does not mean that the surfaces touched.
 inline double target_of_pressed(const Contact& c, double dt, double target) {
   return c.gap > 0 && !c.lubrication ? std::max(target, std::min(0.0, hair * lever_arms(c) - c.gap) / dt)
                                      : target;
 }
 
-/// An overlap that a correction is worth.
+/// Returns whether an overlap is large enough for a correction.
 inline bool is_correctable(const Contact& c, const ResolverSettings& settings) {
   constexpr double negligible = 1e-9;  // relative to the lever arms
   return settings.correction > 0 && -c.gap > settings.slop &&
          -c.gap > settings.slop + negligible * lever_arms(c);
 }
 
-/// The share of the overlap that the normal velocity does not take back by itself; an open contact may use up
-/// the gap that is left.
+/// The correction of the overlap beyond what the normal velocity removes; open contacts may use up the gap.
 inline double target_of_push(const Contact& c, double dt, double velocity, const ResolverSettings& settings) {
   if (c.gap > 0) return std::min(0.0, -(c.gap / dt + velocity));
   const double overlap = settings.correction * (-c.gap - settings.slop) / dt - std::max(0.0, velocity);
   return is_correctable(c, settings) ? std::max(0.0, overlap) : 0;
 }
 
-// Forces pull surfaces together (method.md, K1 and K2). A pull acts along the normal of a contact, whose
-// own impulse presses against it: what is left of that impulse while others pull the bodies apart holds them,
-// and where nothing is left they part.
+// Cohesion (method.md, K1 and K2). The pull acts along the normal of a contact, whose own impulse acts
+// against it. Surfaces part once nothing of that impulse is left.
 
-/// The contacts of two bodies that attract each other, and their velocities.
+/// The contacts of two cohesive bodies, and their velocities.
 struct CohesivePair {
   const Material& material;
   double dt;
   std::span<const Contact> contacts;
-  bool joined;  // as Turning has it
+  bool joined;  // see Turning
   Twist a, b;
 };
 
-/// Sets the pull of each contact of a pair, a share each of the pair's, and the gap that it is to keep, by
-/// the velocities before the kick. One that pressed in the step before has an impulse already, and is a
-/// contact as long as it has opened by no more than a hair and by what turning does.
+/// Sets for each contact its share of the pair's pull and the gap to be kept, from the velocities before the
+/// kick. A contact that pressed in the last step has an impulse; it persists while it has opened by no more
+/// than a hair plus the opening by rotation.
 void set_pulls(const CohesivePair&, std::span<ContactImpulse>);
 
-/// The most that set_pulls may give them: for what they recall of the step before.
+/// Sets the largest pulls possible, to limit the impulses recalled from the last step.
 void set_greatest_pulls(const CohesivePair&, std::span<ContactImpulse>);
 
-/// Returns the velocity, of b seen from a, that leaves a pair as it is while it turns, at the velocities at
-/// hand (K3, K4), and sets the targets, as velocities besides that one. Zero where nothing pulls or turns.
+/// Returns the relative velocity of b at which the pair keeps its gap while it rotates (K3, K4), and makes
+/// the targets relative to it. Zero without pull or rotation.
 Vec3 keep_together(const CohesivePair&, std::span<const ContactImpulse>, std::span<double> targets);
 
 }  // namespace silt::rigid

@@ -7,16 +7,17 @@
 namespace silt::rigid {
 namespace {
 
-constexpr double violation = 1e-12;     // relative to the constraint's size: taken as satisfied
-constexpr double dependent = 1e-10;     // part of a unit normal outside the span of the active ones: none
-constexpr int steps_a_constraint = 20;  // bound on the steps, against cycling by rounding
+constexpr double violation =
+    1e-12;  // relative to the constraint's size: smaller violations count as satisfied
+constexpr double dependent = 1e-10;     // least part of a unit normal outside the span of the active ones
+constexpr int steps_a_constraint = 20;  // limit of steps, against cycling by rounding
 
 class ActiveSet {
  public:
   explicit ActiveSet(std::span<const HalfSpace6> all) : all_(all) {}
   Vec6 y = Vec6::Zero();
 
-  /// Moves until constraint p holds. False: it contradicts the active ones.
+  /// Moves until constraint p holds. Returns false if it contradicts the active constraints.
   bool enforce(std::size_t p) {
     double multiplier = 0;
     for (int i = 0; i < steps_a_constraint; ++i) {
@@ -60,11 +61,11 @@ class ActiveSet {
   std::vector<double> multipliers_;
 };
 
-constexpr int width = 6;             // doubles a body in the share: v, w
-constexpr int friction_samples = 4;  // tangents a contact
-constexpr double touching = 1e-9;    // gap relative to the lever arm: a contact
+constexpr int width = 6;             // doubles per body in a share: v, w
+constexpr int friction_samples = 4;  // tangents per contact
+constexpr double touching = 1e-9;    // gap relative to the lever arm below which bodies touch
 
-/// Coordinates in which the kinetic metric is the unit matrix: y = S phi, covectors c = S^-T N.
+/// Coordinates in which the kinetic energy metric is the unit matrix: y = S phi, covectors c = S^-T N.
 struct KineticFrame {
   Mat3 spin, inverse_spin;  // spin^T spin = I_W
   double root_mass;
@@ -90,7 +91,7 @@ double mobility(const BodySet& b, std::size_t row, const Vec3& r, const Vec3& n)
   return b.inverse_mass(row) + x.dot(b.inverse_inertia_W(row) * x);
 }
 
-/// The tangents friction may act along: the first against the contact point's own velocity (F3).
+/// Returns directions of friction; the first opposes the contact point's own velocity (F3).
 std::array<Vec3, friction_samples> tangents(const Vec3& n, const Vec3& velocity) {
   Vec3 t = velocity.dot(n) * n - velocity;
   if (t.norm() <= 1e-12 * velocity.norm() || t.norm() == 0) {
@@ -103,7 +104,7 @@ std::array<Vec3, friction_samples> tangents(const Vec3& n, const Vec3& velocity)
   return {t, s, -t, -s};
 }
 
-/// -phi projected on the span of the covectors: the friction that would stop all motion it can reach.
+/// Returns -phi projected onto the span of the covectors: the friction that would stop all motion along them.
 Vec6 full_stop(const std::vector<HalfSpace6>& directions, const Vec6& phi) {
   Eigen::Matrix<double, 6, Eigen::Dynamic> span(6, directions.size());
   for (std::size_t k = 0; k < directions.size(); ++k) span.col(k) = directions[k].normal;
@@ -135,8 +136,7 @@ ClosestPoint closest_to_origin(std::span<const HalfSpace6> constraints) {
   return {false, set.y};
 }
 
-/// (F1): the common normal speed d of an inelastic collision of these two alone is all either body learns of
-/// the other.
+/// (F1): either body sees of the other only the common normal velocity d after an inelastic collision.
 void FfdResolver::add_constraints(const BodySet& bodies, const Contact& c, double dt) {
   const std::size_t rows[2] = {bodies.row_of(c.a), bodies.row_of(c.b)};
   const Vec3 arms[2] = {c.r_a, c.r_b};
@@ -168,7 +168,7 @@ void FfdResolver::respond(const BodySet& bodies, std::size_t row, StepVelocities
   auto& [v, w] = velocities.now[row];
   const Vec6 plain = (Vec6() << w, v).finished(), phi = frame.velocity(w, v);
 
-  // (F2): the closest velocity that violates nothing
+  // (F2): the closest velocity that satisfies all constraints
   std::vector<HalfSpace6> half_spaces;
   double bounce = 0, compression = 0, reach = 0;
   for (const Constraint& c : constraints) {
@@ -189,7 +189,7 @@ void FfdResolver::respond(const BodySet& bodies, std::size_t row, StepVelocities
   const double size = (Vec6() << frame.w(r), frame.v(r)).finished().norm();
   if (size > 1.2 * reach) r *= 1.2 * reach / size;
 
-  // (F3): the friction that leaves the least kinetic energy
+  // (F3): the friction of least kinetic energy
   std::vector<HalfSpace6> friction;
   const Vec3 w_feasible = w + frame.w(r), v_feasible = v + frame.v(r);
   for (std::size_t k = 0; k < constraints.size(); ++k) {
@@ -238,7 +238,7 @@ ResolverStatistics FfdResolver::resolve(BodySet& bodies, const std::vector<Conta
   for (std::size_t row = 0; row < bodies.owned; ++row) {
     if (constraints_[row].empty()) continue;
     respond(bodies, row, velocities, statistics);
-    velocities.misses_kick[row] = true;  // the half of it after the contacts
+    velocities.misses_kick[row] = true;  // its second half
   }
   statistics.sweeps = 1;
   return statistics;

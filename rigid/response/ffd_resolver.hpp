@@ -1,8 +1,7 @@
 #pragma once
-// Fast Frictional Dynamics as the paper used it (SC10 section III; Kaufman, Edmunds, Pai 2005): each body by
-// itself, once. The baseline to compare sffd with; its known faults are kept and tested: momentum is not
-// conserved with more than one contact, friction is bounded by velocities, half the external force is lost in
-// contact (method.md, F1 to F4).
+// Fast Frictional Dynamics as in the paper (SC10 section III; Kaufman, Edmunds, Pai 2005): each body is
+// solved once, by itself. A baseline for sffd with its known defects: momentum is not conserved with several
+// contacts, friction is bounded by velocities, half the force is lost in contact (method.md, F1 to F4).
 #include <Eigen/Dense>
 #include <span>
 
@@ -22,10 +21,10 @@ struct ClosestPoint {
   Vec6 y;
 };
 
-/// The point of a polyhedron in R^6 closest to the origin, by the dual active-set method of Goldfarb and
-/// Idnani (1983), "A numerically stable dual method for solving strictly convex quadratic programs", for a
-/// unit matrix: min |y|^2 / 2 subject to every constraint. Starts at the origin, adds the most violated
-/// constraint one at a time and drops those whose multiplier would turn negative; at most six are active.
+/// Finds the point of a polyhedron in R^6 closest to the origin by the dual active-set method (Goldfarb,
+/// Idnani, "A numerically stable dual method for solving strictly convex quadratic programs", 1983) for a
+/// unit matrix: min |y|^2 / 2 subject to all constraints. It starts at the origin, adds the most violated
+/// constraint and drops those whose multiplier would become negative; at most six are active.
 ClosestPoint closest_to_origin(std::span<const HalfSpace6> constraints);
 
 class FfdResolver : public ContactResolver {
@@ -37,9 +36,9 @@ class FfdResolver : public ContactResolver {
                              BodyExchange&) override;
 
  private:
-  /// A contact as one of its bodies sees it: N . phi >= offset + correction. phi = (omega, v).
+  /// A constraint on one body of a contact: N . phi >= offset + correction, phi = (omega, v).
   struct Constraint {
-    Vec3 normal, r;  // normal: into this body
+    Vec3 normal, r;  // normal: into the body
     Vec6 covector;   // (r x n, n)
     double offset, correction, restitution, friction;
   };

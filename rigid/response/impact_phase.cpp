@@ -10,20 +10,20 @@
 namespace silt::rigid {
 namespace {
 
-constexpr int share_width = 8;               // doubles a body in a share: v, w and the two that follow
-constexpr int number = 6;                    // of its pairs that collide in the round
-constexpr int word = 7;                      // what the stage at hand has to tell its partners
-constexpr double negligible = 1e-12;         // approach in a step, relative to the lever arms: none
-constexpr double sweep_tolerance = 1e-13;    // change of a pair's impulses, relative to the largest
-constexpr double round_tolerance = 1e-15;    // the same inside a pair
-constexpr int most_rounds_of_a_pair = 1000;  // inside a pair; a single contact needs one
+constexpr int share_width = 8;               // doubles per body in a share: v, w and the two below
+constexpr int number = 6;                    // index: number of its colliding pairs in the round
+constexpr int word = 7;                      // index: value of the current stage
+constexpr double negligible = 1e-12;         // relative to the lever arms: least approach per step
+constexpr double sweep_tolerance = 1e-13;    // relative change of a pair's impulses
+constexpr double round_tolerance = 1e-15;    // the same within a pair
+constexpr int most_rounds_of_a_pair = 1000;  // a single contact needs one
 
 double response(double inverse_mass, const Mat3& inverse_inertia, const Vec3& r, const Vec3& d,
                 const Vec3& along) {
   return inverse_mass * d.dot(along) + r.cross(d).dot(inverse_inertia * r.cross(along));
 }
 
-/// Two bodies while their pair is solved: with split masses.
+/// The two bodies of a pair while it is solved, with split masses.
 struct Sides {
   Twist a, b;
   double mass_a, mass_b;  // inverse
@@ -35,7 +35,7 @@ struct Sides {
     b.v += mass_b * impulse;
     b.w += inertia_b * r_b.cross(impulse);
   }
-  /// Returns the rounding of the difference of two velocities at a contact.
+  /// Returns the rounding error of a relative velocity at a contact.
   double rounding(const Vec3& r_a, const Vec3& r_b) const {
     return std::numeric_limits<double>::epsilon() *
            (a.v.norm() + a.w.norm() * r_a.norm() + b.v.norm() + b.w.norm() * r_b.norm());
@@ -69,7 +69,7 @@ std::size_t ImpactPhase::involve(const BodySet& bodies, std::size_t row) {
   return static_cast<std::size_t>(index_[row]);
 }
 
-/// The pairs that can bounce.
+/// Collects the pairs that can bounce.
 void ImpactPhase::collect(const BodySet& bodies, const std::vector<Contact>& contacts) {
   bodies_.clear();
   pairs_.clear();
@@ -79,8 +79,8 @@ void ImpactPhase::collect(const BodySet& bodies, const std::vector<Contact>& con
     const Contact& c = of_pair[0];
     if (!takes(c)) return;
     const std::size_t a = involve(bodies, bodies.row_of(c.a)), b = involve(bodies, bodies.row_of(c.b));
-    if (!bodies_[a].moves && !bodies_[b].moves) return;  // its owners' business
-    // of a wall only its turning matters, and few turn
+    if (!bodies_[a].moves && !bodies_[b].moves) return;  // solved by their owners
+    // walls matter only if they rotate, which few do
     const bool b_turns = !is_wall(c.b) || bodies.angular_velocity[bodies_[b].row] != Vec3::Zero();
     const std::size_t from = contacts_.size();
     for (const Contact& of : of_pair)
@@ -94,7 +94,7 @@ void ImpactPhase::collect(const BodySet& bodies, const std::vector<Contact>& con
   });
 }
 
-/// Marks the contacts that approach and touch, or would within the step. Returns whether there are any.
+/// Marks contacts that approach and touch, or would within the step. Returns whether there are any.
 bool ImpactPhase::mark_approaching(double dt) {
   bool any = false;
   for (Pair& p : pairs_) {
@@ -116,7 +116,7 @@ double& ImpactPhase::shared(const Body& b, int which) {
   return state_[b.row * share_width + which];
 }
 
-/// Picks the round's pairs: those whose restitution no approaching pair of either body exceeds.
+/// Selects the round's pairs: those whose restitution is the largest among approaching pairs of either body.
 void ImpactPhase::choose_pairs(BodySet& bodies, BodyExchange& exchange) {
   for (const Body& b : bodies_) shared(b, word) = 0;
   for (const Pair& p : pairs_)
@@ -129,7 +129,7 @@ void ImpactPhase::choose_pairs(BodySet& bodies, BodyExchange& exchange) {
                  p.restitution >= shared(bodies_[p.b], word);
 }
 
-/// Counts the round's pairs at their bodies and splits the masses accordingly.
+/// Counts the round's pairs of each body and splits the masses accordingly.
 void ImpactPhase::begin_round(BodySet& bodies, BodyExchange& exchange) {
   choose_pairs(bodies, exchange);
   for (Body& b : bodies_) {
@@ -165,8 +165,7 @@ void ImpactPhase::split_masses(Pair& p) {
   }
 }
 
-/// Solves one pair from the common velocities. Returns how much its impulses changed, relative to the
-/// largest.
+/// Solves a pair from the common velocities. Returns the change of its impulses relative to the largest.
 double ImpactPhase::solve(const Pair& p, Stage stage) {
   const Body &body_a = bodies_[p.a], &body_b = bodies_[p.b];
   const double n_a = shared(body_a, number), n_b = shared(body_b, number);
@@ -213,8 +212,8 @@ double ImpactPhase::solve(const Pair& p, Stage stage) {
   return change > 0 ? change / scale : 0;
 }
 
-/// Adds what the pair's impulses changed by to its two bodies.
-void ImpactPhase::take_impulses(const Pair& p, const std::vector<std::array<double, 3>>& old) {
+/// Adds the change of the pair's impulses to its two bodies.
+void ImpactPhase::apply_change(const Pair& p, const std::vector<std::array<double, 3>>& old) {
   Body &a = bodies_[p.a], &b = bodies_[p.b];
   a.pushed = b.pushed = true;
   for (std::size_t k = p.first; k < p.last; ++k) {
@@ -229,7 +228,7 @@ void ImpactPhase::take_impulses(const Pair& p, const std::vector<std::array<doub
   }
 }
 
-/// Bodies take the impulses with their true masses.
+/// Applies the impulses to the bodies with their true masses.
 void ImpactPhase::apply() {
   for (Body& b : bodies_) {
     if (b.moves && b.pushed) {
@@ -243,30 +242,30 @@ void ImpactPhase::apply() {
   }
 }
 
-/// A pair is solved in the first sweep, and whenever one of its bodies has changed since.
-bool ImpactPhase::is_to_solve(const Pair& p, Stage stage, int sweep) {
+/// A pair is solved in the first sweep, and later if one of its bodies has changed since.
+bool ImpactPhase::needs_solution(const Pair& p, Stage stage, int sweep) {
   if (!p.collides || (stage == Stage::tangential && contacts_[p.first].friction <= 0)) return false;
   return sweep == 1 || (!p.alone && (shared(bodies_[p.a], word) != 0 || shared(bodies_[p.b], word) != 0));
 }
 
-/// Returns whether a pair has changed. The bodies of those that have tell their partners.
+/// Returns whether a pair has changed. Changed bodies send this to their partners.
 bool ImpactPhase::sweep(Stage stage, int sweep) {
   bool moving = false;
   for (Body& b : bodies_) b.changed = false;
   for (const Pair& p : pairs_) {
-    if (!is_to_solve(p, stage, sweep)) continue;
+    if (!needs_solution(p, stage, sweep)) continue;
     const bool changed = solve(p, stage) > sweep_tolerance && !p.alone;
     for (const std::size_t end : {p.a, p.b}) bodies_[end].changed = bodies_[end].changed || changed;
     moving = moving || changed;
-    take_impulses(p, old_);
+    apply_change(p, old_);
   }
   apply();
   for (const Body& b : bodies_) shared(b, word) = b.moves && b.changed;
   return moving;
 }
 
-/// Makes at least one sweep, at most most_sweeps_: then they are cut short, and bodies that have not come to
-/// rest tell by their word. Returns how many.
+/// Sweeps at least once and at most most_sweeps_ times; bodies that have not converged by then are marked by
+/// their word. Returns the number of sweeps.
 int ImpactPhase::sweep_to_rest(BodySet& bodies, BodyExchange& exchange, Stage stage) {
   CommonRest rest(exchange);
   for (int i = 1;; ++i) {
@@ -277,7 +276,7 @@ int ImpactPhase::sweep_to_rest(BodySet& bodies, BodyExchange& exchange, Stage st
   }
 }
 
-/// Spreads the word of one body of a cluster of colliding ones until all of them have heard it.
+/// Spreads the word of any body through its cluster of colliding bodies.
 void ImpactPhase::spread_word(BodySet& bodies, BodyExchange& exchange) {
   CommonRest rest(exchange);
   for (bool at_rest = false; !at_rest;) {
@@ -295,8 +294,7 @@ void ImpactPhase::spread_word(BodySet& bodies, BodyExchange& exchange) {
   }
 }
 
-/// The plastic impulses times 1 + e, from the velocities at the start of the round; as they are in a cluster
-/// some of whose pairs have not come to rest.
+/// Multiplies plastic impulses by 1 + e, from the round's first velocities, except in unconverged clusters.
 void ImpactPhase::rebound(BodySet& bodies, BodyExchange& exchange) {
   if (cut_short_) spread_word(bodies, exchange);
   for (const Body& b : bodies_)
@@ -306,22 +304,22 @@ void ImpactPhase::rebound(BodySet& bodies, BodyExchange& exchange) {
     const bool settled = shared(bodies_[p.a], word) == 0 && shared(bodies_[p.b], word) == 0;
     for (std::size_t k = p.first; k < p.last; ++k)
       contacts_[k].impulse[0] *= settled ? 1 + p.restitution : 1.0;
-    take_impulses(p, {});
+    apply_change(p, {});
   }
   apply();
   exchange.share(bodies, state_, share_width);
 }
 
-/// The impulses of a round that has ended.
-void ImpactPhase::add_given() {
+/// Adds the impulses of a finished round.
+void ImpactPhase::add_round() {
   for (const Pair& p : pairs_)
     for (std::size_t k = p.first; k < p.last && p.collides; ++k)
       for (int d = 0; d < 3; ++d) contacts_[k].given += contacts_[k].impulse[d] * contacts_[k].direction[d];
 }
 
-/// What impacts gave, and how fast they parted the contacts that they gave it to.
-void ImpactPhase::note_impacts(const BodySet& bodies, std::size_t contacts,
-                               StepVelocities& velocities) const {
+/// Stores the impulses of impacts, and the separation velocities of their contacts.
+void ImpactPhase::store_impacts(const BodySet& bodies, std::size_t contacts,
+                                StepVelocities& velocities) const {
   const auto was_hit = [](const ImpactContact& c) { return !c.given.isZero(0); };
   velocities.rebounds.clear();
   if (std::ranges::none_of(contacts_, was_hit)) return;
@@ -329,7 +327,7 @@ void ImpactPhase::note_impacts(const BodySet& bodies, std::size_t contacts,
   for (const Pair& p : pairs_) {
     const Body &a = bodies_[p.a], &b = bodies_[p.b];
     const Twist twist_a = read(state_, a.row), twist_b = read(state_, b.row);
-    const bool tells = velocities.tells_impulses(bodies, a.row, b.row);
+    const bool tells = velocities.records_impulses(bodies, a.row, b.row);
     for (std::size_t k = p.first; k < p.last; ++k) {
       const ImpactContact& c = contacts_[k];
       if (!was_hit(c)) continue;
@@ -339,7 +337,7 @@ void ImpactPhase::note_impacts(const BodySet& bodies, std::size_t contacts,
   }
 }
 
-bool ImpactPhase::rubs() const {
+bool ImpactPhase::has_friction() const {
   return std::ranges::any_of(pairs_,
                              [&](const Pair& p) { return p.collides && contacts_[p.first].friction > 0; });
 }
@@ -355,10 +353,11 @@ int ImpactPhase::operator()(BodySet& bodies, const std::vector<Contact>& contact
     begin_round(bodies, exchange);
     sweeps += sweep_to_rest(bodies, exchange, Stage::normal);
     rebound(bodies, exchange);
-    if (on_any(bodies, exchange, rubs())) sweeps += sweep_to_rest(bodies, exchange, Stage::tangential);
-    add_given();
+    if (on_any(bodies, exchange, has_friction()))
+      sweeps += sweep_to_rest(bodies, exchange, Stage::tangential);
+    add_round();
   }
-  note_impacts(bodies, contacts.size(), velocities);
+  store_impacts(bodies, contacts.size(), velocities);
   for (const Body& b : bodies_) {
     const Twist after = read(state_, b.row);
     Twist &before = velocities.before[b.row], &now = velocities.now[b.row];

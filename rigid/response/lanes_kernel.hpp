@@ -1,6 +1,5 @@
 #pragma once
-// Vectors, bodies and sweeps of eight pairs at a time, for the contact kernels. Only for *_kernel.cpp: built
-// once an instruction set.
+// Vectors, bodies and sweeps of eight pairs at a time. Only for *_kernel.cpp.
 #include <cmath>
 #include <cstring>
 
@@ -39,23 +38,23 @@ inline void store(Real8* v, const Vector& a) {
   v[1] = a.y;
   v[2] = a.z;
 }
-/// A symmetric matrix (xx, yy, zz, xy, xz, yz) times a vector.
+/// Multiplies a symmetric matrix (xx, yy, zz, xy, xz, yz) by a vector.
 inline Vector times(const Real8* m, const Vector& a) {
   return {m[0] * a.x + m[3] * a.y + m[4] * a.z, m[3] * a.x + m[1] * a.y + m[5] * a.z,
           m[4] * a.x + m[5] * a.y + m[2] * a.z};
 }
 
-/// The lanes of a group in a sweep.
+/// The lanes of a group to be solved in a sweep.
 struct LanesToSolve {
-  Mask on;  // all in the first sweep, then those of which a body changed or whose impulses were carried on
-  Mask to_carry;  // of them, whose impulses are then carried on: not those at rest but for being carried
+  Mask on;        // all in the first sweep, then pairs of changed bodies and pairs with extrapolated impulses
+  Mask to_carry;  // those to be extrapolated afterwards: not pairs solved only because of an extrapolation
 };
-inline Mask goes_on(const LaneBodies& bodies) {
+inline Mask needs_sweeps(const LaneBodies& bodies) {
   return Numbers(bodies.again) != 0;
 }
 inline LanesToSolve to_solve(const LaneBodies& bodies, const Real8& carried, const BodyState* state,
                              const ContactSweep& sweep) {
-  const Mask none{}, all = ~none, again = goes_on(bodies);
+  const Mask none{}, all = ~none, again = needs_sweeps(bodies);
   const auto changed = [&](const std::int32_t* rows) {
     return Numbers::gathered([&](int l) { return state[rows[l]].number; }) != 0;
   };
@@ -63,7 +62,7 @@ inline LanesToSolve to_solve(const LaneBodies& bodies, const Real8& carried, con
   return {moved | (Numbers(carried) != 0), sweep.plain ? none : again & moved};
 }
 
-/// Four numbers of a body, half of its cache line: one read or write for four.
+/// Four numbers of a body, half of its cache line, for one read or write.
 using HalfLine = double __attribute__((vector_size(4 * sizeof(double))));
 inline HalfLine half_line(const double* from) {
   HalfLine h;
@@ -71,11 +70,11 @@ inline HalfLine half_line(const double* from) {
   return h;
 }
 
-/// The halves of eight bodies' lines on their side: the first number of each, the second...
-struct Turned {
-  Numbers first, second, third, fourth;  // an array of them compilers copy by way of memory
+/// Eight half lines transposed: the first number of each, the second, ...
+struct Transposed {
+  Numbers first, second, third, fourth;  // not an array, which compilers would copy through memory
 };
-/// Reads the lanes as they lie in memory.
+/// Reads lanes as they are in memory.
 template <class Lines>
 Numbers lanes_of(const Lines& lines) {
   static_assert(sizeof lines == sizeof(Numbers));
@@ -84,11 +83,10 @@ Numbers lanes_of(const Lines& lines) {
   return lanes;
 }
 
-/// Two half lines, for registers that hold so many. (Put together from halves in memory they would be waited
-/// for.)
+/// Two half lines, for registers of that size. (Stores of two halves before a load of the whole would stall.)
 using FullLine = double __attribute__((vector_size(8 * sizeof(double))));
-/// Four rows of two squares, each of them turned.
-inline void turn_squares(FullLine (&row)[4]) {
+/// Transposes two 4 x 4 matrices, whose rows are side by side.
+inline void transpose_squares(FullLine (&row)[4]) {
   const FullLine low = __builtin_shufflevector(row[0], row[1], 0, 8, 2, 10, 4, 12, 6, 14),
                  high = __builtin_shufflevector(row[0], row[1], 1, 9, 3, 11, 5, 13, 7, 15),
                  low_2 = __builtin_shufflevector(row[2], row[3], 0, 8, 2, 10, 4, 12, 6, 14),
@@ -99,11 +97,11 @@ inline void turn_squares(FullLine (&row)[4]) {
   row[3] = __builtin_shufflevector(high, high_2, 2, 3, 10, 11, 6, 7, 14, 15);
 }
 
-[[gnu::always_inline]] inline Turned turned(const HalfLine (&h)[lane_count]) {
+[[gnu::always_inline]] inline Transposed transposed(const HalfLine (&h)[lane_count]) {
   if constexpr (Numbers::count == 1) {
     FullLine row[4];
     for (int k = 0; k < 4; ++k) row[k] = __builtin_shufflevector(h[k], h[k + 4], 0, 1, 2, 3, 4, 5, 6, 7);
-    turn_squares(row);
+    transpose_squares(row);
     return {lanes_of(row[0]), lanes_of(row[1]), lanes_of(row[2]), lanes_of(row[3])};
   }
   HalfLine to[4][2];
@@ -119,15 +117,14 @@ inline void turn_squares(FullLine (&row)[4]) {
   }
   return {lanes_of(to[0]), lanes_of(to[1]), lanes_of(to[2]), lanes_of(to[3])};
 }
-/// The reverse. (Written out once more: by way of one function for both, compilers keep halves in memory, and
-/// a sweep takes a sixth longer.)
-inline void turn(const Numbers& x, const Numbers& y, const Numbers& z, const Numbers& w,
-                 HalfLine (&to)[lane_count]) {
+/// The inverse, in code of its own: with one function for both a sweep takes a sixth longer.
+inline void transpose(const Numbers& x, const Numbers& y, const Numbers& z, const Numbers& w,
+                      HalfLine (&to)[lane_count]) {
   if constexpr (Numbers::count == 1) {
     FullLine row[4];
     std::memcpy(&row[0], &x, sizeof x), std::memcpy(&row[1], &y, sizeof y);
     std::memcpy(&row[2], &z, sizeof z), std::memcpy(&row[3], &w, sizeof w);
-    turn_squares(row);
+    transpose_squares(row);
     for (int k = 0; k < 4; ++k) {
       to[k] = __builtin_shufflevector(row[k], row[k], 0, 1, 2, 3);
       to[k + 4] = __builtin_shufflevector(row[k], row[k], 4, 5, 6, 7);
@@ -149,32 +146,32 @@ inline void turn(const Numbers& x, const Numbers& y, const Numbers& z, const Num
   }
 }
 
-/// Velocities of eight bodies, and angular ones.
+/// Linear and angular velocities of eight bodies.
 struct Twist {
   Vector v, w;
 };
-inline Turned first_half(const std::int32_t* rows, const BodyState* state) {
+inline Transposed first_half(const std::int32_t* rows, const BodyState* state) {
   HalfLine h[lane_count];
   for (int l = 0; l < lane_count; ++l) h[l] = half_line(state[rows[l]].v);
-  return turned(h);
+  return transposed(h);
 }
 inline Vector velocities(const std::int32_t* rows, const BodyState* state) {
-  const Turned t = first_half(rows, state);
+  const Transposed t = first_half(rows, state);
   return {t.first, t.second, t.third};
 }
 inline Twist twists(const std::int32_t* rows, const BodyState* state) {
   HalfLine h[lane_count];
   for (int l = 0; l < lane_count; ++l) h[l] = half_line(state[rows[l]].w + 1);
-  const Turned low = first_half(rows, state), high = turned(h);
+  const Transposed low = first_half(rows, state), high = transposed(h);
   return {{low.first, low.second, low.third}, {low.fourth, high.first, high.second}};
 }
 
-/// Eight pairs push their bodies: by an impulse on b, its reverse on a, and the moments on either.
+/// The effect of eight pairs on their bodies: impulses on b, reversed on a, and moments on both.
 struct Push {
   Vector impulse, moment_a, moment_b;
 };
-/// Adds what those in `on` do, one lane after the other (none has moments: `turning` false); those in
-/// `marked` are noted as changes. (A sum is never -0, so zeros change no bit.)
+/// Adds the pushes of the lanes in `on`, one lane after another (`turning` false: without moments); lanes in
+/// `marked` count as changes. (A sum is never -0, so adding zeros changes no bit.)
 template <bool turning>
 void add_to_bodies(const LaneBodies& bodies, const Push& push, const Mask& on, const Mask& marked,
                    BodySum* sums) {
@@ -183,12 +180,12 @@ void add_to_bodies(const LaneBodies& bodies, const Push& push, const Mask& on, c
   const Numbers none{};
   const auto& [impulse, moment_a, moment_b] = push;
   const Vector reverse = Vector{none, none, none} - impulse;
-  turn(reverse.x, reverse.y, reverse.z, turning ? moment_a.x : none, first_a);
-  turn(impulse.x, impulse.y, impulse.z, turning ? moment_b.x : none, first_b);
+  transpose(reverse.x, reverse.y, reverse.z, turning ? moment_a.x : none, first_a);
+  transpose(impulse.x, impulse.y, impulse.z, turning ? moment_b.x : none, first_b);
   const Numbers changed = choose(marked, 1, none);
   if constexpr (turning) {
-    turn(moment_a.y, moment_a.z, changed, none, second_a);
-    turn(moment_b.y, moment_b.z, changed, none, second_b);
+    transpose(moment_a.y, moment_a.z, changed, none, second_a);
+    transpose(moment_b.y, moment_b.z, changed, none, second_b);
   }
   const auto add = [](double* to, const HalfLine& h) {
     const HalfLine sum = half_line(to) + h;
@@ -205,26 +202,26 @@ void add_to_bodies(const LaneBodies& bodies, const Push& push, const Mask& on, c
   }
 }
 
-/// Returns how far impulses are carried on along their last change (Nesterov's acceleration, k-th sweep since
-/// the last restart: (k - 1) / (k + 2)). Where that led the wrong way it starts again (O'Donoghue, Candes,
-/// Found. Comput. Math. 15 (2015) 715, gradient scheme), each pair for itself.
-inline Numbers momentum(Real8& age, const Numbers& led_wrong, const Mask& on) {
-  const Numbers before = age, k = choose(led_wrong > 0, 1, before);
+/// Returns the factor by which impulses are extrapolated along their last change: Nesterov's acceleration, in
+/// the k-th sweep since the last restart (k - 1) / (k + 2). A pair restarts when the extrapolation opposed
+/// its change (O'Donoghue, Candes, Found. Comput. Math. 15 (2015) 715, gradient scheme).
+inline Numbers momentum(Real8& age, const Numbers& opposed, const Mask& on) {
+  const Numbers before = age, k = choose(opposed > 0, 1, before);
   age = choose(on, k + 1, before);
   return choose(on, (k - 1) / (k + 2), 0);
 }
 
-/// Gathers what the groups of a sweep have found.
+/// Accumulates the outcome of a sweep over its groups.
 class Outcome {
  public:
   template <class Group>
   void add(const Group& g, Numbers relative_change) {
-    residual_ = choose(goes_on(g.bodies) & (relative_change > residual_), relative_change, residual_);
+    residual_ = choose(needs_sweeps(g.bodies) & (relative_change > residual_), relative_change, residual_);
     carried_ = carried_ | (Numbers(g.carried) != 0);
     solved_ = true;
   }
   SweepOutcome all() const { return {largest(residual_), solved_, any_lane(carried_)}; }
-  /// Returns the outcome if the squares of the changes were added.
+  /// Returns the outcome if squares of changes were added.
   SweepOutcome of_squares() const { return {std::sqrt(largest(residual_)), solved_, any_lane(carried_)}; }
 
  private:
@@ -233,11 +230,11 @@ class Outcome {
   bool solved_ = false;
 };
 
-/// Tangential impulses brought back into the cone.
+/// Projects tangential impulses onto the friction cone.
 inline Vector into_cone(const Vector& q, Numbers limit) {
   const Numbers square = dot(q, q);
   const Mask outside = square > limit * limit;
-  if (!any_lane(outside)) return q;  // roots and quotients are what a round waits for
+  if (!any_lane(outside)) return q;  // avoids the latency of roots and quotients
   return choose(outside, q * (limit / square_root(square)), q);
 }
 

@@ -5,7 +5,7 @@
 namespace silt::rigid {
 namespace {
 
-/// The build of the kernels that runs here.
+/// The kernels built for this processor.
 struct LaneKernels {
   SweepCentral* sweep_central = SILT_CHOSEN(sweep_central);
   SweepRolling* sweep_rolling = SILT_CHOSEN(sweep_rolling);
@@ -18,7 +18,7 @@ const LaneKernels& kernels() {
   return of_this_machine;
 }
 
-constexpr double on_axis = 1e-12;  // sine between a contact's arm and its normal: none
+constexpr double on_axis = 1e-12;  // sine between arm and normal below which they are parallel
 
 bool is_central(const PairToSolve& p) {
   if (p.contacts.size() != 1 || !p.a.isotropic || !p.b.isotropic) return false;
@@ -52,7 +52,7 @@ bool has_lubrication(const PairToSolve& p) {
   return std::ranges::any_of(p.contacts, [](const Contact& c) { return bool(c.lubrication); });
 }
 
-/// The next free lane of the last group; a new group, all of whose lanes are unused, where there is none.
+/// Returns the next free lane of the last group; adds a group of unused lanes if there is none.
 template <class Group>
 int next_lane(std::vector<Group>& groups, int& lane, std::size_t rows) {
   if (lane == lane_count) {
@@ -76,7 +76,7 @@ void set_pair(PairGroup& g, int l, const PairToSolve& p) {
   g.bodies.again[l] = p.again;
 }
 
-/// A contact of the pair, whose normal and tangential motion have these compliances.
+/// Sets contact k of the pair, with the compliances of its normal and tangential motion.
 void set_contact(LaneContact& lanes, int l, const PairToSolve& p, std::size_t k, double k_n, double k_t) {
   const Contact& c = p.contacts[k];
   set(lanes.normal, l, c.normal);
@@ -104,7 +104,7 @@ std::array<double, 2> set_central(CentralGroup& g, int l, const PairToSolve& p) 
   return {k_n, k_t};
 }
 
-/// No friction resists a position correction.
+/// Removes the resistance to rolling, for the position correction.
 void release(RollingGroup& g, int l) {
   g.rolling_friction[l] = g.twisting_friction[l] = 0;
   set(g.rolling_impulse, l, Vec3::Zero());
@@ -117,10 +117,11 @@ void set_rolling(BlockRolling& lanes, int l, const PairToSolve& p, std::size_t k
   lanes.roll_arm[l] = arm;
   lanes.rolling_friction[l] = p.rolling->rolling_friction;
   lanes.twisting_friction[l] = p.rolling->twisting_friction;
-  lanes.inverse_k_roll[l] = inverse(arm * arm * turn.cwiseAbs().rowwise().sum().maxCoeff());  // a bound
+  lanes.inverse_k_roll[l] =
+      inverse(arm * arm * turn.cwiseAbs().rowwise().sum().maxCoeff());  // an upper bound of k
 }
 
-/// No lubrication film resists a position correction.
+/// Removes the lubrication film, for the position correction.
 void dry(LubricatedGroup& g, int l) {
   g.normal_stiffness[l] = 1;
   g.normal_damped[l] = g.roll_keeps[l] = g.tangential_damped[l] = g.roll_gain[l] = g.roll_to_slip[l] = 0;
@@ -189,7 +190,7 @@ PairLanes::Place PairLanes::add_lubricated(const PairToSolve& p) {
   const Contact& c = p.contacts[0];
   const double z_n = p.dt * c.lubrication.normal, z_t = p.dt * c.lubrication.sliding,
                z_r = p.dt * c.lubrication.rolling;
-  const double a = g.arm_a[l], b = -g.arm_b[l];  // A and B of lubrication.hpp
+  const double a = g.arm_a[l], b = -g.arm_b[l];  // A and B of contact_lanes.hpp
   const double skew = is_wall(c.b) ? -1 : (a - b) / (a + b);
   const double turn_a = a * a * p.share_a * p.a.inverse_inertia(0, 0);
   const double turn_b = is_wall(c.b) ? 0 : b * b * p.share_b * p.b.inverse_inertia(0, 0);
@@ -246,7 +247,7 @@ PairLanes::Place PairLanes::add_block(const PairToSolve& p) {
   set_symmetric(g.inverse_inertia_a, l, p.share_a * p.a.inverse_inertia);
   set_symmetric(g.inverse_inertia_b, l, p.share_b * p.b.inverse_inertia);
   set_pair(g, l, p);
-  constexpr double soft = 1e-5;  // relative to a contact's own compliance
+  constexpr double soft = 1e-5;  // relative to a contact's compliance
   double furthest = 0;
   for (std::size_t k = 0; k < count; ++k) {
     furthest = std::max(furthest, p.contacts[k].r_a.squaredNorm());
@@ -266,7 +267,7 @@ void PairLanes::add_block_contact(BlockContact& lanes, int l, const PairToSolve&
   const Contact& c = p.contacts[k];
   const Mat3 response = compliance(p, c);
   const Vec3 k_normal = response * c.normal;
-  // where a's mass is infinite its own points may lie apart from those on b, which are the arms of impulses
+  // for infinite mass of a its own points may lie apart from those on b, where the impulses act
   const Vec3 r = p.a.inverse_mass > 0 ? c.r_a : Vec3(c.r_b - (p.contacts[0].r_b - p.contacts[0].r_a));
   set(lanes.r, l, r);
   set(lanes.k_normal, l, k_normal);

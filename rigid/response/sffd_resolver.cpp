@@ -10,14 +10,14 @@
 namespace silt::rigid {
 namespace {
 
-constexpr int state_width = sizeof(BodyState) / sizeof(double);  // doubles a body in a share
-/// Times mass x speed: an impulse this small says nothing about convergence.
+constexpr int state_width = sizeof(BodyState) / sizeof(double);  // doubles per body in a share
+/// Relative to mass x speed: smaller impulses are ignored by the test of convergence.
 constexpr double impulse_rounding = 1e-5;
-constexpr int accelerated_sweeps = 64;    // what is not at rest by then does better without
-constexpr int most_start_sweeps = 10000;  // of chains at the start: a ratio of masses of 10^4 takes 9000
-constexpr double push_tolerance = 1e-3;   // of the position correction's impulses, relative
-constexpr double push_rounding = 1e-7;    // displacement of a step, relative to the contact's lever arms
-constexpr int pairs_ahead = 8;            // that much later memory has answered
+constexpr int accelerated_sweeps = 64;    // pairs that have not converged by then do better without
+constexpr int most_start_sweeps = 10000;  // for chains at the start: a mass ratio of 10^4 takes 9000
+constexpr double push_tolerance = 1e-3;   // relative change of the position correction's impulses
+constexpr double push_rounding = 1e-7;    // displacement per step, relative to the contact's lever arms
+constexpr int pairs_ahead = 8;            // distance of prefetching
 
 Twist twist_of(const BodyState& s) {
   return {{s.v[0], s.v[1], s.v[2]}, {s.w[0], s.w[1], s.w[2]}};
@@ -31,10 +31,10 @@ void store(BodyState& s, const Twist& t, double number) {
 }
 
 std::span<double> as_doubles(std::vector<BodyState>& state) {
-  return {&state.data()->v[0], (state.size() - 1) * state_width};  // not the one at rest
+  return {&state.data()->v[0], (state.size() - 1) * state_width};  // without the row at rest
 }
 
-/// Lists of single bodies lie anywhere in memory. The lines fetched are where a body's first few begin.
+/// Prefetches the first cache lines of a body's list, which may be anywhere in memory.
 void prefetch_impulses(const std::vector<StoredImpulse>& stored) {
   constexpr std::size_t line = 64, lines = 3;
   const char* const first = reinterpret_cast<const char*>(stored.data());
@@ -68,7 +68,7 @@ void SffdResolver::involve(const BodySet& bodies, std::size_t row) {
   b.size = std::sqrt(bodies.inertia_B[row].trace() / (3 * bodies.mass[row]));
 }
 
-/// Returns the number of contacts whose lower body is owned.
+/// Returns the number of contacts whose body of lower id is owned.
 std::size_t SffdResolver::collect_pairs(const BodySet& bodies, const std::vector<Contact>& contacts) {
   std::size_t owned_contacts = 0;
   pairs_.clear();
@@ -84,7 +84,7 @@ std::size_t SffdResolver::collect_pairs(const BodySet& bodies, const std::vector
     if (row_a < bodies.owned) owned_contacts += of_pair.size();
     involve(bodies, row_a);
     involve(bodies, row_b);
-    if (!bodies_[row_a].moves && !bodies_[row_b].moves) return;  // its owners' business
+    if (!bodies_[row_a].moves && !bodies_[row_b].moves) return;  // solved by their owners
     ++bodies_[row_a].pairs;
     ++bodies_[row_b].pairs;
     pairs_.push_back({of_pair, first, row_a, row_b});
@@ -94,7 +94,7 @@ std::size_t SffdResolver::collect_pairs(const BodySet& bodies, const std::vector
   return owned_contacts;
 }
 
-/// Targets, and velocities with the impulses of the step before.
+/// Sets targets, and velocities with the impulses of the last step applied.
 void SffdResolver::start(const Step& step) {
   const BodySet& bodies = step.bodies;
   const std::vector<Twist>& before = step.velocities.before;
@@ -108,7 +108,7 @@ void SffdResolver::start(const Step& step) {
     store(state_[row], step.velocities.now[row], bodies.is_dynamic(row) ? bodies_[row].pairs : 0);
     sums_[row] = {};
   }
-  Recall recall(bodies);
+  WarmStart stored(bodies);
   const auto fetch = [&](const Pair& p) { prefetch_impulses(bodies.stored_impulses[p.row_a]); };
   for_ahead(pairs_, pairs_ahead, fetch, [&](std::size_t n) {
     Pair& p = pairs_[n];
@@ -122,13 +122,13 @@ void SffdResolver::start(const Step& step) {
       impact_changes_[p.first + k] = t.impact_change;
       impulses_[p.first + k] = {};
     }
-    if (settings_.warm_start) warm_start(p, step, recall);
+    if (settings_.warm_start) warm_start(p, step, stored);
   });
-  leave_locked_axes();
-  for (const std::size_t row : involved_) take_sum(state_[row], row, state_[row].number);
+  clear_locked_axes();
+  for (const std::size_t row : involved_) apply_sum(state_[row], row, state_[row].number);
 }
 
-/// As the step before left it.
+/// Returns the pair with the velocities of the last step.
 CohesivePair SffdResolver::cohesive(const Pair& p, const Step& step) {
   const BodySet& bodies = step.bodies;
   const bool joined = p.contacts[0].lubrication || (bodies.is_dynamic(p.row_a) && bodies.is_dynamic(p.row_b));
@@ -136,14 +136,14 @@ CohesivePair SffdResolver::cohesive(const Pair& p, const Step& step) {
   return {*p.material, step.dt, p.contacts, joined, before[p.row_a], before[p.row_b]};
 }
 
-void SffdResolver::warm_start(Pair& p, const Step& step, Recall& recall) {
+void SffdResolver::warm_start(Pair& p, const Step& step, WarmStart& stored) {
   const std::span impulses = impulses_of(p);
   const bool pulls = p.material && p.material->pulls();
   if (pulls) set_greatest_pulls(cohesive(p, step), impulses);
   if (bodies_[p.row_a].moves)
-    recall.of_lower(p.row_a, p.contacts, impulses);
+    stored.from_lower(p.row_a, p.contacts, impulses);
   else
-    recall.of_higher(p.row_b, p.contacts, impulses);
+    stored.from_higher(p.row_b, p.contacts, impulses);
   if (pulls) {
     set_pulls(cohesive(p, step), impulses);
     p.together = keep_together(cohesive(p, step), impulses, {targets_.data() + p.first, p.contacts.size()});
@@ -158,7 +158,7 @@ void SffdResolver::warm_start(Pair& p, const Step& step, Recall& recall) {
   }
 }
 
-/// Impulses of a pair below this are rounding.
+/// Returns the size below which impulses of a pair are rounding.
 double SffdResolver::least_scale(const Pair& p) const {
   const auto speed = [&](std::size_t row) {
     const Twist t = twist_of(state_[row]);
@@ -167,7 +167,7 @@ double SffdResolver::least_scale(const Pair& p) const {
   return p.reduced_mass * impulse_rounding * std::max(speed(p.row_a), speed(p.row_b));
 }
 
-/// Each pair with the share of its bodies' masses that it has to itself.
+/// Adds each pair with its shares of the bodies' masses.
 void SffdResolver::lay_out(double dt, bool links_only) {
   lanes_.clear(bodies_.size() - 1);
   for (Pair& p : pairs_) {
@@ -192,15 +192,15 @@ void SffdResolver::lay_out(double dt, bool links_only) {
   lanes_.prepare();
 }
 
-/// Tells the partners among how many pairs a body is divided, with its velocities.
+/// Sends velocities and the number of pairs of each body to the partners.
 void SffdResolver::share_pair_numbers(const Step& step) {
   for (const std::size_t row : involved_)
     if (row < step.bodies.owned) state_[row].number = bodies_[row].moves ? bodies_[row].pairs : 0;
   step.exchange.share(step.bodies, as_doubles(state_), state_width);
 }
 
-/// A pair of a chain: one of its bodies has no more than two. (A film, and what resists rolling, have no
-/// impulse that could be solved for once more.)
+/// Returns whether the pair is part of a chain: one of its bodies has at most two pairs. (Contacts with a
+/// film or with resistance to rolling are excluded: their impulses cannot be read back.)
 bool SffdResolver::is_link(const Pair& p) const {
   const auto is_in_chain = [&](std::size_t row) {
     return bodies_[row].inverse_mass > 0 && state_[row].number <= 2;
@@ -209,8 +209,8 @@ bool SffdResolver::is_link(const Pair& p) const {
          std::ranges::none_of(p.contacts, [](const Contact& c) { return bool(c.lubrication); });
 }
 
-/// Sweeps over chains until they are at rest. A load passes a chain body by body, the slower the more the
-/// masses differ; a bed shares it. Returns how many sweeps there were; all pairs are laid out again.
+/// Sweeps over chains until they converge. A load passes a chain body by body, the slower the larger the mass
+/// ratio; a bed distributes it. Returns the number of sweeps; afterwards all pairs are in the lanes again.
 int SffdResolver::settle_links(const Step& step) {
   for (const Pair& p : pairs_) lanes_.read_impulses(p.place, impulses_of(p));
   share_pair_numbers(step);
@@ -235,8 +235,8 @@ int SffdResolver::settle_links(const Step& step) {
   return sweeps;
 }
 
-/// Moves a body this rank owns.
-void SffdResolver::take_sum(BodyState& s, std::size_t row, double number) const {
+/// Applies the sum of a sweep to a body of this rank.
+void SffdResolver::apply_sum(BodyState& s, std::size_t row, double number) const {
   if (!bodies_[row].moves) return;
   const Twist by = change_of(row);
   Eigen::Map<Vec3>{s.v} += by.v;
@@ -245,8 +245,8 @@ void SffdResolver::take_sum(BodyState& s, std::size_t row, double number) const 
   s.unused = 0;
 }
 
-/// Returns the largest velocity that the last sweep gave a body of this rank, or a point of it at its radius
-/// of gyration.
+/// Returns the largest change of velocity by the last sweep among this rank's bodies, at the centre or, by
+/// rotation, at the radius of gyration.
 double SffdResolver::largest_change() const {
   double largest = 0;  // squared
   for (const std::size_t row : involved_) {
@@ -258,7 +258,7 @@ double SffdResolver::largest_change() const {
   return std::sqrt(largest);
 }
 
-/// Sweeps until the impulses are at rest, here and on the ranks that contacts connect this one with.
+/// Sweeps until the impulses have converged, on this rank and those connected by contacts.
 SffdResolver::Rest SffdResolver::sweep_to_rest(const Step& step, std::vector<BodyState>& state,
                                                const Sweeps& sweeps) {
   CommonRest rest(step.exchange);
@@ -269,8 +269,8 @@ SffdResolver::Rest SffdResolver::sweep_to_rest(const Step& step, std::vector<Bod
       for (const std::size_t row : involved_) sums_[row] = {};
       const bool plain = i >= std::min(sweeps.most, sweeps.accelerated);
       found = lanes_.sweep(state, sums_, {i, plain, sweeps.push, sweeps.tolerance});
-      leave_locked_axes();
-      for (const std::size_t row : involved_) take_sum(state[row], row, sums_[row].changed);
+      clear_locked_axes();
+      for (const std::size_t row : involved_) apply_sum(state[row], row, sums_[row].changed);
     }
     if (found.solved) result.sweeps = i;
     result.residual = i >= sweeps.most && !rest.idle() ? largest_change() : 0;
@@ -279,21 +279,21 @@ SffdResolver::Rest SffdResolver::sweep_to_rest(const Step& step, std::vector<Bod
   }
 }
 
-/// The part of a contact's impulse that reverses the approach of its bodies; what it holds besides is load.
+/// Reports the part of a contact's impulse that reverses the approach; the rest carries load.
 Vec3 SffdResolver::report_impact(BodySet& bodies, const Pair& p, std::size_t k) const {
   const double impulse =
       std::min(impulses_[p.first + k].normal, p.reduced_mass * impact_changes_[p.first + k]);
   return (*settings_.impacts)(bodies, {p.row_a, p.row_b, p.contacts[k].normal, impulse});
 }
 
-/// An impact in a lubrication film does not last and is not remembered.
+/// Returns whether an impulse in a lubrication film is mostly an impact, which is not stored.
 bool SffdResolver::is_mostly_impact(const Pair& p, std::size_t k) const {
   return p.contacts[k].lubrication &&
          targets_[p.first + k] * p.reduced_mass > 0.5 * impulses_[p.first + k].normal;
 }
 
-/// `by_sink`: sum over the pair's impacts, on the second body; they act about the first one's centre.
-void SffdResolver::note_other_impulses(const Pair& p, const Vec3& by_sink, StepVelocities& velocities) const {
+/// `by_sink`: sum over the pair's impacts, on the second body; it acts at the first body's centre.
+void SffdResolver::add_other_impulses(const Pair& p, const Vec3& by_sink, StepVelocities& velocities) const {
   const PairLanes::Rolling rolling = lanes_.read_rolling(p.place);
   const Vec3 impulse = rolling.impulse + by_sink;
   const Vec3 moment = rolling.moment - p.contacts[0].r_a.cross(impulse);
@@ -302,13 +302,13 @@ void SffdResolver::note_other_impulses(const Pair& p, const Vec3& by_sink, StepV
   for (std::size_t k = 0; k < p.contacts.size(); ++k) {
     const ContactImpulse& i = impulses_[p.first + k];
     const Vec3 all = i.along(p.contacts[k].normal);
-    const bool is_remembered = i.normal > 0 || p.contacts[k].lubrication;  // not what only pulls
+    const bool is_remembered = i.normal > 0 || p.contacts[k].lubrication;  // not pulls alone
     if (is_mostly_impact(p, k) || (!is_remembered && !all.isZero(0)))
       velocities.other_impulses.push_back({p.first + k, all, Vec3::Zero()});
   }
 }
 
-/// Reads the impulses of a pair, for the next step and for the statistics.
+/// Reads the impulses of a pair, for the next step and the statistics.
 void SffdResolver::finish_pair(const Pair& p, const Step& step, ResolverStatistics& statistics) {
   const std::span impulses = impulses_of(p);
   lanes_.read_impulses(p.place, impulses);
@@ -321,8 +321,8 @@ void SffdResolver::finish_pair(const Pair& p, const Step& step, ResolverStatisti
       statistics.cone_excess = std::max(statistics.cone_excess, i.tangential.norm() / i.normal - c.friction);
     if (settings_.impacts && impact_changes_[p.first + k] > 0) by_sink += report_impact(step.bodies, p, k);
   }
-  if (step.velocities.tells_impulses(step.bodies, p.row_a, p.row_b))
-    note_other_impulses(p, by_sink, step.velocities);
+  if (step.velocities.records_impulses(step.bodies, p.row_a, p.row_b))
+    add_other_impulses(p, by_sink, step.velocities);
   for (std::size_t k = 0; k < impulses.size(); ++k)
     if (is_mostly_impact(p, k)) impulses[k] = {};
   if (!settings_.warm_start) return;
@@ -331,7 +331,7 @@ void SffdResolver::finish_pair(const Pair& p, const Step& step, ResolverStatisti
   if (bodies_[p.row_b].moves) remember_impulses(p.contacts, impulses, p.contacts[0].a, stored[p.row_b]);
 }
 
-/// Pairs are finished in key order: lists of bodies come out sorted by it.
+/// Finishes pairs in key order, so that the bodies' lists are sorted by key.
 void SffdResolver::finish(const Step& step, ResolverStatistics& statistics) {
   BodySet& bodies = step.bodies;
   for (std::size_t row = 0; row < bodies.owned; ++row) bodies.stored_impulses[row].clear();
@@ -342,16 +342,14 @@ void SffdResolver::finish(const Step& step, ResolverStatistics& statistics) {
   for_ahead(pairs_, pairs_ahead, fetch, [&](std::size_t n) { finish_pair(pairs_[n], step, statistics); });
 }
 
-/// Says whether an overlap here is to be corrected, or may be on a rank that contacts connect this one with.
-/// (A correction changes nothing if none is.)
-bool SffdResolver::is_to_correct(const Step& step) const {
+/// Returns whether an overlap needs correction, here or possibly on a connected rank.
+bool SffdResolver::needs_correction(const Step& step) const {
   if (settings_.correction <= 0) return false;
   return !step.exchange.cluster().is_alone() ||
          std::ranges::any_of(step.contacts, [&](const Contact& c) { return is_correctable(c, settings_); });
 }
 
-/// Split impulses: the same sweeps, frictionless, for velocities that move bodies apart and are then
-/// forgotten.
+/// Split impulses: the same sweeps without friction, for pseudo velocities that are used for positions only.
 void SffdResolver::correct_positions(const Step& step) {
   step.exchange.share(step.bodies, as_doubles(state_), state_width);
   for (const Pair& p : pairs_) {
@@ -390,7 +388,7 @@ ResolverStatistics SffdResolver::resolve(BodySet& bodies, const std::vector<Cont
   finish(step, statistics);
   for (const std::size_t row : involved_)
     if (bodies_[row].moves) velocities.now[row] = twist_of(state_[row]);
-  if (is_to_correct(step)) correct_positions(step);
+  if (needs_correction(step)) correct_positions(step);
   return statistics;
 }
 

@@ -1,10 +1,10 @@
 #pragma once
-// sFFD: the default contact resolver. Keeps the structure of Kaufman's Fast Frictional Dynamics and of its
-// parallel form (SC10 section III), one exchange of neighbours a sweep, but solves pairs symmetrically, so
-// that momentum is exact and the law is Coulomb's. Own derivation: method.md, equations (C1) to (C7).
+// sFFD, the default contact resolver. It has the structure of Kaufman's Fast Frictional Dynamics and of its
+// parallel form (SC10 section III), one exchange with neighbours per sweep, but solves pairs symmetrically,
+// so that momentum is exact and friction is Coulomb's. Own derivation: method.md, equations (C1) to (C7).
 //
-// A pair is solved wherever one of its free bodies is owned, redundantly and bitwise equally; each owner
-// moves its own bodies. Nothing depends on rows, only on keys.
+// A pair is solved on every rank that owns one of its free bodies, bitwise the same; each rank moves its own
+// bodies. Results depend on keys, not on rows.
 #include "rigid/response/contact_resolver.hpp"
 #include "rigid/response/contact_targets.hpp"
 #include "rigid/response/pair_lanes.hpp"
@@ -19,20 +19,20 @@ class SffdResolver : public ContactResolver {
                              BodyExchange&) override;
 
  private:
-  struct Body : BodyMass {  // one a row
+  struct Body : BodyMass {  // one per row
     bool moves = false;     // owned and free: this rank applies its impulses
-    bool involved = false;  // in a contact of this step; else all here is unset
-    double pairs = 0;       // that are solved here
+    bool involved = false;  // in a contact of this step; otherwise the other members are not set
+    double pairs = 0;       // number of its pairs on this rank
     double size = 0;        // radius of gyration
   };
   struct Pair {
     std::span<const Contact> contacts;
-    std::size_t first;  // of its contacts
+    std::size_t first;  // index of its first contact
     std::size_t row_a, row_b;
     double reduced_mass = 0;
-    bool link = false;                   // of a chain
-    const Material* material = nullptr;  // null: rolls freely, and does not pull
-    Vec3 together = Vec3::Zero();        // PairToSolve
+    bool link = false;                   // part of a chain
+    const Material* material = nullptr;  // null: no rolling resistance and no pull
+    Vec3 together = Vec3::Zero();        // see PairToSolve
     PairLanes::Place place{};
   };
   struct Sweeps {
@@ -41,7 +41,7 @@ class SffdResolver : public ContactResolver {
     bool push = false;  // position correction
   };
   struct Rest {
-    int sweeps = 0;  // the last that solved anything here
+    int sweeps = 0;  // number of the last sweep that solved a pair here
     double residual = 0;
   };
   struct Step {
@@ -55,9 +55,9 @@ class SffdResolver : public ContactResolver {
   std::size_t collect_pairs(const BodySet&, const std::vector<Contact>&);
   void involve(const BodySet&, std::size_t row);
   void start(const Step&);
-  void warm_start(Pair&, const Step&, Recall&);
+  void warm_start(Pair&, const Step&, WarmStart&);
   static CohesivePair cohesive(const Pair&, const Step&);
-  /// Null where no material has more than restitution and friction.
+  /// Returns null if no material has more than restitution and friction.
   const Material* material_of(const BodySet& bodies, const Pair& p) const {
     if (settings_.materials.empty()) return nullptr;
     return &settings_
@@ -81,33 +81,33 @@ class SffdResolver : public ContactResolver {
     return {b.inverse_mass * Eigen::Map<const Vec3>(sums_[row].impulse),
             b.inverse_inertia * Eigen::Map<const Vec3>(sums_[row].angular)};
   }
-  /// Nothing moves a body along a locked axis.
-  void leave_locked_axes() {
+  /// Removes the sums along locked axes.
+  void clear_locked_axes() {
     for (const std::size_t row : locked_) {
       Eigen::Map<Vec3> sum{sums_[row].impulse};
       sum = without_locked(bodies_[row].locked, sum);
     }
   }
-  void take_sum(BodyState&, std::size_t row, double number) const;
+  void apply_sum(BodyState&, std::size_t row, double number) const;
   double largest_change() const;
   void finish(const Step&, ResolverStatistics&);
   void finish_pair(const Pair&, const Step&, ResolverStatistics&);
   Vec3 report_impact(BodySet&, const Pair&, std::size_t k) const;
   bool is_mostly_impact(const Pair&, std::size_t k) const;
-  void note_other_impulses(const Pair&, const Vec3& by_sink, StepVelocities&) const;
-  bool is_to_correct(const Step&) const;
+  void add_other_impulses(const Pair&, const Vec3& by_sink, StepVelocities&) const;
+  bool needs_correction(const Step&) const;
   void correct_positions(const Step&);
 
   ResolverSettings settings_;
-  // one a row of the BodySet, and one more at rest
+  // one per row of the BodySet, and one more at rest
   std::vector<Body> bodies_;
   std::vector<BodyState> state_, push_;  // velocities, pseudo velocities
-  std::vector<BodySum> sums_;            // of the sweep at hand
-  std::vector<std::size_t> involved_;    // rows that take part
-  std::vector<std::size_t> locked_;      // of them, those of bodies with locked axes
+  std::vector<BodySum> sums_;            // of the current sweep
+  std::vector<std::size_t> involved_;    // rows in contact
+  std::vector<std::size_t> locked_;      // those with locked axes
   std::vector<Pair> pairs_;
   PairLanes lanes_;
-  // one a contact
+  // one per contact
   std::vector<ContactImpulse> impulses_;
   std::vector<double> targets_;
   std::vector<double> impact_changes_;  // change of the normal velocity by an impact; 0: none

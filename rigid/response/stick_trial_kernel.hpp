@@ -1,21 +1,21 @@
 #pragma once
-// The guess that comes true in piles at rest: every contact of a pair that presses sticks. Then the impulses
-// follow from one linear system for the pair's relative motion, however many contacts share the load, where
-// Gauss-Seidel needs many rounds (contacts close to one another, long levers). Only for *_kernel.cpp.
+// The stick trial: assumes that every contact of a pair that presses sticks, as in piles at rest. The
+// impulses then follow from one linear system for the pair's relative motion, however many contacts share the
+// load, where Gauss-Seidel needs many rounds (close contacts, long levers). Only for *_kernel.cpp.
 //
-// The system is (C6) of method.md: J_k is the map from relative motion (u, omega at a's centre) to the
-// velocity at contact k, G the mobility, e_k the velocity to be taken away, s the softness.
+// The system is (C6) of method.md: J_k maps the relative motion (u, omega at a's centre) to the velocity at
+// contact k, G is the mobility, e_k the velocity to be removed, s the softness.
 #include "rigid/response/lanes_kernel.hpp"
 
 namespace silt::rigid::SILT_ISA {
 namespace {
 
-constexpr std::uint32_t most_stick_contacts = 16;  // of a pair; more are left to Gauss-Seidel
-constexpr int stick_passes = 2;                    // each leaves the softness' share of the error
-constexpr double stick_residual = 1e-7;  // of the velocity to be taken away: else the guess is wrong
+constexpr std::uint32_t most_stick_contacts = 16;  // of a pair; with more, Gauss-Seidel solves it
+constexpr int stick_passes = 2;                    // each reduces the error by the softness
+constexpr double stick_residual =
+    1e-7;  // relative to the velocity to be removed; a larger one refutes the trial
 
-/// Eight pairs: velocity of b seen from a, at a's centre, and the sums of the impulses given, on b, moments
-/// about a's centre.
+/// Eight pairs: relative velocity of b at a's centre, and sums of impulses and moments about it on b.
 struct PairMotion {
   Vector u, omega;
   Vector impulse{}, angular{};
@@ -25,9 +25,9 @@ struct PairMotion {
 
   Vector at(const Vector& r) const { return u + cross(omega, r); }
 
-  /// An impulse at r.
+  /// Applies an impulse at r.
   void push(const BlockGroup& g, const Vector& r, const Vector& p) { push_about_a(g, p, cross(r, p)); }
-  /// An impulse, and its moment about a's centre: that of one contact, or the sums of some.
+  /// Applies an impulse, or a sum of them, with its moment about a's centre.
   void push_about_a(const BlockGroup& g, const Vector& p, const Vector& about_a) {
     const Vector d = load(g.offset);
     const Vector turn_b = times(g.inverse_inertia_b, about_a + cross(d, p));
@@ -47,13 +47,13 @@ inline PairMotion choose(Mask m, const PairMotion& a, const PairMotion& b) {
   return c;
 }
 
-/// Returns the place of element (i, j) of a symmetric 6 x 6 matrix among its 21.
+/// Returns the index of element (i, j) of a symmetric 6 x 6 matrix in its 21 numbers.
 constexpr int packed(int i, int j) {
   return i >= j ? i * (i + 1) / 2 + j : j * (j + 1) / 2 + i;
 }
 
-/// Factorises in place: M = L D L^T, with 1 / D on the diagonal (that of L is 1). It takes no roots, for
-/// which a column would wait as long again as for its quotient.
+/// Factorises in place: M = L D L^T, with 1 / D on the diagonal (that of L is 1). Unlike Cholesky it takes no
+/// square roots, whose latency would add to that of the quotients.
 inline void factorise(Numbers* m) {
 #pragma GCC unroll 6
   for (int j = 0; j < 6; ++j) {
@@ -69,7 +69,7 @@ inline void factorise(Numbers* m) {
   }
 }
 
-/// x becomes the solution.
+/// Replaces x by the solution.
 inline void solve_factorised(const Numbers* m, Numbers* x) {
 #pragma GCC unroll 6
   for (int i = 1; i < 6; ++i)
@@ -83,8 +83,8 @@ inline void solve_factorised(const Numbers* m, Numbers* x) {
   }
 }
 
-/// softness x the inverse of the mobility of b seen from a, at a's centre: its columns are what unit impulses
-/// and unit moments do.
+/// Sets the inverse of the mobility of b relative to a at a's centre, times the softness. The mobility's
+/// columns are the motions by unit impulses and unit moments.
 inline void set_inverse_mobility(BlockGroup& g) {
   Numbers m[21], zero{}, one = zero + 1;
   const Vector d = load(g.offset);
@@ -97,7 +97,7 @@ inline void set_inverse_mobility(BlockGroup& g) {
     const Numbers by_moment[3] = {both.x, both.y, both.z};
     for (int i = j; i < 6; ++i) m[packed(i, j)] = by_force[i];
     for (int i = j; i < 3; ++i) m[packed(3 + i, 3 + j)] = by_moment[i];
-    // i >= 3 of by_force covers all nine of the lower left block
+    // rows i >= 3 of by_force fill the whole lower left block
   }
   factorise(m);
   for (int column = 0; column < 6; ++column) {
@@ -108,7 +108,7 @@ inline void set_inverse_mobility(BlockGroup& g) {
   }
 }
 
-/// Adds one contact's part of J^T J. Without friction J has one row, the normal's.
+/// Adds the contribution of a contact to J^T J. Without friction J has one row, that of the normal.
 template <bool frictionless>
 void add_stiffness(const BlockContact& c, Mask on, Numbers* m) {
   const Vector r = choose(on, load(c.r), Vector{});
@@ -150,8 +150,7 @@ struct StickTrial {
   StickTrial(const BlockGroup& group, BlockContact* of_group, const PairMotion& now)
       : g(group), contacts(of_group), motion(now) {}
 
-  /// Sets e_k, what the velocity at a contact is to lose: zero where it does not press. Returns the largest
-  /// square.
+  /// Sets e_k, the velocity to be removed at each contact, zero if open. Returns the largest square.
   Numbers find_excess() {
     Numbers most{};
     for (std::uint32_t k = 0; k < g.count; ++k) {
@@ -163,7 +162,7 @@ struct StickTrial {
     return most;
   }
 
-  /// Finds the contacts that press, and the matrix.
+  /// Determines the contacts that press, and factorises the matrix.
   void start() {
     for (int i = 0; i < 21; ++i) factor[i] = g.inverse_mobility[i];
     for (std::uint32_t k = 0; k < g.count; ++k) {
@@ -176,7 +175,7 @@ struct StickTrial {
     factorise(factor);
   }
 
-  /// Makes a pass from the excess that there is.
+  /// Solves for the current excess and applies the result.
   void pass() {
     Numbers x[6] = {};
     for (std::uint32_t k = 0; k < g.count; ++k) {
@@ -205,7 +204,7 @@ struct StickTrial {
     motion.push_about_a(g, impulse, moment);
   }
 
-  /// Numbers where no contact pulls, slides, or is passed through. scale: largest squared impulse.
+  /// Returns the lanes in which no contact pulls, slides or opens too slowly. scale: largest squared impulse.
   Mask is_right(Numbers& scale) const {
     Mask right = scale == scale;
     for (std::uint32_t k = 0; k < g.count; ++k) {
@@ -220,8 +219,8 @@ struct StickTrial {
   }
 };
 
-/// The active lanes where the guess is right take its impulses and are active no longer. Leaves alone what is
-/// final after this sweep: that is solved exactly.
+/// Accepts the trial in the active lanes where it is right, and deactivates these. Pairs that are final after
+/// this sweep are left to the exact solution.
 template <bool frictionless>
 void try_sticking(const BlockGroup& g, BlockContact* contacts, PairMotion& motion, Mask& active,
                   Numbers& scale) {
@@ -232,7 +231,7 @@ void try_sticking(const BlockGroup& g, BlockContact* contacts, PairMotion& motio
   Numbers after = before;
   for (int i = 0; i < stick_passes; ++i) trial.pass(), after = trial.find_excess();
   Numbers largest{};
-  const Mask right = active & trial.is_right(largest) & goes_on(g.bodies) &
+  const Mask right = active & trial.is_right(largest) & needs_sweeps(g.bodies) &
                      (after <= stick_residual * stick_residual * before);
   for (std::uint32_t k = 0; k < g.count; ++k) {
     BlockContact& c = contacts[k];

@@ -44,11 +44,11 @@ double Turning::gap_at_start() const {
   return gap_ + normal_.dot(half_turn_ * start - between_) - 0.5 * dt_ * by_arms;
 }
 
-/// Spheres' centres are on a polygon whose sides touch a circle in the middle.
+/// The centres of spheres are the corners of a polygon whose sides touch a circle at their middles.
 double Turning::gap_of_chord() const {
   if (!with_centres_) return std::max(0.0, -0.5 * dt_ * normal_.dot(velocity_along(half_turn_, 0.5 * dt_)));
   const double touching = normal_.dot(between_) - gap_, sine = 0.5 * dt_ * across_.norm() / touching;
-  constexpr double steepest = 0.9;  // no body turns as fast (method-parallel.md, guards)
+  constexpr double steepest = 0.9;  // limit; no body rotates as fast (method-parallel.md, guards)
   const double bounded = std::min(sine, steepest);
   return touching / root(1 - bounded * bounded) - touching;
 }
@@ -58,14 +58,14 @@ Vec3 Turning::normal_before() const {
   return half_turn_.conjugate() * (half_turn_.conjugate() * normal_);
 }
 
-/// In a frame that turns, b goes on along the surface of a as it does.
+/// In a rotating frame b continues along the surface of a.
 Vec3 Turning::velocity_along(const Quat& turned, double time) const {
   const Vec3 with_frame = turn_.cross(between_), slip = across_ - with_frame;
   const Vec3 later = between_ + time * (slip - normal_.dot(slip) * normal_);
   return (turned * later - later) / time - with_frame;
 }
 
-/// Centres of spheres keep their distance; other bodies keep their places in a frame that turns with them.
+/// Centres of spheres keep their distance; other bodies keep their relative pose as they rotate.
 Vec3 Turning::velocity_together() const {
   if (!with_centres_)
     return turn_ == Vec3::Zero() ? Vec3(Vec3::Zero()) : velocity_along(half_turn_ * half_turn_, dt_);

@@ -1,34 +1,34 @@
 #pragma once
-// How two bodies that stay in contact turn about each other. Between the middles of two steps they drift
-// along straight lines, so that surfaces which move along each other part, and bodies that turn as one slide
-// apart, by an amount of the second order of the angle; what coheres has to make up for it (method.md, K3 and
-// K4).
+// Relative rotation of two bodies that stay in contact. Between the middles of two steps bodies drift along
+// straight lines, so that rolling surfaces separate, and bodies that rotate together slide apart, by an
+// amount of second order in the angle, which cohesion has to correct (method.md, K3 and K4).
 #include "rigid/bodies/contact.hpp"
 
 namespace silt::rigid {
 
-/// A contact in the middle of a step of length dt, whose bodies move by these velocities.
+/// A contact in the middle of a step of length dt, with its bodies' velocities.
 class Turning {
  public:
-  /// `joined`: both arms reach to one point (method.md, C3a).
+  /// `joined`: both arms end at one point (method.md, C3a).
   Turning(const Contact&, bool joined, const Twist& a, const Twist& b, double dt);
 
-  /// Returns the gap at the beginning of the step.
+  /// Returns the gap at the start of the step.
   double gap_at_start() const;
-  /// Returns the gap now of surfaces that touch at both ends of the step.
+  /// Returns the gap in the middle of the step of surfaces that touch at its start and end.
   double gap_of_chord() const;
-  /// Returns the normal in the middle of the step before.
+  /// Returns the normal in the middle of the last step.
   Vec3 normal_before() const;
-  /// Returns the velocity at the contact, of b seen from a, that leaves b where it is, seen from a, in the
-  /// middle of the next step. Its normal part does not depend on the normal velocity at hand.
+  /// Returns the velocity of b relative to a, at the contact, that keeps b at its place relative to a until
+  /// the middle of the next step. Its normal component does not depend on the current normal velocity.
   Vec3 velocity_together() const;
 
  private:
   Vec3 velocity_along(const Quat& turned, double time) const;
 
-  Vec3 normal_, between_, across_;  // centres from a to b; their velocity, but for that of the gap
-  Vec3 turn_;                       // of the normal; but with centres
-  Quat half_turn_;                  // by it, in half a step
+  Vec3 normal_, between_,
+      across_;      // vector between the centres, from a to b; its rate without that of the gap
+  Vec3 turn_;       // angular velocity of the normal; not used with centres
+  Quat half_turn_;  // rotation by it in half a step
   double gap_, opening_rate_, dt_;
   bool with_centres_;
 };

@@ -13,10 +13,10 @@ const StoredImpulse* find(std::span<const StoredImpulse> of_partner, const Conta
   return other_image;
 }
 
-/// Returns where the partner's begin in `stored`.
-std::size_t recall(std::span<const StoredImpulse> stored, BodyId partner, std::span<const Contact> contacts,
-                   std::span<ContactImpulse> impulses) {
-  auto first = stored.begin();  // a body has few partners
+/// Returns the index in `stored` where the partner's impulses begin.
+std::size_t read_stored(std::span<const StoredImpulse> stored, BodyId partner,
+                        std::span<const Contact> contacts, std::span<ContactImpulse> impulses) {
+  auto first = stored.begin();  // a linear search: a body has few partners
   while (first != stored.end() && first->partner < partner) ++first;
   auto last = first;
   while (last != stored.end() && last->partner == partner) ++last;
@@ -33,7 +33,7 @@ std::size_t recall(std::span<const StoredImpulse> stored, BodyId partner, std::s
     p.normal = normal;
     p.pressed = normal > 0;
     p.tangential = impulse - along * c.normal;
-    if (c.lubrication) continue;  // pulls as well, and drags without pressing
+    if (c.lubrication) continue;  // a film may pull, and resists sliding without pressing
     const double size = p.tangential.norm(), limit = c.friction * normal;
     if (size > limit) p.tangential *= limit / size;
   }
@@ -44,19 +44,19 @@ std::size_t recall(std::span<const StoredImpulse> stored, BodyId partner, std::s
 
 }  // namespace
 
-void Recall::of_lower(std::size_t row_a, std::span<const Contact> contacts,
-                      std::span<ContactImpulse> impulses) {
+void WarmStart::from_lower(std::size_t row_a, std::span<const Contact> contacts,
+                           std::span<ContactImpulse> impulses) {
   if (row_a != row_) {
     row_ = row_a;
     behind_ = 0;
   }
-  behind_ +=
-      recall(std::span(bodies_.stored_impulses[row_a]).subspan(behind_), contacts[0].b, contacts, impulses);
+  behind_ += read_stored(std::span(bodies_.stored_impulses[row_a]).subspan(behind_), contacts[0].b, contacts,
+                         impulses);
 }
 
-void Recall::of_higher(std::size_t row_b, std::span<const Contact> contacts,
-                       std::span<ContactImpulse> impulses) const {
-  recall(bodies_.stored_impulses[row_b], contacts[0].a, contacts, impulses);
+void WarmStart::from_higher(std::size_t row_b, std::span<const Contact> contacts,
+                            std::span<ContactImpulse> impulses) const {
+  read_stored(bodies_.stored_impulses[row_b], contacts[0].a, contacts, impulses);
 }
 
 void forget_impulses(BodySet& bodies, BodyId id) {
@@ -66,7 +66,7 @@ void forget_impulses(BodySet& bodies, BodyId id) {
   }
 }
 
-/// Zeros without a sign: which one a lane's zero has may depend on the pairs beside it.
+/// Zeros are stored without a sign, which may depend on the other pairs in a group.
 void remember_impulses(std::span<const Contact> contacts, std::span<const ContactImpulse> impulses,
                        BodyId partner, std::vector<StoredImpulse>& stored) {
   for (std::size_t k = 0; k < contacts.size(); ++k)

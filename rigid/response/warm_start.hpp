@@ -1,45 +1,45 @@
 #pragma once
-// A step remembers its contact impulses for the next one. Both bodies of a pair keep the same values, so that
-// the owner of either can start from them.
+// The warm start: contact impulses of the last step as initial values. Both bodies of a pair store the same
+// values, so that the owner of either can start from them.
 #include <span>
 
 #include "rigid/response/contact_resolver.hpp"
 
 namespace silt::rigid {
 
-/// The impulse of one contact, on b.
+/// The impulse of a contact on b.
 struct ContactImpulse {
   double normal = 0;
   Vec3 tangential = Vec3::Zero();   // W
-  double pull = 0;                  // by cohesion, against which the normal impulse presses besides
+  double pull = 0;                  // by cohesion; included in the normal impulse
                                     // (rigid/response/contact_targets.hpp)
-  bool pressed = false;             // in the step before; also where the bodies then met at other points only
-  double kept_gap = 0;              // where there is a pull, the gap that is not to grow
-  Vec3 last_normal = Vec3::Zero();  // of the pull in the step before; zero: as it is now
+  bool pressed = false;             // in the last step, at this or another contact of the pair
+  double kept_gap = 0;              // for a pull: the gap that must not grow
+  Vec3 last_normal = Vec3::Zero();  // for a pull: the normal of the last step; zero: the current one
 
   Vec3 along(const Vec3& n) const { return (normal - pull) * n + tangential; }
 };
 
-/// Starts the impulses of pairs (contacts sorted by key) from what one of their bodies remembers, laid on the
-/// new normal and (without a lubrication film) inside the cone. A contact not found keeps its impulse. Where
-/// the pair's image changed (a body crossed a periodic side) the same feature of another image will do.
-class Recall {
+/// Sets the impulses of pairs (contacts sorted by key) from those stored with one of their bodies, rotated to
+/// the new normal and, without a lubrication film, projected onto the friction cone. A contact not found
+/// keeps its impulse. If a body has crossed a periodic side, the same feature of another image is used.
+class WarmStart {
  public:
-  explicit Recall(const BodySet& bodies) : bodies_(bodies), row_(bodies.size()) {}
-  /// Starts from what the pair's lower body remembers. Call in the order of the keys.
-  void of_lower(std::size_t row_a, std::span<const Contact>, std::span<ContactImpulse>);
-  void of_higher(std::size_t row_b, std::span<const Contact>, std::span<ContactImpulse>) const;
+  explicit WarmStart(const BodySet& bodies) : bodies_(bodies), row_(bodies.size()) {}
+  /// Uses the list of the pair's body of lower id. Call in the order of the keys.
+  void from_lower(std::size_t row_a, std::span<const Contact>, std::span<ContactImpulse>);
+  void from_higher(std::size_t row_b, std::span<const Contact>, std::span<ContactImpulse>) const;
 
  private:
   const BodySet& bodies_;
-  std::size_t row_, behind_ = 0;  // what row_ remembers of partners that have been
+  std::size_t row_, behind_ = 0;  // entries of row_'s list that belong to earlier partners
 };
 
-/// Appends the pair's impulses to what one of its bodies remembers.
+/// Appends the pair's impulses to the list of one of its bodies.
 void remember_impulses(std::span<const Contact>, std::span<const ContactImpulse>, BodyId partner,
                        std::vector<StoredImpulse>& stored);
 
-/// Forgets the impulses that a body and others gave each other: it is put where it no longer meets them.
+/// Deletes the impulses between a body and its partners, for a body moved away from them.
 void forget_impulses(BodySet&, BodyId);
 
 }  // namespace silt::rigid

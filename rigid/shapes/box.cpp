@@ -18,7 +18,7 @@ BoundingBox Box::bounding_box(const Pose& pose) const {
   return BoundingBox::around(pose.position, pose.orientation.toRotationMatrix().cwiseAbs() * half_edges);
 }
 
-/// The distance is that of the corner furthest from the origin, seen from the box's own frame.
+/// Computes the distance of the corner furthest from the origin, in the box's own frame.
 double Box::reach(const Pose& pose) const {
   const Vec3 centre = pose.orientation.conjugate() * pose.position;
   return (centre.cwiseAbs() + half_edges).norm();
@@ -31,7 +31,7 @@ MassProperties Box::mass_properties() const {
   return {volume, Vec3::Zero(), moments.asDiagonal()};
 }
 
-/// The largest ball at its centre and a grid of points on its faces.
+/// Adds the largest ball about the centre and a grid of points on the faces.
 void Box::add_inner_balls(std::vector<InnerBall>& balls) const {
   constexpr int points = 5;  // along an edge
   balls.push_back({Vec3::Zero(), half_edges.minCoeff()});
@@ -75,7 +75,7 @@ double Box::touching_ball(const Vec3& x, const Vec3& n) const {
 
 namespace {
 
-/// The corners of a box's face, edge or vertex: the axes with sign 0 are free.
+/// Writes the corners of a face, edge or vertex: along axes of sign 0 the feature extends.
 void outline_of(const Box& box, const Placement& at, const Feature& f, ContactOutline& out) {
   out.reset();
   out.code = f.code();

@@ -6,12 +6,12 @@
 
 namespace silt::rigid {
 
-/// A vertex, edge, face or the inside of a box (ends or side of a capsule): one sign an axis, 0 where free.
+/// A vertex, edge, face or the interior of a box: a side for each axis, or 0 along the feature.
 struct Feature {
   std::array<std::int8_t, 3> sign{0, 0, 0};
 
   std::uint32_t code() const { return (sign[0] + 1) + 3 * (sign[1] + 1) + 9 * (sign[2] + 1); }  // 0..26
-  /// Returns the feature in which this and another meet: two faces in an edge, two edges in a vertex.
+  /// Returns the feature common to this one and another: of two faces an edge, of two edges a vertex.
   Feature with(const Feature& other) const {
     Feature f = *this;
     for (int k = 0; k < 3; ++k)
@@ -20,7 +20,7 @@ struct Feature {
   }
 };
 
-/// Half edges may be 0: the core of a sphere or a capsule is a point or a segment along z.
+/// Half edges may be 0: the core of a sphere is a point, that of a capsule a segment along z.
 struct Box {
   static constexpr std::string_view name = "box";
   Vec3 half_edges;

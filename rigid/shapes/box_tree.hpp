@@ -1,5 +1,5 @@
 #pragma once
-// A tree of boxes over many small things: which of them are near a point, a line or another box.
+// A tree of bounding boxes, to search many small items by point, line or box.
 #include <algorithm>
 #include <array>
 #include <cstdint>
@@ -11,14 +11,14 @@
 
 namespace silt::rigid {
 
-/// Binary and balanced: each node halves its items across its longest side. Built in O(n log n), the same for
-/// the same boxes. 32 bytes a node, boxes rounded outward to single precision.
+/// A balanced binary tree: each node halves its items across its longest side. Construction takes O(n log n)
+/// and is deterministic. A node takes 32 bytes; boxes are rounded outward to single precision.
 class BoxTree {
  public:
   struct Node {
     std::array<float, 3> lower, upper;
-    std::uint32_t first;  // item of a leaf; else the first of two children
-    std::uint32_t count;  // items of a leaf; 0: not a leaf
+    std::uint32_t first;  // first item of a leaf; otherwise the first of two children
+    std::uint32_t count;  // items of a leaf; 0 for an inner node
 
     /// Returns the square of the distance from a point to the box; 0 inside.
     double squared_distance(const Vec3& x) const {
@@ -37,15 +37,15 @@ class BoxTree {
   };
 
   BoxTree() = default;
-  /// `order` becomes the order of the boxes along the leaves: item k of the tree is box order[k].
+  /// Writes the order of the boxes along the leaves to `order`: item k of the tree is box order[k].
   BoxTree(std::span<const BoundingBox> boxes, std::vector<std::uint32_t>& order);
 
-  /// Calls visit(item) for every item of every leaf whose bound(node), as those of the nodes above it, is
-  /// finite and at most the limit, which visit may lower; the child of the lower bound first.
+  /// Calls visit(item) for all items of the leaves whose own bound(node) and those of all nodes above are
+  /// finite and at most `limit`, which visit may lower. Of two children that of the lower bound comes first.
   template <class Bound, class Visit>
   void search(const Bound& bound, const double& limit, Visit&& visit) const {
     if (nodes_.empty()) return;
-    constexpr int depth = 64;  // of a balanced tree of 2^32 items, twice
+    constexpr int depth = 64;  // twice the depth of a balanced tree of 2^32 items
     std::array<std::pair<double, std::uint32_t>, depth> stack;
     int top = 0;
     stack[top++] = {bound(nodes_[0]), 0};

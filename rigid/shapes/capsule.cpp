@@ -19,8 +19,7 @@ std::optional<LineInterval> Capsule::line_interval(const Vec3& o, const Vec3& d)
   }
   const auto barrel = between_roots(a, o[0] * d[0] + o[1] * d[1], (rho - radius) * (rho + radius));
   if (!barrel) return {};
-  // A line that crosses the endless barrel beyond the segment enters or leaves through that end's cap or not
-  // at all.
+  // A line that crosses the infinite cylinder beyond the segment only crosses that end's cap.
   const auto end = [&](double t, bool entering) -> std::optional<double> {
     const double z = o[2] + t * d[2];
     if (std::abs(z) <= half_length) return t;
@@ -54,14 +53,14 @@ MassProperties Capsule::mass_properties() const {
 }
 
 void Capsule::add_inner_balls(std::vector<InnerBall>& balls) const {
-  constexpr int most = 64;  // balls half a radius apart, for a capsule up to 32 radii long
+  constexpr int most = 64;  // half a radius apart in a capsule of up to 32 radii
   const int gaps = std::clamp(static_cast<int>(std::ceil(4 * half_length / radius)), 1, most);
   for (int i = 0; i <= gaps; ++i) balls.push_back({{0, 0, half_length * (2. * i / gaps - 1)}, radius});
 }
 
-/// It is curved along the axis only where the ends are.
+/// The axial curvature is zero except on the end caps.
 Mat3 Capsule::curvature(const Vec3& x, const Vec3& n) const {
-  constexpr double rounding = 1e-12;  // a line that touches along the side ends where the ends begin
+  constexpr double rounding = 1e-12;  // contact along the side ends where the caps begin
   Mat3 k = across(n) / radius;
   if (std::abs(x[2]) <= half_length * (1 + rounding)) {
     k.row(2).setZero();

@@ -41,11 +41,11 @@ BoundingBox Compound::bounding_box(const Pose& pose) const {
 
 namespace {
 
-// The parts of a compound, added up one by one, count their overlaps too often: by how much is found here.
+// Adding up the parts of a compound counts overlaps several times; the excess is integrated here.
 
-constexpr int fewest_halvings = 3;  // of the tree of rectangles across the rays
+constexpr int fewest_halvings = 3;  // of the rectangles across the rays
 constexpr int most_halvings = 9;
-constexpr double local_error = 2e-8;  // of a rectangle, relative to the volume scale: refine above it
+constexpr double local_error = 2e-8;  // relative to the volume scale; rectangles above it are refined
 
 struct Rectangle {
   double x, y, width, height;  // centre and full edges
@@ -119,7 +119,7 @@ class OverlapIntegral {
     }
     if (intervals_.size() < 2) return;
     std::sort(intervals_.begin(), intervals_.end(), [](auto& a, auto& b) { return a.lower < b.lower; });
-    double covered = intervals_[0].upper;  // the union so far reaches up to here
+    double covered = intervals_[0].upper;  // upper end of the union so far
     for (std::size_t k = 1; k < intervals_.size(); ++k) {
       const Interval& i = intervals_[k];
       if (i.lower < covered) sum += segment(x, y, {i.lower, std::min(i.upper, covered)}) * weight;
@@ -132,7 +132,7 @@ class OverlapIntegral {
   std::vector<Interval> intervals_;
 };
 
-/// Around all places where two parts can overlap; empty (lower > upper) if there are none.
+/// Returns a box around all overlaps of two parts, as far as their boxes show; empty if there are none.
 BoundingBox overlap_box(const std::vector<Part>& parts) {
   BoundingBox all = BoundingBox::empty();
   std::vector<BoundingBox> boxes;
@@ -148,11 +148,11 @@ BoundingBox overlap_box(const std::vector<Part>& parts) {
   return all;
 }
 
-/// Sum of the parts' moments minus the moments of their union, in the body frame. Along parallel rays the
-/// intervals are exact; across them adaptive Gauss cubature. The rays have a direction in general position,
-/// so that no flat face lies along them and the integrand is continuous. Relative error about 1e-5.
+/// Returns the sum of the parts' moments minus the moments of their union, in the body frame, with a relative
+/// error of about 1e-5. Integration is exact along parallel rays and uses adaptive Gauss cubature across
+/// them. The rays' direction is in general position, along no flat face: the integrand is continuous.
 SolidMoments overlap_moments(const std::vector<Part>& parts) {
-  // No cube symmetry, no lattice direction: nobody gives parts at such angles.
+  // An arbitrary rotation, away from the symmetries of a cube and from the directions of a lattice.
   const Quat turn = Quat(0.8414709848, 0.3141592654, -0.2718281828, 0.3466020610).normalized();
   std::vector<Part> turned = parts;
   double scale = 0;
@@ -170,8 +170,8 @@ SolidMoments overlap_moments(const std::vector<Part>& parts) {
   return {m.volume, back * m.first, back * m.second * back.transpose()};
 }
 
-/// Keeps the results of overlap_moments, tens of milliseconds of quadrature, for the compounds asked about
-/// last: a case asks for the mass of each of its compounds in many places.
+/// A cache of the latest results of overlap_moments, whose quadrature takes tens of milliseconds: a case
+/// needs the mass of each compound in many places.
 class KnownOverlaps {
  public:
   SolidMoments of(const std::vector<Part>& parts) {
@@ -192,7 +192,7 @@ class KnownOverlaps {
 
 MassProperties Compound::mass_properties() const {
   static KnownOverlaps overlaps;
-  constexpr double quadrature_error = 2e-5;  // a fifth of what is promised
+  constexpr double quadrature_error = 2e-5;  // a fifth of the error stated in shape.hpp
   SolidMoments m;
   for (const Part& part : parts)
     m += moments(std::visit([](const auto& s) { return s.mass_properties(); }, part.shape), part.pose);

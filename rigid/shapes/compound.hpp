@@ -10,12 +10,12 @@ struct Part {
   bool operator==(const Part&) const = default;
 };
 
-/// Axis-aligned box of one part of a body, in the frame the body's pose is given in.
+/// Returns the bounding box of one part of a body, in the frame of the body's pose.
 BoundingBox part_box(const Part&, const Pose& body);
-/// Furthest distance of a point of a part from the body's origin.
+/// Returns the largest distance of a point of the part from the body's origin.
 double reach(const Part&);
 
-/// The union of its parts, which may overlap (a star: three capsules crossed at the centre).
+/// The union of parts, which may overlap (a star: three capsules crossed at the centre).
 struct Compound {
   static constexpr std::string_view name = "compound";
   std::vector<Part> parts;
@@ -24,7 +24,7 @@ struct Compound {
   double signed_distance(const Vec3& x) const;
   BoundingBox bounding_box(const Pose&) const;
   MassProperties mass_properties() const;
-  /// The diameter of the sphere of its volume.
+  /// Returns the diameter of the sphere of equal volume.
   double least_width() const;
   Compound recentred(const Vec3& centre) const;
 };

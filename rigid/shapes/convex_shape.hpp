@@ -1,5 +1,5 @@
 #pragma once
-// The convex shapes, in one piece: a collision backend sees only these.
+// The convex shapes as one variant: the only shapes a collision backend handles.
 #include <variant>
 
 #include "rigid/shapes/box.hpp"
@@ -20,15 +20,15 @@ struct ConvexShape : ConvexShapes<Sphere, Box, Capsule, Cylinder, Ellipsoid, Pol
   using variant::variant;
 };
 
-/// The point of a convex shape furthest along direction_B, of any length.
+/// Returns the point of the shape furthest along direction_B, a vector of any nonzero length.
 Vec3 support(const ConvexShape&, const Vec3& direction_B);
-/// The part of the line origin + t direction inside the shape; none if the line misses it.
+/// Returns the part of the line origin + t direction inside the shape; none if the line misses it.
 std::optional<LineInterval> line_interval(const ConvexShape&, const Vec3& origin_B, const Vec3& direction_B);
-/// Curvature tensor of the surface at x_B (on it, to rounding) with outward unit normal n_B: symmetric, zero
-/// along the normal, eigenvalues across it the principal curvatures, >= 0; zero on a flat face. None at an
-/// edge or a corner: where the normal is not that of a face or a side.
+/// Returns the curvature tensor of the surface at x_B (on the surface, to rounding) with outward unit normal
+/// n_B: symmetric, zero along the normal; its other eigenvalues are the principal curvatures, >= 0. None
+/// where n_B is not the normal of a face or a side, so at an edge or a corner.
 std::optional<Mat3> curvature(const ConvexShape&, const Vec3& x_B, const Vec3& n_B);
-/// Says whether the surface has a curvature everywhere: neither edges nor corners.
+/// Returns whether the surface has a curvature everywhere, so neither edges nor corners.
 bool is_smooth(const ConvexShape&);
 
 }  // namespace silt::rigid

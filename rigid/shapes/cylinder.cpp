@@ -24,7 +24,7 @@ BoundingBox Cylinder::bounding_box(const Pose& pose) const {
   return BoundingBox::around(pose.position, axis.cwiseAbs() * half_length + radius * across);
 }
 
-/// The distance is that of the rim point furthest from the origin, seen from the cylinder's own frame.
+/// Computes the distance of the rim point furthest from the origin, in the cylinder's own frame.
 double Cylinder::reach(const Pose& pose) const {
   const Vec3 centre = pose.orientation.conjugate() * pose.position;
   return elementary::hypot(elementary::hypot(centre[0], centre[1]) + radius,
@@ -37,7 +37,7 @@ MassProperties Cylinder::mass_properties() const {
   return {volume, Vec3::Zero(), Vec3(across, across, 0.5 * volume * r2).asDiagonal()};
 }
 
-/// A chain of balls, and points on the ends.
+/// Adds a row of balls along the axis and points on the ends.
 void Cylinder::add_inner_balls(std::vector<InnerBall>& balls) const {
   constexpr int most = 64, points = 12;
   const double r = std::min(radius, half_length), free = half_length - r;
@@ -74,8 +74,8 @@ InnerBall Cylinder::inner_ball(const Vec3& x) const {
 
 namespace {
 
-/// Radius of the ball that touches the plane normal to n at x from below and stays inside an infinite
-/// cylinder about z: |(x - r n) across z| = radius - r.
+/// Returns the radius r of the ball inside an infinite cylinder about z that touches, from below, the plane
+/// normal to n at x: |(x - r n) across z| = radius - r.
 double ball_in_barrel(double radius, const Vec3& x, const Vec3& n) {
   const double room = radius - x.head<2>().dot(n.head<2>());
   if (room <= 1e-14 * radius) return radius;  // x is on the side, n its normal
@@ -111,7 +111,7 @@ void Cylinder::touching_outline(const Placement& at, const Vec3& n, double slack
   out.set_point(lowest.x, lowest.code);
 }
 
-/// An end that lies flat, the side's line within 45 degrees, else the rim's furthest point.
+/// The outline is an end that lies flat, the line of the side within 45 degrees, else the furthest rim point.
 void Cylinder::facing_outline(const Placement& at, const Vec3& n, ContactOutline& out) const {
   const Vec3 d = at.direction_B(n);
   const Disc facing = end(d.z() < 0 ? -1 : 1);

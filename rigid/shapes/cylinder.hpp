@@ -5,7 +5,7 @@
 
 namespace silt::rigid {
 
-/// Round about the body's z axis, flat ends at -half_length and +half_length.
+/// A cylinder about the body's z axis with flat ends at -half_length and +half_length.
 struct Cylinder {
   static constexpr std::string_view name = "cylinder";
   double radius, half_length;

@@ -6,8 +6,7 @@
 namespace silt::rigid {
 namespace {
 
-/// A sum of squares to be made 1: |p(u)| = 1 with p_i = c_i / (u + d_i), u >= 0; c_i >= 0, d_i >= 0 and one
-/// of the d_i is 0.
+/// The equation |p(u)| = 1 for u >= 0, with p_i = c_i / (u + d_i), c_i >= 0, d_i >= 0 and one d_i = 0.
 struct SecularEquation {
   Vec3 c, d;
 
@@ -17,13 +16,13 @@ struct SecularEquation {
     return p;
   }
 
-  /// The root; 0 if |p| < 1 all the way down (then the terms with d_i = 0 make up for what is missing).
-  /// Newton's method on 1 / |p(u)| = 1, which is concave, increasing and almost straight: from the left it
-  /// approaches the root from the left, and has arrived when it no longer moves that way.
+  /// Returns the root, or 0 if |p| < 1 for all u > 0 (then the terms with d_i = 0 supply the difference).
+  /// Newton's method on 1 / |p(u)| = 1, which is concave and increasing: the iterates approach the root from
+  /// the left, and the iteration ends when they no longer increase.
   double root() const {
-    constexpr int most = 100;  // 3 to 8 are taken
+    constexpr int most = 100;  // 3 to 8 iterations are usual
     double u = 0;
-    for (int i = 0; i < 3; ++i) u = std::max(u, c[i] - d[i]);  // no term alone exceeds 1
+    for (int i = 0; i < 3; ++i) u = std::max(u, c[i] - d[i]);  // so that no single term exceeds 1
     for (int k = 0; k < most; ++k) {
       const Vec3 at = p(u);
       const double norm = at.norm();
@@ -39,16 +38,16 @@ struct SecularEquation {
   }
 };
 
-/// Axis numbers, longest axis first.
+/// Returns the axis numbers, longest axis first.
 std::array<int, 3> by_length(const Vec3& half_axes) {
   std::array<int, 3> order{0, 1, 2};
   std::stable_sort(order.begin(), order.end(), [&](int i, int j) { return half_axes[i] > half_axes[j]; });
   return order;
 }
 
-/// Returns how far the nearest point of the surface is, without cancellation. In the octant of y = |x| it is
-/// e_i^2 y_i / (t + e_i^2), t the root beyond minus the square of the shortest half axis e. In units of that:
-/// u = t / e^2 + 1, r_i = e_i^2 / e^2, d_i = r_i - 1.
+/// Returns the distance to the nearest surface point, without cancellation. In the octant of y = |x| that
+/// point is e_i^2 y_i / (t + e_i^2), with t the largest root. The equation is scaled with the shortest half
+/// axis e: u = t / e^2 + 1, r_i = e_i^2 / e^2, d_i = r_i - 1.
 double distance_to_surface(const Vec3& half_axes, const Vec3& x) {
   const Vec3 y = x.cwiseAbs();
   const int shortest = by_length(half_axes)[2];
@@ -59,9 +58,9 @@ double distance_to_surface(const Vec3& half_axes, const Vec3& x) {
     equation.c[i] = half_axes[i] / e * (y[i] / e);  // r_i y_i / e_i
   }
   const double u = equation.root();
-  Vec3 way;  // from y to it
+  Vec3 way;  // from y to the nearest point
   for (int i = 0; i < 3; ++i) way[i] = equation.c[i] > 0 ? y[i] * (1 - u) / (u + equation.d[i]) : 0;
-  if (u == 0) {  // from the middle plane the nearest points lie on either side of it
+  if (u == 0) {  // y is in the middle plane, with nearest points on both sides of it
     const Vec3 p = equation.p(u);
     const double others = p.squaredNorm() - p[shortest] * p[shortest];
     way[shortest] = e * std::sqrt(std::max(0.0, 1 - others));
@@ -77,11 +76,11 @@ double Ellipsoid::signed_distance(const Vec3& x) const {
   return std::max(distance, std::numeric_limits<double>::min());
 }
 
-/// Seen in the coordinates in which it is the unit sphere.
+/// Intersects the line with the unit sphere, in coordinates scaled with the half axes.
 std::optional<LineInterval> Ellipsoid::line_interval(const Vec3& o, const Vec3& d) const {
   const Vec3 p = o.cwiseQuotient(half_axes), v = d.cwiseQuotient(half_axes);
   const double a = v.squaredNorm(), b = p.dot(v), distance = p.norm();
-  const double closest = (p - b / a * v).norm();  // of the line to the centre: keeps far, grazing lines exact
+  const double closest = (p - b / a * v).norm();  // distance of line and centre: exact for grazing lines, too
   if (!(closest <= 1)) return {};
   const double s = std::sqrt(a * (1 - closest) * (1 + closest)), q = b >= 0 ? -b - s : -b + s;
   const double t1 = q / a, t2 = q != 0 ? (distance - 1) * (distance + 1) / q : 0.0;
@@ -93,8 +92,8 @@ BoundingBox Ellipsoid::bounding_box(const Pose& pose) const {
   return BoundingBox::around(pose.position, (r * half_axes.asDiagonal()).rowwise().norm());
 }
 
-/// The furthest point is found as the nearest one is, with the root beyond minus the square of the longest
-/// half axis: x_i = -e_i^2 y_i / (u + e^2 - e_i^2).
+/// Finds the furthest point like the nearest one, with the root beyond minus the square of the longest half
+/// axis: x_i = -e_i^2 y_i / (u + e^2 - e_i^2).
 double Ellipsoid::reach(const Pose& pose) const {
   const Vec3 y = (pose.orientation.conjugate() * pose.position).cwiseAbs();
   const int longest = by_length(half_axes)[0];
@@ -117,7 +116,7 @@ MassProperties Ellipsoid::mass_properties() const {
           0.2 * volume * Vec3(sq[1] + sq[2], sq[0] + sq[2], sq[0] + sq[1]).asDiagonal()};
 }
 
-/// The largest ball, and points of the edges of a cube drawn onto the surface.
+/// Adds the largest ball, and the points of a cube's edges projected onto the surface.
 void Ellipsoid::add_inner_balls(std::vector<InnerBall>& balls) const {
   constexpr int points = 5;  // along an edge
   balls.push_back({Vec3::Zero(), half_axes.minCoeff()});
@@ -129,7 +128,7 @@ void Ellipsoid::add_inner_balls(std::vector<InnerBall>& balls) const {
       }
 }
 
-/// The curvature of f(x) = 1/2 x.D x = const is the part of D across the normal, over |D x|.
+/// The curvature of the level set of f(x) = 1/2 x.D x is D projected across the normal, divided by |D x|.
 std::optional<Mat3> Ellipsoid::curvature(const Vec3& x, const Vec3& n) const {
   const Vec3 d = half_axes.cwiseAbs2().cwiseInverse();
   const double gradient = d.cwiseProduct(x).norm();

@@ -11,10 +11,10 @@ struct Ellipsoid {
       "diameters", &Ellipsoid::half_axes, "how long it is along each of its axes, [x, y, z]", 0.5}};
 
   bool contains(const Vec3& x) const { return x.cwiseQuotient(half_axes).squaredNorm() <= 1; }
-  /// The error is below 1e-14 of the largest axis plus 1e-14 of the distance, for axes of any ratio; the sign
-  /// agrees with contains. Source: D. Eberly, "Distance from a Point to an Ellipse, an Ellipsoid, or a
-  /// Hyperellipsoid" (2013), the reduction to one root; the root not by his bisection but as in trust-region
-  /// steps (More and Sorensen, SIAM J. Sci. Stat. Comput. 4 (1983)).
+  /// Absolute error below 1e-14 (largest axis + distance) for axes of any ratio; the sign agrees with
+  /// contains. Reduction to one root by D. Eberly, "Distance from a Point to an Ellipse, an Ellipsoid, or a
+  /// Hyperellipsoid" (2013); the root by Newton's method as in trust regions (More, Sorensen, SIAM J. Sci.
+  /// Stat. Comput. 4 (1983)) instead of bisection.
   double signed_distance(const Vec3& x) const;
   std::optional<LineInterval> line_interval(const Vec3& o, const Vec3& d) const;
   BoundingBox bounding_box(const Pose&) const;
@@ -31,9 +31,8 @@ struct Ellipsoid {
   Vec3 half_widths() const { return half_axes; }
   Mat3 support_derivative(const Vec3& n) const;
   InnerBall inner_ball(const Vec3&) const { return {Vec3::Zero(), half_axes.minCoeff()}; }
-  /// (Least half axis)^2 / (width along n), less than the largest there is: with |m| the norm sqrt(m.Am) and
-  /// a the least half axis, |m||n| - m.An is half the square of a vector's norm, which is at least a^2 (1 -
-  /// m.n).
+  /// Returns (least half axis a)^2 / (width along n), a lower bound of the largest radius: with |m| the norm
+  /// sqrt(m.Am), |m||n| - m.An is half the square of a vector's norm, which is at least a^2 (1 - m.n).
   double touching_ball(const Vec3&, const Vec3& n) const {
     const double least = half_axes.minCoeff();
     return least * least / half_axes.cwiseProduct(n).norm();
@@ -42,7 +41,7 @@ struct Ellipsoid {
   void extremes(Use&& use) const {
     use.ellipsoid(half_axes, 0);
   }
-  /// The ellipsoid is the unit ball in units of its half axes.
+  /// Adds the unit ball in coordinates scaled with the half axes.
   template <class Parts>
   void surface(Parts& parts) const {
     parts.add_scaled(SurfaceKind::ellipsoid, half_axes.cwiseInverse());

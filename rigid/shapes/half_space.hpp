@@ -5,12 +5,12 @@
 
 namespace silt::rigid {
 
-/// All points with normal . x_B <= 0: the normal points out of the solid. Only for walls: infinite mass.
+/// All points with normal . x_B <= 0, the outward normal being a unit vector. For walls only: infinite mass.
 struct HalfSpace {
   static constexpr std::string_view name = "half-space";
   Vec3 normal;
   bool operator==(const HalfSpace&) const = default;
-  static constexpr std::tuple<> fields{};  // the sides of the domain make them
+  static constexpr std::tuple<> fields{};  // cases give half-spaces as sides of the domain
 
   double signed_distance(const Vec3& x) const { return normal.dot(x); }
   std::optional<LineInterval> line_interval(const Vec3& o, const Vec3& d) const {

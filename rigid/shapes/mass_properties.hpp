@@ -4,14 +4,14 @@
 
 namespace silt::rigid {
 
-/// The inertia is taken about the centre of mass, in the axes of the shape as given.
+/// The inertia is about the centre of mass, in the axes of the shape's frame.
 struct MassProperties {
   double volume;
   Vec3 centre;
   Mat3 inertia;
 };
 
-/// Integrals over a solid of unit density: of 1, of x and of x x^T.
+/// Integrals of 1, x and x x^T over a solid of unit density.
 struct SolidMoments {
   double volume = 0;
   Vec3 first = Vec3::Zero();
@@ -29,12 +29,12 @@ struct SolidMoments {
   SolidMoments operator*(double s) const { return {s * volume, s * first, s * second}; }
 };
 
-/// The moments in the frame in which the solid has this pose.
+/// Returns the moments in the frame in which the solid has this pose.
 SolidMoments moments(const MassProperties&, const Pose&);
-/// The inertia of a solid whose second moments about its centre are these.
+/// Returns the inertia that belongs to second moments about the centre.
 Mat3 inertia_of(const Mat3& second);
-/// Values below `error` (relative to the size), that of the integration, become what symmetry would make
-/// them: a star's centre is its centre, and a body with equal moments needs no gyroscopic term.
+/// Rounds differences below the relative integration error `error` to exact symmetry: the centre of a star is
+/// its origin, and a body with equal moments needs no gyroscopic term.
 void snap_to_symmetry(MassProperties&, double error);
 
 }  // namespace silt::rigid

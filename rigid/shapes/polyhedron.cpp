@@ -38,7 +38,7 @@ bool Polyhedron::contains(const Vec3& x) const {
                              [&](const auto& face) { return face.normal.dot(x) - face.offset <= 0; });
 }
 
-/// Clipped by the plane of one face after the other.
+/// Clips the line by the plane of each face.
 std::optional<LineInterval> Polyhedron::line_interval(const Vec3& o, const Vec3& d) const {
   LineInterval inside = LineInterval::everything();
   for (const auto& face : mesh->faces) {
@@ -75,7 +75,7 @@ MassProperties Polyhedron::mass_properties() const {
   return p;
 }
 
-/// The narrowest of those along a face or along two edges that cross.
+/// Returns the least width normal to a face or to two edges.
 double Polyhedron::least_width() const {
   const auto width = [&](const Vec3& n) {
     double low = 0, high = 0;
@@ -89,7 +89,7 @@ double Polyhedron::least_width() const {
   const auto along = [&](const PolyhedronMesh::Edge& edge) -> Vec3 {
     return (mesh->vertices[edge.corners[1]] - mesh->vertices[edge.corners[0]]).normalized();
   };
-  constexpr std::size_t most_edges = 200;  // of a body finer than that the faces alone say as much
+  constexpr std::size_t most_edges = 200;  // beyond, pairs of edges add nothing to the faces
   double least = std::numeric_limits<double>::infinity();
   for (const auto& face : mesh->faces) least = std::min(least, width(face.normal));
   for (std::size_t i = 0; mesh->edges.size() <= most_edges && i < mesh->edges.size(); ++i)
@@ -100,7 +100,7 @@ double Polyhedron::least_width() const {
   return least;
 }
 
-/// A ball, the corners, and the middles of the edges and faces.
+/// Adds a ball, the vertices, and the midpoints of edges and faces.
 void Polyhedron::add_inner_balls(std::vector<InnerBall>& balls) const {
   const auto middle = [&](const auto& corners) {
     Vec3 mean = Vec3::Zero();
@@ -121,7 +121,7 @@ Vec3 Polyhedron::half_widths() const {
   return half;
 }
 
-/// Returns the ball about the centre, wherever x is.
+/// Returns the ball about the centre for any x.
 InnerBall Polyhedron::inner_ball(const Vec3&) const {
   double radius = half_widths().maxCoeff();
   for (const auto& face : mesh->faces) radius = std::min(radius, face.offset);

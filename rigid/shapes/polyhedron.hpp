@@ -4,12 +4,12 @@
 
 namespace silt::rigid {
 
-/// Convex. The mesh is never null; its origin is the body's.
+/// A convex polyhedron. The mesh is never null; its origin is the body's.
 struct Polyhedron {
   static constexpr std::string_view name = "polyhedron";
   std::shared_ptr<const PolyhedronMesh> mesh;
   bool operator==(const Polyhedron&) const = default;
-  static constexpr std::tuple<> fields{};  // its corners or a file: silt/case/shapes.cpp
+  static constexpr std::tuple<> fields{};  // read by silt/case/shapes.cpp: vertices or a file
 
   bool contains(const Vec3& x) const;
   double signed_distance(const Vec3& x) const { return rigid::signed_distance(*mesh, x); }
@@ -26,7 +26,7 @@ struct Polyhedron {
   Vec3 half_widths() const;
   InnerBall inner_ball(const Vec3&) const;
   Polyhedron recentred(const Vec3& centre) const { return {shifted(*mesh, -centre)}; }
-  /// Codes are those of the vertices, then the edges, then the faces; from 1.
+  /// Feature codes number the vertices, then the edges, then the faces, from 1.
   std::size_t codes() const { return 1 + mesh->vertices.size() + mesh->edges.size() + mesh->faces.size(); }
   void kinks(const Placement&, const Vec3& n_B, double angle, Kinks& out) const;
   double touching_ball(const Vec3& x, const Vec3& n) const;

@@ -21,14 +21,14 @@ std::string name_of(const char* what, std::size_t index) {
   return std::string(what) + " " + std::to_string(index);
 }
 
-/// Largest extent along an axis.
+/// Returns the largest extent along an axis.
 double size_of(const std::vector<Vec3>& vertices) {
   Vec3 lower = vertices[0], upper = vertices[0];
   for (const Vec3& v : vertices) lower = lower.cwiseMin(v), upper = upper.cwiseMax(v);
   return (upper - lower).maxCoeff();
 }
 
-/// Twice the area times the normal: Newell's sum, about the first corner.
+/// Returns twice the area times the normal: Newell's sum about the first corner.
 Vec3 newell(const std::vector<Vec3>& vertices, const std::vector<int>& loop) {
   const Vec3& first = vertices[loop[0]];
   Vec3 sum = Vec3::Zero();
@@ -66,7 +66,7 @@ Face make_face(const std::vector<Vec3>& vertices, const std::vector<int>& loop, 
   return face;
 }
 
-/// Each edge twice, once in each direction; and in one piece without holes (Euler).
+/// Requires each edge once in each direction, and one closed surface without holes (Euler).
 std::vector<Edge> make_edges(const std::vector<Face>& faces, std::size_t corners) {
   std::map<std::array<int, 2>, int> face_left_of;
   for (std::size_t f = 0; f < faces.size(); ++f) {
@@ -87,7 +87,7 @@ std::vector<Edge> make_edges(const std::vector<Face>& faces, std::size_t corners
   return edges;
 }
 
-/// A closed surface encloses a positive volume where its faces are counter-clockwise seen from outside.
+/// Requires a positive volume, so faces that are counter-clockwise seen from outside.
 void check_outward(const PolyhedronMesh& mesh) {
   double volume = 0;
   for (const Face& face : mesh.faces)
@@ -118,9 +118,9 @@ double distance_to_segment(const Vec3& a, const Vec3& b, const Vec3& x) {
   return (x - a - t * along).norm();
 }
 
-/// Returns the distance from a point in front of the face at `height`; exact.
+/// Returns the exact distance of a point that is at `height` above the face's plane.
 double distance_to_face(const PolyhedronMesh& mesh, const Face& face, double height, const Vec3& x) {
-  bool above = true;  // the projection lies on the face
+  bool above = true;  // x projects onto the face
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t k = 0; k < face.corners.size(); ++k) {
     const Vec3& a = mesh.vertices[face.corners[k]];
@@ -175,7 +175,7 @@ double signed_distance(const PolyhedronMesh& mesh, const Vec3& x) {
   }
   if (highest <= 0) return highest;
   double least = distance_to_face(mesh, *nearest, highest, x);
-  if (least == highest) return least;  // nothing of the solid is nearer than the plane that parts it from x
+  if (least == highest) return least;  // no point of the solid is nearer than the face's plane
   for (const Face& face : mesh.faces) {
     const double height = face.normal.dot(x) - face.offset;
     if (height > 0 && height < least) least = std::min(least, distance_to_face(mesh, face, height, x));
@@ -185,7 +185,7 @@ double signed_distance(const PolyhedronMesh& mesh, const Vec3& x) {
 
 PolyhedronIntegrals integrals(const PolyhedronMesh& mesh) {
   PolyhedronIntegrals sum;
-  const Vec3& apex = sum.about = mesh.vertices[0];  // of the tetrahedra: no cancellation far from the origin
+  const Vec3& apex = sum.about = mesh.vertices[0];  // of all tetrahedra; limits cancellation
   for (const Face& face : mesh.faces) {
     const Vec3 a = mesh.vertices[face.corners[0]] - apex;
     for (std::size_t k = 1; k + 1 < face.corners.size(); ++k) {

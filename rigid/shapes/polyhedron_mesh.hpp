@@ -1,6 +1,5 @@
 #pragma once
-// The geometry of a convex polyhedron: made once from its corners and faces, then shared by all who look at
-// it.
+// The geometry of a convex polyhedron, computed once from vertices and faces and then shared.
 #include <array>
 #include <memory>
 #include <vector>
@@ -13,11 +12,11 @@ struct PolyhedronMesh {
   struct Face {
     Vec3 normal;               // unit, outward
     double offset;             // normal . x = offset on the face
-    std::vector<int> corners;  // of vertices, counter-clockwise seen from outside; any number, coplanar
+    std::vector<int> corners;  // vertex numbers, counter-clockwise seen from outside; coplanar
   };
   struct Edge {
-    std::array<int, 2> corners;  // of vertices
-    std::array<int, 2> faces;    // the two it parts
+    std::array<int, 2> corners;  // vertex numbers
+    std::array<int, 2> faces;    // the two faces that meet at the edge
   };
   std::vector<Vec3> vertices;
   std::vector<Face> faces;
@@ -25,20 +24,20 @@ struct PolyhedronMesh {
   std::vector<std::vector<int>> neighbours;  // of each vertex, along the edges
 };
 
-/// Makes a mesh of corners and the faces' loops of corners (counter-clockwise seen from outside). Every face
-/// must be flat and convex and the whole closed and convex, to `flatness` of its size; std::invalid_argument
-/// says what is not. Coplanar neighbouring faces must have been merged (adapters/qhull does).
+/// Makes a mesh from vertices and, for each face, its loop of vertex numbers (counter-clockwise seen from
+/// outside). Throws std::invalid_argument unless every face is flat and convex and the solid closed and
+/// convex, to `flatness` times its size. Coplanar neighbours must be merged (adapters/qhull).
 std::shared_ptr<const PolyhedronMesh> make_polyhedron_mesh(std::vector<Vec3> vertices,
                                                            const std::vector<std::vector<int>>& faces,
                                                            double flatness = 1e-9);
 std::shared_ptr<const PolyhedronMesh> shifted(const PolyhedronMesh&, const Vec3& by);
 std::shared_ptr<const PolyhedronMesh> scaled(const PolyhedronMesh&, double factor);
 
-/// Distance to the surface, negative inside; exact.
+/// Returns the exact distance to the surface, negative inside.
 double signed_distance(const PolyhedronMesh&, const Vec3& x);
 
-/// Integrals over the solid of 1, d and d d^T with d = x - about: exact, the sum over the tetrahedra between
-/// the faces' triangles and one corner (Tonon, J. Math. Stat. 1 (2004)).
+/// Integrals of 1, d and d d^T with d = x - about over the solid: exact sums over the tetrahedra between the
+/// faces' triangles and one vertex (Tonon, J. Math. Stat. 1 (2004)).
 struct PolyhedronIntegrals {
   Vec3 about = Vec3::Zero();
   double volume = 0;

@@ -73,7 +73,7 @@ bool is_sphere(const Shape& shape) {
   return std::holds_alternative<Sphere>(shape);
 }
 
-bool is_endless(const Shape& shape) {
+bool is_infinite(const Shape& shape) {
   const auto* const mesh = std::get_if<Mesh>(&shape);
   return mesh ? mesh->hollow : std::holds_alternative<Tube>(shape);
 }

@@ -1,5 +1,5 @@
 #pragma once
-// Names of the shapes, and a list of them, for headers that only refer to them or pass them on.
+// Forward declarations of the shapes, and a list of shapes of incomplete type.
 #include <vector>
 
 namespace silt::rigid {

@@ -1,6 +1,6 @@
 #pragma once
-// The interface of a convex shape. It uses its own frame and lattice units throughout; directions are unit
-// vectors. README.md of this folder says how to add a shape.
+// The interface of a convex shape: all quantities in the shape's own frame and lattice units, directions as
+// unit vectors. README.md of this folder says how to add a shape.
 #include <algorithm>
 #include <cmath>
 #include <concepts>
@@ -17,7 +17,7 @@
 
 namespace silt::rigid {
 
-/// The place of a shape in the world frame of a query, in lattice units.
+/// The pose of a shape in the frame of a query, in lattice units.
 struct Placement {
   Vec3 centre;
   Mat3 axes;  // columns: the unit axes of the body
@@ -26,10 +26,9 @@ struct Placement {
   Vec3 direction_B(const Vec3& n) const { return axes.transpose() * n; }
 };
 
-/// Directions in which the boundary of a core is not smooth, near a given one; world frame, unit vectors.
+/// Directions near a given one in which the support function is not smooth; world frame, unit vectors.
 struct Kinks {
-  /// Axes of circles, of the directions normal to them: along a straight edge, or a line of a cylinder's
-  /// side.
+  /// Axes of great circles of such directions: along a straight edge, or along a cylinder's side.
   std::vector<Vec3> circles;
   std::vector<Vec3> faces;  // outward normals
   void clear() {
@@ -38,20 +37,20 @@ struct Kinks {
   }
 };
 
-/// One corner: a point. Two: a line. Three and more: a flat face, counter-clockwise or clockwise, or a disc
-/// through the corners. Codes are below 2^16 and unique for a shape; they are those of Feature for boxes and
-/// capsules, and of the body's own frame for the others, so they stay while the same feature touches.
+/// The part of a shape's surface that meets another body: a point (one corner), a line (two), or a flat face
+/// (more, in either orientation) or a disc through the corners. Codes are below 2^16 and unique within a
+/// shape. They are fixed to the body (for boxes and capsules those of Feature) and persist over steps.
 struct ContactOutline {
   struct Corner {
     Vec3 x;
-    std::uint32_t code, edge_code;  // edge: the one to the next corner
+    std::uint32_t code, edge_code;  // edge_code: of the edge to the next corner
   };
   std::vector<Corner> corners;
-  std::uint32_t code = 0;      // of what lies between the corners
-  Vec3 normal = Vec3::Zero();  // outward, unit, of three corners and more
+  std::uint32_t code = 0;      // of the line or face between the corners
+  Vec3 normal = Vec3::Zero();  // outward, unit; set for three corners and more
   Vec3 centre = Vec3::Zero();  // of a disc
   double disc_radius = 0;      // 0: not a disc
-  double barrel_radius = 0;    // of the barrel about the third axis that a line lies on; 0: on none
+  double barrel_radius = 0;    // of the cylinder about z on which a line lies; 0: none
 
   std::size_t size() const { return corners.size(); }
   bool is_face() const { return size() > 2; }
@@ -69,11 +68,11 @@ struct ContactOutline {
   }
 };
 
-/// A point of a shape that may touch a plane.
+/// A candidate point of a shape for contact with a plane.
 struct PlanePoint {
   Vec3 x;
   std::uint32_t code;
-  bool only_if_lowest = false;  // it moves over the surface, and counts only where no other is as low
+  bool only_if_lowest = false;  // a point that moves over the surface; used if no other is as low
 };
 
 struct LineInterval {
@@ -85,7 +84,7 @@ struct LineInterval {
   }
 };
 
-/// Returns the interval where a t^2 + 2 b t + c <= 0, for a > 0: its real roots, without cancellation.
+/// Returns the interval where a t^2 + 2 b t + c <= 0, a > 0, computed without cancellation.
 inline std::optional<LineInterval> between_roots(double a, double b, double c) {
   const double discriminant = b * b - a * c;
   if (discriminant < 0) return {};
@@ -112,18 +111,17 @@ inline std::optional<LineInterval> in_both(const std::optional<LineInterval>& a,
 
 /// Returns the interval in the ball about the origin.
 inline std::optional<LineInterval> in_ball(double radius, const Vec3& o, const Vec3& d) {
-  const double distance = o.norm();  // the difference of squares, factored: exact close to the surface
+  const double distance = o.norm();  // the difference of squares is factored: exact near the surface
   return between_roots(d.squaredNorm(), o.dot(d), (distance - radius) * (distance + radius));
 }
 
-/// An entry of a shape's table `fields` says how a case gives a size: a length, or for a member that is a
-/// vector three lengths along the axes. member = share * the value of `key`, or other_share * that of
-/// `other_key`, if there is one; the case has one of the two.
+/// An entry of a shape's table `fields`: a size as a case gives it, a length or three lengths along the axes.
+/// member = share * the value of `key`, or other_share * that of `other_key`; a case gives exactly one key.
 template <class Solid, class Value>
 struct Field {
   const char* key;
   Value Solid::*member;
-  const char* doc;  // ends the message that it is missing
+  const char* doc;  // end of the error message for a missing key
   double share = 1;
   const char* other_key = nullptr;
   double other_share = 1;
@@ -134,19 +132,19 @@ constexpr Field<Solid, double> radius_field(double Solid::*radius) {
   return {"radius", radius, "how large it is", 1, "diameter", 0.5};
 }
 
-/// A ball inside a shape; radius 0: a point of it.
+/// A ball inside a shape; with radius 0 a point.
 struct InnerBall {
   Vec3 centre;
   double radius;
 };
 
-/// The radius of the largest ball that touches the plane normal to unit n at a point from below and stays
-/// below the planes added: it proves a depth of overlap the least one
+/// Computes the radius of the largest ball that touches, from below, the plane normal to unit n at a point
+/// and stays below all added planes. It proves that a penetration depth is the least
 /// (rigid/collision/deepest_direction.cpp).
 struct BallUnderPlanes {
   explicit BallUnderPlanes(const Vec3& normal) : n(normal) {}
 
-  /// A plane with unit `outward` normal, which the point is `below` it (lattice units).
+  /// Adds a plane with unit normal `outward`; the point is at distance `below` under it (lattice units).
   void add(const Vec3& outward, double below) {
     const double turned = (outward - n).squaredNorm() / 2;  // 1 - cosine
     if (turned > same_plane) radius = std::min(radius, std::max(below, 0.0) / turned);
@@ -156,38 +154,37 @@ struct BallUnderPlanes {
   double radius = std::numeric_limits<double>::infinity();
 
  private:
-  /// Half the square of an angle below which two directions are one.
+  /// Half the square of the angle below which two directions count as equal.
   static constexpr double same_plane = 1e-18;
 };
 
-/// Says whether a face's outward normal is that of a contact, up to what bodies that lie flat rock by.
+/// Returns whether a face's outward normal is the contact normal, within the rocking of bodies that lie flat.
 inline bool is_along(const Vec3& face, const Vec3& n) {
   constexpr double sine = 0.01;
   return face.dot(n) > 0 && face.cross(n).squaredNorm() <= sine * sine;
 }
 
-/// Projects onto the plane across unit n.
+/// Returns the projection onto the plane normal to unit n.
 inline Mat3 across(const Vec3& n) {
   return Mat3::Identity() - n * n.transpose();
 }
 
 /// Every convex shape has the following members:
-/// - name: what a case calls its type;
+/// - name: its type in a case;
 /// - fields: a tuple of Field, its sizes as a case gives them;
-/// - signed_distance(x): from x to the surface, negative inside; exact;
-/// - line_interval(o, d): the part of the line o + t d inside it; none where the line misses; exact for any
-/// d;
-/// - bounding_box(pose): the tight one along the axes of the frame that the pose is given in;
-/// - reach(pose): how far its furthest point is from that frame's origin;
+/// - signed_distance(x): the exact distance from x to the surface, negative inside;
+/// - line_interval(o, d): the part of the line o + t d inside it, exact for any d; none where the line
+/// misses;
+/// - bounding_box(pose): the tight axis-aligned box in the frame of the pose;
+/// - reach(pose): the largest distance of its points from that frame's origin;
 /// - support(n): its point furthest along unit n;
 /// - curvature(x, n): rigid::curvature (convex_shape.hpp);
-/// - ==: whether it is bitwise the same (compounds are known by it);
+/// - ==: bitwise equality (the cache of compounds uses it);
 /// - mass_properties();
-/// - least_width(): between two parallel planes that touch it, the least, or a length near it;
-/// - add_inner_balls(balls): balls and points inside it that together stand for it
-/// (silt/placement/obstacles.hpp);
-/// - surface(parts): adds what it is made of to SurfaceParts, by kinds of surface_kinds.hpp;
-/// - extremes(use): calls use.ball, use.disc or use.ellipsoid for those that it is the hull of
+/// - least_width(): the least distance of two parallel planes that enclose it, or an estimate;
+/// - add_inner_balls(balls): adds balls and points that represent it (silt/placement/obstacles.hpp);
+/// - surface(parts): adds its parts to SurfaceParts, as kinds of surface_kinds.hpp;
+/// - extremes(use): calls use.ball, use.disc or use.ellipsoid for the solids whose convex hull it is
 /// (rigid/collision/tube_contacts.cpp).
 template <class S>
 concept ConvexSolid = requires(const S& s, const Vec3& x, const Pose& pose, std::vector<InnerBall>& balls) {
@@ -205,12 +202,11 @@ concept ConvexSolid = requires(const S& s, const Vec3& x, const Pose& pose, std:
   s.add_inner_balls(balls);
 };
 
-// These functions follow from the members that every shape has. A shape that has a member of the same name is
-// asked instead: it is faster, or knows better. rigid/collision/convex_core does the same for the search for
-// contacts.
+// Defaults that follow from the members above. A member function of the same name replaces a default.
+// rigid/collision/convex_core does so, too.
 namespace solid {
 
-/// Says whether x is inside or on the surface.
+/// Returns whether x is inside or on the surface.
 template <class S>
 bool contains(const S& s, const Vec3& x) {
   if constexpr (requires { s.contains(x); })
@@ -219,7 +215,7 @@ bool contains(const S& s, const Vec3& x) {
     return s.signed_distance(x) <= 0;
 }
 
-/// Returns the shape about its centre of mass: itself where that is its origin.
+/// Returns the shape about its centre of mass: itself unless it has a member recentred.
 template <class S>
 S recentred(const S& s, const Vec3& centre) {
   if constexpr (requires { s.recentred(centre); })

@@ -1,9 +1,8 @@
 #pragma once
-// The kinds of surface that a convex part of a body can have, as kernels see it: turned as the body is, in
-// the precision of the kernel. And, for kernels that are built once an instruction set, all that they ask of
-// a kind: where straight lines are inside (one interval each, one lane a line), and the nearest edge. Lines
-// start within a few cells of the part, and every branch is a selection; the line_interval of a shape
-// (solid.hpp) is the same for one line, in double and with care for lines from afar.
+// The kinds of surface of a body's convex parts, as kernels use them: rotated with the body, in the kernel's
+// precision. Kernels, which are built once for each instruction set, also get the intervals of lines inside a
+// kind (one line a lane) and the nearest edge. Lines start within a few cells of the part; without branches;
+// a shape's line_interval (solid.hpp) serves any line.
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -16,33 +15,33 @@
 
 namespace silt::rigid {
 
-/// normal . x <= offset inside.
+/// A plane of a convex part: normal . x <= offset inside.
 template <class T>
 struct Plane {
   T normal[3], offset;
 };
 
-/// `sphere`: its axes are those of the world. `planes`: what lies behind all of them.
-/// `tube`: its hole, a cylinder without end; all else is solid.
+/// `sphere`: its axes are those of the world. `planes`: the intersection of half-spaces.
+/// `tube`: all points outside an infinite cylinder.
 enum class SurfaceKind : std::uint8_t { sphere, ellipsoid, box, capsule, cylinder, planes, tube };
-/// Returns whether the part has convex edges; of `planes` it has unless there is one alone.
+/// Returns whether the part has convex edges; for `planes`, whether it may have (a single plane has none).
 constexpr bool has_edges(SurfaceKind kind) {
   using enum SurfaceKind;
   return kind == box || kind == cylinder || kind == planes;
 }
 
-/// Lengths in cells, along the part's own axes; for an ellipsoid in its half axes, so that it is a ball.
+/// One part: lengths in cells along its own axes; for an ellipsoid in units of its half axes.
 template <class T>
 struct SurfacePart {
   SurfaceKind kind;
   T axes[3][3];  // rows: the part's axes in the world
-  T centre[3];   // from the body's reference point
+  T centre[3];   // relative to the body's reference point
   T size[3];     // half edges; or radius, radius, half length
   T extent[3];   // half edges of a box around it
   std::uint32_t first_plane, planes;
 };
 
-/// All parts of a body. A line meets the body where it meets the first part.
+/// All parts of a body. A line meets the body where it first meets a part.
 template <class T>
 struct SurfaceView {
   const SurfacePart<T>* parts;
@@ -55,7 +54,7 @@ struct SurfaceView {
 #ifdef SILT_ISA
 namespace silt::rigid::SILT_ISA {
 
-/// Parameters along the lines; enter > leave: the line misses.
+/// Intervals of line parameters; enter > leave where a line misses.
 template <class T>
 struct IntervalLanes {
   using V = typename Lanes<T>::Real;
@@ -63,12 +62,11 @@ struct IntervalLanes {
 
   SILT_DEVICE static V smaller(const V& a, const V& b) { return a < b ? a : b; }
   SILT_DEVICE static V larger(const V& a, const V& b) { return a > b ? a : b; }
-  /// Returns the part of the line in both intervals. A side that is not a number (a line in the plane of a
-  /// face) bounds nothing.
+  /// Returns the intersection of both intervals. A NaN bound (a line in the plane of a face) is ignored.
   SILT_DEVICE IntervalLanes within(const IntervalLanes& o) const {
     return {larger(o.enter, enter), smaller(o.leave, leave)};
   }
-  /// Joins the intervals of two shapes that together make a convex one.
+  /// Returns the union of the intervals of two shapes whose union is convex.
   SILT_DEVICE IntervalLanes joined(const IntervalLanes& o) const {
     const auto here = enter <= leave, there = o.enter <= o.leave;
     return {there ? here ? smaller(enter, o.enter) : o.enter : enter,
@@ -76,7 +74,7 @@ struct IntervalLanes {
   }
 };
 
-/// Lines o + t d in the axes of a part, from its centre.
+/// Lines o + t d in a part's axes, relative to its centre.
 template <class T, SurfaceKind kind>
 class LineLanes {
  public:
@@ -85,7 +83,7 @@ class LineLanes {
   using Interval = IntervalLanes<T>;
   using Part = SurfacePart<T>;
 
-  /// r and c: the same in the axes of the world, from the body's reference point.
+  /// r and c are origin and direction in the world's axes, relative to the body's reference point.
   SILT_DEVICE LineLanes(const Part& part, const V (&r)[3], const V (&c)[3]) {
     for (int k = 0; k < 3; ++k)
       if constexpr (kind == SurfaceKind::sphere) {
@@ -97,12 +95,11 @@ class LineLanes {
       }
   }
 
-  /// A coordinate of the points at t, and the directions.
+  /// Returns coordinate k of the points at t.
   SILT_DEVICE V at(int k, const V& t) const { return o_[k] + t * d_[k]; }
   SILT_DEVICE const V (&direction() const)[3] { return d_; }
 
-  /// Lines none of whose points -past <= t <= 1 + past is in the box around the part, as one of its axes
-  /// shows.
+  /// Returns lines without a point -past <= t <= 1 + past in the part's box, by separation along an axis.
   SILT_DEVICE typename L::Mask beyond(const Part& part, T past) const {
     const T half = T(0.5) + past;
     const auto along = [&](int k) {
@@ -135,7 +132,7 @@ class LineLanes {
  private:
   static constexpr T infinity = std::numeric_limits<T>::infinity();
 
-  /// a t^2 + 2 b t + c <= 0, a >= 0.
+  /// Solves a t^2 + 2 b t + c <= 0 for a >= 0.
   SILT_DEVICE static Interval between_roots(const V& a, const V& b, const V& c) {
     const V discriminant = b * b - a * c, s = L::root(discriminant < T(0) ? V{} : discriminant);
     const auto outside = kind == SurfaceKind::tube ? c >= T(0) : c > T(0);           // the surface is solid
@@ -143,25 +140,25 @@ class LineLanes {
     const V enter = a > T(0) ? (-b - s) * per_a : parallel, leave = a > T(0) ? (s - b) * per_a : -parallel;
     return {discriminant < T(0) ? V{} + infinity : enter, discriminant < T(0) ? V{} - infinity : leave};
   }
-  /// About the point at height z of the third axis.
+  /// The ball about height z of the third axis.
   SILT_DEVICE Interval ball(T z, T radius) const {
     const V h = o_[2] - z;
     return between_roots(d_[0] * d_[0] + d_[1] * d_[1] + d_[2] * d_[2],
                          o_[0] * d_[0] + o_[1] * d_[1] + h * d_[2],
                          (o_[0] * o_[0] + o_[1] * o_[1] + h * h) - radius * radius);
   }
-  /// Round about the third axis, without end.
+  /// The infinite cylinder about the third axis.
   SILT_DEVICE Interval barrel(T radius) const {
     return between_roots(d_[0] * d_[0] + d_[1] * d_[1], o_[0] * d_[0] + o_[1] * d_[1],
                          (o_[0] * o_[0] + o_[1] * o_[1]) - radius * radius);
   }
-  /// Between two planes across axis k.
+  /// The slab between two planes across axis k.
   SILT_DEVICE Interval slab(int k, T half_width) const {
     const V along = d_[k] < T(0) ? -o_[k] : o_[k], slowness = T(1) / L::magnitude(d_[k]);
     return Interval{V{} - infinity, V{} + infinity}.within(
         {(-half_width - along) * slowness, (half_width - along) * slowness});
   }
-  /// Clips the interval by the plane of one face after the other.
+  /// The intersection of the half-spaces of all faces.
   SILT_DEVICE Interval clipped(const Plane<T>* planes, std::uint32_t n) const {
     Interval all{V{} - infinity, V{} + infinity};
     for (const Plane<T>* p = planes; p < planes + n; ++p) {
@@ -178,16 +175,15 @@ class LineLanes {
   V o_[3], d_[3];
 };
 
-/// The neighbourhood of the point where a line meets a surface: the distance along the surface to the nearest
-/// edge; |n.d|, with d the line's direction; and the edge's share, sin^2 of the angle it turns by (1 from a
-/// right angle on).
+/// The surroundings of the point where a line of direction d meets a surface of normal n: the distance along
+/// the surface to the nearest edge; |n.d|; and the edge's weight, sin^2 of its angle (at most a right one).
 template <class T>
 struct NearestEdge {
   using L = Lanes<T>;
   using V = typename L::Real;
   V distance = V{} + std::numeric_limits<T>::infinity(), slope{}, share = V{} + T(1);
 
-  /// p is a point on the part, in its axes from its centre.
+  /// p is a point on the part's surface, in its axes relative to its centre.
   template <SurfaceKind kind>
   SILT_DEVICE NearestEdge(std::integral_constant<SurfaceKind, kind>, const V (&p)[3], const V (&d)[3],
                           const SurfacePart<T>& part, const Plane<T>* planes) {
@@ -213,7 +209,7 @@ struct NearestEdge {
       depth = nearer ? other : depth, slope = nearer ? L::magnitude(d[k]) : slope;
     }
   }
-  /// Takes the rim at either end of a cylinder.
+  /// Considers the rims at both ends of a cylinder.
   SILT_DEVICE void of_rim(const V (&p)[3], const V (&d)[3], const SurfacePart<T>& part) {
     const V r = L::root(p[0] * p[0] + p[1] * p[1]);
     const V end = part.size[2] - L::magnitude(p[2]), side = part.size[0] - r;
@@ -222,7 +218,7 @@ struct NearestEdge {
     distance = on_end ? part.size[0] - r : end;
     slope = L::magnitude(on_end ? d[2] : outwards);
   }
-  /// The face is the plane that the point is next to; each other plane cuts it off somewhere.
+  /// The face is that of the nearest plane; the other planes cut it off.
   SILT_DEVICE void of_planes(const V (&p)[3], const V (&d)[3], const Plane<T>* first, const Plane<T>* end) {
     V least = distance, n[3] = {};
     const auto depth_under = [&](const T* m, T offset) {

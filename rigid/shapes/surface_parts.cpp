@@ -8,11 +8,11 @@ namespace silt::rigid {
 
 namespace {
 
-/// Adds to the surface what its shapes say they are made of (`surface`): parts of some kind and planes.
+/// Collects the parts and planes that a shape's member `surface` adds.
 template <class T>
 class Preparation {
  public:
-  /// Prepares the parts of a body at this orientation.
+  /// Prepares the parts of a body with this orientation.
   Preparation(const Quat& orientation, std::vector<SurfacePart<T>>& parts, std::vector<Plane<T>>& planes)
       : to_body_(orientation.toRotationMatrix().transpose()), parts_(parts), planes_(planes) {}
 
@@ -22,30 +22,30 @@ class Preparation {
       std::visit([&](const auto& shape) { shape.surface(*this); }, part.shape);
     }
   }
-  void operator()(const Mesh&) {}  // its triangles are no parts
+  void operator()(const Mesh&) {}  // triangles are handled elsewhere
   template <class S>
   void operator()(const S& shape) {
     shape.surface(*this);
   }
 
-  /// Adds a part of this size within a box of half edges `extent`, which is the size where none is given.
+  /// Adds a part of this size in a box of half edges `extent`, by default equal to `size`.
   void add(SurfaceKind kind, const Vec3& size) { add(kind, size, size); }
   void add(SurfaceKind kind, const Vec3& size, const Vec3& extent) {
     add(kind, axes(), centre(), size, extent);
   }
-  /// About a point of the shape's frame.
+  /// Adds a part whose centre is the point `at` of the shape's frame.
   void add_shifted(SurfaceKind kind, const Vec3& at, const Vec3& size) {
     add(kind, axes(), centre() + at, size, size);
   }
-  /// It looks alike from all sides: the axes stay those of the world.
+  /// Adds a part of spherical symmetry: its axes are those of the world.
   void add_unturned(SurfaceKind kind, const Vec3& size) {
     add(kind, Mat3::Identity(), to_body_.transpose() * part_.position, size, size);
   }
-  /// Adds a part whose size is 1 in coordinates that are `scale` times as large along its axes.
+  /// Adds a part of size 1 in coordinates multiplied by `scale` along its axes.
   void add_scaled(SurfaceKind kind, const Vec3& scale) {
     add(kind, scale.asDiagonal() * axes(), scale.asDiagonal() * centre(), Vec3::Ones(), Vec3::Ones());
   }
-  /// Adds a plane to the part that was added last.
+  /// Adds a plane to the last added part.
   void add_plane(const Vec3& normal, double offset) {
     planes_.push_back({{T(normal[0]), T(normal[1]), T(normal[2])}, T(offset)});
     ++parts_.back().planes;

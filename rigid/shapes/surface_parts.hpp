@@ -1,5 +1,5 @@
 #pragma once
-// The parts of a body's surface for kernels, made once for an orientation.
+// The surface of a body in a given orientation, prepared for kernels.
 #include <vector>
 
 #include "rigid/math/types.hpp"
@@ -11,7 +11,7 @@ namespace silt::rigid {
 template <class T>
 class SurfaceParts {
  public:
-  /// Keeps nothing of what it was made of before but the memory.
+  /// Replaces the surface; keeps the memory.
   void reset(const Shape&, const Quat& orientation);
   /// Returns whether some part has convex edges.
   bool has_edges() const;

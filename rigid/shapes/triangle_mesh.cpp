@@ -21,7 +21,7 @@ Vec3 nearest_on_segment(const Vec3& a, const Vec3& b, const Vec3& x) {
   return t <= 0 ? a : t >= 1 ? b : Vec3(a + t * along);
 }
 
-/// Every triangle of an edge finds the same point on it: corners are compared by their numbers.
+/// Compares vertices by number, so that all triangles of an edge return bitwise the same point on it.
 Vec3 nearest_on_triangle(const TriangleMesh& mesh, std::uint32_t triangle, const Vec3& x) {
   const Triangle& t = mesh.triangles()[triangle];
   const std::span<const Vec3> v = mesh.vertices();
@@ -41,7 +41,7 @@ Vec3 nearest_on_triangle(const TriangleMesh& mesh, std::uint32_t triangle, const
   return nearest;
 }
 
-/// A ray turned so that it runs along z, for exact tests of which side of an edge it passes.
+/// A line transformed to run along z, for exact tests on which side of an edge it passes.
 class ShearedRay {
  public:
   ShearedRay(const Vec3& o, const Vec3& d) : origin_(o) {
@@ -49,7 +49,7 @@ class ShearedRay {
     x_ = (z_ + 1) % 3, y_ = (z_ + 2) % 3;
     shear_ = {d[x_] / d[z_], d[y_] / d[z_], 1 / d[z_]};
   }
-  /// Returns t where the line meets a triangle, edges and corners included.
+  /// Returns t where the line meets a triangle including its edges and corners.
   std::optional<double> meets(const std::array<Vec3, 3>& corners) const {
     std::array<Vec3, 3> p;
     for (int k = 0; k < 3; ++k) {
@@ -68,7 +68,7 @@ class ShearedRay {
   int x_, y_, z_;
 };
 
-/// Returns t where a ray enters the box of a node; infinity if it misses the box.
+/// Returns t where a ray enters a node's box; infinity if it misses.
 double entry(const BoxTree::Node& node, const Vec3& o, const Vec3& d) {
   constexpr double rounding = 1e-12, infinity = std::numeric_limits<double>::infinity();
   double enter = 0, leave = infinity;
@@ -87,11 +87,11 @@ double entry(const BoxTree::Node& node, const Vec3& o, const Vec3& d) {
 __extension__ using Whole = __int128;
 using Whole3 = std::array<std::int64_t, 3>;
 
-/// Points as whole numbers.
+/// Rounds points to integers.
 class Raster {
  public:
   explicit Raster(const BoundingBox& box) : origin_(box.lower) {
-    constexpr int bits = 38;  // a determinant of differences has thrice as many and a few
+    constexpr int bits = 38;  // determinants of differences need three times as many and a few
     const double size = (box.upper - box.lower).maxCoeff();
     scale_ = std::ldexp(1.0, bits - 1 - std::ilogb(std::max(size, std::numeric_limits<double>::min())));
   }
@@ -110,8 +110,8 @@ int sign(Whole x) {
   return (x > 0) - (x < 0);
 }
 
-/// Returns the side of the line from a to b, seen along x, on which a point is that is moved a little along y
-/// and less along z; 0 only for a = b.
+/// Returns the side of the line a-b, seen along x, on which p is, with p shifted by epsilon along y and
+/// epsilon^2 along z; 0 only for a = b.
 int side_of(const Whole3& a, const Whole3& b, const Whole3& p) {
   const Whole by = b[1] - a[1], bz = b[2] - a[2];
   if (const int s = sign(by * (p[2] - a[2]) - bz * (p[1] - a[1]))) return s;
@@ -119,8 +119,7 @@ int side_of(const Whole3& a, const Whole3& b, const Whole3& p) {
   return sign(by);
 }
 
-/// Says whether the line from p along x crosses a triangle, p moved a little along x, less along y and still
-/// less along z.
+/// Returns whether the line from p along x crosses a triangle, with p shifted by (e, e^2, e^3), e -> 0.
 bool crosses_ahead(const std::array<Whole3, 3>& t, const Whole3& p) {
   const int side = side_of(t[0], t[1], p);
   if (side == 0 || side_of(t[1], t[2], p) != side || side_of(t[2], t[0], p) != side) return false;
@@ -192,7 +191,7 @@ Vec3 TriangleMesh::area_normal(std::uint32_t triangle) const {
 }
 
 TriangleMesh::Nearest TriangleMesh::nearest(const Vec3& x, double within) const {
-  constexpr double rounding = 1e-12;  // so that of equals none is missed
+  constexpr double rounding = 1e-12;  // so that no triangle of equal distance is missed
   Nearest best;
   double square = within * within, limit = square;
   tree_.search([&](const BoxTree::Node& node) { return node.squared_distance(x); }, limit,
@@ -241,7 +240,7 @@ bool TriangleMesh::encloses(const Vec3& x, const std::function<bool(std::uint32_
 MassProperties TriangleMesh::mass_properties() const {
   constexpr double rounding = 1e-13;
   const Vec3 about = 0.5 * (box_.lower + box_.upper);
-  long double volume = 0;  // six times
+  long double volume = 0;  // six times the volume
   Vec3l first = Vec3l::Zero();
   Mat3l second = Mat3l::Zero();
   for (std::uint32_t t = 0; t < triangles_.size(); ++t) {

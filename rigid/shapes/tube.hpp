@@ -6,8 +6,8 @@
 
 namespace silt::rigid {
 
-/// All points at least `radius` from the z axis, without end: a wall round about what is inside. It is not
-/// convex and has infinite mass, so no collision backend sees it (rigid/collision/tube_contacts.hpp).
+/// All points at least `radius` from the z axis: a wall around an infinite cylindrical hole. It is not convex
+/// and has infinite mass; collision backends do not handle it (rigid/collision/tube_contacts.hpp does).
 struct Tube {
   static constexpr std::string_view name = "tube";
   double radius;
@@ -15,21 +15,20 @@ struct Tube {
   static constexpr auto fields = std::tuple{radius_field(&Tube::radius)};
 
   double signed_distance(const Vec3& x) const { return radius - std::sqrt(x[0] * x[0] + x[1] * x[1]); }
-  /// The same, and the unit direction to the nearest point of the wall, in the frame that the pose is given
-  /// in.
+  /// Returns the signed distance; outward() the unit direction to the nearest wall point; frame of the pose.
   double gap(const Pose& at, const Vec3& x) const { return radius - from_axis(at, x).norm(); }
-  /// A point on the axis has the x axis.
+  /// For a point on the axis the direction is the tube's x axis.
   Vec3 outward(const Pose& at, const Vec3& x) const {
     const Vec3 from = from_axis(at, x);
     const double distance = from.norm();
     return distance > 0 ? Vec3(from / distance) : Vec3(at.orientation * Vec3::UnitX());
   }
-  /// The curvature tensor of the surface where its normal is n, out of the wall: not above zero.
+  /// Returns the curvature tensor where the wall's outward normal is n; its eigenvalues are <= 0.
   Mat3 curvature(const Vec3& n_B) const {
     const Vec3 around = n_B.cross(Vec3::UnitZ());
     return -1 / radius * around * around.transpose();
   }
-  /// A box about the hole, along the axes of the frame of the pose.
+  /// Returns the axis-aligned box of the hole in the frame of the pose.
   BoundingBox hole(const Pose& at) const {
     constexpr double straight = 1e-12;  // rounding of a unit vector
     const Vec3 axis = at.orientation * Vec3::UnitZ();
@@ -38,7 +37,7 @@ struct Tube {
       if (std::abs(axis[d]) > straight) half[d] = std::numeric_limits<double>::infinity();
     return BoundingBox::around(at.position, half);
   }
-  /// The area of the surface within a box of this size, about.
+  /// Returns the approximate area of the surface within a box of this size.
   double area(const Vec3& axis, const Vec3& size) const {
     return 2 * std::numbers::pi * radius * axis.cwiseAbs().dot(size);
   }

@@ -60,7 +60,7 @@ std::optional<std::string> read_engine(TableReader& table, const char* key,
                                        const std::vector<std::string_view>& names) {
   const Node* node = table.find(key);
   const std::string left_out =
-      node && node->kind == Node::Kind::string ? adapters::left_out_of_this_build(node->string) : "";
+      node && node->kind == Node::Kind::string ? adapters::missing_from_build(node->string) : "";
   if (left_out.empty()) return table.choice(key, {names.begin(), names.end()});
   table.fail(key, "{} is \"{}\"; {}", table.path(key), node->string, left_out);
   return {};

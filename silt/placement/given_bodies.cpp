@@ -232,7 +232,7 @@ void send(const Case& setup, const FiledBodies& filed, Surroundings& around, con
     for (const int rank : ranks_of(setup, around, spec_of(setup, filed, body)))
       parallel::put(around.messages.to(rank), body);
   }
-  around.messages.unannounced();
+  around.messages.exchange_sparse();
 }
 
 /// A body of another run as one of this case.
@@ -294,7 +294,7 @@ void require_room_beside(std::span<const rigid::BodyRecord> there, bool walls_ar
   for (const rigid::BodyRecord& r : there)
     for (const int rank : around.ranks_near(rigid::bounding_box(setup.shapes[r.shape], spec_of(r).pose)))
       parallel::put(around.messages.to(rank), r);
-  around.messages.unannounced();
+  around.messages.exchange_sparse();
   around.messages.for_received<rigid::BodyRecord>(
       [&](const rigid::BodyRecord& r, int) { find_overlaps(setup, given, grid, r, overlaps); });
   throw_faults(setup, comm, std::move(overlaps), "bodies");

@@ -84,7 +84,7 @@ void add_to_obstacles(const std::vector<FilledBody>& bodies, Surroundings& aroun
     obstacles.add_ball(x);
     around.tell_others_near({x, x}, Centre{x[0], x[1], x[2]});
   }
-  around.messages.unannounced();
+  around.messages.exchange_sparse();
   around.messages.for_received<Centre>([&](const Centre& x, int) { obstacles.add_ball({x[0], x[1], x[2]}); });
 }
 
@@ -216,7 +216,7 @@ class RandomFill {
     for (DrawnPoint& p : points_)
       p.shared = around_.tell_others_near({p.centre, p.centre},
                                           Seen{p.number, {p.centre[0], p.centre[1], p.centre[2]}});
-    around_.messages.unannounced();
+    around_.messages.exchange_sparse();
     around_.messages.for_received<Seen>([&](const Seen& seen, int) {
       points_.push_back({seen.number, Vec3(seen.centre), false});
     });
@@ -263,7 +263,7 @@ class RandomFill {
   }
 
   void hear_decisions() {
-    around_.messages.unannounced();
+    around_.messages.exchange_sparse();
     around_.messages.for_received<Decided>([&](const Decided& decided, int) {
       std::lower_bound(points_.begin(), points_.end(), decided, by_number<DrawnPoint, Decided>)->state =
           decided.stays ? PointState::stays : PointState::goes;

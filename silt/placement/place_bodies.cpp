@@ -16,13 +16,13 @@ std::vector<std::uint64_t> number_off(parallel::Messages& messages, const std::v
     return static_cast<int>(static_cast<unsigned __int128>(key) * ranks / range);
   };
   for (const std::uint64_t key : keys) parallel::put(messages.to(rank_of(key)), key);
-  messages.unannounced();
+  messages.exchange_sparse();
   std::vector<std::pair<std::uint64_t, int>> asked;  // of this slice by all ranks: key, rank
   messages.for_received<std::uint64_t>([&](std::uint64_t key, int rank) { asked.emplace_back(key, rank); });
   std::sort(asked.begin(), asked.end());
   std::uint64_t before = parallel::sum_of_ranks_before(messages.comm(), asked.size());
   for (const auto& [key, rank] : asked) parallel::put(messages.to(rank), before++);
-  messages.unannounced();
+  messages.exchange_sparse();
   std::vector<std::uint64_t> numbers;  // slices answer in the order of ranks, which is that of keys
   messages.for_received<std::uint64_t>([&](std::uint64_t number, int) { numbers.push_back(number); });
   return numbers;
@@ -146,7 +146,7 @@ std::vector<GivenBody> present_near(const Case& setup, const std::vector<FillApp
     parallel::put(around.messages.to(around.rank), body);
     around.tell_others_near(box, body);
   }
-  around.messages.unannounced();
+  around.messages.exchange_sparse();
   std::vector<GivenBody> near;
   around.messages.for_received<Present>([&](const Present& body, int) { near.push_back(given(body)); });
   return near;
@@ -241,7 +241,7 @@ std::vector<StartPositions::Start> StartPositions::met_here(const Case& setup, c
     const Vec3& x = body.pose.position;
     parallel::put(messages.to(static_cast<int>(id % ranks)), Start{id, {x[0], x[1], x[2]}});
   });
-  messages.unannounced();
+  messages.exchange_sparse();
   std::vector<Start> starts;
   messages.for_received<Start>([&](const Start& start, int) { starts.push_back(start); });
   std::sort(starts.begin(), starts.end(), [](const Start& a, const Start& b) { return a.id < b.id; });
@@ -261,11 +261,11 @@ std::vector<Vec3> StartPositions::of(const Case& setup, const lbm::Domain& domai
   const int ranks = parallel::ranks_of(comm);
   parallel::Messages messages(comm);
   for (const BodyId id : ids) parallel::put(messages.to(static_cast<int>(id % ranks)), id);
-  messages.unannounced();
+  messages.exchange_sparse();
   std::vector<std::pair<int, BodyId>> asked;
   messages.for_received<BodyId>([&](BodyId id, int rank) { asked.emplace_back(rank, id); });
   for (const auto& [rank, id] : asked) parallel::put(messages.to(rank), found(*starts_, id));
-  messages.unannounced();
+  messages.exchange_sparse();
   std::vector<Start> answers;
   messages.for_received<Start>([&](const Start& start, int) { answers.push_back(start); });
   std::sort(answers.begin(), answers.end(), [](const Start& a, const Start& b) { return a.id < b.id; });

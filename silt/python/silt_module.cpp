@@ -353,7 +353,7 @@ void end_all_by_an_error() {
 }
 
 void join_mpi() {
-  if (const std::string complaint = complaint_of_environment(); !complaint.empty())
+  if (const std::string complaint = environment_error(); !complaint.empty())
     throw std::invalid_argument(complaint);
   if (start_mpi())
     py::module_::import("atexit").attr("register")(py::cpp_function([] {

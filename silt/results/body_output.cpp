@@ -95,7 +95,7 @@ void BodyOutput::append(const Simulation& simulation) {
   const std::vector<int>& kind_shapes = simulation.setup().kind_shapes;
   const std::int64_t step = simulation.steps_done();
   const Vec3 gravity = simulation.setup().gravity_at(double(step) - (step > 0 ? 0.5 : -0.5));  // as it acted
-  parallel::naming(path_.string(), [&] {
+  parallel::with_file_name(path_.string(), [&] {
     series_.append(step, double(step) * units.time_step, bodies.owned, [&](std::size_t row) {
       adapters::BodyRow r = body_row(bodies, row, loads[row], contacts[row], springs[row], gravity, units);
       r.scale = radii[bodies.shape[row]] / radii[kind_shapes[r.kind]];

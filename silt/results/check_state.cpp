@@ -130,7 +130,7 @@ void require_body(const Row& row, const Case& setup, const BodyRecord& r, rigid:
     require_column(row, setup, next_id, c, numbers);
   };
   visit_columns(r, require);
-  visit_columns(coupler::coupling_of(r.holder_state), [&](const coupler::CouplingColumn& c, auto numbers) {
+  visit_columns(coupler::coupling_of(r.attached_state), [&](const coupler::CouplingColumn& c, auto numbers) {
     if (c.saved) require(c, numbers);
   });
 }

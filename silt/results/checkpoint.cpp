@@ -192,8 +192,8 @@ void write_state(CheckpointWriter& writer, const Simulation& simulation, const Q
 
 }  // namespace
 
-std::vector<adapters::HolderColumn> saved_columns() {
-  using Column = adapters::HolderColumn;
+std::vector<adapters::AttachedColumn> saved_columns() {
+  using Column = adapters::AttachedColumn;
   std::vector<Column> columns;
   const coupler::CouplingState state;
   visit_columns(state, [&]<class T>(const coupler::CouplingColumn& c, std::span<const T> numbers) {
@@ -210,7 +210,7 @@ std::filesystem::path write_checkpoint(const Simulation& simulation, const Quant
                                        const std::optional<SteadyWatch>& steady, const std::string& name,
                                        const FlowMean* mean) {
   const auto path = adapters::step_path(folder, name, simulation.steps_done(), ".h5");
-  parallel::naming(path.string(), [&] {
+  parallel::with_file_name(path.string(), [&] {
     CheckpointWriter writer(simulation.scene().comm, path, provenance);
     write_state(writer, simulation, quantities, steady);
     if (mean) mean->save(writer, simulation);

@@ -45,7 +45,7 @@ SeriesMeans read_means(const adapters::CheckpointReader&, const Case&);
 std::optional<SteadyWatch> read_steady_watch(const adapters::CheckpointReader&, const Case&);
 
 /// Returns the columns of CouplingState that checkpoints have.
-std::vector<adapters::HolderColumn> saved_columns();
+std::vector<adapters::AttachedColumn> saved_columns();
 
 /// Throws std::runtime_error for the first number of this rank's slice of the bodies and of their stored
 /// impulses that no run can go on from: the dataset, the row, what was found and what may be. A file may have

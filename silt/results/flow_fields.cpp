@@ -312,14 +312,14 @@ void write_flow_fields(const Simulation& simulation, const FieldsSpec& spec,
   if (by_level) {  // VTK wants the cells of the next level under those of each
     std::vector<adapters::FieldLevel> written;
     for (int level = 0; level < levels; ++level) written.push_back(level_of(level, 1 << level));
-    return parallel::naming(path.string(), [&] {
+    return parallel::with_file_name(path.string(), [&] {
       adapters::write_fields(simulation.scene().comm, path, written, snapshot, provenance);
     });
   }
   adapters::FieldLevel image = level_of(levels - 1, 1);
   for (CellBox& box : image.boxes) box.lower = box.lower - lower;
   snapshot.quantities = std::move(image.quantities);
-  parallel::naming(path.string(), [&] {
+  parallel::with_file_name(path.string(), [&] {
     adapters::write_fields(simulation.scene().comm, path, image.boxes, snapshot, provenance);
   });
 }

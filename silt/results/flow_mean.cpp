@@ -107,7 +107,7 @@ void FlowMean::write(const Simulation& simulation, const std::filesystem::path& 
        },
        adapters::Storage::double_}};
   const auto path = adapters::step_path(folder, "mean", snapshot.step, ".hdf");
-  parallel::naming(path.string(), [&] {
+  parallel::with_file_name(path.string(), [&] {
     adapters::write_fields(simulation.scene().comm, path, boxes_of(simulation.scene().flow->fields()),
                            snapshot, provenance);
   });

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "parallel/sums_under_way.hpp"
+#include "parallel/pending_sums.hpp"
 #include "rigid/math/types.hpp"
 #include "silt/case/output_spec.hpp"
 #include "silt/results/run_tables.hpp"
@@ -41,7 +41,7 @@ class Probes {
   int levels_ = 0;         // the same; 0: there is none
   TableRows rows_;
   // of each point: the level of its cell, and of each level the numbers of its stencil's cells
-  parallel::LargestUnderWay<std::vector<double>> seen_;
+  parallel::PendingMaxima<std::vector<double>> seen_;
 };
 
 }  // namespace silt

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "parallel/sums_under_way.hpp"
+#include "parallel/pending_sums.hpp"
 #include "silt/case/output_spec.hpp"
 #include "silt/case/units.hpp"
 #include "silt/results/quantity_computation.hpp"
@@ -82,8 +82,8 @@ class Quantities {
   mutable std::vector<Look> waiting_, started_;
   mutable std::vector<rigid::ExactSum> sums_;  // of the looks that wait
   mutable std::vector<double> largest_;        // the same
-  mutable parallel::SumsUnderWay<std::vector<rigid::ExactSum>> sums_under_way_;
-  mutable parallel::LargestUnderWay<std::vector<double>> largest_under_way_;
+  mutable parallel::PendingSums<std::vector<rigid::ExactSum>> sums_under_way_;
+  mutable parallel::PendingMaxima<std::vector<double>> largest_under_way_;
   mutable SeriesMeans means_;
   mutable std::vector<TableRows> rows_;  // of each series
 };

@@ -84,8 +84,8 @@ BodyRecord body_from(const BodyRecord& was, BodySpec body, const CentredShape& s
   }
   BodyRecord r = body_record(was.id, body, shape, setup.fluid.has_value());
   std::copy_n(was.image, 3, r.image);
-  coupler::coupling_of(r.holder_state).mapped =
-      coupler::coupling_of(was.holder_state).mapped.pose();  // at rest there
+  coupler::coupling_of(r.attached_state).mapped =
+      coupler::coupling_of(was.attached_state).mapped.pose();  // at rest there
   return r;
 }
 

@@ -20,9 +20,9 @@ CellVelocities::CellVelocities(const coupler::FluidFields& fields, MPI_Comm comm
   for (int b = 0; b < fields.blocks(); ++b)
     for (const int near : fields.domain().blocks_meeting(grown(fields.block(b), reach)))
       tell(b, fields.domain().block(near), messages);
-  messages.unannounced();
+  messages.exchange_sparse();
   for (const parallel::Messages::Message& message : messages.received())
-    for (parallel::ByteReader reader(message.bytes); !reader.done();) known_.push_back(reader.take<Known>());
+    for (parallel::ByteReader reader(message.bytes); !reader.done();) known_.push_back(reader.read<Known>());
   std::sort(known_.begin(), known_.end(), [](const Known& a, const Known& b) { return a.cell < b.cell; });
 }
 

@@ -125,7 +125,7 @@ double wall_power(const Case& setup, const QuantitySpec& q, std::int64_t step, s
 // ---- what fluid or contacts do to bodies, a wall or a side in a step: force and torque ----
 
 /// Adds what was noted in a column of the bodies that are, or are not, moved by it.
-void add_noted_loads(const BodySet& bodies, const QuantitySpec& q, coupler::NotedLoad noted, bool moved_only,
+void add_noted_loads(const BodySet& bodies, const QuantitySpec& q, coupler::StoredLoad noted, bool moved_only,
                      std::span<ExactSum> load) {
   for_bodies_of(bodies, q, [&](std::size_t row) {
     if (moved_only && !bodies.is_dynamic(row)) return;

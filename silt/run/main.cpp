@@ -190,7 +190,7 @@ Exit main_on(MPI_Comm comm, int argc, char** argv) {
     if (loud) app.exit(error);
     return error.get_exit_code() == 0 ? Exit::done : Exit::bad_case;
   }
-  if (const std::string complaint = complaint_of_environment(); !complaint.empty()) {
+  if (const std::string complaint = environment_error(); !complaint.empty()) {
     if (loud) fmt::print(stderr, "silt: {}\n", complaint);
     return Exit::bad_case;
   }

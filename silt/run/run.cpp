@@ -42,7 +42,7 @@ std::string quoted(const std::string& argument) {
 
 class Run {
  public:
-  Run(PreparedRun prepared, const fs::path& folder, const RunOptions&, parallel::Reunion&);
+  Run(PreparedRun prepared, const fs::path& folder, const RunOptions&, parallel::ErrorBarrier&);
   Exit go();
 
  private:
@@ -61,12 +61,13 @@ class Run {
   const fs::path folder_;
   const std::string resume_with_;  // arguments of silt resume
   StopRequest stop_request_;
-  parallel::Reunion& reunion_;
+  parallel::ErrorBarrier& reunion_;
   Progress progress_;
   RunOutputs outputs_;
 };
 
-Run::Run(PreparedRun prepared, const fs::path& folder, const RunOptions& options, parallel::Reunion& reunion)
+Run::Run(PreparedRun prepared, const fs::path& folder, const RunOptions& options,
+         parallel::ErrorBarrier& reunion)
     : prepared_(std::move(prepared)),
       simulation_(*prepared_.simulation),
       folder_(folder),
@@ -113,7 +114,7 @@ std::string Run::common_text(const std::exception& error) {
   const auto* common = dynamic_cast<const parallel::CommonError*>(&error);
   const std::string text = of_rank(common ? common->rank : simulation_.scene().rank, simulation_.steps_done(),
                                    parallel::text_of(error));
-  if (!is_alone() && !reunion_.all_here()) fail_alone(Exit::failed, "error", text);
+  if (!is_alone() && !reunion_.all_ranks_arrive()) fail_alone(Exit::failed, "error", text);
   return text;
 }
 
@@ -259,12 +260,12 @@ template <class Prepare>
 Exit start(const RunOptions& options, MPI_Comm comm, Prepare&& prepare) {
   const int rank = parallel::rank_of(comm);
   const fs::path folder = result_folder(options);
-  parallel::Reunion reunion(comm);
+  parallel::ErrorBarrier reunion(comm);
   PreparedRun prepared;
   try {
     prepared = prepare(options, comm, folder);
   } catch (const std::exception& error) {
-    const bool alone = !reunion.all_here();
+    const bool alone = !reunion.all_ranks_arrive();
     if (alone || rank == 0)
       fmt::print(stderr, "{}{}\n", alone ? fmt::format("silt: rank {}: ", rank) : "",
                  parallel::text_of(error));

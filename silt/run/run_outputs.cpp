@@ -157,7 +157,7 @@ std::string RunOutputs::last_checkpoint_text() const {
 void RunOutputs::write_report(const std::string& reason, const std::string& text, bool sound) {
   write_rows();
   const auto path = folder_ / "report.json";
-  parallel::naming(path.string(), [&] {
+  parallel::with_file_name(path.string(), [&] {
     const bool at_end = run_.has_ended() || reason != "running";
     const RunStatus status{reason, text, run_.first_step, MPI_Wtime() - begin_, sound, at_end};
     const std::string report = report_of(simulation_, *run_.quantities, status);

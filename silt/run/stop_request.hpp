@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <string>
 
-#include "parallel/sums_under_way.hpp"
+#include "parallel/pending_sums.hpp"
 
 namespace silt {
 
@@ -39,7 +39,7 @@ class StopRequest {
     double signal = 0, late = 0, step_seconds = 1;
   };
   Answer answer_;
-  parallel::LargestUnderWay<Answer> asked_;
+  parallel::PendingMaxima<Answer> asked_;
 };
 
 }  // namespace silt

@@ -62,7 +62,7 @@ Flux flux(const Simulation& s) {
 std::uint64_t hash_after(Simulation&& s, int steps, int cut_every = 0) {
   for (int t = 0; t < steps; ++t) {
     if (cut_every > 0 && t % cut_every == 2)
-      s.cut_again(tests::odd_cut(s.scene().domain.cells(), ranks(), 3, unsigned(t)));
+      s.repartition(tests::odd_cut(s.scene().domain.cells(), ranks(), 3, unsigned(t)));
     s.step();
   }
   const Flux f = flux(s);

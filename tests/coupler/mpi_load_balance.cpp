@@ -33,7 +33,7 @@ std::uint64_t hash_of_crowd(MPI_Comm comm, const Overrides& overrides, int every
   throw_about(s);
   for (int t = 0; t < 100; ++t) {
     if (t % 3 == 0) s.add_force(1 + t % 14, {0.01, -0.02, 0.01}, {0, 0.01, 0});
-    if (every > 0 && t % every == 2) s.cut_again(odd_cut(s.scene().domain.cells(), ranks(), 2, t));
+    if (every > 0 && t % every == 2) s.repartition(odd_cut(s.scene().domain.cells(), ranks(), 2, t));
     s.step();
   }
   EXPECT_EQ(s.body_count(), 14u);
@@ -58,7 +58,7 @@ TEST(LoadBalance, BodiesBeyondFilmsAreKnown) {
   for (unsigned seed = 1; seed <= 4; ++seed) {
     Simulation s = crowd().start(MPI_COMM_WORLD);
     throw_about(s);
-    s.cut_again(odd_cut(s.scene().domain.cells(), ranks(), 2, seed));
+    s.repartition(odd_cut(s.scene().domain.cells(), ranks(), 2, seed));
     double films = 0;
     for (int t = 0; t < 60; ++t) {
       s.step();
@@ -103,7 +103,7 @@ TEST(LoadBalance, ALookMovesWhereThatPays) {
     Simulation s(scene, comm);
     int here = 1;
     MPI_Comm_size(comm, &here);
-    if (here > 1) s.cut_again(lbm::equal_cut(s.scene().domain.cells(), here));
+    if (here > 1) s.repartition(lbm::equal_cut(s.scene().domain.cells(), here));
     const bool looks = every > 0 && here > 1;
     for (int t = 0; t < 65; ++t) s.step();
     EXPECT_GE(s.balance_record().last.before, looks ? 1.3 : 1.0);
@@ -132,7 +132,7 @@ TEST(LoadBalance, AMoveChangesNoBitOfLevels) {
     throw_about(s);
     for (int t = 0; t < 64; ++t) {
       if (moves && t % 16 == 0)
-        s.cut_again(of_cells(odd_cut(tiles_of(s.setup()), ranks(), 2, 1 + t / 16), s.setup()));
+        s.repartition(of_cells(odd_cut(tiles_of(s.setup()), ranks(), 2, 1 + t / 16), s.setup()));
       s.step();
     }
     return s.hash();

@@ -108,10 +108,10 @@ TEST(IdleBlock, RanksWithoutAFluidCellTakeNoPart) {
   for (const std::string motion :
        {"motion = \"fixed\"", "motion = \"prescribed\"\nvelocity = [0, -0.03, 0]"}) {
     Simulation a = channel_beside_a_box(motion, whole_height), b = channel_beside_a_box(motion, "auto");
-    b.cut_again(halves_of_ranks());
+    b.repartition(halves_of_ranks());
     for (int t = 0; t < 20; ++t) a.step(), b.step();
     EXPECT_EQ(a.hash(), b.hash()) << motion;
-    b.cut_again(lbm::equal_cut({16, 32, 64}, tests::ranks()));
+    b.repartition(lbm::equal_cut({16, 32, 64}, tests::ranks()));
     for (int t = 0; t < 20; ++t) a.step(), b.step();
     EXPECT_EQ(a.hash(), b.hash()) << motion;
   }

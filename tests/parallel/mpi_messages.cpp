@@ -3,7 +3,7 @@
 
 #include "parallel/collectives.hpp"
 #include "parallel/messages.hpp"
-#include "parallel/sums_under_way.hpp"
+#include "parallel/pending_sums.hpp"
 #include "parallel/together.hpp"
 #include "parallel/traffic.hpp"
 #include "parallel/transfers.hpp"
@@ -33,7 +33,7 @@ TEST(Messages, UnannouncedOnesComeWholeAndInTheOrderOfRanks) {
       if (speaks(rank(), to, round))
         for (std::size_t n = length_of(rank(), to, round), k = (messages.to(to), 0); k < n; ++k)
           put(messages.to(to), std::array<double, 1>{double(rank()) + 1e-6 * double(k)});
-    messages.unannounced();
+    messages.exchange_sparse();
     auto next = messages.received().begin();
     for (int from = 0; from < ranks(); ++from) {
       if (!speaks(from, rank(), round)) continue;
@@ -42,7 +42,7 @@ TEST(Messages, UnannouncedOnesComeWholeAndInTheOrderOfRanks) {
       ASSERT_EQ(next->bytes.size(), length_of(from, rank(), round) * sizeof(double));
       ByteReader reader(next->bytes);
       for (std::size_t k = 0; !reader.done(); ++k)
-        ASSERT_EQ(reader.take<double>(), double(from) + 1e-6 * double(k));
+        ASSERT_EQ(reader.read<double>(), double(from) + 1e-6 * double(k));
       ++next;
     }
     EXPECT_EQ(next, messages.received().end()) << round;
@@ -56,7 +56,7 @@ TEST(Messages, PartnersHearOneAnother) {
     if (r != rank()) others.push_back(r);
   for (const int to : others)
     if (messages.to(to); to > rank()) put(messages.to(to), rank());
-  messages.with_partners(others);
+  messages.exchange_with(others);
   ASSERT_EQ(messages.received().size(), others.size());
   for (std::size_t k = 0; k < others.size(); ++k) {
     EXPECT_EQ(messages.received()[k].rank, others[k]);
@@ -77,7 +77,7 @@ struct Sums {
 TEST(Collectives, ARecordBecomesTheSumOfEachMember) {
   const __int128 large = (__int128(1) << 100) + 0xffffffff;
   const Sums mine{1, {large, -1}, {std::uint64_t(rank()), -large}};
-  SumsUnderWay<Sums> under_way;
+  PendingSums<Sums> under_way;
   under_way.start(MPI_COMM_WORLD, mine);
   for (const Sums& all : {sum_over_ranks(MPI_COMM_WORLD, mine), under_way.finish()}) {
     EXPECT_EQ(all.count, ranks());
@@ -169,10 +169,10 @@ TEST(Traffic, ACollectiveBlocksIfItEndsInItsStep) {
   Messages messages(MPI_COMM_WORLD);
   begin_step_of_traffic();
   EXPECT_EQ(sum_over_ranks(MPI_COMM_WORLD, std::int64_t{1}), ranks());
-  SumsUnderWay<std::int64_t> sum;
+  PendingSums<std::int64_t> sum;
   sum.start(MPI_COMM_WORLD, 1);
   EXPECT_EQ(sum.finish(), ranks());
-  messages.unannounced();
+  messages.exchange_sparse();
   sum.start(MPI_COMM_WORLD, 2);
   begin_step_of_traffic();
   EXPECT_EQ(sum.finish(), 2 * ranks());

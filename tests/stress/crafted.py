@@ -42,7 +42,7 @@ CASES = {"wet": WET, "dry": DRY, "feed": FEED}
 
 
 def checksum(values):
-    """Returns the checksum of adapters/hdf5/verify_checkpoint.cpp."""
+    """Returns the checksum of adapters/hdf5/checkpoint_verify.cpp."""
     data = np.ascontiguousarray(values).reshape(-1)
     bits = data.view(f"u{data.dtype.itemsize}").astype(np.uint64)
     with np.errstate(over="ignore"):

@@ -71,9 +71,9 @@ inline std::uint8_t flag(int x, int y, int z) {
 }
 
 /// Columns that a holder might keep.
-inline constexpr adapters::HolderColumn kept_columns[] = {
-    {"kept_number", adapters::HolderColumn::float64, 8, 2},
-    {"kept_whole", adapters::HolderColumn::int64, 40, 3}};
+inline constexpr adapters::AttachedColumn kept_columns[] = {
+    {"kept_number", adapters::AttachedColumn::float64, 8, 2},
+    {"kept_whole", adapters::AttachedColumn::int64, 40, 3}};
 
 inline BodyRecord record(std::uint64_t id) {
   BodyRecord r;
@@ -88,7 +88,7 @@ inline BodyRecord record(std::uint64_t id) {
     r.velocity[d] = -0.0;
     r.angular_momentum[d] = 5e-324 * double(id);
   }
-  const auto keep = [&](std::size_t at, auto x) { std::memcpy(r.holder_state.bytes + at, &x, sizeof x); };
+  const auto keep = [&](std::size_t at, auto x) { std::memcpy(r.attached_state.bytes + at, &x, sizeof x); };
   keep(kept_columns[0].offset + 8, 0.1 * double(id));
   for (int d = 0; d < 3; ++d)
     keep(kept_columns[1].offset + 8 * d, std::int64_t{1} << 62 ^ std::int64_t(id) * (d - 2));
@@ -110,7 +110,7 @@ inline void expect_equal(const BodyRecord& a, const BodyRecord& b) {
   rigid::visit_columns([&](const rigid::BodyColumn& c, auto, auto member) {
     EXPECT_TRUE(same(a.*member, b.*member)) << c.name << " of body " << b.id;
   });
-  EXPECT_TRUE(same(a.holder_state, b.holder_state)) << "body " << b.id;
+  EXPECT_TRUE(same(a.attached_state, b.attached_state)) << "body " << b.id;
 }
 
 }  // namespace silt::tests

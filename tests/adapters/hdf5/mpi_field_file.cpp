@@ -175,7 +175,7 @@ TEST(SliceExchange, takes_values_to_slices_and_back) {
     EXPECT_TRUE(slices.from_slice(4, slice) == values) << n;
     for (const std::size_t piece : {4, 12, 20000}) {
       std::vector<std::byte> handed;
-      adapters::hdf5::hand_to_rank_0(slices.comm(), slice, piece, [&](std::span<const std::byte> more) {
+      adapters::hdf5::gather_in_pieces(slices.comm(), slice, piece, [&](std::span<const std::byte> more) {
         EXPECT_LE(more.size(), piece);
         handed.insert(handed.end(), more.begin(), more.end());
       });
@@ -196,8 +196,8 @@ TEST(SliceExchange, an_error_of_rank_0_leaves_nobody_waiting) {
   const SliceExchange slices(MPI_COMM_WORLD, 1000, {});
   const auto slice = slices.to_slice(8, {});
   EXPECT_TEXT(error_of([&] {
-                adapters::hdf5::hand_to_rank_0(slices.comm(), slice, 80,
-                                               [](auto) { throw std::runtime_error("no room"); });
+                adapters::hdf5::gather_in_pieces(slices.comm(), slice, 80,
+                                                 [](auto) { throw std::runtime_error("no room"); });
               }),
               "no room");
 }

@@ -43,7 +43,7 @@ class BitHash {
 inline std::uint64_t hash_of(const rigid::BodyRecord& r) {
   BitHash hash;
   visit_columns(r, [&](const rigid::BodyColumn&, auto numbers) { hash.add(numbers); });
-  visit_columns(coupling_of(r.holder_state), [&](const CouplingColumn& c, auto numbers) {
+  visit_columns(coupling_of(r.attached_state), [&](const CouplingColumn& c, auto numbers) {
     if (c.saved) hash.add(numbers);
   });
   return hash.value();
@@ -95,7 +95,7 @@ struct ExchangeScene {
     r.mass = p.volume;
     Eigen::Map<rigid::Mat3>{r.inertia_B} = p.inertia;
     Eigen::Map<Vec3>{r.position} = x;
-    coupling_of(r.holder_state).mapped.position() =
+    coupling_of(r.attached_state).mapped.position() =
         x + Vec3(0.01, 0.02, 0.03);  // something that only a record carries
     r.orientation[0] = q.w(), r.orientation[1] = q.x(), r.orientation[2] = q.y(), r.orientation[3] = q.z();
     bodies.add(r);

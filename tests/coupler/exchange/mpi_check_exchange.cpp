@@ -14,7 +14,7 @@ using tests::rank;
 
 /// The text of the error on this rank; none: "".
 std::string error_of(SceneRun<>& run, const ExpectedBodies& expected) {
-  CheckUnderWay check;
+  PendingCheck check;
   check.start(run.exchange, run.bodies(), expected, 300);
   return tests::error_of<std::logic_error>([&] { check.finish(run.exchange, run.bodies(), expected); });
 }

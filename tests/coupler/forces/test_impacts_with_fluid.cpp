@@ -118,7 +118,7 @@ rigid::BodySet struck(const Vec3& pending) {
 TEST(EntrainedFluid, FollowsWithTheSpeedOfSound) {
   rigid::BodySet bodies = struck(impact);
   for (int t = 1; t <= 60; ++t) {
-    give_pending_impacts(bodies);
+    apply_pending_impacts(bodies);
     const double left = std::exp(-t / std::sqrt(3.0) / radius);
     EXPECT_LT((coupling_of(bodies, 0).pending_impact() - left * impact).norm(), 1e-14) << t;
     EXPECT_LT((bodies.force[0].value() - (1 - left) * impact).norm(), 1e-13) << t;
@@ -127,14 +127,14 @@ TEST(EntrainedFluid, FollowsWithTheSpeedOfSound) {
 
 TEST(EntrainedFluid, IsPassedOnWholeInTheEnd) {
   rigid::BodySet bodies = struck(impact);
-  for (int t = 0; t < 400; ++t) give_pending_impacts(bodies);
+  for (int t = 0; t < 400; ++t) apply_pending_impacts(bodies);
   EXPECT_EQ(coupling_of(bodies, 0).pending_impact(), Vec3::Zero());
   EXPECT_LT((bodies.force[0].value() - impact).norm(), 1e-13);
 }
 
 TEST(EntrainedFluid, OfCopiesIsLeftToTheirOwners) {
   rigid::BodySet bodies = struck(impact);
-  give_pending_impacts(bodies);
+  apply_pending_impacts(bodies);
   EXPECT_EQ(coupling_of(bodies, 1).pending_impact(), impact);
   EXPECT_EQ(bodies.force[1].value(), Vec3::Zero());
 }

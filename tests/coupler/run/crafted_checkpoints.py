@@ -15,7 +15,7 @@ GOLDEN = 0x9E3779B97F4A7C15
 
 
 def checksum(values):
-    """Returns the checksum of adapters/hdf5/verify_checkpoint.cpp."""
+    """Returns the checksum of adapters/hdf5/checkpoint_verify.cpp."""
     data = np.ascontiguousarray(values).reshape(-1)
     bits = data.view(f"u{data.dtype.itemsize}").astype(np.uint64)
     with np.errstate(over="ignore"):

@@ -101,8 +101,8 @@ TEST(BodySet, RecordsCarryEverything) {
   const int shape = s.shape(Box{{1, 2, 3}});
   s.add_with_id(7, shape, {1, 2, 3}, {4, 5, 6}, {0.1, 0.2, 0.3}, 5, Quat(0.5, 0.5, -0.5, 0.5));
   s.bodies.image[0] = {1, -2, 3};
-  HolderState& held = s.bodies.holder_state[0];
-  for (std::size_t k = 0; k < HolderState::size; ++k) held.bytes[k] = std::byte(7 * k + 1);
+  AttachedState& held = s.bodies.attached_state[0];
+  for (std::size_t k = 0; k < AttachedState::size; ++k) held.bytes[k] = std::byte(7 * k + 1);
   BodySet other;
   other.add(s.bodies.record(0));
   other.reindex();
@@ -111,7 +111,7 @@ TEST(BodySet, RecordsCarryEverything) {
   EXPECT_EQ(other.angular_momentum[0], s.bodies.angular_momentum[0]);
   EXPECT_EQ(other.inertia_B[0], s.bodies.inertia_B[0]);
   EXPECT_EQ(other.image[0], s.bodies.image[0]);
-  EXPECT_TRUE(std::ranges::equal(other.holder_state[0].bytes, held.bytes));
+  EXPECT_TRUE(std::ranges::equal(other.attached_state[0].bytes, held.bytes));
 }
 
 TEST(BodySet, AngularVelocityAndMomentumStayConsistent) {

@@ -30,7 +30,7 @@ std::size_t binary_length(std::uint32_t count) {
   return first_triangle + triangle_bytes * count;
 }
 
-/// Adds a triangle of the three points that were added last.
+/// Adds a triangle of the last three points.
 void close_triangle(Soup& soup) {
   const auto end = std::uint32_t(soup.points.size());
   soup.triangles.push_back({end - 3, end - 2, end - 1});
@@ -44,7 +44,7 @@ Soup from_binary(std::string_view bytes, bool is_swapped) {
   for (std::uint32_t t = 0; t < count; ++t, at += triangle_bytes) {
     for (int k = 0; k < 9; ++k) {
       const float x =
-          std::bit_cast<float>(word_at(at + (3 + k) * sizeof(float), is_swapped));  // behind the normal
+          std::bit_cast<float>(word_at(at + (3 + k) * sizeof(float), is_swapped));  // after the normal
       if (!std::isfinite(x))
         throw std::invalid_argument("triangle " + std::to_string(t) + " has a coordinate that is not finite");
       if (k % 3 == 0) soup.points.emplace_back();
@@ -55,7 +55,7 @@ Soup from_binary(std::string_view bytes, bool is_swapped) {
   return soup;
 }
 
-/// Refuses a binary file whose length is not what its count says.
+/// Refuses a binary file whose length does not fit its number of triangles.
 [[noreturn]] void refuse_length(std::string_view bytes) {
   const std::uint32_t count = triangle_count(bytes);
   const std::size_t room = (bytes.size() - first_triangle) / triangle_bytes;
@@ -70,7 +70,7 @@ Soup from_binary(std::string_view bytes, bool is_swapped) {
   throw std::invalid_argument("it is no STL, or cut off: " + is);
 }
 
-/// The words of a text, without regard to case.
+/// Reads words in lower case.
 class Words {
  public:
   explicit Words(std::string_view text) : text_(text), rest_(text) {}
@@ -80,7 +80,7 @@ class Words {
     for (char& c : word) c = char(std::tolower(static_cast<unsigned char>(c)));
     return word;
   }
-  /// Goes to the end of the line, or where in it a facet begins: all may stand in one line.
+  /// Skips to the end of the line or to a facet, since all may be in one line.
   void skip_name() {
     const std::size_t length = std::min(rest_.find_first_of("\r\n"), rest_.size());
     Words line(rest_.substr(0, length));
@@ -96,7 +96,7 @@ class Words {
     const std::string word = next();
     if (word != wanted) fail(std::string("'") + wanted + "'", word);
   }
-  /// Skips a number of a normal or a colour, "nan" too.
+  /// Skips a component of a normal or colour, which may be "nan".
   void skip_number() {
     const std::string word = next();
     if (!number_in(word)) fail("a number", word);
@@ -185,7 +185,7 @@ Soup stl_triangles(std::string_view bytes) {
     throw std::invalid_argument(
         "it is no STL: neither does it begin with 'solid' nor has it a binary header");
   const std::size_t past = bytes.size() - std::min(bytes.size(), binary_length(triangle_count(bytes)));
-  if (past > 0 && past < triangle_bytes && triangle_count(bytes) > 0)  // not enough for one more
+  if (past > 0 && past < triangle_bytes && triangle_count(bytes) > 0)  // not enough for another one
     return from_binary(bytes, false);
   refuse_length(bytes);
 }

@@ -18,13 +18,13 @@ bool is_before(const Vec3& a, const Vec3& b) {
   return std::lexicographical_compare(a.data(), a.data() + 3, b.data(), b.data() + 3);
 }
 
-/// Finds points near one another by a grid much coarser than the distance: few look into the next cell too.
+/// Finds points near one another by hashing; its cells are much wider than the distance.
 class Grid {
  public:
   Grid(const Vec3& low, double distance, std::size_t points) : low_(low), distance_(distance) {
     cells_.reserve(points);
   }
-  /// Calls use(earlier point) for the points within the distance, in the order in which they were added.
+  /// Calls use(earlier point) for the points within the distance, in the order of insertion.
   template <class Use>
   void near(const std::vector<Vec3>& points, const Vec3& x, Use&& use) const {
     std::array<std::int64_t, 3> first, last;
@@ -54,22 +54,22 @@ class Grid {
   }
   Vec3 low_;
   double distance_;
-  std::unordered_map<std::uint64_t, std::uint32_t> cells_;  // the last one added
+  std::unordered_map<std::uint64_t, std::uint32_t> cells_;  // the last point inserted
   std::vector<std::uint32_t> next_;
 };
 
-/// The new number of each point; `points` become the welded ones.
+/// Returns the new number of each point, and welds `points`.
 std::vector<std::uint32_t> welded_numbers(std::vector<Vec3>& points, double distance) {
   std::vector<std::uint32_t> order(points.size()), number(points.size());
   std::iota(order.begin(), order.end(), 0u);
   std::sort(order.begin(), order.end(),
             [&](std::uint32_t a, std::uint32_t b) { return is_before(points[a], points[b]); });
-  std::vector<Vec3> sorted;  // the different ones
+  std::vector<Vec3> sorted;  // without duplicates
   for (const std::uint32_t k : order) {
     if (sorted.empty() || sorted.back() != points[k]) sorted.push_back(points[k]);
     number[k] = std::uint32_t(sorted.size() - 1);
   }
-  std::vector<std::uint32_t> first(sorted.size());  // of those it is welded to
+  std::vector<std::uint32_t> first(sorted.size());  // the first of the points welded together
   if (!sorted.empty()) {
     Vec3 low = sorted[0];
     for (const Vec3& x : sorted) low = low.cwiseMin(x);
@@ -87,14 +87,14 @@ std::vector<std::uint32_t> welded_numbers(std::vector<Vec3>& points, double dist
   return number;
 }
 
-std::size_t leave_out_degenerate(std::vector<Triangle>& triangles) {
+std::size_t remove_degenerate(std::vector<Triangle>& triangles) {
   return std::erase_if(triangles,
                        [](const Triangle& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; });
 }
 
 }  // namespace
 
-void leave_out_unused(Soup& soup) {
+void remove_unused(Soup& soup) {
   std::vector<char> used(soup.points.size(), 0);
   for (const Triangle& t : soup.triangles)
     for (const std::uint32_t k : t) used[k] = 1;
@@ -114,19 +114,19 @@ Triangle sorted(Triangle t) {
   return t;
 }
 
-/// Triangles [begin, end) have the same corners.
+/// Triangles [begin, end), which have the same vertices.
 struct Group {
   std::size_t begin, end;
   enum { undecided, stays, goes } verdict = undecided;
 };
 
-/// An edge of groups: a triangle that stands alone counts once and for all.
+/// An edge of such groups. A triangle without duplicates only counts for its parity.
 struct Edge {
   std::vector<std::size_t> undecided;  // groups
-  bool is_odd = false;                 // by what stays
+  bool is_odd = false;                 // parity of the triangles that stay
 };
 
-/// Decides for each group of several whether one of it stays.
+/// Decides for each group of duplicates whether one of them stays.
 class Verdicts {
  public:
   Verdicts(const std::vector<Triangle>& triangles, std::vector<Group>& groups)
@@ -139,7 +139,7 @@ class Verdicts {
         for_edges(g, [&](const Key& key) {
           if (const auto edge = edges_.find(key); edge != edges_.end()) edge->second.is_odd ^= true;
         });
-    for (const auto& [key, edge] : edges_) follow(key);
+    for (const auto& [key, edge] : edges_) decide_at(key);
     for (std::size_t g = 0; g < groups.size(); ++g)
       if (groups[g].verdict == Group::undecided) decide(g, Group::stays);
   }
@@ -152,8 +152,8 @@ class Verdicts {
     const Triangle t = sorted(triangles_[groups_[group].begin]);
     use(Key{t[0], t[1]}), use(Key{t[1], t[2]}), use(Key{t[0], t[2]});
   }
-  /// An edge decides for a group that is the only undecided one at it.
-  void follow(const Key& key) {
+  /// Decides a group that is the only undecided one at an edge.
+  void decide_at(const Key& key) {
     const Edge& edge = edges_.at(key);
     if (edge.undecided.size() == 1) decide(edge.undecided[0], edge.is_odd ? Group::stays : Group::goes);
   }
@@ -176,14 +176,14 @@ class Verdicts {
 
   const std::vector<Triangle>& triangles_;
   std::vector<Group>& groups_;
-  std::map<Key, Edge> edges_;  // of groups of several only
+  std::map<Key, Edge> edges_;  // of groups with duplicates
 };
 
-/// Leaves one of the triangles with the same three corners (doubled ones, and the two sides of fins and
-/// membranes of no thickness), or none, so that every edge has an even number of triangles: none where they
-/// stand out from a closed surface or part a solid, one where the surface would have a hole without. Where
-/// both would do, as of a doubled surface, one. The result does not depend on the order of the triangles.
-void leave_out_coincident(std::vector<Triangle>& triangles, WeldCounts& counts) {
+/// Removes all but one or all of the triangles with the same vertices (duplicates, fins, membranes), so that
+/// every edge has an even number of triangles: all if they protrude from a closed surface or divide a solid,
+/// all but one if otherwise a hole would remain. If both are possible, as for a doubled surface, one stays.
+/// The result does not depend on the order of the triangles.
+void remove_coincident(std::vector<Triangle>& triangles, WeldCounts& counts) {
   for (Triangle& t : triangles) std::rotate(t.begin(), std::min_element(t.begin(), t.end()), t.end());
   std::sort(triangles.begin(), triangles.end(), [&](const Triangle& a, const Triangle& b) {
     return std::tuple(sorted(a), a) < std::tuple(sorted(b), b);
@@ -212,9 +212,9 @@ WeldCounts weld(Soup& soup, double distance) {
   for (Triangle& t : soup.triangles)
     for (std::uint32_t& k : t) k = number[k];
   WeldCounts counts;
-  counts.degenerate = leave_out_degenerate(soup.triangles);
-  leave_out_coincident(soup.triangles, counts);
-  leave_out_unused(soup);
+  counts.degenerate = remove_degenerate(soup.triangles);
+  remove_coincident(soup.triangles, counts);
+  remove_unused(soup);
   return counts;
 }
 

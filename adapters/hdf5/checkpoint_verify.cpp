@@ -14,7 +14,7 @@ namespace silt::adapters::hdf5 {
 
 namespace {
 
-/// Mixes the bits of x by splitmix64's finaliser (Steele, Lea, Flood 2014): every bit acts on every other.
+/// splitmix64's finaliser (Steele, Lea, Flood 2014), in which every bit affects every other.
 std::uint64_t mixed(std::uint64_t x) {
   x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
   x = (x ^ (x >> 27)) * 0x94d049bb133111ebu;
@@ -49,7 +49,7 @@ std::uint64_t block_checksum(const std::string& content) {
 
 namespace {
 
-/// The names of the datasets in a group, in alphabetical order; none where there is no such group.
+/// Returns the names of the datasets in a group, sorted; none if there is no such group.
 std::vector<std::string> dataset_names(const File& file, const std::string& group) {
   std::vector<std::string> names;
   if (!file.exists(group)) return names;
@@ -75,23 +75,24 @@ void verify_head(const File& file) {
   if (!file.has_attribute(root, "complete")) file.refuse("was not written to its end");
 }
 
-/// Throws for a link that HDF5 would follow to another place or file, which may be anything, a pipe too.
+/// Throws for soft and external links, which HDF5 would follow to any place, such as a pipe.
 void verify_links(const File& file) {
-  const auto look = [](hid_t, const char* name, const H5L_info_t* link, void* found) -> herr_t {
+  const auto find_external = [](hid_t, const char* name, const H5L_info_t* link, void* found) -> herr_t {
     if (link->type == H5L_TYPE_HARD) return 0;
     *static_cast<std::string*>(found) = name;
     return 1;
   };
   std::string found;
-  file.check(H5Lvisit(file, H5_INDEX_NAME, H5_ITER_INC, look, &found), "the file's structure is altered");
+  file.check(H5Lvisit(file, H5_INDEX_NAME, H5_ITER_INC, find_external, &found),
+             "the file's structure is altered");
   if (!found.empty())
     file.refuse("/" + found +
                 " is a link to another place or file; a checkpoint holds all of its data itself");
 }
 
-/// The state of verify_metadata on its way through the file.
+/// State of verify_metadata during its traversal.
 struct Visit {
-  std::string elsewhere;  // a dataset whose values are in other files
+  std::string elsewhere;  // a dataset with values in external files
 
   static herr_t attribute(hid_t object, const char* name, const H5A_info_t*, void*) {
     const hid_t a = H5Aopen(object, name, H5P_DEFAULT);
@@ -122,7 +123,7 @@ struct Visit {
   }
 };
 
-/// Reads every header and attribute of the file: HDF5 compares their checksums, and nothing can fail later.
+/// Reads every header and attribute, so that HDF5 compares all checksums now and no later read fails.
 void verify_metadata(const File& file) {
   Visit visit;
   file.check(H5Ovisit(file, H5_INDEX_NAME, H5_ITER_INC, Visit::object, &visit),
@@ -132,7 +133,7 @@ void verify_metadata(const File& file) {
                 " has its values in another file; a checkpoint holds all of its data itself");
 }
 
-/// Adds up this rank's share of the checksums of datasets: of all pieces it takes every `ranks`-th.
+/// Returns this rank's part of the datasets' checksums: every `ranks`-th piece.
 std::vector<std::uint64_t> shares_of_checksums(const File& file, const std::vector<std::string>& names,
                                                int rank, int ranks) {
   constexpr std::size_t piece_bytes = std::size_t{8} << 20;

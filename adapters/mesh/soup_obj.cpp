@@ -32,7 +32,7 @@ class ObjReader {
   [[noreturn]] void fail(const std::string& text) const {
     throw std::invalid_argument("line " + std::to_string(number_) + ": " + text);
   }
-  /// Takes a line without its end: a line feed, a carriage return, or both.
+  /// Reads a line up to a line feed, a carriage return, or both.
   std::string_view next_piece() {
     ++end_;
     const std::size_t end = std::min(rest_.find_first_of("\r\n"), rest_.size());
@@ -41,7 +41,7 @@ class ObjReader {
     rest_.remove_prefix(rest_.starts_with("\r\n") ? 2 : std::min<std::size_t>(1, rest_.size()));
     return piece;
   }
-  /// Takes a line with those that continue it, where it ends with a backslash; valid until the next call.
+  /// Reads a line with its continuations after backslashes; valid until the next call.
   std::string_view next_line() {
     std::string_view line = next_piece();
     number_ = end_;
@@ -63,7 +63,7 @@ class ObjReader {
     }
     return x;
   }
-  /// Corners count from 1, or back from the last point so far.
+  /// Corners are numbered from 1, or negative from the last point read.
   void face(std::string_view line) {
     corners_.clear();
     for (std::string_view word = next_word(line); !word.empty() && word[0] != '#'; word = next_word(line)) {
@@ -85,7 +85,7 @@ class ObjReader {
   Soup soup_;
   Polygons polygons_;
   std::vector<std::uint32_t> corners_;
-  std::size_t number_ = 0, end_ = 0;  // of the line; of the last that it goes on in
+  std::size_t number_ = 0, end_ = 0;  // first and last number of the line with its continuations
 };
 
 }  // namespace

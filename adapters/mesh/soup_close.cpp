@@ -22,7 +22,7 @@ std::string shown(const Vec3& x) {
   return text;
 }
 
-/// Neighbours lists the triangles beyond the sides of each triangle.
+/// The triangles adjacent to each side of each triangle.
 class Neighbours {
  public:
   Neighbours(const Soup& soup, double scale) : beyond_(soup.triangles.size(), {none, none, none}) {
@@ -74,12 +74,12 @@ void turn(Triangle& t) {
   std::swap(t[1], t[2]);
 }
 
-/// Turns the triangles of each shell as its first one is turned; returns the shell of each triangle.
+/// Orients the triangles of each shell like its first one; returns the shell of each triangle.
 std::vector<std::uint32_t> find_shells(Soup& soup, const Neighbours& neighbours, std::size_t& shells,
                                        double scale) {
   std::vector<std::uint32_t> shell(soup.triangles.size(), none), waiting;
   shells = 0;
-  // the neighbours' sides are those of the triangles as they were
+  // the neighbours' sides refer to the original orientation
   const std::vector<Triangle> given = soup.triangles;
   for (std::uint32_t start = 0; start < shell.size(); ++start) {
     if (shell[start] != none) continue;
@@ -107,7 +107,7 @@ std::vector<std::uint32_t> find_shells(Soup& soup, const Neighbours& neighbours,
   return shell;
 }
 
-/// Turns shells that enclose a negative volume.
+/// Reverses shells of negative volume.
 void turn_outward(Soup& soup, const std::vector<std::uint32_t>& shell, std::size_t shells, double scale) {
   std::vector<double> volume(shells, 0), size(shells, 0);
   std::vector<std::uint32_t> apex(shells, none);
@@ -130,11 +130,11 @@ void turn_outward(Soup& soup, const std::vector<std::uint32_t>& shell, std::size
     if (volume[shell[t]] < 0) turn(soup.triangles[t]);
 }
 
-/// Turns shells inward that an odd number of others is around; returns how many.
+/// Reverses shells inside an odd number of others; returns their number.
 std::size_t turn_hollows(Soup& soup, const std::vector<std::uint32_t>& shell, std::size_t shells) {
   if (shells < 2) return 0;
   const TriangleMesh all(soup.points, soup.triangles);
-  // its triangles are in another order: by their corners, which are the same as the points are sorted
+  // the mesh reorders triangles, but not the vertices, which are sorted: so triangles are found by vertices
   std::vector<std::pair<Triangle, std::uint32_t>> by_corners(shell.size());
   const auto first_least = [](Triangle t) {
     std::rotate(t.begin(), std::min_element(t.begin(), t.end()), t.end());
@@ -147,7 +147,7 @@ std::size_t turn_hollows(Soup& soup, const std::vector<std::uint32_t>& shell, st
                                      std::pair(all.triangles()[triangle], std::uint32_t{0}));
     return at->second;
   };
-  std::vector<char> is_hollow(shells, 2);  // 2: not looked at
+  std::vector<char> is_hollow(shells, 2);  // 2: unknown
   for (std::size_t t = 0; t < shell.size(); ++t) {
     const std::uint32_t own = shell[t];
     if (is_hollow[own] != 2) continue;

@@ -14,7 +14,7 @@ std::optional<double> parsed(std::string_view digits, std::chars_format format) 
   double x = 0;
   const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), x, format);
   if (end != digits.data() + digits.size()) return {};
-  if (error == std::errc::result_out_of_range)  // a number all the same, above or below all of double
+  if (error == std::errc::result_out_of_range)  // a number beyond the range of double
     return std::min(digits.find("e-"), digits.find("E-")) < digits.size()
                ? 0
                : std::numeric_limits<double>::infinity();

@@ -43,10 +43,10 @@ std::optional<Type> type_named(std::string_view name) {
 struct Property {
   std::string name;
   Type type;
-  std::optional<Type> count;  // of a list
+  std::optional<Type> count;  // type of the length of a list
 
   bool is_corners() const { return count && (name == "vertex_indices" || name == "vertex_index"); }
-  /// 0 to 2 for x, y and z.
+  /// Returns 0 to 2 for x, y and z.
   std::optional<int> axis() const {
     return !count && name.size() == 1 && name[0] >= 'x' && name[0] <= 'z' ? std::optional(name[0] - 'x')
                                                                           : std::nullopt;
@@ -63,7 +63,7 @@ struct Element {
   bool is_strips() const { return name == "tristrips"; }
 };
 
-/// The values behind the header, one by one, in any form.
+/// Reads the values after the header one by one, in any format.
 class Values {
  public:
   Values(std::string_view bytes, Form form) : bytes_(bytes), form_(form) {}
@@ -90,7 +90,7 @@ class Values {
     }
     return 0;
   }
-  /// A number that counts or points to something: 0 to 2^32 - 1.
+  /// Reads a count or an index: 0 to 2^32 - 1.
   std::uint32_t next_index(Type type) { return index_of(next(type)); }
   static std::uint32_t index_of(double x) {
     if (!(x >= 0 && x <= 4294967295.0) || x != std::floor(x))
@@ -229,14 +229,14 @@ class PlyReader {
     if (element.is_face()) faces_.add(corners_, n);
     if (element.is_vertex()) soup_.points.push_back(x);
   }
-  /// The corners of a strip, each a triangle with the two before it, every other one turned over; -1 ends it.
+  /// Adds a corner of a strip, a triangle with the two before it, of alternating orientation; -1 ends it.
   void add_to_strip(double value, std::uint64_t n) {
     if (value == -1) return corners_.clear();
     corners_.push_back(Values::index_of(value));
     const std::size_t k = corners_.size();
     if (k < 3) return;
     const std::uint32_t a = corners_[k - 3], b = corners_[k - 2], c = corners_[k - 1];
-    if (a == b || b == c || c == a) return;  // as where strips are joined
+    if (a == b || b == c || c == a) return;  // degenerate, as where strips are joined
     strips_.add(k % 2 ? std::vector{a, b, c} : std::vector{b, a, c}, n);
   }
 

@@ -1,5 +1,5 @@
 #pragma once
-// Sums and extremes over the ranks that nobody waits for: started at the end of a step, used in the next one.
+// Nonblocking sums and maxima over the ranks: started at the end of a step, used in the next one.
 #include <mpi.h>
 
 #include <type_traits>
@@ -11,14 +11,14 @@
 namespace silt::parallel {
 
 template <class Values, class Word>
-class ReductionUnderWay {
+class PendingReduction {
  public:
-  ReductionUnderWay() = default;
-  ~ReductionUnderWay() { finish(); }
-  ReductionUnderWay(const ReductionUnderWay&) = delete;
-  ReductionUnderWay& operator=(const ReductionUnderWay&) = delete;
+  PendingReduction() = default;
+  ~PendingReduction() { finish(); }
+  PendingReduction(const PendingReduction&) = delete;
+  PendingReduction& operator=(const PendingReduction&) = delete;
 
-  /// Starts from what every rank has. Collective, but waits for nobody.
+  /// Starts the reduction of every rank's values. Collective, but does not wait.
   void start(MPI_Comm comm, Values mine) {
     finish();
     values_ = std::move(mine);
@@ -36,7 +36,7 @@ class ReductionUnderWay {
     });
   }
   bool under_way() const { return under_way_.under_way(); }
-  /// Returns what came of the last start, once all ranks have come to it.
+  /// Waits for the last reduction and returns its result.
   const Values& finish() {
     under_way_.wait();
     return values_;
@@ -44,14 +44,14 @@ class ReductionUnderWay {
 
  private:
   Values values_{};
-  counting::CollectiveUnderWay under_way_;
+  counting::PendingCollective under_way_;
 };
 
-/// Sums: an integer, a record of sums (sum_over_ranks), or a vector of either, of one length on every rank.
+/// Sums of an integer, a record of sums (sum_over_ranks), or an equally long vector of either.
 template <class Sums>
-using SumsUnderWay = ReductionUnderWay<Sums, std::int64_t>;
-/// A record of doubles, or a vector of them of one length on every rank: of each the largest of all ranks.
+using PendingSums = PendingReduction<Sums, std::int64_t>;
+/// Maxima over ranks of each member of a record of doubles, or of a vector of equal length on every rank.
 template <class Record>
-using LargestUnderWay = ReductionUnderWay<Record, double>;
+using PendingMaxima = PendingReduction<Record, double>;
 
 }  // namespace silt::parallel

@@ -1,4 +1,4 @@
-#include "rigid/collision/passing.hpp"
+#include "rigid/collision/separating_plane.hpp"
 
 #include <algorithm>
 #include <array>
@@ -13,19 +13,20 @@
 namespace silt::rigid {
 namespace {
 
-/// Part of a pair's size by which bodies that pass each other may overlap.
+/// Overlap, relative to the pair's size, that separated bodies may have.
 constexpr double touching = 1e-7;
 
-/// A point inside a core.
+/// Returns a point inside a core.
 Vec3 middle_of(const ConvexCore& core) {
   Vec3 sum = Vec3::Zero();
   for (int d = 0; d < 3; ++d) sum += core.support(Vec3::Unit(d)) + core.support(-Vec3::Unit(d));
   return sum / 6;
 }
 
-/// Two convex bodies, the first of which moves as seen from the second.
-std::optional<Passing> convex_passing(const ConvexShape& shape_a, const Pose& before, const Pose& after,
-                                      const ConvexShape& shape_b, const Pose& frame) {
+/// Two convex bodies, the first of which moves relative to the second.
+std::optional<SeparatingPlane> plane_between(const ConvexShape& shape_a, const Pose& before,
+                                             const Pose& after, const ConvexShape& shape_b,
+                                             const Pose& frame) {
   const ConvexCore a = convex_core(shape_a, before), moved = convex_core(shape_a, after),
                    b = convex_core(shape_b, Pose{});
   const double radii = a.radius + b.radius, size = length_scale(a, b), slack = touching * size;
@@ -41,12 +42,12 @@ std::optional<Passing> convex_passing(const ConvexShape& shape_a, const Pose& be
   if (!n || least_gap(*n) < -slack) return {};
   const Vec3 normal = frame.orientation * *n;
   const double origin = normal.dot(frame.position);
-  return Passing{normal, origin + n->dot(a.support(*n)) + a.radius,
-                 origin + n->dot(b.support(-*n)) - b.radius, least_gap(*n)};
+  return SeparatingPlane{normal, origin + n->dot(a.support(*n)) + a.radius,
+                         origin + n->dot(b.support(-*n)) - b.radius, least_gap(*n)};
 }
 
-/// The corners of the convex hull of points in a plane, counter-clockwise seen from where its unit normal
-/// points (A. M. Andrew, Inf. Process. Lett. 9 (1979) 216).
+/// Returns the vertices of the convex hull of points in a plane, counter-clockwise about its unit normal (A.
+/// M. Andrew, Inf. Process. Lett. 9 (1979) 216).
 std::vector<Vec3> hull_in_plane(const std::vector<Vec3>& points, const Vec3& normal) {
   const Vec3 u = normal.unitOrthogonal(), v = normal.cross(u);
   std::vector<std::array<double, 2>> flat;
@@ -64,7 +65,7 @@ std::vector<Vec3> hull_in_plane(const std::vector<Vec3>& points, const Vec3& nor
       while (hull.size() >= start + 2 && turns_right()) hull.pop_back();
       hull.push_back(*p);
     }
-    hull.pop_back();  // the first of the other chain
+    hull.pop_back();  // the first point of the next chain
   };
   add_chain(flat.begin(), flat.end());
   add_chain(flat.rbegin(), flat.rend());
@@ -74,9 +75,8 @@ std::vector<Vec3> hull_in_plane(const std::vector<Vec3>& points, const Vec3& nor
   return corners;
 }
 
-/// Returns the part of a solid under a facet of its surface, of which points are given: a flat pyramid, whose
-/// slope is less than the angle of any edge that a solid has but the sharpest. Nothing for a facet without
-/// area.
+/// Returns the part of a solid below a facet, given points of the facet: a pyramid of small slope, which is
+/// inside the solid unless it has a very sharp edge there. Nothing for a facet without area.
 std::optional<Polyhedron> under(const std::vector<Vec3>& points, const Vec3& normal) {
   constexpr double slope = 0.1, flatness = 1e-3;  // a facet's triangles are flat to 1e-4
   std::vector<Vec3> corners = hull_in_plane(points, normal);
@@ -101,13 +101,12 @@ std::optional<Polyhedron> under(const std::vector<Vec3>& points, const Vec3& nor
   }
 }
 
-/// Returns the parts under the facets that a contact of a mesh is at, and under those that continue them at a
-/// small angle. Of the triangles of a facet those count that are within `reach` of the contact at x (frame of
-/// the mesh).
+/// Returns the parts below the facets at a contact of a mesh, and below adjacent facets at small angles to
+/// them, from triangles within `reach` of the contact at x (frame of the mesh).
 std::vector<Polyhedron> solids_at(const MeshFeatures& mesh, std::uint32_t code, const Vec3& x, double reach) {
-  constexpr double goes_on = 0.9;  // cosine
+  constexpr double nearly_parallel = 0.9;  // cosine
   std::vector<Vec3> normals;
-  std::map<std::uint32_t, std::pair<Vec3, std::vector<Vec3>>> facets;  // by number: a normal, and corners
+  std::map<std::uint32_t, std::pair<Vec3, std::vector<Vec3>>> facets;  // by number: normal and points
   mesh.surface().for_near({x.array() - reach, x.array() + reach}, [&](std::uint32_t t) {
     const Vec3 n = mesh.normal(t);
     if (n.isZero(0)) return;
@@ -118,13 +117,13 @@ std::vector<Polyhedron> solids_at(const MeshFeatures& mesh, std::uint32_t code, 
   std::vector<Polyhedron> solids;
   for (const auto& [number, facet] : facets) {
     const auto& [normal, corners] = facet;
-    if (std::ranges::any_of(normals, [&](const Vec3& n) { return n.dot(normal) > goes_on; }))
+    if (std::ranges::any_of(normals, [&](const Vec3& n) { return n.dot(normal) > nearly_parallel; }))
       if (const auto solid = under(corners, normal)) solids.push_back(*solid);
   }
   return solids;
 }
 
-/// Calls use(convex shape) for what of a part a contact lies on.
+/// Calls use(convex shape) for the shapes on which a contact of a part lies.
 template <class Use>
 void for_convex(const MovingPart& part, const Vec3& near, double reach, Use&& use) {
   if (part.convex) return use(*part.convex);
@@ -132,16 +131,16 @@ void for_convex(const MovingPart& part, const Vec3& near, double reach, Use&& us
     use(solid);
 }
 
-/// Answers as passing() does, with one pose of each after the step.
-std::optional<Passing> passing_to(const MovingPart& a, const MovingPart& b, Pose MovingPart::*after,
-                                  const Vec3& near, double reach) {
-  std::optional<Passing> closest;
+/// The same for one of the poses after the step.
+std::optional<SeparatingPlane> plane_until(const MovingPart& a, const MovingPart& b, Pose MovingPart::*after,
+                                           const Vec3& near, double reach) {
+  std::optional<SeparatingPlane> closest;
   bool meets = false;
   for_convex(a, near, reach, [&](const ConvexShape& of_a) {
     for_convex(b, near, reach, [&](const ConvexShape& of_b) {
       if (meets) return;
-      const auto found =
-          convex_passing(of_a, a.before.seen_from(b.before), (a.*after).seen_from(b.*after), of_b, b.before);
+      const auto found = plane_between(of_a, a.before.relative_to(b.before), (a.*after).relative_to(b.*after),
+                                       of_b, b.before);
       if (!found)
         meets = true;
       else if (!closest || found->least < closest->least)
@@ -153,10 +152,11 @@ std::optional<Passing> passing_to(const MovingPart& a, const MovingPart& b, Pose
 
 }  // namespace
 
-std::optional<Passing> passing(const MovingPart& a, const MovingPart& b, const Vec3& near, double reach) {
-  const auto found = passing_to(a, b, &MovingPart::after, near, reach);
+std::optional<SeparatingPlane> separating_plane(const MovingPart& a, const MovingPart& b, const Vec3& near,
+                                                double reach) {
+  const auto found = plane_until(a, b, &MovingPart::after, near, reach);
   if (!found || found->least + found->normal.dot(b.fall - a.fall) >= 0) return found;
-  const auto falling = passing_to(a, b, &MovingPart::fallen, near, reach);
+  const auto falling = plane_until(a, b, &MovingPart::fallen, near, reach);
   return falling ? falling : found;
 }
 

@@ -12,13 +12,13 @@ using rigid::Vec3;
 using Point = Eigen::Vector2d;
 using Corners = std::span<const std::uint32_t>;
 
-/// Twice the area of a triangle, positive if it is counter-clockwise.
+/// Returns twice the area of a triangle, positive if counter-clockwise.
 double turn(const Point& a, const Point& b, const Point& c) {
   const Point u = b - a, v = c - a;
   return u[0] * v[1] - u[1] * v[0];
 }
 
-/// Along the normal of the face (M. Newell), of length twice its area.
+/// Returns the normal of a face (M. Newell) times twice its area.
 Vec3 area_normal(const std::vector<Vec3>& points, Corners corners) {
   Vec3 sum = Vec3::Zero();
   const Vec3& o = points[corners[0]];
@@ -36,7 +36,7 @@ bool is_fan(const std::vector<Vec3>& points, Corners corners, const Vec3& normal
   return true;
 }
 
-/// A polygon in its plane, from which ears are cut until it is a triangle.
+/// Triangulates a polygon in its plane by ear clipping.
 class Ears {
  public:
   Ears(const std::vector<Vec3>& points, Corners corners, const Vec3& normal) : left_(corners.size()) {
@@ -48,13 +48,13 @@ class Ears {
     }
     least_ = 1e-12 * normal.norm();
   }
-  /// Calls cut(three corners) for all triangles; false if it crosses itself.
+  /// Calls cut(three corners) for all triangles. Returns false if the polygon crosses itself.
   template <class Cut>
   bool all(Cut&& cut) {
     while (left_.size() > 3) {
       std::size_t k = 0;
       while (k < left_.size() && !(area(k) > least_ && is_empty(k))) ++k;
-      if (k == left_.size())  // none but flat ones, which edges of other faces end at
+      if (k == left_.size())  // only flat ears are left, where edges of other faces end
         for (k = 0; k < left_.size() && !(std::abs(area(k)) <= least_ && is_empty(k));) ++k;
       if (k == left_.size()) return false;
       cut(before(k), left_[k], after(k));
@@ -69,7 +69,7 @@ class Ears {
   std::size_t before(std::size_t k) const { return left_[k == 0 ? left_.size() - 1 : k - 1]; }
   std::size_t after(std::size_t k) const { return left_[k + 1 == left_.size() ? 0 : k + 1]; }
   double area(std::size_t k) const { return turn(at_[before(k)], at_[left_[k]], at_[after(k)]); }
-  /// Returns whether no other corner, unless at the same place, is in the triangle or on its new side.
+  /// Returns whether no other corner is in the triangle or on its new side, except at the same position.
   bool is_empty(std::size_t k) const {
     const Point &a = at_[before(k)], &b = at_[left_[k]], &c = at_[after(k)];
     for (const std::size_t other : left_) {
@@ -81,8 +81,8 @@ class Ears {
   }
 
   std::vector<Point> at_;
-  std::vector<std::size_t> left_;  // corners, in order
-  double least_ = 0;               // twice an area that is none
+  std::vector<std::size_t> left_;  // remaining corners, in order
+  double least_ = 0;               // smaller double areas are rounding
 };
 
 bool cut_face(Soup& soup, Corners corners) {

@@ -13,28 +13,28 @@ namespace silt::adapters::hdf5 {
 namespace {
 
 using Bytes = std::vector<std::byte>;
-using Counts = std::vector<std::uint64_t>;  // of impulses, body by body
+using Counts = std::vector<std::uint64_t>;  // numbers of impulses, by body
 
 // ---- the columns ----
 
-/// The columns of rigid::BodyRecord, in /bodies: its own members, then those of its holder state.
-std::vector<Column> record_columns(std::span<const HolderColumn> holder) {
+/// The columns of /bodies: the members of rigid::BodyRecord, then columns of its attached state.
+std::vector<Column> record_columns(std::span<const AttachedColumn> holder) {
   using Record = rigid::BodyRecord;
   std::vector<Column> columns;
   rigid::visit_columns([&](const rigid::BodyColumn& c, auto, auto member) {
     columns.push_back(column_of<Record>(c.name, member));
   });
-  for (const HolderColumn& c : holder)
-    columns.push_back({c.name, offset_of<Record>(&Record::holder_state) + c.offset,
-                       c.type == HolderColumn::int64 ? Column::int64 : Column::float64, c.count});
+  for (const AttachedColumn& c : holder)
+    columns.push_back({c.name, offset_of<Record>(&Record::attached_state) + c.offset,
+                       c.type == AttachedColumn::int64 ? Column::int64 : Column::float64, c.count});
   for (Column& c : columns) c.name = "/bodies/" + c.name;
   return columns;
 }
 
-/// The number of a body's impulses, in /bodies too.
+/// The number of impulses of a body, also in /bodies.
 const Column count_column{"/bodies/impulse_count", 0, Column::uint64};
 
-/// ImpulseRow is a stored impulse as a plain row of /impulses, in the order of the bodies.
+/// A stored impulse as a row of /impulses, in the order of the bodies.
 struct ImpulseRow {
   rigid::BodyId partner;
   std::int8_t image[3];
@@ -81,7 +81,7 @@ IdOrder order_of(MPI_Comm comm, const Path& path, const OwnedRows& owned) {
   return order;
 }
 
-/// The places of the impulses of this rank's bodies: before each body's come those of all smaller ids.
+/// The positions of the impulses of this rank's bodies, in the order of all bodies' ids.
 struct ImpulseOrder {
   Counts counts;
   std::vector<SliceExchange::Run> places;
@@ -113,14 +113,14 @@ ImpulseOrder impulse_order_of(MPI_Comm comm, const OwnedRows& owned, const IdOrd
   return impulses;
 }
 
-/// Writes columns slice by slice, and adds up their checksums.
+/// Writes columns by slices and sums their checksums.
 class ColumnWriter {
  public:
-  /// The values of the columns begin at these places, in the order in which they are written.
+  /// places: where the columns' values begin, in the order of writing.
   ColumnWriter(MPI_Comm comm, const Path& path, Counts places) : comm_(comm), places_(std::move(places)) {
     parallel::together(comm_, [&] { file_.emplace(path, RawFile::to_write); });
   }
-  /// make(values) gives this rank's values.
+  /// make(values) appends this rank's values.
   template <class Make>
   void write(const Column& c, const SliceExchange& slices, Make&& make) {
     Bytes values;
@@ -153,7 +153,7 @@ class ColumnWriter {
 std::map<std::string, std::uint64_t> write_body_tables(MPI_Comm comm, const Path& path,
                                                        const std::function<File(std::uint64_t bytes)>& open,
                                                        const OwnedRows& owned,
-                                                       std::span<const HolderColumn> holder) {
+                                                       std::span<const AttachedColumn> holder) {
   const IdOrder order = order_of(comm, path, owned);
   const SliceExchange bodies(comm, order.total, order.places);
   const ImpulseOrder impulse_order = impulse_order_of(comm, owned, order, bodies);
@@ -209,14 +209,14 @@ struct TableReader {
 
   explicit TableReader(const File& f) : file(f), raw(f.path(), RawFile::to_read) {}
   std::uint64_t rows_in(const std::string& dataset) const { return file.place(dataset).shape[0]; }
-  /// Reads the rows [first, first + n) of a column that shall have so many in all.
+  /// Reads rows [first, first + n) of a column that must have `rows` rows.
   Bytes read(const Column& c, std::uint64_t rows, std::uint64_t first, std::uint64_t n) const {
     const Place place = file.place(c.name, c.stored_type(), table_shape(rows, c.components));
     return raw.read(place.at + first * c.bytes(), n * c.bytes());
   }
 };
 
-/// Reads the impulses of bodies that have so many, from row `first` of `total` on.
+/// Reads the impulses of bodies with these counts, from row `first` of `total` on.
 std::vector<std::vector<rigid::StoredImpulse>> read_impulses(const TableReader& reader, const Counts& counts,
                                                              std::uint64_t total, std::uint64_t first) {
   std::vector<ImpulseRow> rows(std::accumulate(counts.begin(), counts.end(), std::uint64_t{0}));
@@ -228,7 +228,7 @@ std::vector<std::vector<rigid::StoredImpulse>> read_impulses(const TableReader& 
   return lists;
 }
 
-/// Refuses records whose ids do not rise from `last` on, the one before them.
+/// Refuses records whose ids do not ascend, `last` being the id before them.
 void require_rising_ids(const File& file, const std::vector<rigid::BodyRecord>& records, std::uint64_t last) {
   for (const rigid::BodyRecord& r : records) {
     if (r.id <= last)
@@ -241,7 +241,7 @@ void require_rising_ids(const File& file, const std::vector<rigid::BodyRecord>& 
 }  // namespace
 
 CheckpointReader::Bodies read_body_tables(MPI_Comm comm, const File& file,
-                                          std::span<const HolderColumn> holder) {
+                                          std::span<const AttachedColumn> holder) {
   CheckpointReader::Bodies found;
   const int rank = parallel::rank_of(comm), ranks = parallel::ranks_of(comm);
   std::optional<TableReader> reader;
