@@ -9,7 +9,7 @@
 #include "silt/simulation.hpp"
 #include "tests/bench/bound.hpp"
 #include "tests/bench/main.hpp"
-#include "tests/coupler/case/case_text.hpp"
+#include "tests/silt/case/case_text.hpp"
 
 namespace silt::bench {
 namespace {
@@ -32,7 +32,7 @@ Bed make_bed(int spheres, bool single) {
       std::string("fluid.precision=\"") + (single ? "single" : "double") + "\""};
   if (spheres < 100) changes.push_back("fill[0].box=[[0, 0, 1], [64, 64, 61]]");
   Bed bed{std::to_string(spheres) + (single ? ".single" : ".double"), spheres, single, nullptr, {}};
-  using namespace coupler::testing;
+  using namespace testing;
   const std::string text = file_text(SILT_SOURCE_DIR "/cases/fluidised-bed/case.toml");
   bed.simulation.reset(new Simulation(simulation_of(text, MPI_COMM_SELF, changes)));
   return bed;

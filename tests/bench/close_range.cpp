@@ -22,8 +22,8 @@
 #include "rigid/math/types.hpp"
 #include "silt/run/run.hpp"
 #include "silt/simulation.hpp"
-#include "tests/coupler/case/case_text.hpp"
 #include "tests/coupler/forces/approach_series.hpp"
+#include "tests/silt/case/case_text.hpp"
 
 using namespace silt;
 using rigid::Vec3;
@@ -58,7 +58,7 @@ struct Resistance {
   double force = 0, torque = 0;
 };
 Resistance measure(const std::string& text, double radius, const Vec3& n, const Vec3& m, int spheres) {
-  Simulation simulation = coupler::testing::simulation_of(text, MPI_COMM_WORLD);
+  Simulation simulation = testing::simulation_of(text, MPI_COMM_WORLD);
   const double scale = std::numbers::pi * viscosity * radius * speed;
   Resistance r;
   double last = 0;

@@ -16,7 +16,7 @@
 #include "tests/bench/layers.hpp"
 #include "tests/bench/main.hpp"
 #include "tests/bench/periodic_box.hpp"
-#include "tests/coupler/case/case_text.hpp"
+#include "tests/silt/case/case_text.hpp"
 
 namespace silt::bench {
 namespace {
@@ -39,7 +39,7 @@ void count_step(const std::string& name, Simulation& s) {
 }
 
 Simulation scene(const std::string& scheme, const std::string& time) {
-  return coupler::testing::simulation_of(Layers{.scheme = scheme, .time = time}.text());
+  return testing::simulation_of(Layers{.scheme = scheme, .time = time}.text());
 }
 
 constexpr std::pair<const char*, const char*> couplings[] = {{"bounce-back", "explicit"},

@@ -21,7 +21,7 @@
 #include "tests/bench/layers.hpp"
 #include "tests/bench/main.hpp"
 #include "tests/bench/spread.hpp"
-#include "tests/coupler/case/case_text.hpp"
+#include "tests/silt/case/case_text.hpp"
 
 namespace silt::bench {
 namespace {
@@ -50,7 +50,7 @@ lbm::WallScheme scheme_of(const std::string& name) {
 class Links {
  public:
   explicit Links(const Layers& layers)
-      : scene_(coupler::testing::simulation_of(layers.text())),
+      : scene_(testing::simulation_of(layers.text())),
         fluid_(scene_.scene().flow->fields().domain(), {1.2, 1. / 6, lbm::Collision::trt, {}},
                MPI_COMM_SELF) {
     const lbm::CellBox box{{}, fluid_.domain().cells()};

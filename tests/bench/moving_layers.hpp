@@ -6,7 +6,7 @@
 #include "silt/simulation.hpp"
 #include "tests/bench/layers.hpp"
 #include "tests/bench/spread.hpp"
-#include "tests/coupler/case/case_text.hpp"
+#include "tests/silt/case/case_text.hpp"
 
 namespace silt::bench {
 
@@ -17,8 +17,7 @@ inline constexpr int round_of_mapping = 9;
 class MovingLayers {
  public:
   explicit MovingLayers(const Layers& layers, const std::vector<std::string>& overrides = {})
-      : layers_(layers),
-        simulation_(coupler::testing::simulation_of(layers.text(), MPI_COMM_SELF, overrides)) {
+      : layers_(layers), simulation_(testing::simulation_of(layers.text(), MPI_COMM_SELF, overrides)) {
     for (int t = 0; t < round_of_mapping; ++t) step();
   }
   void take_turn(int steps) {

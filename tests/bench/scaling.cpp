@@ -22,7 +22,7 @@
 #include "tests/bench/spread.hpp"
 #include "tests/bench/step_traffic.hpp"
 #include "tests/bench/wait_asleep.hpp"
-#include "tests/coupler/case/case_text.hpp"
+#include "tests/silt/case/case_text.hpp"
 
 namespace silt::bench {
 namespace {
@@ -69,7 +69,7 @@ struct Study {
 class Side {
  public:
   Side(const Study& study, MPI_Comm comm, int ranks)
-      : comm_(comm), simulation_(coupler::testing::simulation_of(study.text(ranks), comm)) {
+      : comm_(comm), simulation_(testing::simulation_of(study.text(ranks), comm)) {
     for (int t = 0; t < 2; ++t) step();
   }
   /// Seconds a step.

@@ -16,7 +16,7 @@
 #include "silt/run/run.hpp"
 #include "silt/simulation.hpp"
 #include "tests/bench/periodic_box.hpp"
-#include "tests/coupler/case/case_text.hpp"
+#include "tests/silt/case/case_text.hpp"
 
 namespace silt::bench {
 namespace {
@@ -33,7 +33,7 @@ std::string text_of(const SceneText& t, int steps = 100000) {
   return text + t.rest + "\n" + t.bodies + "[run]\nsteps = " + std::to_string(steps) + "\n";
 }
 Simulation simulation_of(const SceneText& t) {
-  return coupler::testing::simulation_of(text_of(t));
+  return testing::simulation_of(text_of(t));
 }
 
 std::string spheres(int count, const std::string& box, const std::string& more = "") {

@@ -10,8 +10,8 @@
 #include "parallel/collectives.hpp"
 #include "silt/case/case.hpp"
 #include "silt/simulation.hpp"
-#include "tests/coupler/case/case_text.hpp"
 #include "tests/coupler/single_cells.hpp"
+#include "tests/silt/case/case_text.hpp"
 
 namespace silt::coupler::testing {
 

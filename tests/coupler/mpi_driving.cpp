@@ -1,22 +1,18 @@
-// The flows that a run may begin with, and all that drives fluid and bodies, controlled or changing over
-// time: against exact flows, and with the same bits on any ranks and in runs that go on.
-#include <fmt/format.h>
+// The flows that a run may begin with, and driven ones: with the same bits on any ranks and in runs that go
+// on.
 #include <gtest/gtest.h>
 #include <mpi.h>
 
 #include <cmath>
-#include <complex>
 #include <numbers>
 
 #include "coupler/flow_control.hpp"
 #include "rigid/bodies/prescribed_motion.hpp"
 #include "silt/case/case.hpp"
-#include "silt/results/quantities.hpp"
 #include "silt/simulation.hpp"
-#include "tests/coupler/case/case_text.hpp"
-#include "tests/coupler/coupled_scenes.hpp"
-#include "tests/coupler/same_bits.hpp"
-#include "tests/coupler/single_cells.hpp"
+#include "tests/silt/case/case_text.hpp"
+#include "tests/silt/coupled_scenes.hpp"
+#include "tests/silt/same_bits.hpp"
 #include "tests/world.hpp"
 
 namespace silt::coupler::testing {
@@ -82,189 +78,6 @@ TEST(InitialFlow, NoiseIsBoundedAndTheSameOnAnyRanks) {
   EXPECT_NEAR(c.values(MPI_COMM_WORLD)[0] / (noise * noise / 2), 1, 3 * std::sqrt(4. / 15 / 32768));
 }
 
-constexpr double viscosity = 0.1;
-
-/// A channel along x, walls across y; half-way walls are exact for a parabola there.
-CaseText channel(int height, const std::string& fluid,
-                 const std::string& sides = R"(["no-slip", "no-slip"])") {
-  CaseText c;
-  c.domain = domain_of({4, height, 4}, "{ x = \"periodic\", y = " + sides + ", z = \"periodic\" }");
-  c.fluid =
-      "[fluid]\nrelaxation_time = 0.8\nmagic = 0.1875\nprecision = "
-      "\"double\"\n" +
-      fluid;
-  c.shapes = c.bodies = "";
-  return c;
-}
-
-/// The velocity along x of a layer of cells across y, on one rank.
-double along_x(const Simulation& simulation, int layer) {
-  const FluidFields& fields = simulation.scene().flow->fields();
-  return velocity(fields, 0, {1, layer, 1})[0];
-}
-
-double pressure(const Simulation& simulation, const lbm::Int3& cell) {
-  lbm::MomentArrays moments;
-  simulation.scene().flow->fields().moments(0, {cell, {1, 1, 1}}, moments);
-  return moments[0].density_deviation / 3;
-}
-
-TEST(Driving, AFlowRateHasTheForceOfPoiseuille) {
-  constexpr int height = 20;
-  constexpr double wanted = 0.02;
-  CaseText c = channel(height, "superficial_velocity = [0.02, 0, 0]\n");
-  c.domain = domain_of({4, height, 8}, R"({ x = "periodic", y = ["no-slip", "no-slip"], z = "periodic" })");
-  Simulation simulation = c.start(MPI_COMM_WORLD);
-  simulation.run(1600);
-  const auto mean = [&] {
-    const Flow& flow = *simulation.scene().flow;
-    return flow.fields().velocity_sum(flow.totals())[0] / simulation.setup().volume();
-  };
-  EXPECT_NEAR(mean(), wanted, 1e-4 * wanted) << "four times the time of the slowest mode";
-  simulation.run(6400);
-  const double theory =
-      wanted * 24 * viscosity / (2 * height * height + 1);  // a parabola in middles of cells
-  EXPECT_NEAR(simulation.scene().flow->fields().spec().force[0], theory, 1e-8 * theory);
-  EXPECT_NEAR(mean(), wanted, 1e-9 * wanted);
-}
-
-/// A flow through an array of spheres takes the same force whether the force or its rate is given.
-TEST(Driving, AFlowRateThroughSpheresHasTheirDrag) {
-  CaseText c = sphere_array();
-  c.run =
-      "[run]\nsteps = 3000\n[[quantities]]\nname = \"u\"\ntype = "
-      "\"superficial-velocity\"\naxis = \"x\"\n"
-      "[[quantities]]\nname = \"d\"\ntype = \"drag-coefficient\"\naxis = "
-      "\"x\"\n"
-      "[[quantities]]\nname = \"f\"\ntype = \"body-force\"\naxis = \"x\"\n";
-  const auto driven = c.values(MPI_COMM_WORLD);
-  EXPECT_EQ(driven[2], array_force);
-  c.fluid = fmt::format(
-      "[fluid]\nrelaxation_time = 1.0\nprecision = "
-      "\"double\"\nsuperficial_velocity = [{:.17g}, 0, 0]\n",
-      driven[0]);
-  const auto controlled = c.values(MPI_COMM_WORLD);
-  for (int k = 0; k < 3; ++k) EXPECT_NEAR(controlled[k], driven[k], 1e-5 * driven[k]) << k;
-}
-
-/// A share of 1 for all time changes no bit, beside walls, edges and bodies.
-TEST(Driving, WhatChangesByNothingIsSteady) {
-  const auto hash = [](const std::string& over_time) {
-    CaseText c = crowd();
-    const std::string moving = "{ type = \"moving\", velocity = ";
-    c.domain =
-        domain_of({24, 20, 28}, "{ x = [" + moving + "[0, 0.03, 0.01]" + over_time +
-                                    " }, \"no-slip\"], y = [\"no-slip\", " + moving + "[0.02, 0, 0.01]" +
-                                    over_time + " }], z = [\"no-slip\", \"no-slip\"] }");
-    c.fluid += "body_force = [1e-5, 2e-5, 0]\nbody_force_on_bodies = true\n";
-    if (!over_time.empty()) c.fluid += "body_force_over_time = { table = [[0, 1]] }\n";
-    Simulation simulation = c.start(MPI_COMM_WORLD);
-    simulation.run(30);
-    return simulation.hash();
-  };
-  EXPECT_EQ(hash(", over_time = { table = [[0, 1]] }"), hash(""));
-}
-
-/// J. R. Womersley, J. Physiol. 127 (1955) 553; between plates: u = Re A / (i w) (1 - cosh(k y) / cosh(k h)).
-TEST(Driving, AnOscillatingForceGivesTheFlowOfWomersley) {
-  constexpr int height = 24;
-  constexpr double amplitude = 2e-5, frequency = 1. / 800;
-  using Complex = std::complex<double>;
-  const Complex iw(0, 2 * std::numbers::pi * frequency), k = std::sqrt(iw / viscosity);
-  const CaseText c = channel(height, fmt::format("body_force = [{}, 0, 0]\nbody_force_over_time = {{ "
-                                                 "table = [[0, 0]], "
-                                                 "amplitude = 1, frequency = {} }}\n",
-                                                 amplitude, frequency));
-  tests::alone([&] {
-    Simulation simulation = c.start(MPI_COMM_SELF);
-    simulation.run(6400);
-    double error = 0, largest = 0;
-    for (int i = 0; i < 800; i += 50) {
-      simulation.run(50);
-      const double t = double(simulation.steps_done());
-      for (int y = 0; y < height; ++y) {
-        const Complex profile = 1. - std::cosh(k * (y + 0.5 - height / 2)) / std::cosh(k * (height / 2.));
-        const double exact = std::imag(amplitude / iw * profile * std::exp(iw * t));
-        error = std::max(error, std::abs(along_x(simulation, y) - exact));
-        largest = std::max(largest, std::abs(exact));
-      }
-    }
-    EXPECT_LT(error, 2e-3 * largest);
-    return 0;
-  });
-}
-
-/// A wall that starts to move with a constant acceleration a drags fluid: u = 4 a t i2erfc(y / sqrt(4 nu t))
-/// (H. Schlichting, Boundary-Layer Theory, chapter V).
-TEST(Driving, AWallThatSpeedsUpDragsTheFluidAsTheorySays) {
-  constexpr int steps = 1000, height = 60;
-  constexpr double speed = 0.05;
-  const CaseText c = channel(height, "",
-                             "[{ type = \"moving\", velocity = [0.05, 0, 0], "
-                             "over_time = { table = [[0, 0], [1000, 1]] } "
-                             "}, \"no-slip\"]");
-  tests::alone([&] {
-    Simulation simulation = c.start(MPI_COMM_SELF);
-    simulation.run(steps);
-    for (int y = 0; y < 30; ++y) {
-      const double eta = (y + 0.5) / std::sqrt(4 * viscosity * steps);
-      const double shape =
-          (1 + 2 * eta * eta) * std::erfc(eta) - 2 / std::sqrt(std::numbers::pi) * eta * std::exp(-eta * eta);
-      EXPECT_NEAR(along_x(simulation, y), speed * shape, 1e-4 * speed) << y;
-    }
-    return 0;
-  });
-}
-
-/// Fluid that comes in faster and faster pushes all before it: the pressure falls by L du/dt.
-TEST(Driving, AnInletThatSpeedsUpHasThePressureOfTheoryBehindIt) {
-  constexpr int length = 40, steps = 1500,
-                waves = 1108;  // four times that of sound in four lengths
-  CaseText c;
-  c.domain = domain_of({length, 4, 4},
-                       "{ x = [{ type = \"velocity-inlet\", velocity = [0.05, "
-                       "0, 0], solid_for_bodies = false, "
-                       "over_time = { table = "
-                       "[[0, 0], [4000, 1]] } }, { type = \"pressure-outlet\", "
-                       "solid_for_bodies = false }], y = "
-                       "[\"free-slip\", \"free-slip\"], z = \"periodic\" }");
-  c.fluid = "[fluid]\nrelaxation_time = 0.8\nprecision = \"double\"\n";
-  c.shapes = c.bodies = "";
-  tests::alone([&] {
-    Simulation simulation = c.start(MPI_COMM_SELF);
-    simulation.run(steps);
-    const FluidFields& fields = simulation.scene().flow->fields();
-    const double gain = 0.05 / 4000;
-    double lag = 0, difference = 0;
-    for (int i = 0; i < waves; ++i) {
-      simulation.step();
-      lag += (gain * double(simulation.steps_done()) - velocity(fields, 0, {20, 1, 1})[0]) / waves;
-      difference += (pressure(simulation, {10, 1, 1}) - pressure(simulation, {30, 1, 1})) / waves;
-    }
-    EXPECT_NEAR(lag, 0, 2e-3 * 0.025);
-    EXPECT_NEAR(difference, gain * 20, 0.01 * gain * 20);
-    return 0;
-  });
-}
-
-TEST(Driving, ABallFallsAsARampOfGravitySays) {
-  CaseText c;
-  c.fluid = "";
-  c.domain = domain_of({32, 32, 32});
-  c.rest =
-      "[gravity]\nacceleration = [0, 0, -1e-5]\nover_time = { table = "
-      "[[0, 0], [400, 1]] }\n";
-  tests::alone([&] {
-    Simulation simulation = c.start(MPI_COMM_SELF);
-    simulation.run(400);
-    EXPECT_NEAR(simulation.bodies().velocity[0][2], -1e-5 * 200, 1e-12);
-    EXPECT_NEAR(simulation.bodies().position[0][2], 16 - 1e-5 * 400 * 400 / 6., 2e-5);
-    simulation.run(100);
-    EXPECT_NEAR(simulation.bodies().velocity[0][2], -1e-5 * 300, 1e-12);
-    return 0;
-  });
-}
-
 /// Everything at once, among bodies.
 CaseText driven_crowd() {
   CaseText c = crowd();
@@ -317,6 +130,22 @@ TEST(Driving, ARunGoesOnToTheSameBits) {
     EXPECT_EQ(again->scene().flow->control()->force(rigid::Vec3::Zero()),
               simulation.scene().flow->control()->force(rigid::Vec3::Zero()));
   }
+}
+
+CaseText stirred_crowd() {
+  CaseText c = crowd();
+  c.bodies +=
+      body_of("box", 2,
+              "name = \"paddle\"\nposition = [12, 10, 14]\nmotion = { angular_velocity = 0.004, axis = [0, "
+              "1, 2], amplitude = [0, 0, 1], frequency = 0.01 }");
+  return c;
+}
+
+TEST(PrescribedBodies, SameBitsForAnyBlocksAndRanksAndInARunThatGoesOn) {
+  expect_one_hash(stirred_crowd(), 60, {"[12, 10, 14]"});
+  Simulation simulation = stirred_crowd().start(MPI_COMM_WORLD);
+  simulation.run(25);
+  expect_goes_on(simulation, 35);
 }
 
 }  // namespace

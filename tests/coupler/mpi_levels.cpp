@@ -10,9 +10,9 @@
 #include "silt/guard.hpp"
 #include "silt/results/velocity_gradient.hpp"
 #include "silt/simulation.hpp"
-#include "tests/coupler/case/case_text.hpp"
 #include "tests/coupler/levelled_flow.hpp"
 #include "tests/errors.hpp"
+#include "tests/silt/case/case_text.hpp"
 #include "tests/world.hpp"
 
 namespace silt::coupler::testing {

@@ -9,10 +9,10 @@
 
 #include "lbm/walls/wall_scheme.hpp"
 #include "silt/simulation.hpp"
-#include "tests/coupler/case/case_text.hpp"
-#include "tests/coupler/case/mesh_case.hpp"
-#include "tests/coupler/same_bits.hpp"
 #include "tests/coupler/solid_cells.hpp"
+#include "tests/silt/case/case_text.hpp"
+#include "tests/silt/case/mesh_case.hpp"
+#include "tests/silt/same_bits.hpp"
 #include "tests/world.hpp"
 
 namespace silt::coupler::testing {

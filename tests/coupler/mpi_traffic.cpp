@@ -9,8 +9,8 @@
 
 #include "lbm/blocks/equal_cut.hpp"
 #include "silt/simulation.hpp"
-#include "tests/coupler/case/case_text.hpp"
 #include "tests/coupler/single_cells.hpp"
+#include "tests/silt/case/case_text.hpp"
 #include "tests/world.hpp"
 
 namespace silt::coupler::testing {
@@ -21,13 +21,14 @@ namespace {
 /// leave a device and come to it, and how many cells were found to be too fast.
 TEST(Traffic, AStepOfFluidSendsWhatLeavesABlock) {
   CaseText text;
-  text.domain = domain_of({16, 16, 16});
+  const lbm::Int3 cells{16, 16, 24};  // equal blocks on 1, 3, 4 and 8 ranks
+  text.domain = domain_of({cells.x, cells.y, cells.z});
   text.shapes = text.bodies = "";
   Simulation simulation = text.start(MPI_COMM_WORLD, {"run.device=host"});
   constexpr int steps = 6;
   for (int i = 0; i < steps; ++i) simulation.step();
   const lbm::Int3 n = simulation.scene().flow->fields().block(0).size;
-  const auto beyond = [&](int d) { return std::min(16 / n[d] - 1, 2); };  // ranks, along an axis
+  const auto beyond = [&](int d) { return std::min(cells[d] / n[d] - 1, 2); };  // ranks, along an axis
   std::uint64_t slots = 0, peers = 0;
   for (int d = 0; d < 3; ++d) {
     const int e = (d + 1) % 3, f = (d + 2) % 3;

@@ -12,7 +12,7 @@
 #include "lbm/fluid.hpp"
 #include "lbm/walls/cut_links.hpp"
 #include "silt/simulation.hpp"
-#include "tests/coupler/case/case_text.hpp"
+#include "tests/silt/case/case_text.hpp"
 
 namespace silt::coupler {
 namespace {

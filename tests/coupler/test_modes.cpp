@@ -8,8 +8,8 @@
 
 #include "lbm/walls/wall_scheme.hpp"
 #include "silt/simulation.hpp"
-#include "tests/coupler/case/case_text.hpp"
 #include "tests/coupler/stirred_fluid.hpp"
+#include "tests/silt/case/case_text.hpp"
 
 namespace silt::coupler::testing {
 namespace {

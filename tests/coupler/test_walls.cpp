@@ -14,11 +14,11 @@
 #include "silt/case/case_check.hpp"
 #include "silt/case/quantity_spec.hpp"
 #include "silt/simulation.hpp"
-#include "tests/coupler/case/mesh_case.hpp"
-#include "tests/coupler/case/pipe_case.hpp"
-#include "tests/coupler/coupled_scenes.hpp"
 #include "tests/coupler/single_cells.hpp"
 #include "tests/errors.hpp"
+#include "tests/silt/case/mesh_case.hpp"
+#include "tests/silt/case/pipe_case.hpp"
+#include "tests/silt/coupled_scenes.hpp"
 
 namespace silt::coupler::testing {
 namespace {

@@ -285,32 +285,27 @@ TEST(Determinism, ImpactsToo) {
   const Outcome reference = on_one_rank("sffd", 1, 250, tumble_of_impacts);
   EXPECT_GT(reference.impact_sweeps, 300u);
   expect_same(reference, on_one_rank("sffd", 2, 250, tumble_of_impacts));
-  for (int ranks : {1, 2, 4, 8}) expect_same(reference, on_ranks("sffd", ranks, 250, tumble_of_impacts));
+  for (int ranks : {1, 3, 4}) expect_same(reference, on_ranks("sffd", ranks, 250, tumble_of_impacts));
 }
 
 TEST(Determinism, CohesionToo) {
   const Outcome reference = on_one_rank("sffd", 1, 250, sticky);
   EXPECT_GT(reference.contacts, 5000u);
   expect_same(reference, on_one_rank("sffd", 2, 250, sticky));
-  for (int ranks : {1, 2, 4, 8}) expect_same(reference, on_ranks("sffd", ranks, 250, sticky));
+  for (int ranks : {1, 3, 4}) expect_same(reference, on_ranks("sffd", ranks, 250, sticky));
 }
 
 TEST(Determinism, MeshesToo) {
-  for (const char* backend : {"analytic", "bullet", "fcl"}) {
-    SCOPED_TRACE(backend);
-    testing::backend_name = backend;
-    const Outcome reference = on_one_rank("sffd", 1, 300, meshes_on_a_floor);
-    EXPECT_GT(reference.contacts, 4000u);
-    expect_same(reference, on_one_rank("sffd", 2, 300, meshes_on_a_floor));
-    for (int ranks : {1, 2, 4, 8}) expect_same(reference, on_ranks("sffd", ranks, 300, meshes_on_a_floor));
-  }
-  testing::backend_name = "analytic";
+  const Outcome reference = on_one_rank("sffd", 1, 300, meshes_on_a_floor);
+  EXPECT_GT(reference.contacts, 4000u);
+  expect_same(reference, on_one_rank("sffd", 2, 300, meshes_on_a_floor));
+  for (int ranks : {1, 3, 4}) expect_same(reference, on_ranks("sffd", ranks, 300, meshes_on_a_floor));
 }
 
 TEST(Determinism, PrescribedBodyLargerThanASlab) {
   const Outcome reference = on_one_rank("sffd", 1, 400, carousel);
   EXPECT_GT(reference.contacts, 4000u);
-  for (int ranks : {1, 2, 4, 8}) expect_same(reference, on_ranks("sffd", ranks, 400, carousel));
+  for (int ranks : {1, 3, 4}) expect_same(reference, on_ranks("sffd", ranks, 400, carousel));
   const BodyRecord& plate = reference.bodies.back();
   EXPECT_EQ(plate.id, 1000u);
   EXPECT_NEAR(plate.position[0], 3 + 0.2 * 0.8, 1e-12) << "as prescribed, whatever lies on it";

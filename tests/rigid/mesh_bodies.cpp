@@ -6,9 +6,9 @@
 #include "rigid/collision/tube_contacts.hpp"
 #include "rigid/math/types.hpp"
 #include "tests/rigid/random.hpp"
-#include "tests/rigid/scene.hpp"
 #include "tests/rigid/shapes/meshes.hpp"
 #include "tests/rigid/shapes/solids.hpp"
+#include "tests/rigid/with_backend.hpp"
 
 namespace silt::rigid {
 namespace {
@@ -19,13 +19,7 @@ using testing::random_turn;
 using testing::Scene;
 using testing::uniform;
 
-class MeshBodies : public ::testing::TestWithParam<const char*> {
- protected:
-  void SetUp() override { testing::backend_name = GetParam(); }
-  void TearDown() override { testing::backend_name = "analytic"; }
-};
-INSTANTIATE_TEST_SUITE_P(On, MeshBodies, ::testing::Values("auto", "analytic", "bullet", "fcl"),
-                         [](const auto& name) { return std::string(name.param); });
+class MeshBodies : public testing::WithBackend {};
 
 void add_wall(Scene& s, const Mesh& mesh, const Vec3& x, const PrescribedMotion& motion = {}) {
   add_wall(s.bodies, s.world, {mesh, {x, Quat::Identity()}, Vec3::UnitZ(), 0, motion});
@@ -45,7 +39,7 @@ Scene rolling(bool on_mesh, const Vec3& velocity) {
   return s;
 }
 
-TEST_P(MeshBodies, BallOnRandomTrianglesRollsAsOnAPlane) {
+TEST_F(MeshBodies, BallOnRandomTrianglesRollsAsOnAPlane) {
   const Vec3 velocity(3, 1.7, 0);
   Scene on_mesh = rolling(true, velocity), on_plane = rolling(false, velocity);
   double off = 0;
@@ -62,7 +56,7 @@ TEST_P(MeshBodies, BallOnRandomTrianglesRollsAsOnAPlane) {
 }
 
 /// Every solid slides over the seams and comes to rest where it does on a half-space.
-TEST_P(MeshBodies, SlidingBodiesFeelNoSeams) {
+TEST_F(MeshBodies, SlidingBodiesFeelNoSeams) {
   for (const ConvexShape& shape : std::initializer_list<ConvexShape>{
            Box{{0.5, 0.4, 0.2}}, Cylinder{0.5, 0.2}, Capsule{0.2, 0.5}, Ellipsoid{{0.5, 0.5, 0.2}}}) {
     const auto slide = [&](bool on_mesh) -> Vec3 {
@@ -85,7 +79,7 @@ TEST_P(MeshBodies, SlidingBodiesFeelNoSeams) {
   }
 }
 
-TEST_P(MeshBodies, CubesStackAsBoxesDo) {
+TEST_F(MeshBodies, CubesStackAsBoxesDo) {
   const auto stack = [](const Shape& cube) {
     Scene s(0, 0.5);
     s.world.gravity = {0, 0, -g};
@@ -104,7 +98,7 @@ TEST_P(MeshBodies, CubesStackAsBoxesDo) {
 }
 
 /// One ring is held, the other hangs in it and swings.
-TEST_P(MeshBodies, TwoRingsStayLinked) {
+TEST_F(MeshBodies, TwoRingsStayLinked) {
   Scene s(0.2, 0.3);
   s.world.gravity = {0, 0, -g};
   const int ring = s.shape(testing::solid_of(testing::torus_mesh(1, 0.2, 32, 16)));
@@ -124,28 +118,8 @@ TEST_P(MeshBodies, TwoRingsStayLinked) {
   EXPECT_NEAR(s.x(1)[2], 10 - 1.6, 0.1);
 }
 
-/// Balls poured into a funnel of triangles stay in it.
-TEST_P(MeshBodies, FunnelKeepsItsBalls) {
-  Scene s(0.3, 0.3);
-  s.world.gravity = {0, 0, -g};
-  const int ball = s.shape(Sphere{0.1});
-  for (int i = 0; i < 200; ++i)
-    s.add(ball, {9.4 + 0.24 * (i % 6) + 0.001 * (i % 7), 9.4 + 0.24 * (i / 6 % 6), 11 + 0.24 * (i / 36)});
-  add_wall(s, testing::vessel_of(testing::lathe_mesh({{0, 0}, {0.15, 0}, {1, 1}, {1, 3}, {0, 3}}, 48)),
-           {10, 10, 10});
-  s.start();
-  const Mesh vessel = std::get<Mesh>(s.world.shapes.back());
-  s.run(4000);
-  for (BodyId i = 0; i < 200; ++i)
-    EXPECT_GT(vessel.signed_distance(s.x(i) - Vec3(10, 10, 10)), 0.1 - 5e-3) << i;
-  s.deepest = 0;
-  s.run(200);
-  EXPECT_LT(s.deepest, 1e-3);
-  EXPECT_LT(s.kinetic_energy() / 200, 1e-3);
-}
-
 /// A wall that turns carries what lies on it; one that comes along pushes.
-TEST_P(MeshBodies, MovingWallsCarryAndPush) {
+TEST_F(MeshBodies, MovingWallsCarryAndPush) {
   Scene s(0, 0.5);
   const Mesh paddle = testing::solid_of(testing::cuboid_mesh({-4, -0.2, -0.5}, {4, 0.2, 0.5}));
   PrescribedMotion turns;

@@ -5,7 +5,7 @@
 #include "coupler/balance/work_map.hpp"
 #include "lbm/blocks/equal_cut.hpp"
 #include "silt/case/case.hpp"
-#include "tests/coupler/case/case_text.hpp"
+#include "tests/silt/case/case_text.hpp"
 
 namespace silt::coupler {
 namespace {

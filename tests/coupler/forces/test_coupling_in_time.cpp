@@ -6,7 +6,7 @@
 
 #include "coupler/forces/coupling_in_time.hpp"
 #include "silt/simulation.hpp"
-#include "tests/coupler/case/case_text.hpp"
+#include "tests/silt/case/case_text.hpp"
 
 namespace silt::coupler::testing {
 namespace {

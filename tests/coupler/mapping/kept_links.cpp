@@ -15,9 +15,9 @@
 #include "coupler/mapping/refill.hpp"
 #include "coupler/mapping/side_columns.hpp"
 #include "silt/simulation.hpp"
-#include "tests/coupler/coupled_scenes.hpp"
 #include "tests/ray_distance.hpp"
 #include "tests/shape_rows.hpp"
+#include "tests/silt/coupled_scenes.hpp"
 
 namespace silt::coupler::testing {
 namespace {

@@ -5,8 +5,8 @@
 
 #include "coupler/exchange/coupling_state.hpp"
 #include "coupler/mapping/map_bodies.hpp"
-#include "tests/coupler/case/mesh_case.hpp"
 #include "tests/odd_cut.hpp"
+#include "tests/silt/case/mesh_case.hpp"
 #include "tests/world.hpp"
 
 namespace silt::coupler::testing {

@@ -13,10 +13,10 @@
 #include "coupler/mapping/map_bodies.hpp"
 #include "rigid/shapes/shape.hpp"
 #include "silt/simulation.hpp"
-#include "tests/coupler/case/case_text.hpp"
-#include "tests/coupler/coupled_scenes.hpp"
 #include "tests/coupler/mapping/links_by_definition.hpp"
 #include "tests/shape_rows.hpp"
+#include "tests/silt/case/case_text.hpp"
+#include "tests/silt/coupled_scenes.hpp"
 
 namespace silt::coupler::testing {
 namespace {

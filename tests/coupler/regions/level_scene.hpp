@@ -6,7 +6,7 @@
 #include "rigid/shapes/shape.hpp"
 #include "silt/case/case.hpp"
 #include "silt/case/case_file.hpp"
-#include "tests/coupler/case/case_text.hpp"
+#include "tests/silt/case/case_text.hpp"
 
 namespace silt::coupler::testing {
 

@@ -4,7 +4,6 @@
 // shares its weight in many ways, and only the sums are).
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <random>
 
 #include "tests/rigid/response/pgs_resolver.hpp"

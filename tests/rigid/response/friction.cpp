@@ -1,17 +1,14 @@
 // Rest, sliding, rolling, stacks and beds by sffd against closed forms.
-#include <array>
-#include <random>
 
 #include "tests/rigid/beds.hpp"
-#include "tests/rigid/response/on_every_backend.hpp"
+#include "tests/rigid/with_backend.hpp"
 
 namespace silt::rigid::testing {
 namespace {
 
-class SffdFriction : public OnEveryBackend {};
-INSTANTIATE_TEST_SUITE_P(On, SffdFriction, every_backend, name_of_backend);
+class SffdFriction : public WithBackend {};
 
-TEST_P(SffdFriction, BoxAtRest) {
+TEST_F(SffdFriction, BoxAtRest) {
   for (const auto& [sweeps, warm] : {std::pair(4, true), std::pair(1, false)}) {
     Scene s(0.3, 0.5);
     s.settings.max_sweeps = sweeps;
@@ -26,7 +23,7 @@ TEST_P(SffdFriction, BoxAtRest) {
   }
 }
 
-TEST_P(SffdFriction, BlockOnAnIncline) {
+TEST_F(SffdFriction, BlockOnAnIncline) {
   for (double degrees : {20.0, 25.0, 30.0}) {
     Scene s(0, 0.5);
     s.settings.max_sweeps = 4;
@@ -47,7 +44,7 @@ TEST_P(SffdFriction, BlockOnAnIncline) {
   }
 }
 
-TEST_P(SffdFriction, StoppingDistanceAndToppling) {
+TEST_F(SffdFriction, StoppingDistanceAndToppling) {
   Scene s(0, 0.3);
   s.world.gravity = down;
   s.add(s.shape(Box{{0.5, 0.5, 0.25}}), {10, 10, 0.25}, {2, 0, 0});
@@ -70,7 +67,7 @@ TEST_P(SffdFriction, StoppingDistanceAndToppling) {
   }
 }
 
-TEST_P(SffdFriction, SlidingTurnsIntoRolling) {
+TEST_F(SffdFriction, SlidingTurnsIntoRolling) {
   const double v0 = 1, mu = 0.2, r = 0.1;
   Scene s(0, mu);
   s.world.gravity = down;
@@ -87,7 +84,7 @@ TEST_P(SffdFriction, SlidingTurnsIntoRolling) {
   EXPECT_NEAR(s.v(0)[0], 5.0 / 7 * v0, 1e-13);
 }
 
-TEST_P(SffdFriction, RollingDownAnIncline) {
+TEST_F(SffdFriction, RollingDownAnIncline) {
   Scene s(0, 0.5);
   s.world.gravity = slope(20);
   s.add(s.shape(Sphere{0.1}), {10, 10, 0.1});
@@ -97,7 +94,7 @@ TEST_P(SffdFriction, RollingDownAnIncline) {
   EXPECT_NEAR(s.v(0)[0] / (5.0 / 7 * g * std::sin(20 * M_PI / 180)), 1, 1e-12);
 }
 
-TEST_P(SffdFriction, LiftOff) {
+TEST_F(SffdFriction, LiftOff) {
   Scene s(0, 0.5);
   put_ball_over_floor(s, 0.1, {10, 10, 0.1});
   for (int i = 0; i < 1000; ++i) {
@@ -107,20 +104,8 @@ TEST_P(SffdFriction, LiftOff) {
   EXPECT_NEAR(s.x(0)[2] - 0.1, 0.5 * 0.25 * g, 1e-10);
 }
 
-// on a conveyor it ends rolling, at 2/7 of the belt's speed
-TEST_P(SffdFriction, MovingWallDragsABall) {
-  Scene s(0, 0.5);
-  s.world.gravity = down;
-  s.add(s.shape(Sphere{0.1}), {10, 10, 0.1});
-  s.floor({1, 0, 0});
-  s.start();
-  s.run(2000);
-  EXPECT_NEAR(s.v(0)[0], 2.0 / 7, 1e-12);
-  EXPECT_EQ(s.x(first_wall_id + 4), Vec3::Zero()) << "the wall itself stays";
-}
-
 // a ball that rolls over another one lifts off at each step
-TEST_P(SffdFriction, PressedContactsHoverByAHairAtMost) {
+TEST_F(SffdFriction, PressedContactsHoverByAHairAtMost) {
   Scene s(0, 0.5);
   s.world.gravity = down;
   const double r = 0.1;
@@ -137,10 +122,9 @@ TEST_P(SffdFriction, PressedContactsHoverByAHairAtMost) {
   EXPECT_GT((s.x(1) - s.x(0))[0], 0.04) << "it rolled";
 }
 
-class SffdBeds : public OnEveryBackend {};
-INSTANTIATE_TEST_SUITE_P(On, SffdBeds, every_backend, name_of_backend);
+class SffdBeds : public WithBackend {};
 
-TEST_P(SffdBeds, TaperedStackOfTenBoxes) {
+TEST_F(SffdBeds, TaperedStackOfTenBoxes) {
   for (int sweeps : {1, 4}) {
     Scene s(0, 0.5);
     s.settings.max_sweeps = sweeps;
@@ -159,7 +143,7 @@ TEST_P(SffdBeds, TaperedStackOfTenBoxes) {
   }
 }
 
-TEST_P(SffdBeds, AChainBearsItsLoadFromTheFirstStepOn) {  // statics: each contact has all that is above it
+TEST_F(SffdBeds, AChainBearsItsLoadFromTheFirstStepOn) {  // statics: each contact has all that is above it
   constexpr int light = 12;
   constexpr double ratio = 1e3, dt = 1e-3;
   Scene s(0, 0.5);
@@ -180,7 +164,7 @@ TEST_P(SffdBeds, AChainBearsItsLoadFromTheFirstStepOn) {  // statics: each conta
   }
 }
 
-TEST_P(SffdBeds, BedOfSpheresSettles) {
+TEST_F(SffdBeds, BedOfSpheresSettles) {
   Scene s = layers_of_spheres(0.3, 0.4, down);
   s.settings.max_sweeps = 16;
   s.start();
@@ -192,47 +176,6 @@ TEST_P(SffdBeds, BedOfSpheresSettles) {
   EXPECT_LT(s.kinetic_energy() / 80, 0.02);
   EXPECT_GT(s.report.resolver.contacts, 120u);
   EXPECT_LT(s.report.resolver.cone_excess, 1e-12);
-}
-
-TEST_P(SffdBeds, BedOf125SpheresAtFourSweeps) {  // the deepest overlap of any contact in any step of a span
-  Scene s(0.3, 0.4, {1, 1, 10});
-  s.extent.periodic = {true, true, false};
-  s.world.gravity = down;
-  s.settings.max_sweeps = 4;
-  const int ball = s.shape(Sphere{0.08});
-  std::mt19937 random(5);
-  std::uniform_real_distribution<> u(-0.004, 0.004);
-  for (int i = 0; i < 125; ++i)
-    s.add(ball, {0.1 + 0.2 * (i % 5) + u(random), 0.1 + 0.2 * (i / 5 % 5) + u(random), 0.1 + 0.2 * (i / 25)});
-  s.floor();
-  s.start();
-  s.run(1200);
-  EXPECT_LT(s.deepest, 2e-2 * 0.08) << "while it falls together";
-  s.deepest = 0;
-  s.run(300);
-  EXPECT_LT(s.deepest, 2e-3 * 0.08) << "settled";
-}
-
-TEST_P(SffdBeds, CrookedStackComesToRest) {  // each box a twentieth of an edge beside the one below
-  Scene s(0, 0.5);
-  s.world.gravity = down;
-  const int box = s.shape(Box{{0.1, 0.1, 0.1}});
-  const double offsets[5][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}, {0, 0}};
-  std::array<Vec3, 5> start, settled;
-  for (int i = 0; i < 5; ++i) {
-    start[i] = {10 + 0.01 * offsets[i][0], 10 + 0.01 * offsets[i][1], 0.1 + 0.2 * i};
-    s.add(box, start[i], Vec3::Zero(), Vec3::Zero(), 8);
-  }
-  s.floor();
-  s.start();
-  s.run(2000);
-  for (int i = 0; i < 5; ++i) settled[i] = s.x(i);
-  s.run(3000);
-  for (int i = 0; i < 5; ++i) {
-    EXPECT_LT((settled[i] - start[i]).norm(), 5e-5) << i << ": while the corners share out the weight";
-    EXPECT_LT((s.x(i) - settled[i]).norm(), 1e-8) << i;
-    EXPECT_LT(s.v(i).norm() + s.w(i).norm(), 1e-8) << i;
-  }
 }
 
 }  // namespace

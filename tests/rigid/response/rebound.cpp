@@ -3,13 +3,12 @@
 #include "rigid/math/types.hpp"
 #include "tests/adapters/mesh_scenes.hpp"
 #include "tests/hull_of.hpp"
-#include "tests/rigid/response/on_every_backend.hpp"
+#include "tests/rigid/with_backend.hpp"
 
 namespace silt::rigid::testing {
 namespace {
 
-class Rebound : public OnEveryBackend {};
-INSTANTIATE_TEST_SUITE_P(On, Rebound, every_backend, name_of_backend);
+class Rebound : public WithBackend {};
 
 constexpr double radius = 0.4;
 
@@ -88,7 +87,7 @@ BodyId put(Scene& s, const Partner& partner, bool lower_id, const Twist& motion,
   return id;
 }
 
-TEST_P(Rebound, FromAWall) {
+TEST_F(Rebound, FromAWall) {
   for (const Impact& impact : slanted) {
     Scene s(impact.restitution, impact.friction);
     const BodyId ball =
@@ -100,7 +99,7 @@ TEST_P(Rebound, FromAWall) {
   }
 }
 
-TEST_P(Rebound, FromFlatBodiesOfInfiniteMass) {
+TEST_F(Rebound, FromFlatBodiesOfInfiniteMass) {
   const Twist at_rest{Vec3::Zero(), Vec3::Zero()}, belt{{0.5, -0.25, 0}, Vec3::Zero()},
       lift{{0.125, 0, 0.25}, Vec3::Zero()};
   for (const Partner& partner : flat_partners())
@@ -117,7 +116,7 @@ TEST_P(Rebound, FromFlatBodiesOfInfiniteMass) {
 }
 
 /// The normal does not turn: the ball falls straight, or along the side of what is straight.
-TEST_P(Rebound, FromRoundBodiesOfInfiniteMass) {
+TEST_F(Rebound, FromRoundBodiesOfInfiniteMass) {
   for (const Partner& partner : round_partners())
     for (Impact impact : slanted)
       for (const bool lower_id : {false, true}) {
@@ -131,7 +130,7 @@ TEST_P(Rebound, FromRoundBodiesOfInfiniteMass) {
       }
 }
 
-TEST_P(Rebound, FromARollerAndATurntable) {
+TEST_F(Rebound, FromARollerAndATurntable) {
   const Vec3 turn(0.25, 1.5, 0);
   const Partner roller{"roller", Sphere{2}, {50, 50, -2}},
       turntable{"turntable", Cylinder{3, 0.5}, {51, 49, -0.5}};
@@ -150,7 +149,7 @@ TEST_P(Rebound, FromARollerAndATurntable) {
 }
 
 /// Off the axis of what turns, with the normal and the pose of the step.
-TEST_P(Rebound, FromACam) {
+TEST_F(Rebound, FromACam) {
   const Part part{Sphere{1}, {{1, 0, 0.5}, Quat::Identity()}};
   const Vec3 turn(0.25, -3, -1);  // it rises to the ball
   for (const Impact& impact : slanted)
@@ -170,7 +169,7 @@ TEST_P(Rebound, FromACam) {
 }
 
 /// An edge meets a plate in two points at once: alike whichever of the two has the lower id, and as a wall.
-TEST_P(Rebound, OfABoxOnItsEdge) {
+TEST_F(Rebound, OfABoxOnItsEdge) {
   const Quat tilt(Eigen::AngleAxisd(0.3, Vec3::UnitY()));
   const Vec3 lowest = tilt * Vec3(0.5, 0, -0.25);
   std::vector<Twist> found;
@@ -249,7 +248,7 @@ Error error_of_free_pair(const Impact& impact, double mass_a, double mass_b, dou
 /// Both sides of a free pair take their impulse at one point, which keeps angular momentum, while the arms
 /// are longer than the radii by their parts of the gap: Coulomb's law holds to the order of the gap. The
 /// lighter one has the lesser part, so the law of a fixed body is the limit.
-TEST_P(Rebound, OfFreeSpheresKeepsAngularMomentum) {
+TEST_F(Rebound, OfFreeSpheresKeepsAngularMomentum) {
   for (const Impact& impact : {Impact{0.5, 10, {}}, Impact{0.5, 0.1, {}}})
     for (const double ratio : {1.0, 10.0, 1e6})
       for (const bool exchanged : {false, true}) {

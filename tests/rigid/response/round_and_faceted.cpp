@@ -8,7 +8,7 @@
 
 #include "rigid/math/types.hpp"
 #include "tests/hull_of.hpp"
-#include "tests/rigid/response/on_every_backend.hpp"
+#include "tests/rigid/with_backend.hpp"
 
 namespace silt::rigid {
 namespace {
@@ -21,13 +21,9 @@ Vec3 slope(double angle) {  // falling along +x
   return g * Vec3(std::sin(angle), 0, -std::cos(angle));
 }
 
-class RoundBodies : public testing::OnEveryBackend {};
-INSTANTIATE_TEST_SUITE_P(Backends, RoundBodies, testing::every_backend, testing::name_of_backend);
+class RoundBodies : public testing::WithBackend {};
 
-class FacetedBodies : public ::testing::Test {
-  void SetUp() override { testing::backend_name = "auto"; }
-  void TearDown() override { testing::backend_name = "analytic"; }
-};
+class FacetedBodies : public testing::WithBackend {};
 
 /// One body over a floor; its id is 0.
 Scene alone(const Shape& shape, double friction, const Vec3& gravity, double height,
@@ -50,7 +46,7 @@ void expect_rest(const Shape& shape, double height, const Quat& orientation = Qu
   EXPECT_LT(s.v(0).norm() + s.w(0).norm(), 1e-9) << shape_name(shape);
 }
 
-TEST_P(RoundBodies, RestOnTheirEnds) {
+TEST_F(RoundBodies, RestOnTheirEnds) {
   expect_rest(Cylinder{0.4, 0.5}, 0.5);
   expect_rest(Ellipsoid{{0.6, 0.5, 0.3}}, 0.3);
 }
@@ -66,11 +62,11 @@ void expect_topples(const Shape& shape, double height, double edge,
   }
 }
 
-TEST_P(RoundBodies, ToppleAtTheRightAngle) {
+TEST_F(RoundBodies, ToppleAtTheRightAngle) {
   expect_topples(Cylinder{0.2, 0.5}, 0.5, 0.2);
 }
 
-TEST_P(RoundBodies, CylinderOnAnInclineSticksOrSlides) {
+TEST_F(RoundBodies, CylinderOnAnInclineSticksOrSlides) {
   for (double degrees : {20.0, 30.0}) {
     const double a = degrees * M_PI / 180;
     Scene s = alone(Cylinder{0.5, 0.2}, 0.5, slope(a), 0.2);
@@ -81,14 +77,14 @@ TEST_P(RoundBodies, CylinderOnAnInclineSticksOrSlides) {
   }
 }
 
-TEST_P(RoundBodies, CylinderRollsDownAnIncline) {  // 2/3 g sin
+TEST_F(RoundBodies, CylinderRollsDownAnIncline) {  // 2/3 g sin
   Scene s = alone(Cylinder{0.2, 0.5}, 0.5, slope(0.3), 0.2, lying);
   s.run(1000);
   EXPECT_NEAR(s.v(0)[0] / (2.0 / 3 * g * std::sin(0.3)), 1, 1e-6);
   EXPECT_NEAR(s.w(0)[1] * 0.2, s.v(0)[0], 1e-6);
 }
 
-TEST_P(RoundBodies, CylinderSlidesThenRolls) {  // t = v0 / (3 mu g), then v = 2/3 v0
+TEST_F(RoundBodies, CylinderSlidesThenRolls) {  // t = v0 / (3 mu g), then v = 2/3 v0
   const double v0 = 1, mu = 0.2, r = 0.2;
   Scene s = alone(Cylinder{r, 0.5}, mu, slope(0), r, lying, {v0, 0, 0});
   double rolls = 0;
@@ -114,7 +110,7 @@ double period_of(Scene& s, F&& velocity) {
   return turns.size() == 5 ? (turns[4] - turns[0]) / 2 : NAN;
 }
 
-TEST_P(RoundBodies, EllipsoidRocks) {
+TEST_F(RoundBodies, EllipsoidRocks) {
   // The centre is at sqrt(c^2 cos^2 + a^2 sin^2) over the plane: omega^2 = g (a^2 / c - c) / (I / m + c^2).
   const double a = 0.6, c = 0.3, tilt = 0.02;
   const double height = std::hypot(c * std::cos(tilt), a * std::sin(tilt));

@@ -1,0 +1,288 @@
+// Runs that go on from a checkpoint, with the case and the files that they
+// began with, and runs that begin with one with other parameters.
+#include <gtest/gtest.h>
+#include <mpi.h>
+
+#include <cmath>
+#include <fstream>
+
+#include "rigid/shapes/shape.hpp"
+#include "silt/case/case_file.hpp"
+#include "silt/results/build_info.hpp"
+#include "silt/results/checkpoint.hpp"
+#include "tests/adapters/hdf5/scratch.hpp"
+#include "tests/errors.hpp"
+#include "tests/silt/case/case_text.hpp"
+#include "tests/silt/coupled_scenes.hpp"
+#include "tests/silt/same_bits.hpp"
+#include "tests/world.hpp"
+
+namespace silt::testing {
+namespace {
+
+using namespace coupler;
+
+using tests::rank;
+using tests::ranks;
+using tests::Scratch;
+
+Case resumed(const adapters::CheckpointReader& reader, const std::filesystem::path& directory,
+             const Overrides& overrides) {
+  CaseSource source = read_source(directory);
+  return case_to_resume(read_origin(reader), source, overrides);
+}
+
+TEST(Resume, AChangedCaseIsNotResumed) {
+  const Scratch scratch;
+  CaseText text;
+  text.fluid.clear();
+  const auto directory = scratch / "case";
+  if (rank() == 0) {
+    std::filesystem::create_directory(directory);
+    std::ofstream(directory / "case.toml") << text.text();
+  }
+  MPI_Barrier(MPI_COMM_WORLD);
+  const Case scene = read_case(directory, {"contacts.friction=0.25"});
+  Simulation simulation(scene, MPI_COMM_WORLD);
+  const auto path =
+      write_checkpoint(simulation, Quantities(scene), scratch.path(), provenance_of(scene, ranks(), "auto"));
+  const adapters::CheckpointReader reader(MPI_COMM_WORLD, path);
+  const Case again = resumed(reader, directory, {"run.steps=900"});
+  EXPECT_EQ(again.steps, 900);
+  EXPECT_EQ(again.pair_materials[0].friction, 0.25) << "--set of the first run is kept";
+  EXPECT_TEXT(error_of([&] { resumed(reader, directory, {"contacts.friction=0.5"}); }),
+              "start another case from these results ([initial] from)");
+  MPI_Barrier(MPI_COMM_WORLD);
+  if (rank() == 0) {
+    std::string changed = text.text();
+    changed.replace(changed.find("radius = 4"), 10, "radius = 3");
+    std::ofstream(directory / "case.toml") << changed;
+  }
+  MPI_Barrier(MPI_COMM_WORLD);
+  const std::string error = error_of([&] { resumed(reader, directory, {}); });
+  EXPECT_TEXT(error, "has changed");
+  EXPECT_TEXT(error, "radius = 4");
+}
+
+constexpr const char* tetrahedron_stl = R"(solid rock
+facet normal 0 0 0 outer loop vertex 0 0 0 vertex 0 8 0 vertex 8 0 0 endloop endfacet
+facet normal 0 0 0 outer loop vertex 0 0 0 vertex 8 0 0 vertex 0 0 8 endloop endfacet
+facet normal 0 0 0 outer loop vertex 8 0 0 vertex 0 8 0 vertex 0 0 8 endloop endfacet
+facet normal 0 0 0 outer loop vertex 0 8 0 vertex 0 0 0 vertex 0 0 8 endloop endfacet
+endsolid rock
+)";
+
+TEST(Resume, ARunGoesOnOnlyWithTheFilesItBeganWith) {
+  const tests::Scratch scratch;
+  const auto directory = scratch / "case";
+  const auto write = [&](const std::string& stl) {
+    MPI_Barrier(MPI_COMM_WORLD);
+    if (tests::rank() == 0) {
+      std::filesystem::create_directory(directory);
+      CaseText c;
+      c.fluid.clear();
+      c.shapes =
+          "[[shapes]]\nname = \"ball\"\ntype = \"polyhedron\"\nfile = "
+          "\"rock.stl\"\nscale = 0.5\n";
+      std::ofstream(directory / "case.toml") << c.text();
+      std::ofstream(directory / "rock.stl") << stl;
+    }
+    MPI_Barrier(MPI_COMM_WORLD);
+  };
+  write(tetrahedron_stl);
+  const Case scene = read_case(directory);
+  EXPECT_NEAR(rigid::mass_properties(scene.shapes[0]).volume, 4 * 4 * 4 / 6., 1e-12);
+  EXPECT_TEXT(scene.text, "\n# file rock.stl: ");
+  Simulation simulation(scene, MPI_COMM_WORLD);
+  const auto path = write_checkpoint(simulation, Quantities(scene), scratch.path(),
+                                     provenance_of(scene, tests::ranks(), "auto"));
+  const adapters::CheckpointReader reader(MPI_COMM_WORLD, path);
+  EXPECT_EQ(resumed(reader, directory, {}).files, scene.files);
+  std::string changed = tetrahedron_stl;
+  changed.replace(changed.find("0 0 8"), 5, "0 0 7");
+  while (changed.find("0 0 8") != changed.npos) changed.replace(changed.find("0 0 8"), 5, "0 0 7");
+  write(changed);
+  const std::string error = error_of([&] { resumed(reader, directory, {}); });
+  EXPECT_TEXT(error,
+              "a file has changed since the checkpoint was written: it was " + scene.files[0] + "; it is ");
+}
+
+/// The others need nothing but what rank 0 has read.
+TEST(CaseSource, IsReadOnce) {
+  const tests::Scratch scratch;
+  const auto directory = scratch / "case";
+  CaseSource source;
+  if (tests::rank() == 0) {
+    std::filesystem::create_directory(directory);
+    CaseText c;
+    c.shapes = shape_of("ball", "polyhedron", "file = \"rock.stl\"");
+    std::ofstream(directory / "case.toml") << c.text();
+    std::ofstream(directory / "rock.stl") << tetrahedron_stl;
+    source = read_source(directory);
+    read_case(source);
+    std::filesystem::remove_all(directory);
+  }
+  broadcast(MPI_COMM_WORLD, source);
+  const Case scene = read_case(source);
+  EXPECT_NEAR(rigid::mass_properties(scene.shapes[0]).volume, 8 * 8 * 8 / 6., 1e-12);
+  ASSERT_EQ(scene.files.size(), 1u);
+  EXPECT_TRUE(scene.files[0].starts_with("rock.stl: ")) << scene.files[0];
+}
+
+/// The checkpoint with which a run of a case has ended after some steps.
+struct Ended {
+  std::unique_ptr<Saved> saved;
+  std::uint64_t fluid = 0;
+  std::vector<double> bodies;  // velocities along x of bodies 1 and 2, on every rank
+
+  Ended(const CaseText& text, int steps) {
+    Simulation simulation = text.start(MPI_COMM_WORLD);
+    simulation.run(steps);
+    saved = std::make_unique<Saved>(simulation);
+    if (simulation.setup().fluid) fluid = hash_of_fluid(simulation);
+    for (const rigid::BodyId id : {1, 2}) bodies.push_back(speed(simulation, id));
+  }
+  static std::uint64_t hash_of_fluid(const Simulation& simulation) {
+    std::uint64_t all = 0;
+    const std::uint64_t mine = simulation.scene().flow->fields().hash();
+    MPI_Allreduce(&mine, &all, 1, MPI_UINT64_T, MPI_SUM, MPI_COMM_WORLD);
+    return all;
+  }
+  static double speed(const Simulation& simulation, rigid::BodyId id) {
+    const std::size_t row = simulation.bodies().row_of(id);
+    return tests::sum_over_ranks(row < simulation.bodies().owned ? simulation.bodies().velocity[row][0] : 0);
+  }
+  std::unique_ptr<Simulation> start(CaseText text, MPI_Comm comm = MPI_COMM_WORLD,
+                                    const Overrides& overrides = {}) const {
+    text.rest += "[initial]\nfrom = \"other\"\n";
+    return simulation_from(saved->reader(comm), text.read(overrides), comm);
+  }
+};
+
+/// Returns a case with these bodies, whose positions come from there.
+CaseText followers() {
+  CaseText c = free_spheres();
+  c.bodies = body_of("sphere", 2, "");
+  return c;
+}
+
+TEST(StartFrom, TheSameParametersTakeTheSameFluidAndBodies) {
+  const Ended other(free_spheres(), 40);
+  const auto start = other.start(followers());
+  EXPECT_EQ(start->steps_done(), 0);
+  EXPECT_EQ(Ended::hash_of_fluid(*start), other.fluid);
+  EXPECT_EQ(Ended::speed(*start, 1), other.bodies[0]);
+  EXPECT_EQ(start->body_count(), 3u);
+}
+
+/// Half as long steps, another density of the fluid, another viscosity.
+TEST(StartFrom, OtherUnitsKeepVelocityPressureAndRateOfStrain) {
+  CaseText c;
+  c.units = "[units]\nsystem = \"si\"\ncell_size = 1e-3\ntime_step = 1e-3\n";
+  c.domain = "[domain]\nsize = [0.016, 0.016, 0.016]\nboundary = \"periodic\"\n";
+  c.fluid =
+      "[fluid]\ndensity = 1000\nkinematic_viscosity = 1e-4\nprecision = "
+      "\"double\"\ninitial = { type = "
+      "\"taylor-green-3d\", "
+      "velocity = [0.02, 0, 0] }\n";
+  c.shapes = shape_of("ball", "sphere", "diameter = 6e-3");
+  c.bodies = body_of("ball", 1200,
+                     "positions = [[0.004, 0.004, 0.004], [0.012, 0.011, "
+                     "0.012]]\nvelocity = [0.01, 0, 0]");
+  const Ended other(c, 60);
+  const auto before = other.saved->go_on(c.read());
+  CaseText next = c;
+  next.units = "[units]\nsystem = \"si\"\ncell_size = 1e-3\ntime_step = 5e-4\n";
+  next.fluid =
+      "[fluid]\ndensity = 800\nkinematic_viscosity = 3e-4\nprecision "
+      "= \"double\"\n";
+  next.bodies = body_of("ball", 2000, "");
+  const auto after = other.start(next);
+  const FlowTotals was = before->scene().flow->totals(), is = after->scene().flow->totals();
+  EXPECT_EQ(was.fluid_cells, is.fluid_cells);
+  EXPECT_NEAR(is.energy, was.energy / 4, 1e-9 * was.energy);
+  EXPECT_NEAR(is.max_density - 1, (was.max_density - 1) / 4 / 0.8, 1e-9);
+  EXPECT_NEAR(Ended::speed(*after, 1), other.bodies[0] / 2, 1e-15);
+  const auto stress = [](const Simulation& simulation) {  // twice the viscosity times the rate of strain
+    double sum = 0;
+    const FluidFields& fields = simulation.scene().flow->fields();
+    for_each_fluid_cell(fields, [&](lbm::Int3, const lbm::Moments& m) {
+      const auto u = fields.velocity(m);
+      const double off = m.flux[3] - u[0] * u[1];
+      sum += off * off;
+    });
+    return std::sqrt(tests::sum_over_ranks(sum)) / fields.spec().relaxation_time;
+  };
+  EXPECT_NEAR(stress(*after), stress(*before) / 2, 1e-9 * stress(*before));
+}
+
+CaseText arrivals() {
+  CaseText c = followers();
+  c.fluid = "[fluid]\nrelaxation_time = 0.7\nprecision = \"double\"\n";
+  c.shapes += sphere_of("small", 4);
+  c.bodies += fill_of("small", 1.5, 6, "gap = 0.2");
+  return c;
+}
+
+TEST(StartFrom, AddedBodiesFindRoomAndAllIsTheSameOnAnyRanks) {
+  const Ended other(free_spheres(), 30);
+  const auto hash = [&](MPI_Comm comm, const std::string& blocks) {
+    const auto start = other.start(arrivals(), comm, {"domain.blocks=" + blocks});
+    EXPECT_EQ(start->body_count(), 9u);
+    EXPECT_EQ(start->next_id(), 10u);
+    start->run(20);
+    return start->hash();
+  };
+  const std::uint64_t alone = tests::alone([&] { return hash(MPI_COMM_SELF, "[24, 24, 24]"); });
+  EXPECT_EQ(hash(MPI_COMM_WORLD, "[12, 12, 12]"), alone);
+  EXPECT_EQ(Ended::speed(*other.start(arrivals()), 2), other.bodies[1]);
+}
+
+TEST(StartFrom, ADryPackingIsFloodedAndTheRunGoesOnToTheSameBits) {
+  CaseText dry = crowd();
+  dry.fluid = "";
+  const Ended other(dry, 50);
+  CaseText wet = crowd();
+  wet.bodies = body_of("sphere", 1.4, "") + body_of("star", 3, "") + body_of("box", 4, "motion = \"fixed\"");
+  const auto start = other.start(wet);
+  start->run(15);
+  expect_goes_on(*start, 15);
+}
+
+TEST(StartFrom, WhatDoesNotFitIsRefused) {
+  const Ended other(free_spheres(), 10);
+  const auto error = [&](const std::function<void(CaseText&)>& change) -> std::string {
+    CaseText c = followers();
+    change(c);
+    return tests::error_of<std::runtime_error>([&] { other.start(c); });
+  };
+  EXPECT_TEXT(error([](CaseText& c) { c.bodies = body_of("sphere", 2, "name = \"ball\""); }),
+              "it has bodies 'sphere', of which the case has no entry; give "
+              "[[bodies]] of that name without "
+              "positions");
+  EXPECT_TEXT(error([](CaseText& c) { c.shapes = sphere_of("sphere", 6); }),
+              "has not the shape that the case gives 'sphere'");
+  EXPECT_TEXT(error([](CaseText& c) {
+                c.domain = domain_of({24, 24, 28});
+              }),
+              "of another lattice than the case's");
+  EXPECT_TEXT(error([](CaseText& c) {
+                c.fluid = c.rest = "";
+                c.domain = domain_of({24, 24, 12});
+              }),
+              "outside of the 24 x 24 x 12 cells of the case; enlarge domain.size");
+  EXPECT_TEXT(error([](CaseText& c) {
+                c.units = "[units]\nsystem = \"si\"\ncell_size = 0.5\ntime_step = 1\n";
+                c.domain = domain_of({12, 12, 12});
+                c.shapes = sphere_of("sphere", 3.5);
+                c.fluid =
+                    "[fluid]\ndensity = 1\nkinematic_viscosity = 0.1\nprecision "
+                    "= \"double\"\n";
+              }),
+              "its cells are 1 wide, those of the case 0.5; they must be of one size");
+  EXPECT_TEXT(followers().fault({"initial.from=other", "coarsening.levels=1"}),
+              "initial.from gives all cells of one level");
+}
+
+}  // namespace
+}  // namespace silt::testing
