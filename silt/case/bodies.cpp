@@ -32,10 +32,9 @@ constexpr std::tuple body_keys{
     HandKey{"origin", "\"shape\", \"centre\"", "", "\"shape\"",
             "what the positions place: the origin that the shape (or its file) is given about, or the centre "
             "of mass"},
-    HandKey{
-        "motion", "\"free\", \"fixed\", \"prescribed\", table", "", "\"free\"",
-        "whether a body moves by the forces on it, not at all, keeps its velocity, or moves as a table says: "
-        "see walls.motion"},
+    HandKey{"motion", "\"free\", \"fixed\", \"prescribed\", table", "", "\"free\"",
+            "whether a body moves by the forces on it, not at all, keeps its velocity, or moves as a table "
+            "says: see walls.motion"},
     HandKey{"locked", "list of axes", "", "none",
             "of free bodies: axes along or about which nothing moves them, as in [\"x\", \"rotation y\"]"},
     Key{"velocity", &EntrySpec::velocity, Vector{dimension::velocity},
@@ -47,19 +46,28 @@ constexpr std::tuple start_keys{
     Key{"from", &StartSpec::from, Text{},
         "folder of another run's results, of which the newest checkpoint counts, or a checkpoint", required}};
 
+constexpr auto is_at_random = [](const FillSpec& fill) { return fill.arrangement == Arrangement::random; };
+constexpr Rule of_sites{If::refused, is_at_random,
+                        "{key} is for sites, but {table}.arrangement is \"random\"; set it to "
+                        "\"simple-cubic\" or \"hexagonal\", or remove the key"};
 constexpr std::tuple fill_keys{
     Key{"arrangement", &FillSpec::arrangement, Choice{arrangement_names}, "where the bodies are"},
     HandKey{"diameter", "table", "", "the shape's",
             "sizes of the bodies, see below; those of the shape do not count then; at random only"},
     Key{"count", &FillSpec::count, Whole{1, 100'000'000'000},
-        "number of bodies; not at random as many as fit without it", "–, none"},
+        "number of bodies; not at random as many as fit without it", "–, none",
+        Rule{If::needed, is_at_random}},
     Key{"spacing", &FillSpec::spacing, Number{dimension::length, range::above(0)},
-        "distance of neighbouring sites; not at random", "the least"},
+        "distance of neighbouring sites; not at random", "the least", of_sites},
     Key{"shift", &FillSpec::shift, Number{dimension::length, range::at_least(0)},
-        "furthest that a body is moved from its site, in a random direction; not at random"},
+        "furthest that a body is moved from its site, in a random direction; not at random", nullptr,
+        of_sites},
     Key{"gap", &FillSpec::gap, Number{dimension::length, range::at_least(0)},
         "least distance between bounding spheres, and to walls"},
-    Key{"seed", &FillSpec::seed, Whole{0}, "seed of the random numbers"},
+    Key{"seed", &FillSpec::seed, Whole{0}, "seed of the random numbers", nullptr,
+        Rule{If::idle,
+             [](const FillSpec& fill) { return !is_at_random(fill) && fill.aligned && fill.shift == 0; },
+             "nothing of the fill is random; remove it"}},
     Key{"orientation", &FillSpec::aligned, Choice{coupler::names_of<bool>("random", "aligned")},
         "whether the bodies are rotated at random"},
     Key{"box", &FillSpec::box, Corners{}, "two corners of the box that is filled", "the domain"},
@@ -103,15 +111,12 @@ void read_entry(TableReader& table, EntrySpec& spec, Case& setup) {
 /// Refuses keys of which a file of positions has columns, and columns that a fixed body cannot have.
 void check_contents(TableReader& table, const BodySpec& body, const std::string& name,
                     const PositionContents& in) {
-  const auto refuse_twice = [&](bool in_file, std::initializer_list<const char*> keys) {
-    for (const char* key : keys)
-      if (in_file && table.has(key))
-        table.fail(key, "{} is given, and '{}' has columns of it: remove one of the two", table.path(key),
-                   name);
-  };
-  refuse_twice(in.orientation, {"orientation"});
-  refuse_twice(in.velocity, {"velocity"});
-  refuse_twice(in.angular_velocity, {"angular_velocity"});
+  for (const auto& [key, in_file] :
+       {std::pair("orientation", in.orientation), std::pair("velocity", in.velocity),
+        std::pair("angular_velocity", in.angular_velocity)})
+    if (in_file && table.has(key))
+      table.fail(key, "{} is given, and '{}' has columns of it: remove one of the two", table.path(key),
+                 name);
   if (body.motion == rigid::Motion::fixed && in.fastest != FiledPose{})
     table.fail("positions",
                "{}: '{}' has velocities, but the bodies are fixed; set motion = \"free\" or \"prescribed\", "
@@ -136,7 +141,8 @@ void read_filed_bodies(TableReader& table, BodySpec alike, Case& setup) {
 std::vector<Vec3> read_positions(TableReader& table) {
   const std::string given = table.one_of({"position", "positions"}, true, "where the body is");
   if (given == "positions")
-    return table.points(given, 1, "a list of positions, [[x, y, z], ...], or the name of a file of them");
+    return table.points(given, 1, std::size_t(-1),
+                        "a list of positions, [[x, y, z], ...], or the name of a file of them");
   const auto x = table.vector("position", dimension::length);
   return x ? std::vector{*x} : std::vector<Vec3>{};
 }
@@ -177,13 +183,10 @@ void read_body_motion(TableReader& table, BodySpec& body, Case& setup) {
   } else {
     body.motion = rigid::Motion::prescribed;
     TableReader motion = table.table("motion");
-    if (motion.has("point"))
-      motion.fail("point", "{} is of a wall; a body turns about its centre of mass, remove the key",
-                  motion.path("point"));
-    for (const char* key : {"velocity", "angular_velocity"})
-      if (table.has(key))
-        table.fail(key, "{} is given, and so is the table {}; remove one of them", table.path(key),
-                   motion.path());
+    motion.refuse_given({"point"},
+                        "{key} is of a wall; a body turns about its centre of mass, remove the key");
+    table.refuse_given({"velocity", "angular_velocity"},
+                       "{key} is given, and so is the table {table}.motion; remove one of them");
     const rigid::PrescribedMotion& read = setup.kind_motions[body.kind] = read_motion(motion).motion;
     if (read.angular_velocity.isZero(0)) motion.idle("axis", "the body turns about no axis; remove it");
   }
@@ -208,23 +211,18 @@ void read_given_bodies(TableReader& root, Case& setup) {
     read_locked(table, body, setup, locks);
     body.pose.orientation = read_orientation(table);
     body.origin = read_origin(table, body.shape, setup);
-    for (const char* key : {"velocity", "angular_velocity"})
-      if (body.motion == rigid::Motion::fixed && table.has(key))
-        table.fail(key, "{} is given for a fixed body; remove it, or set motion = \"prescribed\"",
-                   table.path(key));
+    if (body.motion == rigid::Motion::fixed)
+      table.refuse_given({"velocity", "angular_velocity"},
+                         "{key} is given for a fixed body; remove it, or set motion = \"prescribed\"");
     const Node* positions = table.find("positions");
     if (positions && positions->kind == Node::Kind::string && !table.has("position")) {
       read_filed_bodies(table, body, setup);
       continue;
     }
     if (setup.start && !table.has("position") && !table.has("positions")) {
-      for (const char* key : {"velocity", "angular_velocity", "orientation", "origin"})
-        if (table.has(key))
-          table.fail(
-              key,
-              "{} has no effect: an entry without position names bodies of initial.from, which go on as "
-              "they were there; remove it, or give a position to add a body",
-              table.path(key));
+      table.refuse_given({"velocity", "angular_velocity", "orientation", "origin"},
+                         "{key} has no effect: an entry without position names bodies of initial.from, which "
+                         "go on as they were there; remove it, or give a position to add a body");
       setup.continued.push_back(body);
       continue;
     }
@@ -239,19 +237,9 @@ void read_given_bodies(TableReader& root, Case& setup) {
 
 /// Refuses what does not go together.
 void judge_fill(TableReader& table, const FillSpec& fill) {
-  const bool random = fill.arrangement == Arrangement::random;
-  if (random) table.need("count", "how many bodies to place");
-  for (const char* key : {"spacing", "shift"})
-    if (random && table.has(key))
-      table.fail(key,
-                 "{} is for sites, but {} is \"random\"; set it to \"simple-cubic\" or "
-                 "\"hexagonal\", or remove the key",
-                 table.path(key), table.path("arrangement"));
-  if (!random && table.has("diameter"))
+  if (!is_at_random(fill) && table.has("diameter"))
     table.fail("diameter", "{} is for bodies at random places, but {} is \"{}\"; remove one of the two",
                table.path("diameter"), table.path("arrangement"), arrangement_names[fill.arrangement]);
-  if (!random && fill.aligned && fill.shift == 0)
-    table.idle("seed", "nothing of the fill is random; remove it");
   if (table.has("every")) table.need("box", "where the bodies come in: two corners");
 }
 
@@ -310,11 +298,11 @@ void check_sizes(const Case& setup, Diagnostics& findings, std::size_t index) {
   }
   if (fill.count == 0 || fill.every > 0 || !(lacking > good_part * mass)) return;
   const std::string key = fmt::format("fill[{}].count", index);
-  findings.warning(
-      key,
-      "{} is {}, too few for every size: there is none with a diameter of {}, although sizes that are "
-      "missing have {:.0f} % of the mass: use {} or more",
-      key, fill.count, shown_length(setup, largest), 100 * lacking / mass, shown(rounded_up(1 / rarest)));
+  findings.warning(key,
+                   "{} is {}, too few for every size: there is none with a diameter of {}, although sizes "
+                   "that are missing have {:.0f} % of the mass: use {} or more",
+                   key, fill.count, shown_length(setup, largest), 100 * lacking / mass,
+                   shown(rounded_up(1 / rarest)));
 }
 
 /// Bodies of prescribed motion that the case itself moves out of the domain: one message an entry.

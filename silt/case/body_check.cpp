@@ -103,12 +103,11 @@ void check_specks(const Case& setup, Diagnostics& findings, const Entry& body) {
   const double across = 2 * rigid::bounding_radius(shape);
   const double volume = std::max(1., double(body.count)) * rigid::mass_properties(shape).volume;
   if (across > speck * longest(setup) || volume > dust * setup.volume()) return;
-  findings.warning(
-      body.key + ".shape",
-      "{}.shape: shape '{}' is {} across, the domain {}: is domain.size, or the shape, in the unit of "
-      "length of the case?",
-      body.key, setup.shape_names[body.shape], shown_length(setup, across),
-      shown_length(setup, longest(setup)));
+  findings.warning(body.key + ".shape",
+                   "{}.shape: shape '{}' is {} across, the domain {}: is domain.size, or the shape, in the "
+                   "unit of length of the case?",
+                   body.key, setup.shape_names[body.shape], shown_length(setup, across),
+                   shown_length(setup, longest(setup)));
 }
 
 /// A body that moves must find room between the walls, and must not meet itself across a border.

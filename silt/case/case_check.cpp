@@ -133,7 +133,7 @@ std::vector<Diagnostic> check_case(const Case& setup) {
   find_driving_faults(setup, findings);
   find_spring_faults(setup, findings);
   find_coarsening_faults(setup, findings);
-  find_idle_keys(setup, findings);
+  find_idle_sections(setup, findings);
   return std::move(findings.list);
 }
 
@@ -200,11 +200,11 @@ void check_velocities(Diagnostics& findings, const std::string& entry, int shape
     if (turn > 0)
       check_speed(findings, entry + "angular_velocity", rigid::bounding_radius(setup.shapes[shape]) * turn);
   } else if (!(turn <= std::numbers::pi)) {
-    findings.error(entry + "angular_velocity",
-                   "{}angular_velocity turns the body by {} degrees in a step; at "
-                   "most 180 are possible: lower it{}",
-                   entry, shown(turn * 180 / std::numbers::pi),
-                   setup.units.si ? ", or " + time_step_cure(setup, std::numbers::pi / turn) : "");
+    findings.error(
+        entry + "angular_velocity",
+        "{}angular_velocity turns the body by {} degrees in a step; at most 180 are possible: lower it{}",
+        entry, shown(turn * 180 / std::numbers::pi),
+        setup.units.si ? ", or " + time_step_cure(setup, std::numbers::pi / turn) : "");
   }
 }
 

@@ -81,9 +81,6 @@ double fluid_memory(const Case&);
 /// head of run.log.
 std::string derived_table(const Case&);
 
-struct Case;
-struct Diagnostics;
-
 // The cures of velocities and relaxation times that are out of range: the key by which a case gives the
 // length of a step, with a value that is enough.
 

@@ -106,19 +106,37 @@ void add_masks(Case& setup) {
   for (FieldsSpec& slice : setup.output.slices) add(slice);
 }
 
+bool weighs_nothing(const Case& setup) {
+  return !setup.gravity.isZero(0) && !setup.start &&
+         std::ranges::none_of(entries_of(setup), [&](const Entry& entry) {
+           return entry.is_free() && (!setup.fluid || entry.density != 1);
+         });
+}
+
+constexpr IdleInCase without_free_bodies{[](const Case& setup) { return !setup.has_free_bodies(); },
+                                         "contacts move free bodies, and the case has none; remove it"};
 constexpr std::tuple top_keys{
     Key{"title", &Case::title, Text{}, "a line for the log and the report", "none"},
     HandKey{"units", "table", "", required, "a table [units] with system = \"si\" or \"lattice\""},
     HandKey{"domain", "table", "", required, "a table [domain] with size and boundary"},
     HandKey{"run", "table", "", required, "a table [run] with steps or time"},
     HandKey{"fluid", "table", "", "none", "without it the run is dry: bodies alone"},
-    HandKey{"coarsening", "table", "", "none", "where cells of the fluid may be coarser"},
-    HandKey{"gravity", "table", "", "0", "what acts on the bodies"},
+    HandKey{"coarsening", "table", "", "none", "where cells of the fluid may be coarser",
+            IdleInCase{[](const Case& setup) { return setup.coarsening && keeps_all_fine(setup); },
+                       "a box of coarsening.fine keeps all cells finest; remove one of them"}},
+    HandKey{
+        "gravity", "table", "", "0", "what acts on the bodies",
+        IdleInCase{[](const Case& setup) { return weighs_nothing(setup) && setup.has_free_bodies(); },
+                   "all free bodies are as heavy as the fluid"},
+        IdleInCase{[](const Case& setup) { return weighs_nothing(setup) && !setup.has_free_bodies(); },
+                   "it acts on free bodies, and the case has none; a pressure gradient is fluid.body_force"}},
     HandKey{"initial", "table", "", "none", "another run at whose end this one begins"},
-    HandKey{"coupling", "table", "", "defaults", "how fluid and bodies are coupled"},
-    HandKey{"contacts", "table", "", "defaults", "how bodies collide"},
+    HandKey{"coupling", "table", "", "defaults", "how fluid and bodies are coupled",
+            IdleInCase{[](const Case& setup) { return setup.fluid && !setup.has_surfaces(); },
+                       "there are no bodies and no [[walls]] in the fluid; remove it"}},
+    HandKey{"contacts", "table", "", "defaults", "how bodies collide", without_free_bodies},
     HandKey{"output", "table", "", "none", "what is written"},
-    HandKey{"material_pairs", "list of tables", "", "none", "how two materials touch"},
+    HandKey{"material_pairs", "list of tables", "", "none", "how two materials touch", without_free_bodies},
     HandKey{"walls", "list of tables", "", "none", "curved walls"},
     HandKey{"shapes", "list of tables", "", "none", "of bodies"},
     HandKey{"bodies", "list of tables", "", "none", "bodies at given places"},
@@ -198,6 +216,10 @@ std::vector<KeySection> case_keys() {
   return all;
 }
 
+void find_idle_sections(const Case&, Diagnostics& findings) {
+  look_for_idle_keys(findings, "", top_keys);
+}
+
 namespace {
 
 /// Returns the index of a name in a list; reports "unknown <what> '<name>'; did you mean ..." and gives -1 if
@@ -231,8 +253,9 @@ std::optional<int> read_name(TableReader& reader, const char* key, const std::ve
   return index >= 0 ? std::optional(index) : std::nullopt;
 }
 
-std::string read_new_name(TableReader& reader, std::vector<std::string>& names, std::string_view what) {
-  const std::string name = reader.string("name").value_or("");
+std::string read_new_name(TableReader& reader, std::vector<std::string>& names, std::string_view what,
+                          const std::string& fallback) {
+  const std::string name = reader.string("name").value_or(fallback);
   if (!name.empty() && std::ranges::count(names, name))
     reader.fail("name", "{}: there already is a {} '{}'", reader.path("name"), what, name);
   return names.emplace_back(name);

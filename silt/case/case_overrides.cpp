@@ -13,13 +13,6 @@ namespace {
 
 using adapters::Node;
 
-// Keys that say the same thing in different ways: setting one replaces the others.
-const std::vector<std::vector<std::string>> alternatives = {
-    {"run.steps", "run.time"},
-    {"units.time_step", "units.relaxation_time", "units.max_velocity"},
-    {"fluid.kinematic_viscosity", "fluid.relaxation_time"},
-};
-
 // A string may be written without quotes if it cannot be anything else.
 bool is_bare_string(const std::string& text) {
   if (text.empty() || text == "true" || text == "false" || text == "inf" || text == "nan") return false;
@@ -73,15 +66,19 @@ Node* descend(Node& node, const std::string& step, const Place& place) {
   return &node.children.back();
 }
 
-void remove_alternatives(Node& root, const std::string& path) {
-  for (const auto& group : alternatives) {
-    if (std::ranges::count(group, path) == 0) continue;
-    const std::string table = path.substr(0, path.find('.'));
-    std::erase_if(root.find(table)->children, [&](const Node& child) {
-      const std::string other = table + "." + child.key;
-      return other != path && std::ranges::count(group, other) > 0;
+/// Of keys that say the same thing in different ways, "one of two", the one that is set replaces the others.
+void remove_alternatives(Node& root, const std::vector<std::string>& steps) {
+  const auto sections = case_keys();
+  const auto section = std::ranges::find(sections, steps[0], &KeySection::path);
+  if (steps.size() != 2 || section == sections.end()) return;
+  const auto is_one_of = [&](const std::string& name) {
+    return std::ranges::any_of(section->keys, [&](const KeyText& key) {
+      return key.name == name && key.fallback.starts_with("one of");
     });
-  }
+  };
+  if (!is_one_of(steps[1])) return;
+  std::erase_if(root.find(steps[0])->children,
+                [&](const Node& child) { return child.key != steps[1] && is_one_of(child.key); });
 }
 
 /// The child of a table or list that a step names; CaseError if there is none.
@@ -121,7 +118,7 @@ void apply_override(Node& root, const std::string& argument) {
   for (const std::string& step : steps) node = descend(*node, step, place);
   value.key = node->key;
   *node = std::move(value);
-  remove_alternatives(root, path);
+  remove_alternatives(root, steps);
 }
 
 /// Returns the key that an argument of --set or --unset is about; the length of a run has two.
@@ -167,17 +164,15 @@ void require_same_values(const CaseOrigin& origin, const CaseSource& source) {
   std::size_t i = 0;
   while (i < before.size() && i < now.size() && before[i].text == now[i].text) ++i;
   if (i == before.size() && i == now.size()) return;
-  throw CaseError(
-      Place{source.file,
-            i < now.size() ? now[i].line
-            : now.empty()  ? 1
-                           : now.back().line,
-            1},
-      fmt::format("the case has changed since the checkpoint was written: this line was \"{}\"; only [run], "
-                  "[output] and [[quantities]] may differ when a run continues; restore it, or start another "
-                  "case from "
-                  "these results ([initial] from)",
-                  i < before.size() ? line_at(origin.text, before[i].line) : ""));
+  throw CaseError(Place{source.file,
+                        i < now.size() ? now[i].line
+                        : now.empty()  ? 1
+                                       : now.back().line,
+                        1},
+                  fmt::format("the case has changed since the checkpoint was written: this line was \"{}\"; "
+                              "only [run], [output] and [[quantities]] may differ when a run continues; "
+                              "restore it, or start another case from these results ([initial] from)",
+                              i < before.size() ? line_at(origin.text, before[i].line) : ""));
 }
 
 /// The files that the case names, too, must be those of the run.
@@ -226,12 +221,10 @@ Case case_to_resume(const CaseOrigin& origin, CaseSource& source, const std::vec
   for (const std::string& o : overrides) {
     const std::string key = o.substr(0, o.find('='));
     if (!may_change(steps_of(key)[0]))
-      throw CaseError(
-          Place{override_text(o)},
-          fmt::format(
-              "{} cannot change when a run continues; only keys of run, output and quantities can: start "
-              "another case from these results ([initial] from)",
-              key));
+      throw CaseError(Place{override_text(o)},
+                      fmt::format("{} cannot change when a run continues; only keys of run, output and "
+                                  "quantities can: start another case from these results ([initial] from)",
+                                  key));
     all.push_back(o);
   }
   Case setup = read_case(source, all);

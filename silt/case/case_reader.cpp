@@ -92,6 +92,15 @@ Place TableReader::place(std::string_view key) const {
   return node ? place_of(*node) : place_;
 }
 
+std::string TableReader::filled(std::string_view text, std::string_view key) const {
+  return fmt::format(fmt::runtime(text), fmt::arg("key", path(key)), fmt::arg("table", path_));
+}
+
+void TableReader::refuse_given(std::initializer_list<const char*> keys, std::string_view text) {
+  for (const char* key : keys)
+    if (has(key)) fail(key, "{}", filled(text, key));
+}
+
 void TableReader::need(std::string_view key, std::string_view what) {
   if (!has(key)) context_->fail(place_, "{} is missing: {}", path(key), what);
 }
@@ -133,26 +142,25 @@ std::optional<rigid::Vec3> TableReader::vector(std::string_view key, Dimension d
   return v;
 }
 
-std::vector<rigid::Vec3> TableReader::points(std::string_view key, std::size_t least, std::string_view must) {
+std::vector<rigid::Vec3> TableReader::points(std::string_view key, std::size_t least, std::size_t most,
+                                             std::string_view must) {
   const Node* node = find(key);
   std::vector<rigid::Vec3> points;
   if (!node) return points;
-  if (node->kind != Node::Kind::array || node->children.size() < least) {
+  const std::size_t count = node->children.size();
+  if (node->kind != Node::Kind::array || count < least || count > most) {
     refuse(key, must);
     return points;
   }
-  for (std::size_t i = 0; i < node->children.size(); ++i)
+  for (std::size_t i = 0; i < count; ++i)
     if (const auto x = vector(node->children[i], fmt::format("{}[{}]", path(key), i)))
       points.push_back(*x / context_->units.cell_size);
-  if (points.size() < node->children.size()) points.clear();
+  if (points.size() < count) points.clear();
   return points;
 }
 
 std::optional<rigid::BoundingBox> TableReader::box(std::string_view key, bool may_be_flat) {
-  const Node* node = find(key);
-  const bool more = node && node->kind == Node::Kind::array && node->children.size() > 2;
-  const auto corners =
-      points(key, more ? node->children.size() + 1 : 2, "two corners, [[x, y, z], [x, y, z]]");
+  const auto corners = points(key, 2, 2, "two corners, [[x, y, z], [x, y, z]]");
   if (corners.size() != 2) return {};
   const double least = (corners[1] - corners[0]).minCoeff();
   if (least > 0 || (may_be_flat && least == 0)) return rigid::BoundingBox{corners[0], corners[1]};

@@ -85,8 +85,9 @@ class TableReader {
   std::optional<rigid::Vec3> vector(std::string_view key, Dimension = dimension::none);
   /// Returns a box by its lower and upper corner, which are equal along an axis only if it may be flat.
   std::optional<rigid::BoundingBox> box(std::string_view key, bool may_be_flat = false);
-  /// Returns a list of points in lattice units; none (reported) if one is wrong or there are fewer than that.
-  std::vector<rigid::Vec3> points(std::string_view key, std::size_t least, std::string_view must);
+  /// Returns a list of points in lattice units; none (reported) if one is wrong or their number is.
+  std::vector<rigid::Vec3> points(std::string_view key, std::size_t least, std::size_t most,
+                                  std::string_view must);
   std::optional<std::int64_t> integer(std::string_view key, std::int64_t low,
                                       std::int64_t high = std::numeric_limits<std::int64_t>::max(),
                                       std::string_view unit = "");
@@ -122,6 +123,10 @@ class TableReader {
     context_->warnings.push_back(
         {Diagnostic::Severity::warning, place(key), fmt::format(text, std::forward<T>(values)...)});
   }
+  /// Returns a text with the paths of a key and of this table in the place of {key} and {table}.
+  std::string filled(std::string_view text, std::string_view key) const;
+  /// Reports each of the keys that is given: the text, filled, says why it may not be.
+  void refuse_given(std::initializer_list<const char*> keys, std::string_view text);
   /// Warns of a key that is there and does nothing; `why` says what switches it off.
   void idle(std::string_view key, std::string_view why) {
     if (has(key)) warn(key, "{} has no effect: {}", path(key), why);
@@ -141,7 +146,7 @@ class TableReader {
 };
 
 // The keys of a section of a case as a table, a row a key: the member of a spec that it fills, what it may
-// be, its default and what it means.
+// be, what it means, its default, and when it does nothing, may not or must be given.
 
 inline constexpr const char* required = "–";  // in the place of a default: the key must be given
 
@@ -182,13 +187,11 @@ struct Whole {
 struct Flag {
   auto read(TableReader& table, const char* key) const { return table.boolean(key); }
   std::string type() const { return "boolean"; }
-  std::string unit_text() const { return ""; }
   static std::string text(bool b) { return b ? "true" : "false"; }
 };
 struct Text {
   auto read(TableReader& table, const char* key) const { return table.string(key); }
   std::string type() const { return "string"; }
-  std::string unit_text() const { return ""; }
   static std::string text(const std::string& s) { return s; }
 };
 template <class Enum, std::size_t count>
@@ -196,22 +199,47 @@ struct Choice {
   coupler::NameTable<Enum, count> names;
   auto read(TableReader& table, const char* key) const { return table.choice(key, names); }
   std::string type() const { return '"' + joined(names.list(), "\", \"") + '"'; }
-  std::string unit_text() const { return ""; }
   std::string text(Enum value) const { return '"' + std::string(names[value]) + '"'; }
 };
 
-template <class Spec, class Member, class Kind>
+enum class If { idle, refused, needed };
+/// What a key asks of the others of its table, once they are read: where it holds of the spec, the key does
+/// nothing, may not be given, or must be. The text names the remedy; {key} and {table} in it are paths.
+template <class Test>
+struct Rule {
+  If means;
+  Test holds;
+  const char* text = "";
+};
+/// The same of the whole case: where it holds, the key does nothing.
+struct IdleInCase {
+  bool (*in)(const Case&);
+  const char* text;
+};
+/// Holds where a member is 0.
+template <class Spec, class Member>
+constexpr auto is_zero(Member Spec::*member) {
+  return [member](const Spec& spec) { return spec.*member == 0. * (spec.*member); };
+}
+
+struct NoRule {};
+template <class Spec, class Member, class Kind, class First = NoRule, class Second = NoRule>
 struct Key {
   const char* name;
   Member Spec::*member;
   Kind kind;
   const char* meaning;
   const char* fallback = nullptr;  // null: what the member is in a spec that nobody has filled
+  First rule = {};
+  Second second_rule = {};
 };
 
 /// A key that its section reads by hand.
+template <class First = NoRule, class Second = NoRule>
 struct HandKey {
   const char *name, *type, *unit, *fallback, *meaning;
+  First rule = {};
+  Second second_rule = {};
 };
 
 /// Returns a spec that nobody has filled.
@@ -221,16 +249,18 @@ const Spec& blank_of() {
   return blank;
 }
 
-template <class Spec, class Member, class Kind>
-KeyText text_of(const Key<Spec, Member, Kind>& key) {
-  KeyText text{key.name, key.kind.type(), key.kind.unit_text(), "", key.meaning};
+template <class Spec, class Member, class Kind, class... Rules>
+KeyText text_of(const Key<Spec, Member, Kind, Rules...>& key) {
+  KeyText text{key.name, key.kind.type(), "", "", key.meaning};
+  if constexpr (requires { key.kind.unit_text(); }) text.unit = key.kind.unit_text();
   if (key.fallback)
     text.fallback = key.fallback;
   else if constexpr (requires { key.kind.text(Member{}); })
     text.fallback = key.kind.text(blank_of<Spec>().*key.member);
   return text;
 }
-inline KeyText text_of(const HandKey& key) {
+template <class... Rules>
+KeyText text_of(const HandKey<Rules...>& key) {
   return {key.name, key.type, key.unit, key.fallback, key.meaning};
 }
 
@@ -241,21 +271,32 @@ void require(TableReader& table, const AnyKey& key) {
   table.find(key.name);
 }
 
-template <class AnySpec, class Spec, class Member, class Kind>
-void read_key(TableReader& table, AnySpec& spec, const Key<Spec, Member, Kind>& key) {
+template <class Spec, class AnyKey>
+void read_key(TableReader& table, Spec& spec, const AnyKey& key) {
   require(table, key);
-  if (const auto value = key.kind.read(table, key.name)) spec.*key.member = Member(*value);
-}
-template <class AnySpec>
-void read_key(TableReader& table, AnySpec&, const HandKey& key) {
-  require(table, key);
+  if constexpr (requires { key.member; })
+    if (const auto value = key.kind.read(table, key.name))
+      spec.*key.member = std::remove_cvref_t<decltype(spec.*key.member)>(*value);
 }
 
-/// Fills a spec with what a table has of its keys; those read by hand become known, and are reported if they
-/// are missing.
+template <class Spec, class AnyKey, class AnyRule>
+void judge_key(TableReader& table, const Spec& spec, const AnyKey& key, const AnyRule& rule) {
+  if constexpr (requires { rule.holds; }) {
+    if (!rule.holds(spec)) return;
+    if (rule.means == If::idle) table.idle(key.name, table.filled(rule.text, key.name));
+    if (rule.means == If::refused) table.refuse_given({key.name}, rule.text);
+    if (rule.means == If::needed) table.need(key.name, key.meaning);
+  }
+}
+
+/// Fills a spec with what a table has of its keys, and judges them by their rules; those read by hand become
+/// known, and are reported if they are missing.
 template <class Spec, class... Keys>
 void read_keys(TableReader& table, Spec& spec, const std::tuple<Keys...>& keys) {
-  if (table.present()) std::apply([&](const auto&... key) { (read_key(table, spec, key), ...); }, keys);
+  if (!table.present()) return;
+  std::apply([&](const auto&... key) { (read_key(table, spec, key), ...); }, keys);
+  std::apply([&](const auto&... key) { (judge_key(table, spec, key, key.rule), ...); }, keys);
+  std::apply([&](const auto&... key) { (judge_key(table, spec, key, key.second_rule), ...); }, keys);
 }
 
 /// Returns the rows of the tables of keys that a section has, one after the other.

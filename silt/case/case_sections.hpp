@@ -14,6 +14,18 @@
 
 namespace silt {
 
+inline constexpr const char* no_free_bodies = "no body of the case is free to move; remove it";
+
+/// Warns of the keys of a table that do nothing in the case, as their rows say.
+template <class... Keys>
+void look_for_idle_keys(Diagnostics& findings, const std::string& table, const std::tuple<Keys...>& keys) {
+  const auto judge = [&](const auto& key, const auto& rule) {
+    if constexpr (requires { rule.in; })
+      if (rule.in(findings.setup)) findings.idle(table + key.name, rule.text);
+  };
+  std::apply([&](const auto&... key) { ((judge(key, key.rule), judge(key, key.second_rule)), ...); }, keys);
+}
+
 // domain.cpp
 std::vector<KeySection> domain_sections();
 void read_domain(TableReader& root, Case&);  // [units], [domain]; first: everything after it converts
@@ -52,10 +64,10 @@ std::shared_ptr<const rigid::PolyhedronMesh> read_polyhedron_file(TableReader&);
 // shapes.cpp
 std::vector<KeySection> shape_sections();
 void read_shapes(TableReader& root, Case&);  // [[shapes]]
-inline constexpr std::tuple orientation_keys{HandKey{
-    "orientation", "[x, y, z], [w, x, y, z], table", "1", "none",
-    "from the frame of the shape or file to that around it: where its z axis points, a quaternion, or a "
-    "turn, see below"}};
+inline constexpr std::tuple orientation_keys{
+    HandKey{"orientation", "[x, y, z], [w, x, y, z], table", "1", "none",
+            "from the frame of the shape or file to that around it: where its z axis points, a quaternion, "
+            "or a turn, see below"}};
 /// Reads orientation = [x, y, z], where the shape's z axis points, [w, x, y, z] or { axis, degrees }.
 rigid::Quat read_orientation(TableReader&);
 /// Reads the radius of a tube.
@@ -88,6 +100,8 @@ void find_spring_faults(const Case&, Diagnostics&);  // too stiff for a step
 // coarsening.cpp
 std::vector<KeySection> coarsening_sections();
 void read_coarsening(TableReader& root, Case&);  // [coarsening]; after the bodies, whose sizes it asks for
+/// Says whether a box of fine cells covers the domain; with coarser cells.
+bool keeps_all_fine(const Case&);
 
 // output.cpp, quantities.cpp
 std::vector<KeySection> output_sections(), quantity_sections();
@@ -102,9 +116,10 @@ std::vector<int> read_names(TableReader&, const char* key, const std::vector<std
 std::optional<int> read_name(TableReader&, const char* key, const std::vector<std::string>& names,
                              std::string_view what);
 
-/// Reads the name of an entry of a list, "" without one, and adds it to those before, from which it must
-/// differ.
-std::string read_new_name(TableReader&, std::vector<std::string>& names, std::string_view what);
+/// Reads the name of an entry of a list, or takes the fallback, and adds it to those before, from which it
+/// must differ.
+std::string read_new_name(TableReader&, std::vector<std::string>& names, std::string_view what,
+                          const std::string& fallback = "");
 
 /// Calls read(name, file) for the file that a key names; what is wrong with it is reported.
 template <class Read>
@@ -143,7 +158,7 @@ void find_body_faults(const Case&, Diagnostics&);      // sizes, backend, room i
 void find_turnover_faults(const Case&, Diagnostics&);  // bodies that come and go
 void find_driving_faults(const Case&, Diagnostics&);  // gravity, body force, and the speeds that come of them
 void find_coarsening_faults(const Case&,
-                            Diagnostics&);       // sizes and intervals that coarser cells do not divide
-void find_idle_keys(const Case&, Diagnostics&);  // keys that what another section says switches off
+                            Diagnostics&);           // sizes and intervals that coarser cells do not divide
+void find_idle_sections(const Case&, Diagnostics&);  // that do nothing in the case
 
 }  // namespace silt

@@ -12,16 +12,20 @@ namespace {
 
 constexpr double least_default_distance = 8;  // cells
 
+bool has_no_distance(const Case& setup) {
+  return !keeps_all_fine(setup) && !setup.has_surfaces() &&
+         (setup.coarsening->levels == 1 || setup.coarsening->fine.empty());
+}
 constexpr std::tuple coarsening_keys{
     Key{"levels", &coupler::CoarseningSpec::levels, Whole{1, coupler::CoarseningSpec::most_levels},
         "how many levels of coarser cells there are, each twice as wide as the one before and with steps "
-        "twice "
-        "as long",
+        "twice as long",
         required},
     Key{"distance", &coupler::CoarseningSpec::distance, Number{dimension::length, range::above(0)},
-        "from bodies and curved walls up to which cells are finest; those of level 1 reach twice "
-        "that further, and so on",
-        "half the largest body, at least 8 cells"},
+        "from bodies and curved walls up to which cells are finest; those of level 1 reach twice that "
+        "further, and so on",
+        "half the largest body, at least 8 cells",
+        IdleInCase{has_no_distance, "there are no bodies and no [[walls]] that it is from"}},
     HandKey{"fine", "list of tables", "", "none", "boxes of fine cells"}};
 constexpr std::tuple fine_keys{
     Key{"box", &coupler::FineBox::box, Corners{},
@@ -82,18 +86,18 @@ void check_intervals(Diagnostics& findings) {
   if (setup.steady) require_whole(findings, "run.steady.every", setup.steady->every);
   require_whole(findings, "run.balance.every", setup.balance_every, 1, coupler::regrid_interval);
   const OutputSpec& output = setup.output;
+  const auto require_each = [&](const char* list, const auto& entries) {
+    for (std::size_t i = 0; i < entries.size(); ++i)
+      require_whole(findings, fmt::format("{}[{}].every", list, i), entries[i].every);
+  };
   require_whole(findings, "output.fields.every", output.fields.every);
-  for (std::size_t i = 0; i < output.slices.size(); ++i)
-    require_whole(findings, fmt::format("output.slices[{}].every", i), output.slices[i].every);
-  for (std::size_t i = 0; i < output.series.size(); ++i)
-    require_whole(findings, fmt::format("output.series[{}].every", i), output.series[i].every);
-  for (std::size_t i = 0; i < output.probes.size(); ++i)
-    require_whole(findings, fmt::format("output.probes[{}].every", i), output.probes[i].every);
+  require_each("output.slices", output.slices);
+  require_each("output.series", output.series);
+  require_each("output.probes", output.probes);
   require_whole(findings, "output.bodies.every", output.bodies.every);
   require_whole(findings, "output.checkpoint.every", output.checkpoint.every);
   require_whole(findings, "output.report.every", output.report.every);
-  for (std::size_t i = 0; i < setup.fills.size(); ++i)
-    require_whole(findings, fmt::format("fill[{}].every", i), setup.fills[i].every);
+  require_each("fill", setup.fills);
   for (std::size_t i = 0; i < setup.quantities.size(); ++i)
     if (const QuantitySpec& q = setup.quantities[i];
         quantity_type(q.type).takes(QuantityType::instant) && std::isfinite(q.time))
@@ -102,9 +106,9 @@ void check_intervals(Diagnostics& findings) {
 
 void check_start(Diagnostics& findings) {
   if (findings.setup.start)
-    findings.error("initial.from",
-                   "initial.from gives all cells of one level, but [coarsening] is given; remove one of "
-                   "them");
+    findings.error(
+        "initial.from",
+        "initial.from gives all cells of one level, but [coarsening] is given; remove one of them");
 }
 
 void check_fine_boxes(Diagnostics& findings) {
@@ -134,12 +138,11 @@ void check_layers(Diagnostics& findings) {
     const double reynolds = speed * diameter / nu;
     const double layer = std::min(diameter / std::sqrt(std::max(reynolds, 1.)), diameter / 2);
     if (distance < layer)
-      findings.warning(
-          "coarsening.distance",
-          "coarsening.distance is {}, but the flow around {} changes over about {} (Reynolds number {}): "
-          "use {} or more",
-          cells_text(setup, distance), entry.key, cells_text(setup, std::ceil(layer)), shown(reynolds),
-          shown_length(setup, std::ceil(layer)));
+      findings.warning("coarsening.distance",
+                       "coarsening.distance is {}, but the flow around {} changes over about {} (Reynolds "
+                       "number {}): use {} or more",
+                       cells_text(setup, distance), entry.key, cells_text(setup, std::ceil(layer)),
+                       shown(reynolds), shown_length(setup, std::ceil(layer)));
   }
 }
 
@@ -147,6 +150,13 @@ void check_layers(Diagnostics& findings) {
 
 std::vector<KeySection> coarsening_sections() {
   return {section_of("coarsening", coarsening_keys), section_of("coarsening.fine", fine_keys)};
+}
+
+bool keeps_all_fine(const Case& setup) {
+  return std::ranges::any_of(setup.coarsening->fine, [&](const coupler::FineBox& fine) {
+    return fine.level == 0 && fine.box.lower.maxCoeff() <= 0 &&
+           (fine.box.upper - extent_of(setup).size).minCoeff() >= 0;
+  });
 }
 
 void read_coarsening(TableReader& root, Case& setup) {
@@ -162,9 +172,8 @@ void find_coarsening_faults(const Case& setup, Diagnostics& findings) {
   if (!setup.coarsening) return;
   const coupler::CoarseningSpec& spec = *setup.coarsening;
   if (!setup.fluid)
-    return findings.error("coarsening",
-                          "coarsening is of the fluid's cells, but the case has no [fluid]; "
-                          "remove the table");
+    return findings.error(
+        "coarsening", "coarsening is of the fluid's cells, but the case has no [fluid]; remove the table");
   if (setup.block_cells)
     findings.error("domain.blocks",
                    "domain.blocks is given, but [coarsening] cuts blocks by itself; remove one of the two");
@@ -178,6 +187,7 @@ void find_coarsening_faults(const Case& setup, Diagnostics& findings) {
   check_fine_boxes(findings);
   check_start(findings);
   check_layers(findings);
+  look_for_idle_keys(findings, "coarsening.", coarsening_keys);
 }
 
 }  // namespace silt

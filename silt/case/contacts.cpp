@@ -40,7 +40,8 @@ constexpr std::tuple material_keys{
         "sffd: Hamaker's constant A of van der Waals' attraction, A R / (6 gap²) with the reduced radius R"},
     Key{"hamaker_gap", &rigid::Material::hamaker_gap, Number{dimension::length, range::above(0)},
         "of hamaker: the gap below which the attraction grows no more; beyond ten times that there is none",
-        "with hamaker"}};
+        "with hamaker",
+        Rule{If::needed, [](const rigid::Material& m) { return m.hamaker > 0 && m.hamaker_gap == 0; }}}};
 
 constexpr std::tuple resolver_keys{
     Key{"sweeps", &rigid::ResolverSettings::max_sweeps, Whole{1, 100000},
@@ -69,8 +70,6 @@ std::optional<std::string> read_engine(TableReader& table, const char* key,
 /// Reads what a material of a pair, or of all, says.
 void read_material(TableReader& table, rigid::Material& material, const ContactSpec& contacts) {
   read_keys(table, material, material_keys);
-  if (material.hamaker > 0 && material.hamaker_gap == 0)
-    table.need("hamaker_gap", "the gap below which the attraction grows no more, as in 4e-10 m");
   for (const auto& [key, value] : {std::pair{"rolling_friction", material.rolling_friction},
                                    {"twisting_friction", material.twisting_friction},
                                    {"cohesion", material.cohesion},
@@ -166,12 +165,11 @@ void check_materials(const Case& setup, Diagnostics& findings) {
   double highest = 0;
   for (const rigid::Material& material : setup.pair_materials) {
     highest = std::max(highest, material.friction);
-    if (!(material.restitution >= 0 && material.restitution <= 1))
-      findings.error("contacts.restitution", "a restitution is {}; it must be between 0 and 1",
-                     shown(material.restitution));
-    if (!(material.friction >= 0))
-      findings.error("contacts.friction", "a friction is {}; it must be at least 0",
-                     shown(material.friction));
+    for (const auto& [name, value, range] : {std::tuple("restitution", material.restitution, unit_interval),
+                                             std::tuple("friction", material.friction, range::at_least(0))})
+      if (!range.holds(value))
+        findings.error(fmt::format("contacts.{}", name), "a {} is {}; it must be {}", name, shown(value),
+                       range.text());
   }
   if (highest <= most_friction) return;
   const double degrees = std::min(highest, steepest_angle), angle = degrees * std::numbers::pi / 180;
@@ -199,16 +197,15 @@ void check_margin(const Case& setup, Diagnostics& findings) {
 }
 
 void check_lubrication(const Case& setup, Diagnostics& findings) {
-  if (setup.places.count("coupling.lubrication") && setup.coupling.lubrication && !setup.has_lubrication())
-    findings.error("coupling.lubrication",
-                   "coupling.lubrication is true, but contacts.resolver is '{}', which knows no lubrication "
-                   "films; set contacts.resolver = \"sffd\", or remove the key",
-                   setup.contacts.resolver);
-  if (setup.coupling.lubrication && !setup.has_lubrication())
-    findings.idle("coupling.lubrication_min_gap",
-                  fmt::format("contacts.resolver is '{}', which knows no lubrication films; set "
-                              "contacts.resolver = \"sffd\", or remove the key",
-                              setup.contacts.resolver));
+  if (setup.coupling.lubrication && !setup.has_lubrication()) {
+    const std::string why = fmt::format(
+        "contacts.resolver is '{}', which knows no lubrication films; set contacts.resolver = \"sffd\", or "
+        "remove the key",
+        setup.contacts.resolver);
+    if (setup.places.count("coupling.lubrication"))
+      findings.error("coupling.lubrication", "coupling.lubrication is true, but {}", why);
+    findings.idle("coupling.lubrication_min_gap", why);
+  }
   const double gap = setup.coupling.lubrication_min_gap;
   if (gap > usual_margin)
     findings.warning("coupling.lubrication_min_gap",
@@ -261,11 +258,19 @@ void look_for_idle_pairs(TableReader& root, const Case& setup) {
   for (const CurvedWall& wall : setup.walls)
     all[std::size_t(std::visit([](const auto& of_kind) { return of_kind.material; }, wall.surface))] += 1;
   all[0] += 1;  // the sides of the domain
+  std::vector<std::string> used;
+  for (std::size_t i = 0; i < all.size(); ++i)
+    if (all[i] > 0) used.push_back(setup.material_names[i]);
   const auto meet = [&](std::size_t a, std::size_t b) { return free[a] > 0 && all[b] > (a == b ? 1u : 0u); };
   for (TableReader& pair : root.tables("material_pairs")) {
     const auto names = pair.find("between")->strings().value();
-    if (const std::size_t a = index_of_material(setup, names[0]), b = index_of_material(setup, names[1]);
-        !meet(a, b) && !meet(b, a))
+    const auto unused =
+        std::ranges::find_if(names, [&](const std::string& n) { return !std::ranges::count(used, n); });
+    const std::size_t a = index_of_material(setup, names[0]), b = index_of_material(setup, names[1]);
+    if (unused != names.end())
+      pair.warn("between", "{} has no effect: no body and no wall is of the material '{}'{}", pair.path(),
+                *unused, suggestion(*unused, used));
+    else if (!meet(a, b) && !meet(b, a))
       pair.warn("between",
                 "{} has no effect: no body meets another, or a wall, of these materials; remove it",
                 pair.path());
@@ -276,6 +281,8 @@ void find_contact_faults(const Case& setup, Diagnostics& findings) {
   check_materials(setup, findings);
   check_margin(setup, findings);
   check_lubrication(setup, findings);
+  for (const auto& [path, place] : setup.places)
+    if (!setup.has_free_bodies() && path.ends_with(".material")) findings.idle(path, no_free_bodies);
 }
 
 }  // namespace silt

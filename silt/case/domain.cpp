@@ -18,13 +18,18 @@ constexpr double most_cells_an_axis = 1 << 20;
 constexpr std::tuple system_keys{
     HandKey{"system", "\"si\", \"lattice\"", "", required,
             "\"si\" or \"lattice\": system of units of the whole file; the other keys are for \"si\""}};
-constexpr std::tuple si_keys{Key{"cell_size", &Units::cell_size, Number{dimension::length, range::above(0)},
-                                 "the length of a cell in m", required},
-                             HandKey{"time_step", "number", "s", "one of three", "length of a step"},
-                             HandKey{"relaxation_time", "number", "1", "one of three",
-                                     "a step as long as gives the fluid's viscosity this relaxation time"},
-                             HandKey{"max_velocity", "number", "m/s", "one of three",
-                                     "a step as long as makes this velocity 0.05 cells a step"}};
+struct GivenScales : Units {
+  double relaxation_time = 0, max_velocity = 0;
+};
+constexpr std::tuple si_keys{
+    Key{"cell_size", &Units::cell_size, Number{dimension::length, range::above(0)},
+        "the length of a cell in m", required},
+    Key{"time_step", &Units::time_step, Number{dimension::time, range::above(0)}, "length of a step",
+        "one of three"},
+    Key{"relaxation_time", &GivenScales::relaxation_time, Number{dimension::none, range::above(0.5)},
+        "a step as long as gives the fluid's viscosity this relaxation time", "one of three"},
+    Key{"max_velocity", &GivenScales::max_velocity, Number{dimension::velocity, range::above(0)},
+        "a step as long as makes this velocity 0.05 cells a step", "one of three"}};
 
 constexpr std::tuple domain_keys{
     HandKey{"size", "[x, y, z]", "m", required,
@@ -43,40 +48,41 @@ constexpr std::tuple axis_keys{HandKey{"x", two_sides, "", required, kinds_of_si
 constexpr std::tuple side_keys{
     Key{"type", &coupler::BoundarySpec::kind, Choice{coupler::boundary_names}, "kind of side", required},
     Key{"solid_for_bodies", &coupler::BoundarySpec::solid_for_bodies, Flag{},
-        "whether the side is a wall for bodies too; bodies beyond one that is none are taken out"}};
+        "whether the side is a wall for bodies too; bodies beyond one that is none are taken out", nullptr,
+        Rule{If::idle,
+             [](const coupler::BoundarySpec& s) { return s.kind == coupler::BoundaryKind::periodic; },
+             "a periodic axis has no sides; remove it"}}};
 constexpr std::tuple velocity_keys{
     Key{"velocity", &coupler::BoundarySpec::velocity, Vector{dimension::velocity},
         "velocity of a moving wall or of the incoming fluid, [x, y, z]; only for those two", required},
-    HandKey{"over_time", "table", "", "steady", "how the velocity changes: see gravity.over_time"}};
+    HandKey{"over_time", "table", "", "steady", "how the velocity changes: see gravity.over_time",
+            Rule{If::idle, is_zero(&coupler::BoundarySpec::velocity), "the velocity is 0"}}};
 constexpr std::tuple density_keys{
     Key{"density", &coupler::BoundarySpec::density, Number{dimension::density, range::above(0)},
         "density at a pressure outlet: in this method density is pressure", "the fluid's"}};
 
 /// Returns the length of a step; 0 if something is wrong with it (reported).
-double read_time_step(TableReader& units, TableReader& fluid, double cell_size) {
+double time_step_of(const GivenScales& scales, TableReader& units, TableReader& fluid) {
   const std::string given =
       units.one_of({"time_step", "relaxation_time", "max_velocity"}, true, "they fix the length of a step");
-  if (given == "time_step") return units.number(given, range::above(0)).value_or(0);
-  if (given.empty()) return 0;
+  if (given.empty() || given == "time_step") return scales.time_step;
   if (!fluid.present()) {
     units.fail(given, "units.{} needs a [fluid]; give units.time_step in a dry case", given);
     return 0;
   }
-  if (given == "max_velocity") {
-    const auto velocity = units.number(given, range::above(0));
-    return velocity ? target_lattice_velocity * cell_size / *velocity : 0;
-  }
+  const double cell_size = scales.cell_size, tau = scales.relaxation_time;
+  if (given == "max_velocity")
+    return scales.max_velocity > 0 ? target_lattice_velocity * cell_size / scales.max_velocity : 0;
   fluid.need("kinematic_viscosity", "units.relaxation_time derives the time step from it");
-  const auto tau = units.number(given, range::above(0.5));
   const auto viscosity = fluid.number("kinematic_viscosity", range::above(0));
-  return tau && viscosity ? (*tau - 0.5) / 3 * cell_size * cell_size / *viscosity : 0;
+  return tau > 0 && viscosity ? (tau - 0.5) / 3 * cell_size * cell_size / *viscosity : 0;
 }
 
 Units read_si_scales(TableReader& units, TableReader& fluid) {
   constexpr double dry_scale = 1000;  // kg/m3: of mass, where there is no fluid
-  Units u{.cell_size = 0, .si = true};
+  GivenScales u{{.cell_size = 0, .time_step = 0, .si = true}};
   read_keys(units, u, si_keys);
-  u.time_step = read_time_step(units, fluid, u.cell_size);
+  u.time_step = time_step_of(u, units, fluid);
   if (!fluid.present()) {
     u.density = dry_scale;
     return u;
@@ -125,9 +131,7 @@ void read_side_table(TableReader table, coupler::BoundarySpec& side) {
   if (side.traits().has_velocity) {
     read_keys(table, side, velocity_keys);
     side.over_time = read_over_time(table, "over_time");
-    if (side.velocity.isZero(0)) table.idle("over_time", "the velocity is 0");
   }
-  if (side.is_periodic()) table.idle("solid_for_bodies", "a periodic axis has no sides; remove it");
   if (side.traits().has_density) read_keys(table, side, density_keys);
 }
 
@@ -194,8 +198,7 @@ void read_cells(TableReader& domain, Case& setup) {
   if ((cells - whole).cwiseAbs().maxCoeff() > cell_count_tolerance)
     domain.fail(
         "size",
-        "domain.size is {}; it must be whole multiples of the cell size {}, at least one; the nearest "
-        "is {}",
+        "domain.size is {}; it must be whole multiples of the cell size {}, at least one; the nearest is {}",
         shown(*size), shown(cell), shown(rigid::Vec3(whole * cell)));
 }
 
@@ -305,6 +308,9 @@ void find_domain_faults(const Case& setup, Diagnostics& findings) {
                        block, setup.cells[d], "xyz"[d]);
   }
   check_flows(setup, findings);
+  for (const auto& [path, place] : setup.places)
+    if (!setup.has_bodies() && path.starts_with("domain.boundary") && path.ends_with(".solid_for_bodies"))
+      findings.idle(path, "the case has no bodies; remove it");
 }
 
 }  // namespace silt

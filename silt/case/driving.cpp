@@ -22,9 +22,12 @@ constexpr std::tuple over_time_keys{
     HandKey{"table", "[[time, share], …]", "s, 1", "1",
             "what it is multiplied with at some times, straight in between, constant before and after"},
     Key{"amplitude", &OverTime::amplitude, Number{},
-        "of what is added to that: amplitude × sin(2π frequency t)"},
+        "of what is added to that: amplitude × sin(2π frequency t)", nullptr,
+        Rule{If::idle, is_zero(&OverTime::frequency), "the frequency is 0; give one"}},
     Key{"frequency", &OverTime::frequency, Number{dimension::angular_velocity, range::at_least(0)},
-        "oscillations in a unit of time", "with amplitude"}};
+        "oscillations in a unit of time", "with amplitude",
+        Rule{If::idle, is_zero(&OverTime::amplitude), "the amplitude is 0; give one, or remove it"},
+        Rule{If::needed, [](const OverTime& s) { return !is_zero(&OverTime::amplitude)(s); }}}};
 
 constexpr double endless = std::numeric_limits<double>::infinity();
 constexpr double least_exponent = 2.4;                     // of Richardson and Zaki, at high Reynolds numbers
@@ -256,11 +259,10 @@ void check_control(const Case& setup, Diagnostics& findings) {
   check_speed(findings, key, wanted.norm());
   for (int d = 0; d < 3; ++d)
     if (wanted[d] != 0 && !setup.periodic(d))
-      findings.error(
-          key,
-          "{}[{}] is {}, but {} is not periodic, and no body force drives a flow through it; give a "
-          "velocity-inlet there, or 0",
-          key, d, shown(setup.units.physical(wanted[d], dimension::velocity)), "xyz"[d]);
+      findings.error(key,
+                     "{}[{}] is {}, but {} is not periodic, and no body force drives a flow through it; give "
+                     "a velocity-inlet there, or 0",
+                     key, d, shown(setup.units.physical(wanted[d], dimension::velocity)), "xyz"[d]);
 }
 
 /// The borders between levels have it built in.
@@ -289,10 +291,6 @@ OverTime read_over_time(TableReader& parent, const char* key) {
   TableReader table = parent.table(key);
   if (!table.present()) return over_time;
   read_keys(table, over_time, over_time_keys);
-  if (over_time.amplitude != 0) table.need("frequency", "oscillations in a unit of time");
-  if (over_time.amplitude == 0) table.idle("frequency", "the amplitude is 0; give one, or remove it");
-  if (table.has("frequency") && over_time.frequency == 0 && over_time.amplitude != 0)
-    table.idle("amplitude", "the frequency is 0; give one");
   const Node* list = table.find("table");
   if (!list) return over_time;
   const double step = table.context().units.time_step;

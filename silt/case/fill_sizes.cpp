@@ -48,10 +48,9 @@ std::vector<SizeShare> rows_of(TableReader& table) {
     rows.push_back({(*numbers)[0], (*numbers)[1]});
   }
   if (rows.empty() || rows.size() != list->children.size() || rows.size() > most_rows) {
-    table.refuse("table",
-                 fmt::format("a list of 1 to {} pairs, [[diameter, share], ...], both above 0, in the "
-                             "order of growing diameters",
-                             most_rows));
+    table.refuse("table", fmt::format("a list of 1 to {} pairs, [[diameter, share], ...], both above 0, in "
+                                      "the order of growing diameters",
+                                      most_rows));
     return {};
   }
   for (SizeShare& row : rows) row.diameter /= table.context().units.cell_size;
@@ -119,11 +118,10 @@ std::vector<SizeShare> read_fill_sizes(TableReader& fill) {
   read_keys(table, spec, diameter_keys);
   const std::string given = table.one_of({"smallest", "table"}, true, "the sizes of the bodies");
   if (given == "smallest") read_range(table, spec);
-  if (given == "table" && table.has("largest"))
-    table.fail("largest", "{} goes with {}; a table has its sizes, remove the key", table.path("largest"),
-               table.path("smallest"));
   std::vector<SizeShare> sizes;
   if (given == "table") {
+    table.refuse_given({"largest"},
+                       "{key} goes with {table}.smallest; a table has its sizes, remove the key");
     sizes = rows_of(table);
     for (SizeShare& size : sizes)
       if (spec.by_mass) size.share /= rigid::elementary::power(size.diameter, 3);

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "silt/case/case_sections.hpp"
+#include "silt/case/quiet_start_steps.hpp"
 #include "silt/case/unit_slips.hpp"
 
 namespace silt {
@@ -40,30 +41,60 @@ std::string collision_reason(const Case& setup) {
 
 namespace {
 
+constexpr Range possible_magic{0, 1e3, false, true};
+bool pushes_no_bodies(const Case& setup) {
+  const coupler::FluidSpec& fluid = *setup.fluid;
+  return fluid.body_force_on_bodies && fluid.has_body_force() && !setup.has_free_bodies();
+}
+bool is_quiet_in_vain(const Case& setup) {
+  return setup.fluid->quiet_start && quiet_start_steps(setup) == 0;
+}
+/// The control of a flow rate takes the body force along its axes.
+constexpr auto is_controlled_along_the_force = [](const coupler::FluidSpec& fluid) {
+  const auto given = fluid.body_force.array() != 0, controlled = fluid.superficial_velocity.array() != 0;
+  return given.any() && !(given && !controlled).any();
+};
 constexpr std::tuple fluid_keys{
     HandKey{"density", "number", "kg/m³", "– (si), 1", "reference density"},
-    HandKey{"kinematic_viscosity", "number", "m²/s", "one of two", "kinematic viscosity ν"},
-    HandKey{"relaxation_time", "number", "1", "one of two", "relaxation time τ = 1/2 + 3 ν in lattice units"},
+    Key{"kinematic_viscosity", &coupler::FluidSpec::kinematic_viscosity,
+        Number{dimension::viscosity, range::above(0)}, "kinematic viscosity ν", "one of two"},
+    Key{"relaxation_time", &coupler::FluidSpec::relaxation_time, Number{},
+        "relaxation time τ = 1/2 + 3 ν in lattice units", "one of two"},
     HandKey{"collision", "\"trt\", \"bgk\", \"regularised\", \"auto\"", "", "\"trt\"",
             "collision model: two relaxation times, one, or for high cell Reynolds numbers; \"auto\": "
             "\"trt\" where it lasts at the largest speed given"},
-    HandKey{"magic", "number", "1", "1/6",
-            "Λ = (τ − 1/2)(τ_odd − 1/2) of trt; with bodies or [[walls]] by default 1/16 under "
-            "\"parabolic\", 2/15 under \"multireflection\" (up to 1/6 below τ = 0.77)"},
+    Key{"magic", &coupler::FluidSpec::magic, Number{dimension::none, possible_magic},
+        "Λ = (τ − 1/2)(τ_odd − 1/2) of trt; with bodies or [[walls]] by default 1/16 under \"parabolic\", "
+        "2/15 under \"multireflection\" (up to 1/6 below τ = 0.77)",
+        "1/6"},
     Key{"precision", &coupler::FluidSpec::precision, Choice{coupler::precision_names},
         "precision of the stored populations"},
     Key{"body_force", &coupler::FluidSpec::body_force, Vector{dimension::acceleration},
         "acceleration of the fluid"},
-    HandKey{"body_force_over_time", "table", "", "steady", "how it changes: see gravity.over_time"},
+    HandKey{"body_force_over_time", "table", "", "steady", "how it changes: see gravity.over_time",
+            Rule{If::idle, is_zero(&coupler::FluidSpec::body_force),
+                 "there is no body_force that it could change; remove it"},
+            Rule{If::idle, is_controlled_along_the_force,
+                 "superficial_velocity controls the body force along the same axes; remove one of them"}},
     Key{"superficial_velocity", &coupler::FluidSpec::superficial_velocity, Vector{dimension::velocity},
         "mean over all cells, bodies counting as 0, that the body force is controlled for, along the axes "
         "where it is not 0"},
     Key{"body_force_on_bodies", &coupler::FluidSpec::body_force_on_bodies, Flag{},
         "true where the body force stands for a pressure gradient: free bodies feel the force on the fluid "
-        "they displace"},
+        "they displace",
+        nullptr,
+        Rule{If::idle,
+             [](const coupler::FluidSpec& f) { return f.body_force_on_bodies && !f.has_body_force(); },
+             "there is no body force; remove it"},
+        IdleInCase{pushes_no_bodies, no_free_bodies}},
     Key{"quiet_start", &coupler::FluidSpec::quiet_start, Flag{},
         "a start from rest begins with the pressure that weights, springs and the body force ask for, so "
-        "that it sets off no sound"},
+        "that it sets off no sound",
+        nullptr,
+        IdleInCase{[](const Case& c) { return is_quiet_in_vain(c) && begins_at_rest(c); },
+                   "neither weights nor springs nor a body force push anything at the start; remove it"},
+        IdleInCase{[](const Case& c) { return is_quiet_in_vain(c) && !begins_at_rest(c); },
+                   "the case does not begin at rest; remove it, or what moves the fluid at the start"}},
     HandKey{"initial", "table", "", "at rest", "initial state, see below"}};
 
 constexpr std::tuple initial_keys{
@@ -90,26 +121,43 @@ constexpr std::tuple vortex_keys{
 constexpr std::tuple gravity_keys{
     Key{"acceleration", &Case::gravity, Vector{dimension::acceleration},
         "acts on the bodies, less their buoyancy, as in [0, 0, -9.81]", required},
-    HandKey{"over_time", "table", "", "steady", "how it changes, see below"}};
+    HandKey{"over_time", "table", "", "steady", "how it changes, see below",
+            Rule{If::idle, is_zero(&Case::gravity), "the acceleration is 0"}}};
 
+/// Says whether cells change sides: surfaces move over them.
+bool has_moving_surfaces(const Case& setup) {
+  const auto moves = [](const BodySpec& body) { return body.motion != rigid::Motion::fixed; };
+  const auto mesh_moves = [](const CurvedWall& wall) { return wall.mesh() && wall.moves(); };
+  return !setup.fills.empty() || setup.any_given(moves) || std::ranges::any_of(setup.continued, moves) ||
+         std::ranges::any_of(setup.walls, mesh_moves);
+}
+constexpr IdleInCase unless_bodies_are_free{
+    [](const Case& setup) { return setup.has_surfaces() && !setup.has_free_bodies(); }, no_free_bodies};
 constexpr std::tuple coupling_keys{
     Key{"wall_scheme", &coupler::CouplingSpec::wall_scheme, Choice{coupler::wall_scheme_names},
         "boundary condition on the cut links of bodies and [[walls]]"},
     Key{"time", &coupler::CouplingSpec::time, Choice{coupler::time_coupling_names},
-        "whether the drag of a step acts on the velocities at its end or at its start"},
+        "whether the drag of a step acts on the velocities at its end or at its start", nullptr,
+        unless_bodies_are_free},
     Key{"force", &coupler::CouplingSpec::force, Choice{coupler::force_form_names},
         "momentum exchange; \"exact\" conserves momentum: comparison"},
     Key{"remap_tolerance", &coupler::CouplingSpec::remap_tolerance,
         Number{dimension::none, range::between(0, 0.4), "cells"},
         "how far a surface may be from where its cells were found last, at most 0.4; 0.15 of it where wall "
-        "distances do not follow (bounce-back, meshes)"},
+        "distances do not follow (bounce-back, meshes)",
+        nullptr,
+        IdleInCase{[](const Case& setup) { return setup.has_surfaces() && !has_moving_surfaces(setup); },
+                   "no body and no mesh of [[walls]] moves; remove it"}},
     Key{"lubrication", &coupler::CouplingSpec::lubrication, Flag{},
         "lubrication between close smooth surfaces, with the resolver sffd; none at the faces and edges of "
-        "boxes, cylinders and polyhedra"},
+        "boxes, cylinders and polyhedra",
+        nullptr, unless_bodies_are_free},
     Key{"lubrication_min_gap", &coupler::CouplingSpec::lubrication_min_gap,
         Number{dimension::length, range::above(0)},
-        "gap below which lubrication stops growing, as at rough surfaces; R is the reduced radius",
-        "0.001 R"}};
+        "gap below which lubrication stops growing, as at rough surfaces; R is the reduced radius", "0.001 R",
+        Rule{If::refused, is_zero(&coupler::CouplingSpec::lubrication),
+             "{key} is given, but {table}.lubrication is false; remove one of them"},
+        unless_bodies_are_free}};
 
 /// Reads the keys of one type of initial flow; another has none of them.
 template <class Keys>
@@ -137,9 +185,6 @@ void read_coupling(TableReader& root, Case& setup) {
   if (table.present() && !setup.fluid)
     root.fail("coupling", "[coupling] is given, but there is no [fluid] to couple bodies to; remove it");
   read_keys(table, setup.coupling, coupling_keys);
-  if (table.has("lubrication_min_gap") && !setup.coupling.lubrication)
-    table.fail("lubrication_min_gap", "{} is given, but {} is false; remove one of them",
-               table.path("lubrication_min_gap"), table.path("lubrication"));
 }
 
 void read_collision(TableReader& fluid, coupler::FluidSpec& spec) {
@@ -159,34 +204,18 @@ void read_viscosity(TableReader& fluid, coupler::FluidSpec& spec) {
   const std::string given =
       fluid.one_of({"kinematic_viscosity", "relaxation_time"}, true, "how viscous the fluid is");
   if (given == "relaxation_time") {
-    spec.relaxation_time = fluid.number(given, range::any).value_or(1);
     if (spec.relaxation_time <= 0.5) fluid.refuse(given, "above 0.5, where the viscosity is 0");
     spec.kinematic_viscosity = (spec.relaxation_time - 0.5) / 3;
   } else if (!given.empty()) {
-    spec.kinematic_viscosity = fluid.quantity(given, dimension::viscosity, range::above(0)).value_or(1. / 6);
     spec.relaxation_time = 0.5 + 3 * spec.kinematic_viscosity;
   }
-}
-
-/// The control of a flow rate takes the body force along its axes.
-void read_body_force_over_time(TableReader& fluid, coupler::FluidSpec& spec) {
-  spec.body_force_over_time = read_over_time(fluid, "body_force_over_time");
-  const auto given = spec.body_force.array() != 0, controlled = spec.superficial_velocity.array() != 0;
-  if (!given.any())
-    fluid.idle("body_force_over_time", "there is no body_force that it could change; remove it");
-  else if (!(given && !controlled).any())
-    fluid.idle("body_force_over_time",
-               "superficial_velocity controls the body force along the same axes; remove one of them");
-  if (!spec.has_body_force() && spec.body_force_on_bodies)
-    fluid.idle("body_force_on_bodies", "there is no body force; remove it");
 }
 
 // Limits of the method, in lattice units.
 constexpr double doubtful_relaxation_low = 0.51, doubtful_relaxation_high = 2, high_relaxation = 5;
 constexpr double most_relaxation = 1e4, usual_relaxation = 1;
 constexpr double least_measured = 1e-4;  // of tau - 1/2, by any collision model (scripts/stability)
-constexpr double most_magic = 1e3;
-constexpr double most_cells = 1e13;  // far beyond the largest machines: a slip of the pen
+constexpr double most_cells = 1e13;      // far beyond the largest machines: a slip of the pen
 
 const char* viscosity_key(const Case& setup) {
   return setup.places.count("fluid.kinematic_viscosity") ? "fluid.kinematic_viscosity"
@@ -233,8 +262,8 @@ bool is_in_another_unit(const Case& setup, Diagnostics& findings) {
   if (!setup.units.si || (found >= thinnest && found <= thickest)) return false;
   const std::string slip = viscosity_slip(setup);
   const std::string text = fmt::format(
-      "the kinematic viscosity is {} m2/s; fluids have {} (a liquid metal) to {} (thick "
-      "syrup), water has 1e-06, which is 1 mm2/s{}{}",
+      "the kinematic viscosity is {} m2/s; fluids have {} (a liquid metal) to {} (thick syrup), water has "
+      "1e-06, which is 1 mm2/s{}{}",
       shown(found), shown(thinnest), shown(thickest), slip.empty() ? "" : ": ", slip);
   if (slip.empty() || tau <= most_relaxation)
     findings.warning(viscosity_key(setup), "{}", text);
@@ -269,13 +298,12 @@ void check_flow_between_walls(const Case& setup, Diagnostics& findings) {
   if (setup.fluid->collision == lbm::Collision::trt || !setup.has_surfaces() || tau >= same_from ||
       tau < doubtful_relaxation_low || cell_reynolds(setup) > lasts)
     return;
-  findings.warning(
-      "fluid.collision",
-      "below a relaxation time of {} flow between bodies has too much drag under {}, in a packed bed "
-      "with 12 cells a diameter at 0.5225 {}: use fluid.collision = \"trt\" where it lasts, up to "
-      "u/nu = {}, or smaller cells",
-      same_from, lbm::model_of(setup.fluid->collision).name,
-      setup.fluid->collision == lbm::Collision::bgk ? "a half" : "a third", shown(lasts));
+  findings.warning("fluid.collision",
+                   "below a relaxation time of {} flow between bodies has too much drag under {}, in a "
+                   "packed bed with 12 cells a diameter at 0.5225 {}: use fluid.collision = \"trt\" where it "
+                   "lasts, up to u/nu = {}, or smaller cells",
+                   same_from, lbm::model_of(setup.fluid->collision).name,
+                   setup.fluid->collision == lbm::Collision::bgk ? "a half" : "a third", shown(lasts));
 }
 
 void check_collision(const Case& setup, Diagnostics& findings) {
@@ -288,11 +316,9 @@ void check_collision(const Case& setup, Diagnostics& findings) {
                      shown(found), model.name, shown(measured),
                      model.has_eddies() ? "" : "fluid.collision = \"regularised\" or ");
   check_flow_between_walls(setup, findings);
-  if (!(setup.fluid->magic > 0))
-    findings.error("fluid.magic", "fluid.magic is {}; it must be above 0", shown(setup.fluid->magic));
-  if (setup.fluid->magic > most_magic)
-    findings.error("fluid.magic", "fluid.magic is {}; at most {} is possible: 0.25 is usual",
-                   shown(setup.fluid->magic), shown(most_magic));
+  if (!possible_magic.holds(setup.fluid->magic))
+    findings.error("fluid.magic", "fluid.magic is {}; it must be {}: 0.25 is usual",
+                   shown(setup.fluid->magic), possible_magic.text());
 }
 
 void check_initial(const Case& setup, Diagnostics& findings) {
@@ -318,21 +344,19 @@ void read_fluid(TableReader& root, Case& setup) {
   TableReader fluid = root.table("fluid"), gravity = root.table("gravity");
   if (fluid.present()) {
     coupler::FluidSpec& spec = setup.fluid.emplace();
+    spec.kinematic_viscosity = 1. / 6, spec.relaxation_time = 1;  // where they are wrong, which is reported
     read_keys(fluid, spec, fluid_keys);
     read_viscosity(fluid, spec);
     read_collision(fluid, spec);
     read_initial(fluid.table("initial"), spec.initial);
-    read_body_force_over_time(fluid, spec);
+    spec.body_force_over_time = read_over_time(fluid, "body_force_over_time");
   }
   read_keys(gravity, setup, gravity_keys);
   setup.gravity_over_time = read_over_time(gravity, "over_time");
-  if (setup.gravity.isZero(0)) gravity.idle("over_time", "the acceleration is 0");
   read_coupling(root, setup);
-  if (!setup.fluid) return;
   const bool surfaces = root.has("bodies") || root.has("fill") || root.has("walls");
-  const double best = surfaces ? lbm::best_magic(setup.coupling.wall_scheme, setup.fluid->relaxation_time)
-                               : setup.fluid->magic;
-  setup.fluid->magic = fluid.number("magic", range::above(0)).value_or(best);
+  if (setup.fluid && surfaces && !fluid.has("magic"))
+    setup.fluid->magic = lbm::best_magic(setup.coupling.wall_scheme, setup.fluid->relaxation_time);
 }
 
 void find_fluid_faults(const Case& setup, Diagnostics& findings) {
@@ -343,6 +367,8 @@ void find_fluid_faults(const Case& setup, Diagnostics& findings) {
   check_viscosity(setup, findings);
   check_collision(setup, findings);
   check_initial(setup, findings);
+  look_for_idle_keys(findings, "fluid.", fluid_keys);
+  look_for_idle_keys(findings, "coupling.", coupling_keys);
 }
 
 }  // namespace silt

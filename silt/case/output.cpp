@@ -14,14 +14,19 @@ constexpr double most_steps = 1e15;
 constexpr coupler::NameTable<Device, device_names.size()> device_table{device_names};
 
 constexpr std::tuple run_keys{
-    HandKey{"steps", "integer", "", "one of two", "length of the run in steps, at most"},
+    Key{"steps", &Case::steps, Whole{1}, "length of the run in steps, at most", "one of two"},
     HandKey{"time", "number", "s", "one of two", "length of the run, at most"},
     HandKey{"steady", "table", "", "none", "ends the run earlier, when a quantity has become steady"},
     HandKey{"balance", "table", "", "none",
-            "looks now and then whether the domain should be cut otherwise for the ranks"},
+            "looks now and then whether the domain should be cut otherwise for the ranks",
+            IdleInCase{[](const Case& setup) { return setup.balance_every > 0 && setup.block_cells; },
+                       "domain.blocks says how the domain is cut; remove one of them"}},
     Key{"device", &Case::device, Choice{device_table},
         "where the fluid's passes run: the processor's kernels, or those of a graphics processor, here or "
-        "there"}};
+        "there",
+        nullptr,
+        IdleInCase{[](const Case& setup) { return !setup.fluid && setup.device != Device::cpu; },
+                   "the case has no [fluid], whose passes it is about; remove it"}}};
 constexpr std::tuple steady_keys{
     Key{"quantity", &SteadySpec::quantity, Text{}, "the name of one of [[quantities]]", required},
     Key{"change", &SteadySpec::change, Number{dimension::none, {0, 1, false, false}},
@@ -46,12 +51,15 @@ constexpr std::tuple output_keys{
             "any case"}};
 constexpr std::tuple series_keys{Key{"every", &SeriesSpec::every, Whole{.unit = "steps"},
                                      "the number of steps between two writes (0: never)", required}};
+/// Of a table that is never written the other keys do nothing.
+constexpr Rule if_written{If::idle, is_zero(&SeriesSpec::every), "{table}.every is 0: it is never written"};
 constexpr std::tuple field_keys{
     HandKey{"quantities", "list of fields", "", "velocity, density",
             "\"velocity\", \"density\", \"pressure\", \"shear-rate\", \"vorticity\", \"body-id\"; \"solid\" "
-            "comes by itself: OUTPUT.md"},
+            "comes by itself: OUTPUT.md",
+            if_written},
     Key{"precision", &FieldsSpec::double_precision, Choice{coupler::names_of<bool>("single", "double")},
-        "of the numbers in the files"}};
+        "of the numbers in the files", nullptr, if_written}};
 constexpr std::tuple slice_keys{
     HandKey{"name", "string", "", required, "of its files, slice_NAME_*.hdf"},
     HandKey{"box", "[[x, y, z], [x, y, z]]", "m", required,
@@ -78,7 +86,9 @@ constexpr std::tuple mean_keys{Key{"from", &MeanSpec::from, Number{dimension::ti
                                    "the number of steps between two samples", required}};
 constexpr std::tuple contact_output_keys{
     Key{"contacts", &OutputSpec::body_contacts, Flag{},
-        "whether contact_force and contact_torque are noted in every step and written"}};
+        "whether contact_force and contact_torque are noted in every step and written", nullptr,
+        Rule{If::idle, [](const OutputSpec& output) { return output.bodies.every == 0; },
+             "{table}.every is 0: it is never written"}}};
 constexpr std::tuple checkpoint_keys{
     Key{"keep", &OutputSpec::keep_checkpoints, Whole{1, 1000}, "number of checkpoints that are kept"}};
 
@@ -88,18 +98,10 @@ void read_field_names(TableReader& fields, const std::vector<std::string>& known
   for (const int i : read_names(fields, "quantities", known, "quantity")) quantities.push_back(Field(i));
 }
 
-/// Of a table that is never written the other keys do nothing.
-void look_for_idle_keys(TableReader& table, const SeriesSpec& series,
-                        std::initializer_list<const char*> others) {
-  if (series.every > 0 || !table.has("every")) return;
-  for (const char* key : others) table.idle(key, table.path("every") + " is 0: it is never written");
-}
-
 void read_fields(TableReader& table, FieldsSpec& fields) {
   if (!table.present()) return;
   read_keys(table, fields, series_keys);
   read_keys(table, fields, field_keys);
-  look_for_idle_keys(table, fields, {"quantities", "precision"});
   read_field_names(table, field_names.list(), fields.quantities);
 }
 
@@ -173,15 +175,15 @@ void read_series(TableReader& output, std::vector<ColumnsSpec>& all) {
 
 void read_points(TableReader& table, std::vector<rigid::Vec3>& points) {
   const std::string given = table.one_of({"points", "line"}, true, "where to look");
-  if (given == "points") points = table.points("points", 1, "a list of points, [[x, y, z], ...]");
-  if (given == "points" && table.has("count"))
-    table.fail("count", "{} is of a line; remove it, or give line instead of points", table.path("count"));
+  if (given == "points")
+    points = table.points("points", 1, std::size_t(-1), "a list of points, [[x, y, z], ...]");
+  if (given == "points")
+    table.refuse_given({"count"}, "{key} is of a line; remove it, or give line instead of points");
   if (given != "line") return;
   constexpr std::int64_t most = 100'000;
-  const auto ends = table.points("line", 2, "the two ends of a line, [[x, y, z], [x, y, z]]");
+  const auto ends = table.points("line", 2, 2, "the two ends of a line, [[x, y, z], [x, y, z]]");
   const auto count = table.integer("count", 2, most);
   if (!table.has("count")) table.need("count", "the number of points of a line, its ends among them");
-  if (ends.size() > 2) table.refuse("line", "the two ends of a line, [[x, y, z], [x, y, z]]");
   for (std::int64_t k = 0; ends.size() == 2 && count && k < *count; ++k)
     points.push_back(ends[0] + double(k) / double(*count - 1) * (ends[1] - ends[0]));
 }
@@ -201,17 +203,14 @@ void read_probes(TableReader& output, std::vector<ProbesSpec>& all) {
 
 void read_length_of_run(TableReader& run, std::int64_t& steps) {
   const std::string given = run.one_of({"steps", "time"}, true, "how long the run is");
-  if (given == "steps") {
-    steps = run.integer("steps", 1).value_or(1);
-  } else if (given == "time") {
-    const double wanted = run.quantity("time", dimension::time, range::above(0)).value_or(1);
-    const ReadContext& context = run.context();
-    if (context.units_known && !(wanted < most_steps))
-      run.refuse("time",
-                 fmt::format("less than {} steps of {}", shown(most_steps), shown(context.units.time_step)));
-    else
-      steps = std::max<std::int64_t>(1, std::llround(wanted));
-  }
+  if (given != "time") return;
+  const double wanted = run.quantity("time", dimension::time, range::above(0)).value_or(1);
+  const ReadContext& context = run.context();
+  if (context.units_known && !(wanted < most_steps))
+    run.refuse("time",
+               fmt::format("less than {} steps of {}", shown(most_steps), shown(context.units.time_step)));
+  else
+    steps = std::max<std::int64_t>(1, std::llround(wanted));
 }
 
 void read_run(TableReader run, Case& setup) {
@@ -332,10 +331,10 @@ void read_output(TableReader& root, Case& setup) {
   read_keys(checkpoint, output.checkpoint, series_keys);
   read_keys(checkpoint, output, checkpoint_keys);
   read_keys(report, output.report, series_keys);
-  look_for_idle_keys(bodies, output.bodies, {"contacts"});
 }
 
 void find_run_faults(const Case& setup, Diagnostics& findings) {
+  look_for_idle_keys(findings, "run.", run_keys);
   if (setup.steps < 1)
     findings.error("run.steps", "the run has {} steps; it must have at least 1", setup.steps);
   if (static_cast<double>(setup.steps) > most_steps)

@@ -12,8 +12,6 @@
 namespace silt {
 namespace {
 
-using Q = QuantityType;
-
 /// A key of those types that take it.
 template <class AnyKey>
 struct KeyOf {
@@ -107,24 +105,29 @@ std::string lacking(const Case& setup, const QuantityType& type) {
   return "";
 }
 
-/// Checks the place where a quantity looks: a side, an axis, a box. The bearer of a force must be there, and
-/// able to bear it.
-void check_place(const Case& setup, Diagnostics& findings, const QuantitySpec& quantity,
-                 const std::string& entry) {
-  const QuantityType& type = quantity_type(quantity.type);
+/// The bearer of a force must be there, and able to bear it.
+void check_bearer(const Case& setup, Diagnostics& findings, const QuantitySpec& quantity,
+                  const std::string& entry) {
+  const bool of_fluid = quantity_type(quantity.type).asks_for(Q::fluid);
   const coupler::BoundarySpec& side = setup.boundary[quantity.side];
-  const bool is_borne = type.takes(Q::bearer), by_side = is_borne && quantity.bearer == Bearer::side;
-  if (is_borne && quantity.bearer == Bearer::bodies && !setup.has_bodies())
+  if (quantity.bearer == Bearer::bodies && !setup.has_bodies())
     findings.error(entry + ".type",
                    "{}.type is \"{}\", but the case has no bodies; name what bears it by wall or side", entry,
                    quantity.type);
-  if ((type.takes(Q::side) || (by_side && type.asks_for(Q::fluid))) && !side.is_wall())
+  if (quantity.bearer == Bearer::side && !of_fluid && !side.stops_bodies())
+    findings.error(entry + ".side", "{}.side is {}, which bodies do not touch; it must be solid for them",
+                   entry, side_key(quantity.side));
+}
+
+/// Checks the place where a quantity looks: a side, an axis, a box.
+void check_place(const Case& setup, Diagnostics& findings, const QuantitySpec& quantity,
+                 const std::string& entry) {
+  const QuantityType& type = quantity_type(quantity.type);
+  if ((type.takes(Q::side) || quantity.bearer == Bearer::side) && type.asks_for(Q::fluid) &&
+      !setup.boundary[quantity.side].is_wall())
     findings.error(entry + ".side",
                    "{}.side is {}, which is no wall; it must be a side that is no-slip or moving", entry,
                    side_key(quantity.side));
-  if (by_side && !type.asks_for(Q::fluid) && !side.stops_bodies())
-    findings.error(entry + ".side", "{}.side is {}, which bodies do not touch; it must be solid for them",
-                   entry, side_key(quantity.side));
   const coupler::BoundarySpec &low = setup.boundary[2 * quantity.axis],
                               &high = setup.boundary[2 * quantity.axis + 1];
   if (type.asks_for(Q::sheared) && !(low.is_wall() && high.is_wall() && low.velocity != high.velocity))

@@ -77,7 +77,8 @@ Solid read_sizes(TableReader& table) {
 using Hull = std::shared_ptr<const rigid::PolyhedronMesh>;
 
 Hull hull_of_vertices(TableReader& table) {
-  const auto points = table.points("vertices", 4, "a list of at least 4 points, [[x, y, z], ...]");
+  const auto points =
+      table.points("vertices", 4, std::size_t(-1), "a list of at least 4 points, [[x, y, z], ...]");
   if (points.empty()) return {};
   const auto hull = adapters::convex_hull(points);
   for (std::size_t i = 0; i < points.size(); ++i)
@@ -93,9 +94,9 @@ Hull hull_of_vertices(TableReader& table) {
 rigid::ConvexShape read_polyhedron(TableReader& table) {
   const std::string given = table.one_of(
       {"vertices", "file"}, true, "its corners, [[x, y, z], ...], or the name of an STL, OBJ or PLY file");
-  if (given != "file" && table.has("scale"))
-    table.fail("scale", "{} goes with a file; the vertices are in the units of the case already",
-               table.path("scale"));
+  if (given != "file")
+    table.refuse_given({"scale"},
+                       "{key} goes with a file; the vertices are in the units of the case already");
   Hull mesh;
   try {
     if (given == "vertices") mesh = hull_of_vertices(table);
@@ -201,10 +202,9 @@ Quat read_orientation(TableReader& table) {
     if (axis.norm() > 0) return rigid::rotation_between(Vec3::UnitZ(), axis).normalized();
     table.refuse(key, "a direction of the z axis, [x, y, z], not all 0");
   } else {
-    table.refuse(
-        key,
-        "a direction of the z axis, [x, y, z], a quaternion, [w, x, y, z], or a turn, { axis = [x, y, "
-        "z], degrees = ... }");
+    table.refuse(key,
+                 "a direction of the z axis, [x, y, z], a quaternion, [w, x, y, z], or a turn, { axis = [x, "
+                 "y, z], degrees = ... }");
   }
   return Quat::Identity();
 }

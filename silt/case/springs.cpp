@@ -18,8 +18,7 @@ constexpr std::tuple spring_keys{
     HandKey{"to", "string", "", "the domain", "the same, of the other body"},
     HandKey{"ends", "[[x, y, z], [x, y, z]]", "m", "centres of mass",
             "where it is at the start: a point that is fixed to body, and one that is fixed to the other "
-            "body, or "
-            "to the domain"},
+            "body, or to the domain"},
     Key{"length", &coupler::SpringSpec::length, Number{dimension::length, range::at_least(0)},
         "at which it does not pull; 0: it holds the two points together, whatever way they part",
         "of the start"},
@@ -65,11 +64,8 @@ void read_ends(TableReader& table, coupler::SpringSpec& spring, const BodySpec& 
   const rigid::Extent extent = extent_of(setup);
   std::vector<Vec3> ends{body.pose.position, to ? to->pose.position : body.pose.position};
   if (table.has("ends")) {
-    ends = table.points("ends", 2, "two points, [[x, y, z], [x, y, z]]");
-    if (ends.size() != 2) {
-      if (!ends.empty()) table.refuse("ends", "two points, [[x, y, z], [x, y, z]]");
-      return;
-    }
+    ends = table.points("ends", 2, 2, "two points, [[x, y, z], [x, y, z]]");
+    if (ends.empty()) return;
   } else if (!to) {
     table.need("ends", "a point of the body, and the one of the domain that it is tied to");
   }
@@ -122,13 +118,12 @@ void find_fault_of(const coupler::SpringSpec& spring, const std::string& entry, 
   if (compliance == 0)
     findings.error(entry + ".body", "{}: neither of its ends can move; one must be of a free body", entry);
   if (square > most_square)
-    findings.error(
-        entry + ".stiffness",
-        "{}.stiffness lets its bodies swing in {} steps; at least {} are needed: lower it to {} or "
-        "shorten the time step",
-        entry, shown(2 * std::numbers::pi / std::sqrt(square)),
-        shown(rounded_up(2 * std::numbers::pi / std::sqrt(most_square))),
-        shown(rounded_down(units.physical(most_square / compliance, {0, -2, 1}))));
+    findings.error(entry + ".stiffness",
+                   "{}.stiffness lets its bodies swing in {} steps; at least {} are needed: lower it to {} "
+                   "or shorten the time step",
+                   entry, shown(2 * std::numbers::pi / std::sqrt(square)),
+                   shown(rounded_up(2 * std::numbers::pi / std::sqrt(most_square))),
+                   shown(rounded_down(units.physical(most_square / compliance, {0, -2, 1}))));
 }
 
 /// Of each body by its id, an upper bound of the squares of frequencies that all its springs give it: the sum

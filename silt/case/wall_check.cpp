@@ -116,6 +116,19 @@ void check_mesh(const Case& setup, Diagnostics& findings, std::size_t index, con
   if (wall.motion.moves()) check_speed(findings, wall_key(index, "motion"), fastest(setup, wall));
 }
 
+/// The axis of a wall and its point are of its rotation, and of torques on it.
+void look_for_idle_axis(const Case& setup, Diagnostics& findings, std::size_t index, const MeshWall& wall) {
+  const auto is_of_its_torque = [&](const QuantitySpec& q) {
+    return q.wall == int(index) && q.type.ends_with("torque") &&
+           (q.bearer == Bearer::wall || quantity_type(q.type).takes(QuantityType::wall));
+  };
+  if (std::ranges::any_of(setup.quantities, is_of_its_torque) || !wall.motion.angular_velocity.isZero(0))
+    return;
+  constexpr const char* why = "the wall does not turn about it; give angular_velocity";
+  findings.idle(wall_key(index, "motion.axis"), why);
+  if (wall.table.empty()) findings.idle(wall_key(index, "motion.point"), why);
+}
+
 /// Says whether a point of the domain is in the hole of a wall, by going to and fro between the two.
 bool is_open(const Case& setup, const rigid::TubeWallSpec& wall) {
   constexpr int projections = 1000;
@@ -178,10 +191,12 @@ double depth_in_mesh(const Case& setup, const BodySpec& body, const MeshWall& wa
 
 void find_wall_faults(const Case& setup, Diagnostics& findings) {
   for (std::size_t i = 0; i < setup.walls.size(); ++i)
-    if (const MeshWall* mesh = setup.walls[i].mesh())
+    if (const MeshWall* mesh = setup.walls[i].mesh()) {
       check_mesh(setup, findings, i, *mesh);
-    else
+      look_for_idle_axis(setup, findings, i, *mesh);
+    } else {
       check_tube(setup, findings, i, *setup.walls[i].tube());
+    }
 }
 
 std::string fault_in_curved_walls(const Case& setup, const BodySpec& body, const std::string& key,

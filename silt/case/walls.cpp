@@ -39,6 +39,7 @@ MotionFile read_motion_file(const std::string& text, const Units& units) {
 
 namespace {
 
+using rigid::PrescribedMotion;
 using rigid::TubeWallSpec;
 using rigid::Vec3;
 
@@ -78,17 +79,20 @@ constexpr std::tuple mesh_keys{
     HandKey{"position", "[x, y, z]", "m", "0", "where the origin of the file is"},
     HandKey{"motion", "table", "", "at rest", "of a mesh, see below"}};
 constexpr std::tuple motion_keys{
-    Key{"velocity", &rigid::PrescribedMotion::velocity, Vector{dimension::velocity}, "velocity of the point"},
+    Key{"velocity", &PrescribedMotion::velocity, Vector{dimension::velocity}, "velocity of the point"},
     HandKey{"angular_velocity", "number", "1/s", "0",
             "rotation about the axis through the point, which goes along"},
     HandKey{"axis", "\"x\", \"y\", \"z\", [x, y, z]", "", "z at rest", "of the rotation, and of wall-torque"},
     HandKey{"point", "[x, y, z]", "m", "position",
             "of the axis of a wall, at the start; wall-torque is about it"},
-    Key{"amplitude", &rigid::PrescribedMotion::amplitude, Vector{dimension::length},
-        "of an oscillation of the point: how far it goes to either side, by amplitude × sin(2π frequency t)"},
-    Key{"frequency", &rigid::PrescribedMotion::frequency,
-        Number{dimension::angular_velocity, range::at_least(0)}, "oscillations in a unit of time",
-        "with amplitude"},
+    Key{"amplitude", &PrescribedMotion::amplitude, Vector{dimension::length},
+        "of an oscillation of the point: how far it goes to either side, by amplitude × sin(2π frequency t)",
+        nullptr, Rule{If::idle, is_zero(&PrescribedMotion::frequency), "the frequency is 0; give one"}},
+    Key{"frequency", &PrescribedMotion::frequency, Number{dimension::angular_velocity, range::at_least(0)},
+        "oscillations in a unit of time", "with amplitude",
+        Rule{If::idle, is_zero(&PrescribedMotion::amplitude), "the amplitude is 0; give one, or remove it"},
+        Rule{If::needed,
+             [](const PrescribedMotion& s) { return !is_zero(&PrescribedMotion::amplitude)(s); }}},
     HandKey{"table", "string", "", "none", "CSV file of a motion, instead of angular_velocity"}};
 /// Calls use(surface, name) for the surface in `file`, read by read(name, bytes, lattice units in one of the
 /// file's) and warns of one whose numbers do not keep it: its origin is far away.
@@ -144,13 +148,6 @@ MeshWall read_mesh_wall(TableReader& table) {
   return wall;
 }
 
-std::string read_wall_name(TableReader& table, const std::vector<CurvedWall>& walls) {
-  const std::string name = table.string("name").value_or(table.path());
-  for (const CurvedWall& other : walls)
-    if (other.name == name) table.fail("name", "{}: there already is a wall '{}'", table.path("name"), name);
-  return name;
-}
-
 TubeWallSpec read_tube_wall(TableReader& table) {
   TubeWallSpec wall{read_tube(table)};
   read_keys(table, wall, tube_keys);
@@ -163,17 +160,13 @@ TubeWallSpec read_tube_wall(TableReader& table) {
 ReadMotion read_motion(TableReader& table) {
   ReadMotion read;
   if (!table.present()) return read;
-  rigid::PrescribedMotion& motion = read.motion;
+  PrescribedMotion& motion = read.motion;
   read_keys(table, motion, motion_keys);
   const std::string turn = table.one_of({"angular_velocity", "table"}, false, "");
   if (turn == "angular_velocity" || table.has("axis"))
     read.axis = read_direction(table, "about which it turns");
   motion.angular_velocity =
       table.quantity("angular_velocity", dimension::angular_velocity, range::any).value_or(0) * read.axis;
-  if (!motion.amplitude.isZero(0)) table.need("frequency", "oscillations in a unit of time");
-  if (motion.amplitude.isZero(0)) table.idle("frequency", "the amplitude is 0; give one");
-  if (table.has("frequency") && motion.frequency == 0 && !motion.amplitude.isZero(0))
-    table.idle("amplitude", "the frequency is 0; give one");
   if (turn == "table")
     with_file(table, "table", false, [&](const std::string& name, const AttachedFile& file) {
       MotionFile rows = read_motion_file(file.bytes, table.context().units);
@@ -208,14 +201,14 @@ std::vector<KeySection> wall_sections() {
 }
 
 void read_walls(TableReader& root, Case& setup) {
-  std::vector<CurvedWall>& walls = setup.walls;
+  std::vector<std::string> names;
   const std::vector<std::string> types{std::string(rigid::Tube::name), std::string(rigid::Mesh::name)};
   for (TableReader& table : root.tables("walls")) {
     CurvedWall wall;
     read_keys(table, wall, wall_keys);
     const auto type = table.choice("type", types);
     if (!type) table.judge_no_keys();
-    wall.name = read_wall_name(table, walls);
+    wall.name = read_new_name(table, names, "wall", table.path());
     const int material = read_name(table, "material", setup.material_names, "material").value_or(0);
     if (type == rigid::Mesh::name) {
       MeshWall mesh = read_mesh_wall(table);
@@ -224,7 +217,7 @@ void read_walls(TableReader& root, Case& setup) {
       wall.surface = read_tube_wall(table);
     }
     std::visit([&](auto& of_kind) { of_kind.material = material; }, wall.surface);
-    walls.push_back(std::move(wall));
+    setup.walls.push_back(std::move(wall));
   }
 }
 

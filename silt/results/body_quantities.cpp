@@ -19,20 +19,14 @@ using rigid::ExactSum;
 using rigid::Mat3;
 using rigid::Vec3;
 
-/// Adds terms(row) of each owned body that the quantity is about.
-template <class Terms>
-void add_terms(const BodySet& bodies, const QuantitySpec& q, Terms&& terms, std::span<ExactSum> sums) {
-  for_bodies_of(bodies, q, [&](std::size_t row) {
-    const auto x = terms(row);
-    for (int k = 0; k < int(x.size()); ++k) sums[k].add(x[k]);
-  });
-}
-
 /// Returns the sums of N terms a body over all ranks.
 template <int N, class Terms>
 std::array<double, N> sums_over(MPI_Comm comm, const BodySet& bodies, const QuantitySpec& q, Terms&& terms) {
   std::array<ExactSum, N> sums;
-  add_terms(bodies, q, terms, sums);
+  for_bodies_of(bodies, q, [&](std::size_t row) {
+    const std::array<double, N> x = terms(row);
+    for (int k = 0; k < N; ++k) sums[k].add(x[k]);
+  });
   parallel::sum_over_ranks(comm, std::span(sums));
   std::array<double, N> result{};
   for (int k = 0; k < N; ++k) result[k] = sums[k].value();
@@ -105,10 +99,8 @@ Totals totals_of(const Scene& scene, const BodySet& bodies, const QuantitySpec& 
       scene.comm, bodies, q, [&](std::size_t row) { return totals_of_body(scene.setup, bodies, row); }));
 }
 
-void add_totals(const Simulation& simulation, const QuantitySpec& q, std::span<ExactSum> sums) {
-  const BodySet& bodies = simulation.bodies();
-  add_terms(
-      bodies, q, [&](std::size_t row) { return totals_of_body(simulation.setup(), bodies, row); }, sums);
+std::array<double, 8> totals(const Simulation& simulation, const QuantitySpec&, std::size_t row) {
+  return totals_of_body(simulation.setup(), simulation.bodies(), row);
 }
 
 bool is_at_start(const Simulation& simulation, const QuantitySpec&, const QuantityHistory&) {
@@ -132,16 +124,15 @@ BodySet bodies_at_start(const Scene& scene) {
 /// change(what is kept now, what was at the start), where kept(totals, spec) is the history that remembers
 /// the start; for a quantity that was not there then, the bodies of the case are placed again.
 template <auto kept, auto change>
-constexpr Computation since_start(std::string_view type) {
-  return {type,
-          nullptr,
+constexpr Computation since_start() {
+  return {nullptr,
           [](const Simulation& simulation, const QuantitySpec& q, const QuantityHistory& history) {
             const Scene& scene = simulation.scene();
             const QuantityHistory start =
                 history != no_history ? history : kept(totals_of(scene, bodies_at_start(scene), q), q);
             return change(kept(totals_of(scene, simulation.bodies(), q), q), start);
           },
-          {8, add_totals, is_at_start},
+          {8, add_over_bodies<totals>, is_at_start},
           [](const Case&, const QuantitySpec& q, std::int64_t, std::span<const double> sums,
              QuantityHistory& start) { start = kept(Totals::from(sums), q); },
           nullptr,
@@ -175,9 +166,8 @@ double energy_change(const QuantityHistory& now, const QuantityHistory& start) {
 
 /// The largest of value(simulation, spec, row), over the bodies and the steps from the spec's time on.
 template <auto value>
-constexpr Computation largest(std::string_view type) {
-  return {type,
-          [](const Simulation& simulation, const QuantitySpec& q, QuantityHistory& h) {
+constexpr Computation largest() {
+  return {[](const Simulation& simulation, const QuantitySpec& q, QuantityHistory& h) {
             if (double(simulation.steps_done()) < q.time) return;
             for_bodies_of(simulation.bodies(), q,
                           [&](std::size_t row) { h[0] = std::max(h[0], value(simulation, q, row)); });
@@ -209,12 +199,8 @@ double rebound_ratio(const Simulation&, const QuantitySpec&, const QuantityHisto
   return against > 0 ? std::max(along, 0.0) / against : no_value;
 }
 
-void add_energy(const Simulation& simulation, const QuantitySpec& q, std::span<ExactSum> energy) {
-  const BodySet& bodies = simulation.bodies();
-  const auto of_body = [&](std::size_t row) {
-    return std::array{totals_of_body(simulation.setup(), bodies, row)[6]};
-  };
-  add_terms(bodies, q, of_body, energy);
+std::array<double, 1> energy(const Simulation& simulation, const QuantitySpec& q, std::size_t row) {
+  return {totals(simulation, q, row)[6]};
 }
 
 void keep_first_and_largest(const Case&, const QuantitySpec&, std::int64_t, std::span<const double> now,
@@ -235,18 +221,13 @@ double rate_since(const Simulation& simulation, const QuantityHistory& start, do
   return start[0] == not_yet ? no_value : ratio(now - start[0], duration);
 }
 
-std::array<double, 1> mass_below(const BodySet& bodies, const QuantitySpec& q, std::size_t row) {
+std::array<double, 1> mass_below(const Simulation& simulation, const QuantitySpec& q, std::size_t row) {
+  const BodySet& bodies = simulation.bodies();
   return {bodies.position[row][q.axis] < q.height ? bodies.mass[row] : 0};
 }
 
 bool begins(const Simulation& simulation, const QuantitySpec& q, const QuantityHistory& start) {
   return start[0] == not_yet && double(simulation.steps_done()) >= q.time;
-}
-
-void add_mass_below(const Simulation& simulation, const QuantitySpec& q, std::span<ExactSum> mass) {
-  const BodySet& bodies = simulation.bodies();
-  add_terms(
-      bodies, q, [&](std::size_t row) { return mass_below(bodies, q, row); }, mass);
 }
 
 void keep_first_mass(const Case&, const QuantitySpec&, std::int64_t step, std::span<const double> mass,
@@ -255,9 +236,8 @@ void keep_first_mass(const Case&, const QuantitySpec&, std::int64_t step, std::s
 }
 
 double discharge_rate(const Simulation& simulation, const QuantitySpec& q, const QuantityHistory& start) {
-  const BodySet& bodies = simulation.bodies();
-  const auto [now] = sums_over<1>(simulation.scene().comm, bodies, q,
-                                  [&](std::size_t row) { return mass_below(bodies, q, row); });
+  const auto [now] = sums_over<1>(simulation.scene().comm, simulation.bodies(), q,
+                                  [&](std::size_t row) { return mass_below(simulation, q, row); });
   return rate_since(simulation, start, now);
 }
 
@@ -272,16 +252,13 @@ double outflow_rate(const Simulation& simulation, const QuantitySpec&, const Qua
 
 // ---- a bed in a round container ----
 
-/// Adds the bodies' mass times their place from the quantity's centre; of `weighing` the mass less that of
-/// the fluid displaced, and of free bodies only.
+/// A body's mass times its place from the quantity's centre; if `weighing` the mass less that of the fluid
+/// displaced, and of free bodies only.
 template <bool weighing>
-void add_moment(const Simulation& simulation, const QuantitySpec& q, std::span<ExactSum> moment) {
+Vec3 moment(const Simulation& simulation, const QuantitySpec& q, std::size_t row) {
   const BodySet& bodies = simulation.bodies();
-  const auto of_body = [&](std::size_t row) -> Vec3 {
-    const double share = !weighing ? 1 : bodies.is_dynamic(row) ? bodies.weight_in_fluid[row] : 0;
-    return bodies.mass[row] * share * (bodies.position[row] - q.centre);
-  };
-  add_terms(bodies, q, of_body, moment);
+  const double share = !weighing ? 1 : bodies.is_dynamic(row) ? bodies.weight_in_fluid[row] : 0;
+  return bodies.mass[row] * share * (bodies.position[row] - q.centre);
 }
 
 /// The angle by which the line from the centre to the bodies' centre of mass is turned from gravity about the
@@ -313,30 +290,58 @@ double max_penetration(const Simulation& simulation) {
   return simulation.counters().penetration;
 }
 
-constexpr Computation of_bodies[] = {
-    at_end<drift>("drift"),
-    at_end<displacement>("displacement"),
-    since_start<kept_momentum, momentum_change>("momentum-change"),
-    since_start<kept_angular_momentum, angular_momentum_change>("angular-momentum-change"),
-    since_start<kept_energy, energy_change>("energy-change"),
-    largest<speed>("max-speed"),
-    largest<height>("max-height-after"),
-    {"rebound-ratio", observe_rebound, rebound_ratio},
-    {"energy-growth", nullptr, energy_growth, {1, add_energy}, keep_first_and_largest},
-    {"discharge-rate", nullptr, discharge_rate, {1, add_mass_below, begins}, keep_first_mass},
-    {"outflow-rate", observe_outflow, outflow_rate},
-    mean_of<bed_angle>("bed-angle", {3, add_moment<false>}),
-    mean_of<weight_torque>("weight-torque", {3, add_moment<true>}),
-    at_end<bodies_in_box>("body-count"),
-    at_end<packing_fraction>("packing-fraction"),
-    at_end<max_penetration>("max-penetration"),
+constexpr Quantity of_bodies[] = {
+    {"drift", dimension::length, Q::body, Q::bodies, at_end<drift>(),
+     "largest distance of one of the bodies from where it started, at the end"},
+    {"displacement", dimension::length, Q::body | Q::axis, Q::bodies, at_end<displacement>(),
+     "mean displacement along the axis since the start, counted across periodic borders"},
+    {"momentum-change", dimension::none, Q::body | Q::axis, Q::bodies | Q::same_bodies,
+     since_start<kept_momentum, momentum_change>(),
+     "change of the free bodies' momentum since the start, over the sum of their |m v| then"},
+    {"angular-momentum-change", dimension::none, Q::body, Q::bodies | Q::same_bodies,
+     since_start<kept_angular_momentum, angular_momentum_change>(),
+     "change of the free bodies' angular momentum about the domain's corner, over what it was"},
+    {"energy-change", dimension::none, Q::body, Q::bodies | Q::same_bodies,
+     since_start<kept_energy, energy_change>(),
+     "kinetic and potential energy (zero at the domain's lowest corner) at the end over that at the start, "
+     "less 1"},
+    {"max-speed", dimension::velocity, Q::body, Q::bodies, largest<speed>(),
+     "largest speed of any of the bodies in the run"},
+    {"max-height-after", dimension::length, Q::body | Q::axis | Q::time, Q::bodies, largest<height>(),
+     "largest coordinate of the bodies' centres along the axis from a time on"},
+    {"rebound-ratio", dimension::none, Q::body | Q::axis | Q::height, Q::bodies,
+     Computation{observe_rebound, rebound_ratio},
+     "largest velocity along the axis over the largest against it, of bodies with their centres above the "
+     "height"},
+    {"energy-growth", dimension::none, Q::body, Q::bodies | Q::undriven | Q::same_bodies,
+     Computation{nullptr, energy_growth, {1, add_over_bodies<energy>}, keep_first_and_largest},
+     "largest energy of the run over that at the start, less 1"},
+    {"discharge-rate", Dimension{0, -1, 1}, Q::body | Q::axis | Q::height | Q::time,
+     Q::bodies | Q::same_bodies,
+     Computation{nullptr, discharge_rate, {1, add_over_bodies<mass_below>, begins}, keep_first_mass},
+     "mass that came below the height between the time and the end, per time"},
+    {"outflow-rate", Dimension{0, -1, 0}, Q::time, Q::bodies, Computation{observe_outflow, outflow_rate},
+     "number of bodies that left from a time on, per time"},
+    {"bed-angle", dimension::none, Q::body | Q::axis | Q::centre, Q::bodies | Q::gravity,
+     mean_of<bed_angle>({3, add_over_bodies<moment<false>>}),
+     "angle in degrees about the axis from gravity to the line from `centre` to the centre of mass, mean "
+     "from a time on: the slope of the bed in a round container",
+     "degrees"},
+    {"weight-torque", dimension::torque, Q::body | Q::axis | Q::centre, Q::bodies | Q::gravity,
+     mean_of<weight_torque>({3, add_over_bodies<moment<true>>}),
+     "torque about the axis through `centre` of the free bodies' weight less their buoyancy, mean from a "
+     "time on"},
+    {"body-count", dimension::none, Q::body | Q::box, Q::bodies, at_end<bodies_in_box>(),
+     "number of bodies whose centre of mass lies in the box, at the end"},
+    {"packing-fraction", dimension::none, Q::body | Q::box, Q::bodies, at_end<packing_fraction>(),
+     "share of the box that lies inside the bodies, at the end"},
+    {"max-penetration", dimension::length, 0, Q::bodies, at_end<max_penetration>(),
+     "deepest overlap of any contact in the run"},
 };
 
 }  // namespace
 
-std::span<const Computation> body_computations() {
-  return of_bodies;
-}
+constinit const std::span<const Quantity> body_quantities = of_bodies;
 
 double mean_over_bodies(const Simulation& simulation, const QuantitySpec& q,
                         const std::function<double(std::size_t)>& value) {

@@ -107,19 +107,27 @@ void see_body_force(const Simulation& simulation, const QuantitySpec& q, std::sp
   force[0] = simulation.scene().flow->fields().spec().force[q.axis];
 }
 
-constexpr Computation of_flow[] = {
-    at_end<drag_coefficient>("drag-coefficient"),
-    at_end<velocity_past_bodies>("superficial-velocity"),
-    at_instant<kinetic_energy>("kinetic-energy"),
-    at_instant<dissipation>("dissipation"),
-    in_step("flow-rate", {1, add_flow_rate}, {flow_rate}),
-    in_step("body-force", {}, {flow_rate, false, 1, see_body_force}),
+constexpr Quantity of_flow[] = {
+    {"drag-coefficient", dimension::none, Q::body | Q::axis, Q::fluid | Q::bodies, at_end<drag_coefficient>(),
+     "force on the fixed bodies over Stokes' drag at the superficial velocity"},
+    {"superficial-velocity", dimension::velocity, Q::body | Q::axis, Q::fluid, at_end<velocity_past_bodies>(),
+     "mean over all cells of the fluid's velocity relative to the bodies', at the end; cells inside bodies "
+     "count as zero"},
+    {"kinetic-energy", Dimension{2, -2, 0}, Q::instant, Q::fluid, at_instant<kinetic_energy>(),
+     "mean of u²/2 over the fluid"},
+    {"dissipation", Dimension{2, -3, 0}, Q::instant, Q::fluid, at_instant<dissipation>(),
+     "mean of 2 ν S : S over the fluid, the strain rate S from each cell's populations"},
+    {"flow-rate", Dimension{3, -1, 0}, Q::axis | Q::at, Q::fluid, in_step({1, add_flow_rate}, {flow_rate}),
+     "volume of fluid that goes through a plane across the axis, per time, at the end; linear between the "
+     "layers of cells beside the plane"},
+    {"body-force", dimension::acceleration, Q::axis, Q::fluid,
+     in_step({}, {flow_rate, false, 1, see_body_force}),
+     "acceleration of the fluid along the axis, as given or as the superficial velocity asks for, at the "
+     "end"},
 };
 
 }  // namespace
 
-std::span<const Computation> flow_computations() {
-  return of_flow;
-}
+constinit const std::span<const Quantity> flow_quantities = of_flow;
 
 }  // namespace silt

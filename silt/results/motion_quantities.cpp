@@ -11,19 +11,14 @@ namespace silt {
 namespace {
 
 using rigid::BodySet;
-using rigid::ExactSum;
 using rigid::Vec3;
 using Vectors = std::vector<Vec3> rigid::BodyMotions::*;
 
-/// Adds the three components, their squares, and 1 a body.
+/// The three components, their squares, and 1 a body.
 template <Vectors vectors>
-void add_moments(const Simulation& simulation, const QuantitySpec& q, std::span<ExactSum> sums) {
-  const BodySet& bodies = simulation.bodies();
-  for_bodies_of(bodies, q, [&](std::size_t row) {
-    const Vec3& x = (bodies.*vectors)[row];
-    for (int d = 0; d < 3; ++d) sums[d].add(x[d]), sums[3 + d].add(x[d] * x[d]);
-    sums[6].add(1);
-  });
+std::array<double, 7> moments(const Simulation& simulation, const QuantitySpec&, std::size_t row) {
+  const Vec3& x = (simulation.bodies().*vectors)[row];
+  return {x[0], x[1], x[2], x[0] * x[0], x[1] * x[1], x[2] * x[2], 1};
 }
 
 /// The three components and their opposites.
@@ -57,36 +52,47 @@ double least(const Case&, const QuantitySpec& q, std::int64_t, std::span<const d
 }
 
 template <Vectors vectors>
-constexpr Computation of_sums(std::string_view type, decltype(StepValue::of) of) {
-  return in_step(type, {7, add_moments<vectors>}, {of, true});
+constexpr Computation of_sums(decltype(StepValue::of) of) {
+  return in_step({7, add_over_bodies<moments<vectors>>}, {of, true});
 }
 template <Vectors vectors>
-constexpr Computation of_extremes(std::string_view type, decltype(StepValue::of) of) {
-  return in_step(type, {}, {of, true, 6, see_extremes<vectors>});
+constexpr Computation of_extremes(decltype(StepValue::of) of) {
+  return in_step({}, {of, true, 6, see_extremes<vectors>});
 }
 
 constexpr auto heights = &BodySet::position, velocities = &BodySet::velocity,
                angular_velocities = &BodySet::angular_velocity;
 
-constexpr Computation of_motions[] = {
-    of_sums<heights>("mean-height", mean),
-    of_sums<heights>("height-deviation", deviation),
-    of_extremes<heights>("least-height", least),
-    of_extremes<heights>("largest-height", largest),
-    of_sums<velocities>("mean-velocity", mean),
-    of_sums<velocities>("velocity-deviation", deviation),
-    of_extremes<velocities>("least-velocity", least),
-    of_extremes<velocities>("largest-velocity", largest),
-    of_sums<angular_velocities>("mean-angular-velocity", mean),
-    of_sums<angular_velocities>("angular-velocity-deviation", deviation),
-    of_extremes<angular_velocities>("least-angular-velocity", least),
-    of_extremes<angular_velocities>("largest-angular-velocity", largest),
+constexpr Quantity of_motions[] = {
+    {"mean-height", dimension::length, Q::body | Q::axis, Q::bodies, of_sums<heights>(mean),
+     "mean coordinate of the bodies' centres along the axis, at the end"},
+    {"height-deviation", dimension::length, Q::body | Q::axis, Q::bodies, of_sums<heights>(deviation),
+     "standard deviation of that coordinate over the bodies, at the end"},
+    {"least-height", dimension::length, Q::body | Q::axis, Q::bodies, of_extremes<heights>(least),
+     "least of these coordinates, at the end"},
+    {"largest-height", dimension::length, Q::body | Q::axis, Q::bodies, of_extremes<heights>(largest),
+     "largest of these coordinates, at the end"},
+    {"mean-velocity", dimension::velocity, Q::body | Q::axis, Q::bodies, of_sums<velocities>(mean),
+     "mean velocity of the bodies along the axis, at the end"},
+    {"velocity-deviation", dimension::velocity, Q::body | Q::axis, Q::bodies, of_sums<velocities>(deviation),
+     "standard deviation of that velocity over the bodies, at the end"},
+    {"least-velocity", dimension::velocity, Q::body | Q::axis, Q::bodies, of_extremes<velocities>(least),
+     "least of these velocities, at the end"},
+    {"largest-velocity", dimension::velocity, Q::body | Q::axis, Q::bodies, of_extremes<velocities>(largest),
+     "largest of these velocities, at the end"},
+    {"mean-angular-velocity", dimension::angular_velocity, Q::body | Q::axis, Q::bodies,
+     of_sums<angular_velocities>(mean), "mean angular velocity of the bodies about the axis, at the end"},
+    {"angular-velocity-deviation", dimension::angular_velocity, Q::body | Q::axis, Q::bodies,
+     of_sums<angular_velocities>(deviation),
+     "standard deviation of that angular velocity over the bodies, at the end"},
+    {"least-angular-velocity", dimension::angular_velocity, Q::body | Q::axis, Q::bodies,
+     of_extremes<angular_velocities>(least), "least of these angular velocities, at the end"},
+    {"largest-angular-velocity", dimension::angular_velocity, Q::body | Q::axis, Q::bodies,
+     of_extremes<angular_velocities>(largest), "largest of these angular velocities, at the end"},
 };
 
 }  // namespace
 
-std::span<const Computation> motion_computations() {
-  return of_motions;
-}
+constinit const std::span<const Quantity> motion_quantities = of_motions;
 
 }  // namespace silt

@@ -11,12 +11,30 @@
 
 namespace silt {
 
+namespace {
+
+template <class Visit>
+void for_rows(Visit&& visit) {
+  for (const auto family :
+       {body_quantities, flow_quantities, motion_quantities, wall_quantities, stress_quantities})
+    std::ranges::for_each(family, visit);
+}
+
+std::vector<QuantityType> types_of_rows() {
+  std::vector<QuantityType> types;
+  for_rows([&](const Quantity& row) { types.push_back(row.type); });
+  return types;
+}
+
+}  // namespace
+
+const std::vector<QuantityType> quantity_types = types_of_rows();
+
 const Computation& computation_of(std::string_view type) {
-  for (const auto family : {body_computations(), flow_computations(), motion_computations(),
-                            wall_computations(), stress_computations()})
-    for (const Computation& c : family)
-      if (c.type == type) return c;
-  throw std::logic_error("no computation of a quantity of the type " + std::string(type));
+  const Computation* found = nullptr;
+  for_rows([&](const Quantity& row) { found = row.type.name == type ? &row.computation : found; });
+  if (!found) throw std::logic_error("no computation of a quantity of the type " + std::string(type));
+  return *found;
 }
 
 double value_in_last_step(const Simulation& simulation, const QuantitySpec& q) {
@@ -47,7 +65,8 @@ namespace {
 bool have_same_terms(QuantitySpec a, QuantitySpec b) {
   const Computation &x = computation_of(a.type), &y = computation_of(b.type);
   const StepValue &u = x.in_step, &v = y.in_step;
-  if (!u.of || !v.of || x.sums.add != y.sums.add || u.see != v.see) return false;
+  if (!u.of || !v.of || x.sums.add != y.sums.add || x.sums.count != y.sums.count || u.see != v.see)
+    return false;
   for (QuantitySpec* q : {&a, &b}) {
     q->name = q->type = "", q->time = 0;
     if (u.of_all_axes) q->axis = 0;

@@ -1,8 +1,7 @@
 #pragma once
-// How quantities are computed: the form of a row in a family of them (body_, flow_, motion_,
-// wall_, stress_quantities, packing_fraction). Computations are collective, give the same on every rank and
-// any number of ranks, and speak lattice units; NaN stands for a value that does not exist (no such body, no
-// step yet). Meanings: silt/case/quantity_spec.hpp.
+// What a quantity is: a row of a family (body_, flow_, motion_, wall_, stress_quantities), with its type and
+// its computation. Computations are collective, give the same on every rank and any number of ranks, and
+// speak lattice units; NaN stands for a value that does not exist (no such body, no step yet).
 #include <array>
 #include <cmath>
 #include <functional>
@@ -42,9 +41,8 @@ struct StepValue {
   void (*see)(const Simulation&, const QuantitySpec&, std::span<double> largest) = nullptr;
 };
 
-/// Computation is how the quantities of a row of quantity_types are computed.
+/// Computation is how the quantities of a type are computed.
 struct Computation {
-  std::string_view type;                                                      // the row's name
   void (*observe)(const Simulation&, const QuantitySpec&, QuantityHistory&);  // after every step; or null
   double (*value)(const Simulation&, const QuantitySpec&, const QuantityHistory&);
   StepSums sums = {};
@@ -55,16 +53,29 @@ struct Computation {
   double (*in_last_step)(const QuantityHistory&) = nullptr;
   StepValue in_step = {};  // of those that have a value in every step
   bool of_start = false;   // the history is of the start, and can be made again from the case
+  std::string_view type = "";
 
   /// Returns whether the value has to be gathered step by step.
   bool gathers() const { return (observe || fold) && !of_start; }
 };
 
-std::span<const Computation> body_computations();
-std::span<const Computation> flow_computations();
-std::span<const Computation> motion_computations();
-std::span<const Computation> wall_computations();
-std::span<const Computation> stress_computations();
+/// A row of a family. A mean over steps takes `time` besides the keys that are named, and what has a value in
+/// every step is stepwise.
+struct Quantity {
+  QuantityType type;
+  Computation computation;
+
+  constexpr Quantity(std::string_view name, Dimension dimension, unsigned keys, unsigned needs,
+                     const Computation& by, std::string_view meaning, std::string_view unit = "")
+      : type{name, dimension, keys, needs, meaning, unit}, computation(by) {
+    if (by.in_last_step) type.keys |= Q::time;
+    if (by.in_step.of) type.needs |= Q::stepwise;
+    computation.type = name;
+  }
+};
+
+extern const std::span<const Quantity> body_quantities, flow_quantities, motion_quantities, wall_quantities,
+    stress_quantities;
 
 /// Returns the computation of a type; std::logic_error for one that no family has.
 const Computation& computation_of(std::string_view type);
@@ -79,6 +90,15 @@ void for_bodies_of(const rigid::BodySet& bodies, const QuantitySpec& q, Visit&& 
     if (q.is_about(bodies.kind[row])) visit(row);
 }
 
+/// Adds terms(simulation, spec, row), some numbers, of each owned body that a quantity is about.
+template <auto terms>
+void add_over_bodies(const Simulation& simulation, const QuantitySpec& q, std::span<rigid::ExactSum> sums) {
+  for_bodies_of(simulation.bodies(), q, [&](std::size_t row) {
+    const auto x = terms(simulation, q, row);
+    for (int k = 0; k < int(x.size()); ++k) sums[k].add(x[k]);
+  });
+}
+
 /// Returns the mean over the bodies a quantity is about of value(row), which is asked for each owned one.
 double mean_over_bodies(const Simulation&, const QuantitySpec&,
                         const std::function<double(std::size_t)>& value);
@@ -91,8 +111,8 @@ double packing_fraction(const Simulation&, const QuantitySpec&);
 
 /// A function of the state at the end: f(simulation, spec) or f(simulation).
 template <auto f>
-constexpr Computation at_end(std::string_view type) {
-  return {type, nullptr, [](const Simulation& simulation, const QuantitySpec& q, const QuantityHistory&) {
+constexpr Computation at_end() {
+  return {nullptr, [](const Simulation& simulation, const QuantitySpec& q, const QuantityHistory&) {
             if constexpr (requires { f(simulation, q); })
               return f(simulation, q);
             else
@@ -120,9 +140,8 @@ inline bool has_acted(const Simulation& simulation, const QuantitySpec&, const Q
 }
 
 /// A value of the last step, or of the moment, at the end.
-constexpr Computation in_step(std::string_view type, const StepSums& sums, const StepValue& value) {
-  return {type,
-          nullptr,
+constexpr Computation in_step(const StepSums& sums, const StepValue& value) {
+  return {nullptr,
           [](const Simulation& simulation, const QuantitySpec& q, const QuantityHistory&) {
             return value_in_last_step(simulation, q);
           },
@@ -144,9 +163,8 @@ void fold_into_mean(const Case& setup, const QuantitySpec& q, std::int64_t step,
   h[1] += 1;
 }
 template <auto f>
-constexpr Computation mean_of(std::string_view type, const StepSums& sums) {
-  return {type,
-          nullptr,
+constexpr Computation mean_of(const StepSums& sums) {
+  return {nullptr,
           [](const Simulation&, const QuantitySpec&, const QuantityHistory& h) {
             return h[0] == not_yet ? no_value : h[0] / h[1];
           },
@@ -158,9 +176,8 @@ constexpr Computation mean_of(std::string_view type, const StepSums& sums) {
 
 /// f(simulation) at the step that is nearest to the spec's time; without a time, at the end.
 template <auto f>
-constexpr Computation at_instant(std::string_view type) {
-  return {type,
-          [](const Simulation& simulation, const QuantitySpec& q, QuantityHistory& h) {
+constexpr Computation at_instant() {
+  return {[](const Simulation& simulation, const QuantitySpec& q, QuantityHistory& h) {
             const auto step = double(simulation.steps_done());
             if (step >= q.time - 0.5 && step < q.time + 0.5) h[0] = f(simulation);
           },

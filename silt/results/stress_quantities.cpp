@@ -62,16 +62,22 @@ double over_volume(const Case&, const QuantitySpec& q, std::int64_t, std::span<c
   return sum[0] / (q.box.upper - q.box.lower).prod();
 }
 
-constexpr Computation of_stress[] = {
-    in_step("viscous-stress", {1, add_viscous_stress}, {over_volume}),
-    in_step("particle-stress", {1, add_particle_stress, has_acted}, {over_volume}),
-    in_step("contact-stress", {1, add_contact_stress, has_acted}, {over_volume}),
+constexpr Quantity of_stress[] = {
+    {"viscous-stress", dimension::pressure, Q::box | Q::component, Q::fluid,
+     in_step({1, add_viscous_stress}, {over_volume}),
+     "2 ρ ν S of the fluid in the box, over the volume of the box, at the end; a cell counts by its part in "
+     "the box"},
+    {"particle-stress", dimension::pressure, Q::body | Q::box | Q::component, Q::fluid | Q::bodies,
+     in_step({1, add_particle_stress, has_acted}, {over_volume}),
+     "what bodies with their centres in the box add to it: force of the fluid on their surfaces times the "
+     "way to it from their centres, the symmetric part, at the end"},
+    {"contact-stress", dimension::pressure, Q::body | Q::box | Q::component, Q::bodies,
+     in_step({1, add_contact_stress, has_acted}, {over_volume}),
+     "the same of contacts and films; pull is positive"},
 };
 
 }  // namespace
 
-std::span<const Computation> stress_computations() {
-  return of_stress;
-}
+constinit const std::span<const Quantity> stress_quantities = of_stress;
 
 }  // namespace silt

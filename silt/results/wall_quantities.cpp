@@ -17,11 +17,15 @@ void add(const Vec3& v, std::span<ExactSum> sums) {
   for (int d = 0; d < 3; ++d) sums[d].add(v[d]);
 }
 
-/// Adds the force, or the torque, of what this rank's bodies did to a wall in the last step.
-void add_contacts(const Simulation& simulation, rigid::BodyId wall, rigid::Vec3 coupler::ContactLoad::*of,
-                  std::span<ExactSum> sums, int sign = 1) {
-  for (const coupler::ContactLoad& contact : simulation.contact_loads())
-    if (contact.on == wall) add(sign * contact.*of, sums);
+// A load is a force and, where there are six sums, the torque about the origin of a frame.
+
+/// Adds what this rank's bodies did to a wall in the last step, +1 or -1 times.
+void add_contacts(const Simulation& simulation, rigid::BodyId wall, std::span<ExactSum> load, int sign = 1) {
+  for (const coupler::ContactLoad& contact : simulation.contact_loads()) {
+    if (contact.on != wall) continue;
+    add(sign * contact.impulse, load.first(3));
+    if (load.size() > 3) add(sign * contact.torque, load.subspan(3));
+  }
 }
 
 double area_of(const Case& setup, int axis) {
@@ -39,16 +43,15 @@ void add_fluid_side_force(const Simulation& simulation, int side, int sign, std:
 /// Adds the force of fluid and bodies on it.
 void add_side_force(const Simulation& simulation, int side, int sign, std::span<ExactSum> force) {
   add_fluid_side_force(simulation, side, sign, force);
-  add_contacts(simulation, rigid::first_wall_id + side, &coupler::ContactLoad::impulse, force, sign);
+  add_contacts(simulation, rigid::first_wall_id + side, force, sign);
 }
 
-/// Adds what the fluid does to one of [[walls]], whose rows come after those of the sides: its force, or its
-/// torque about the origin of the wall's frame.
-void add_fluid_wall_load(const Simulation& simulation, int wall, bool torque, std::span<ExactSum> sums) {
+/// Adds what the fluid does to one of [[walls]], whose rows come after those of the sides.
+void add_fluid_wall_load(const Simulation& simulation, int wall, std::span<ExactSum> sums) {
   if (!simulation.scene().flow) return;
   const std::size_t sides = simulation.bodies().walls - simulation.setup().walls.size();
   const auto load = simulation.scene().flow->account().wall_load(sides + wall);
-  for (int d = 0; d < 3; ++d) sums[d].add(load[3 * torque + d], lbm::link_quantum);
+  for (std::size_t k = 0; k < sums.size(); ++k) sums[k].add(load[k], lbm::link_quantum);
 }
 
 Vec3 vector_of(std::span<const double> sums) {
@@ -88,16 +91,10 @@ double relative_viscosity(const Case& setup, const QuantitySpec& q, std::int64_t
   return stress / (setup.fluid->kinematic_viscosity * shear.squaredNorm());
 }
 
-void add_wall_force(const Simulation& simulation, const QuantitySpec& q, std::span<ExactSum> force) {
-  add_fluid_wall_load(simulation, q.wall, false, force);
-  add_contacts(simulation, rigid::first_tube_id + q.wall, &coupler::ContactLoad::impulse, force);
-}
-
-/// Adds the force, and the torque about the origin of the wall's frame.
+/// Adds what fluid and bodies do to it.
 void add_wall_load(const Simulation& simulation, const QuantitySpec& q, std::span<ExactSum> load) {
-  add_wall_force(simulation, q, load.first(3));
-  add_fluid_wall_load(simulation, q.wall, true, load.subspan(3));
-  add_contacts(simulation, rigid::first_tube_id + q.wall, &coupler::ContactLoad::torque, load.subspan(3));
+  add_fluid_wall_load(simulation, q.wall, load);
+  add_contacts(simulation, rigid::first_tube_id + q.wall, load);
 }
 
 /// Returns the torque about the point of the axis: that about the frame's origin and r x F.
@@ -138,9 +135,7 @@ void add_fluid_load(const Simulation& simulation, const QuantitySpec& q, std::sp
   if (q.bearer == Bearer::side) add_fluid_side_force(simulation, q.side, 1, load.first(3));
   if (q.bearer == Bearer::bodies)
     add_noted_loads(simulation.bodies(), q, &coupler::CouplingState::seen_load, false, load);
-  if (q.bearer != Bearer::wall) return;
-  add_fluid_wall_load(simulation, q.wall, false, load.first(3));
-  add_fluid_wall_load(simulation, q.wall, true, load.subspan(3));
+  if (q.bearer == Bearer::wall) add_fluid_wall_load(simulation, q.wall, load);
 }
 
 /// Adds the impulses on bodies that contacts do not move, as their partners remember them.
@@ -156,10 +151,8 @@ void add_contact_load_of_bodies(const Simulation& simulation, const QuantitySpec
 
 void add_contact_load(const Simulation& simulation, const QuantitySpec& q, std::span<ExactSum> load) {
   if (q.bearer == Bearer::bodies) return add_contact_load_of_bodies(simulation, q, load);
-  const bool is_wall = q.bearer == Bearer::wall;
-  const rigid::BodyId on = is_wall ? rigid::first_tube_id + q.wall : rigid::first_wall_id + q.side;
-  add_contacts(simulation, on, &coupler::ContactLoad::impulse, load.first(3));
-  if (is_wall) add_contacts(simulation, on, &coupler::ContactLoad::torque, load.subspan(3));
+  if (q.bearer == Bearer::wall) return add_contacts(simulation, rigid::first_tube_id + q.wall, load);
+  add_contacts(simulation, rigid::first_wall_id + q.side, load.first(3));
 }
 
 double force_of(const Case&, const QuantitySpec& q, std::int64_t, std::span<const double> load) {
@@ -171,23 +164,41 @@ double torque_of(const Case& setup, const QuantitySpec& q, std::int64_t step, st
                                   : load[3 + q.axis];
 }
 
-constexpr Computation of_walls[] = {
-    at_end<axis_distance>("axis-distance"),
-    mean_of<wall_stress>("wall-stress", {3, add_wall_stress, has_acted}),
-    mean_of<relative_viscosity>("relative-viscosity", {3, add_shear_resistance, has_acted}),
-    mean_of<force_of>("wall-force", {3, add_wall_force, has_acted}),
-    mean_of<wall_torque>("wall-torque", {6, add_wall_load, has_acted}),
-    mean_of<wall_power>("wall-power", {6, add_wall_load, has_acted}),
-    in_step("fluid-force", {6, add_fluid_load, has_acted}, {force_of, true}),
-    in_step("fluid-torque", {6, add_fluid_load, has_acted}, {torque_of, true}),
-    in_step("contact-force", {6, add_contact_load, has_acted}, {force_of, true}),
-    in_step("contact-torque", {6, add_contact_load, has_acted}, {torque_of, true}),
+constexpr Quantity of_walls[] = {
+    {"axis-distance", dimension::length, Q::body | Q::wall, Q::bodies, at_end<axis_distance>(),
+     "mean distance of the bodies' centres from the axis of a tube, at the end"},
+    {"wall-stress", dimension::pressure, Q::side | Q::axis, Q::fluid,
+     mean_of<wall_stress>({3, add_wall_stress, has_acted}),
+     "force of fluid and bodies along the axis on a side of the domain, per area, mean from a time on"},
+    {"relative-viscosity", dimension::none, Q::axis, Q::fluid | Q::sheared,
+     mean_of<relative_viscosity>({3, add_shear_resistance, has_acted}),
+     "shear stress on the two walls across the axis over that of the fluid alone at the same velocities, "
+     "mean from a time on"},
+    {"wall-force", dimension::force, Q::wall | Q::axis, 0, mean_of<force_of>({3, add_wall_load, has_acted}),
+     "force of fluid and bodies along the axis on a tube or mesh, mean from a time on"},
+    {"wall-torque", dimension::torque, Q::wall, 0, mean_of<wall_torque>({6, add_wall_load, has_acted}),
+     "torque of fluid and bodies on a tube or mesh about its axis, mean from a time on"},
+    {"wall-power", Dimension{2, -3, 1}, Q::wall, 0, mean_of<wall_power>({6, add_wall_load, has_acted}),
+     "power that keeps a tube or mesh moving against fluid and bodies, mean from a time on"},
+    {"fluid-force", dimension::force, Q::bearer | Q::side_bears | Q::axis, Q::fluid,
+     in_step({6, add_fluid_load, has_acted}, {force_of, true}),
+     "force of the fluid along the axis on bodies, a wall or a side of the domain in the last step; without "
+     "hydrostatic pressure"},
+    {"fluid-torque", dimension::torque, Q::bearer | Q::axis, Q::fluid,
+     in_step({6, add_fluid_load, has_acted}, {torque_of, true}),
+     "torque of the fluid about the axis: on bodies about their centres of mass, on a wall about its point; "
+     "in the last step"},
+    {"contact-force", dimension::force, Q::bearer | Q::side_bears | Q::axis, Q::bodies,
+     in_step({6, add_contact_load, has_acted}, {force_of, true}),
+     "force of contacts and films along the axis on bodies, a wall or a side of the domain in the last step"},
+    {"contact-torque", dimension::torque, Q::bearer | Q::axis, Q::bodies,
+     in_step({6, add_contact_load, has_acted}, {torque_of, true}),
+     "torque of contacts about the axis: on bodies about their centres of mass, on a wall about its point; "
+     "in the last step"},
 };
 
 }  // namespace
 
-std::span<const Computation> wall_computations() {
-  return of_walls;
-}
+constinit const std::span<const Quantity> wall_quantities = of_walls;
 
 }  // namespace silt
