@@ -154,7 +154,7 @@ inline void in_turn(std::function<void()> work) {
   defer_work(std::move(work));
 }
 inline void wait() {
-  do_what_was_defer_work();
+  run_deferred_work();
 }
 #endif
 /// A body may have fetch(k), which is called so many entries ahead: memory should have answered when k's turn

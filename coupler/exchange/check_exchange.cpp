@@ -118,7 +118,7 @@ Finding misplaced(const ParallelBodyExchange& exchange, const rigid::BodySet& bo
   return found;
 }
 
-Finding copies_that_differ(const ParallelBodyExchange& exchange, const rigid::BodySet& bodies) {
+Finding copies_that_differ(ParallelBodyExchange& exchange, const rigid::BodySet& bodies) {
   std::vector<double> hashes(bodies.size());
   for (std::size_t row = 0; row < bodies.owned; ++row)
     hashes[row] = std::bit_cast<double>(hash_of(shared_bytes(bodies.record(row))));
@@ -163,7 +163,7 @@ std::uint64_t ExpectedBodies::count(MPI_Comm comm) const {
   return parallel::sum_over_ranks(comm, share_.count);
 }
 
-void PendingCheck::start(const ParallelBodyExchange& exchange, const rigid::BodySet& bodies,
+void PendingCheck::start(ParallelBodyExchange& exchange, const rigid::BodySet& bodies,
                          const ExpectedBodies& expected, std::int64_t step) {
   Finding found = misplaced(exchange, bodies);
   const Finding differs = copies_that_differ(exchange, bodies);
@@ -181,7 +181,7 @@ void PendingCheck::finish(const ParallelBodyExchange& exchange, const rigid::Bod
   if (all.findings > 0) throw_first(exchange.comm(), {bad_, text_}, step_);
 }
 
-void check_exchange(const ParallelBodyExchange& exchange, const rigid::BodySet& bodies,
+void check_exchange(ParallelBodyExchange& exchange, const rigid::BodySet& bodies,
                     const ExpectedBodies& expected) {
   PendingCheck check;
   check.start(exchange, bodies, expected, -1);

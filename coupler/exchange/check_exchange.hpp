@@ -38,7 +38,7 @@ class PendingCheck {
  public:
   /// Checks this rank's bodies, exchanging messages with ranks that hold their copies, and starts the sum of
   /// the results. Collective, but waits for no other rank.
-  void start(const ParallelBodyExchange&, const rigid::BodySet&, const ExpectedBodies&, std::int64_t step);
+  void start(ParallelBodyExchange&, const rigid::BodySet&, const ExpectedBodies&, std::int64_t step);
   /// Throws std::logic_error, the same on every rank, with the step (unless negative), the body and the
   /// ranks, from the current bodies. Does nothing unless a check is under way. Collective.
   void finish(const ParallelBodyExchange&, const rigid::BodySet&, const ExpectedBodies&);
@@ -55,6 +55,6 @@ class PendingCheck {
 };
 
 /// Makes the whole check at once, after a synchronisation. Collective.
-void check_exchange(const ParallelBodyExchange&, const rigid::BodySet&, const ExpectedBodies&);
+void check_exchange(ParallelBodyExchange&, const rigid::BodySet&, const ExpectedBodies&);
 
 }  // namespace silt::coupler

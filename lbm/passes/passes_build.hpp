@@ -145,11 +145,18 @@ void give_masses(const ListedCells<T>& cells, const std::int64_t* masses) {
 }
 
 template <class T>
+void return_from_outlet(const OutletCells<T>& cells, const SideCondition& side) {
+  with_outlet(side, [&]<class Outlet>(const Outlet& outlet) {
+    for_each(std::int64_t(cells.count), ReturnFromOutlet<T, Outlet>{cells, outlet});
+  });
+}
+
+template <class T>
 const Passes<T>& passes() {
-  static constexpr Passes<T> passes = {
-      stream_collide<T>, take_fast_cells, silt::SILT_ISA::wait, move_slots<T>,  for_each<ReturnFromOutlet<T>>,
-      carry_packets<T>,  cross_border<T>, gather_moments<T>,    give_masses<T>, take_excess<T>,
-      total_rows<T>};
+  static constexpr Passes<T> passes = {stream_collide<T>, take_fast_cells,       silt::SILT_ISA::wait,
+                                       move_slots<T>,     return_from_outlet<T>, carry_packets<T>,
+                                       cross_border<T>,   gather_moments<T>,     give_masses<T>,
+                                       take_excess<T>,    total_rows<T>};
   return passes;
 }
 template const Passes<float>& passes();

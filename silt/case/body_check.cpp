@@ -174,7 +174,7 @@ void check_backend(const Case& setup, Diagnostics& findings) {
                    setup.contacts.backend, setup.shape_names[i], rigid::shape_name(setup.shapes[i]),
                    other_name);
   };
-  const bool walls = std::ranges::any_of(setup.boundary, &coupler::BoundarySpec::solid_for_bodies);
+  const bool walls = std::ranges::any_of(setup.boundary, &coupler::BoundarySpec::stops_bodies);
   for (std::size_t i = 0; i < uses.size(); ++i) {
     if (uses[i].free && walls) check(i, rigid::HalfSpace{rigid::Vec3::UnitZ()}, "a wall");
     for (std::size_t j = i; j < uses.size(); ++j)

@@ -58,7 +58,7 @@ struct Resistance {
   double force = 0, torque = 0;
 };
 Resistance measure(const std::string& text, double radius, const Vec3& n, const Vec3& m, int spheres) {
-  Simulation simulation = testing::simulation_of(text, MPI_COMM_WORLD);
+  Simulation simulation = silt::testing::simulation_of(text, MPI_COMM_WORLD);
   const double scale = std::numbers::pi * viscosity * radius * speed;
   Resistance r;
   double last = 0;

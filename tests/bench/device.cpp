@@ -105,9 +105,10 @@ std::vector<std::int64_t> totals(Device device) {
 /// The state of a case after some steps of layers in motion: links are mapped, and cells refilled.
 template <class T>
 std::vector<std::uint64_t> state_of(Device device, const Layers& layers) {
-  Simulation simulation = testing::simulation_of(layers.text(), MPI_COMM_SELF,
-                                                 {"run.device=" + std::string(device_names[int(device)]),
-                                                  std::string("fluid.precision=") + precision_of<T>});
+  Simulation simulation =
+      silt::testing::simulation_of(layers.text(), MPI_COMM_SELF,
+                                   {"run.device=" + std::string(device_names[int(device)]),
+                                    std::string("fluid.precision=") + precision_of<T>});
   for (int t = 0; t < 30; ++t) simulation.step();
   return {simulation.hash()};
 }

@@ -39,7 +39,7 @@ void count_step(const std::string& name, Simulation& s) {
 }
 
 Simulation scene(const std::string& scheme, const std::string& time) {
-  return testing::simulation_of(Layers{.scheme = scheme, .time = time}.text());
+  return silt::testing::simulation_of(Layers{.scheme = scheme, .time = time}.text());
 }
 
 constexpr std::pair<const char*, const char*> couplings[] = {{"bounce-back", "explicit"},

@@ -50,7 +50,7 @@ lbm::WallScheme scheme_of(const std::string& name) {
 class Links {
  public:
   explicit Links(const Layers& layers)
-      : scene_(testing::simulation_of(layers.text())),
+      : scene_(silt::testing::simulation_of(layers.text())),
         fluid_(scene_.scene().flow->fields().domain(), {1.2, 1. / 6, lbm::Collision::trt, {}},
                MPI_COMM_SELF) {
     const lbm::CellBox box{{}, fluid_.domain().cells()};
@@ -64,7 +64,7 @@ class Links {
                                 {coupling, fluid, fluid_.pass_order(0)}, links_.surfaces);
     links_.order_groups(fluid_.pass_order(0));
     if (lbm::knows_opposite_wall(coupling.wall_scheme))
-      links_.gaps.pair(links_.surfaces, fluid_.domain(), box), links_.gaps.set_distances(links_.surfaces);
+      links_.gaps.pair(links_.surfaces, fluid_.domain(), box), links_.gaps.set(links_.surfaces);
     links_.slots = lbm::link_slots(fluid_.blocks()[0], lbm::Parity::crossed);
     const lbm::RowRange rows[] = {{0, box.size.y, 0, box.size.z}};
     fluid_.hold_excess(0, rows);

@@ -31,7 +31,7 @@ void run(const Options& o) {
   const Layers layers{.edge = n};
   const auto [nx, ny, nz] = layers.cells();
   const double cells = double(nx) * ny * nz, before = resident("VmRSS:");
-  Simulation s = testing::simulation_of(layers.text());
+  Simulation s = silt::testing::simulation_of(layers.text());
   for (int t = 0; t < 10; ++t) s.step();
   const double bytes = (resident("VmRSS:") - before) / cells, peak = (resident("VmHWM:") - before) / cells;
   const double populations = double(s.scene().flow->fields().bytes()) / cells;

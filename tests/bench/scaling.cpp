@@ -69,7 +69,7 @@ struct Study {
 class Side {
  public:
   Side(const Study& study, MPI_Comm comm, int ranks)
-      : comm_(comm), simulation_(testing::simulation_of(study.text(ranks), comm)) {
+      : comm_(comm), simulation_(silt::testing::simulation_of(study.text(ranks), comm)) {
     for (int t = 0; t < 2; ++t) step();
   }
   /// Seconds a step.

@@ -33,7 +33,7 @@ std::string text_of(const SceneText& t, int steps = 100000) {
   return text + t.rest + "\n" + t.bodies + "[run]\nsteps = " + std::to_string(steps) + "\n";
 }
 Simulation simulation_of(const SceneText& t) {
-  return testing::simulation_of(text_of(t));
+  return silt::testing::simulation_of(text_of(t));
 }
 
 std::string spheres(int count, const std::string& box, const std::string& more = "") {

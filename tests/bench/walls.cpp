@@ -124,7 +124,7 @@ Simulation scene(const Array& a, const Options& o, const Vec3& offset, const Vec
     bodies +=
         "\n[[bodies]]\nshape = \"sphere\"\ndensity = 1\nposition = " + list(centre) + "\nmotion = " + motion;
   }
-  return testing::simulation_of(
+  return silt::testing::simulation_of(
       "title = \"array\"\n[units]\nsystem = \"lattice\"\n[domain]\nsize = [" + l + ", " + l + ", " + l +
           "]\nboundary = \"periodic\"\n[fluid]\nrelaxation_time = " + std::to_string(o.tau) +
           "\nbody_force = " + list(force) + "\ninitial = { type = \"uniform\", velocity = " + list(fluid) +

@@ -31,12 +31,12 @@ class LevelledCut {
     std::vector<int> levels;
     CellBox one = box;
     one.lower[d] = at, one.size[d] = 1;
-    for_cells({},
-              {(one.size.x + tile_ - 1) / tile_, (one.size.y + tile_ - 1) / tile_,
-               (one.size.z + tile_ - 1) / tile_},
-              [&](Int3 t) {
-                levels.push_back(kind_of(one.lower + Int3{t.x * tile_, t.y * tile_, t.z * tile_}));
-              });
+    lbm::for_cells({},
+                   {(one.size.x + tile_ - 1) / tile_, (one.size.y + tile_ - 1) / tile_,
+                    (one.size.z + tile_ - 1) / tile_},
+                   [&](Int3 t) {
+                     levels.push_back(kind_of(one.lower + Int3{t.x * tile_, t.y * tile_, t.z * tile_}));
+                   });
     return levels;
   }
   /// Returns where it is to be cut: as near to the middle as it changes, or where it is too long.

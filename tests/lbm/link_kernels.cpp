@@ -12,7 +12,7 @@
 namespace silt::lbm {
 namespace {
 
-constexpr int side = 24;    // cells of the block in x and y
+constexpr int width = 24;    // cells of the block in x and y
 constexpr int spacing = 4;  // cells between walls, so that the links of none meet another
 constexpr std::uint32_t links_of_wall[] = {1, 7, 64, 65, 129, 300, 8};  // some fit a window, others do not
 constexpr int walls = int(std::size(links_of_wall));
@@ -30,14 +30,14 @@ std::vector<ExcessQuanta<T>> excess_of(Block<T>& block) {
 template <class T>
 CutLinks<T> walls_above_planes(WallScheme scheme) {
   CutLinks<T> links;
-  links.frame = {{side / 2, side / 2, 0}, {0.2, -0.3, 0.1}, 40, true};
+  links.frame = {{width / 2, width / 2, 0}, {0.2, -0.3, 0.1}, 40, true};
   for (int wall = 0; wall < walls; ++wall) {
     const LinkGroup group{
         std::uint32_t(links.place.size()), links_of_wall[wall], scheme, {0, 0, 2 + wall * spacing}, 0};
     for (std::uint32_t left = group.count, n = 0; left > 0; ++n) {
       const int i = 1 + int(n) % (D3Q19::directions - 1), cell = int(n) / (D3Q19::directions - 1);
       if (D3Q19::c[i].z != 1) continue;
-      links.place.push_back(link_place({1 + cell % (side - 2), 1 + cell / (side - 2), 0}, i)), --left;
+      links.place.push_back(link_place({1 + cell % (width - 2), 1 + cell / (width - 2), 0}, i)), --left;
       links.q.push_back(T(0.05 + 0.9 * ((n * 7 + unsigned(wall)) % 31) / 31.0));
     }
     links.place.resize(group.begin + padded(group.count), links.place.back());
@@ -59,7 +59,7 @@ struct Returned {
 template <class T>
 Returned<T> applied(const CutLinks<T>& links, int next, ListedLinks* listed) {
   const SurfaceMotion motion{{0.01, -0.02, 0.03}, {1e-3, 2e-3, -1e-3}};
-  Block<T> block({{0, 0, 0}, {side, side, walls * spacing}});
+  Block<T> block({{0, 0, 0}, {width, width, walls * spacing}});
   for (std::size_t k = 0; k < block.bytes() / sizeof(T); ++k)
     block.data()[k] = T(0.01 * std::sin(double(k) * 0.7));
   hold_excess(block);

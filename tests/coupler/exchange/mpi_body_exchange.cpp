@@ -195,7 +195,7 @@ rigid::BodySet sent(const ExchangeScene& scene, const Holders& holders, std::siz
     }
   rigid::BodySet here;
   parallel::Messages messages(MPI_COMM_WORLD);
-  send_home(messages, holders, saved, here, at_once);
+  distribute_to_owners(messages, holders, saved, here, at_once);
   return here;
 }
 

@@ -52,12 +52,12 @@ TEST(StageClock, GoesOnFromStageToStage) {
   double read = 0;
   StageClock<Stage> clock([&] { return read; });
   {
-    StageClock<Stage>::Turn stage(clock, Stage::outer);
+    StageClock<Stage>::Scope stage(clock, Stage::outer);
     read += 0.25;
-    stage.goes_on(Stage::inner);
+    stage.switch_to(Stage::inner);
     read += 1;
     rest();
-    stage.goes_on(Stage::outer);
+    stage.switch_to(Stage::outer);
     read += 0.5;
   }
   read += 7;

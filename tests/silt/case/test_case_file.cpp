@@ -66,18 +66,19 @@ boundary.y = ["free-slip", { type = "moving", velocity = [0, 0, 0.01], solid_for
 boundary.z = "periodic"
 )";
   const Case setup = c.read();
-  EXPECT_EQ(setup.boundary[0].kind, BoundaryKind::velocity_inlet);
+  EXPECT_EQ(setup.boundary[0].kind, coupler::BoundaryKind::velocity_inlet);
   EXPECT_EQ(setup.boundary[0].velocity, Vec3(0.02, 0, 0));
-  EXPECT_EQ(setup.boundary[1].kind, BoundaryKind::pressure_outlet);
+  EXPECT_EQ(setup.boundary[1].kind, coupler::BoundaryKind::pressure_outlet);
   EXPECT_EQ(setup.boundary[1].density, 1.01);
-  EXPECT_EQ(setup.boundary[2].kind, BoundaryKind::free_slip);
+  EXPECT_EQ(setup.boundary[2].kind, coupler::BoundaryKind::free_slip);
   EXPECT_TRUE(setup.boundary[2].solid_for_bodies);
-  EXPECT_EQ(setup.boundary[3].kind, BoundaryKind::moving);
+  EXPECT_EQ(setup.boundary[3].kind, coupler::BoundaryKind::moving);
   EXPECT_FALSE(setup.boundary[3].solid_for_bodies);
   EXPECT_TRUE(setup.periodic(2));
   EXPECT_EQ(setup.block_cells, (std::array<int, 3>{16, 8, 32}));
   c.domain = "[domain]\nsize = [32, 32, 32]\nboundary = \"no-slip\"\n";
-  for (const BoundarySpec& side : c.read().boundary) EXPECT_EQ(side.kind, BoundaryKind::no_slip);
+  for (const coupler::BoundarySpec& side : c.read().boundary)
+    EXPECT_EQ(side.kind, coupler::BoundaryKind::no_slip);
 }
 
 TEST(CaseFile, ShapesAndOrientations) {
@@ -203,9 +204,9 @@ axis = "x"
 )";
   c.bodies += "material = \"rubber\"\n";
   const Case setup = c.read();
-  EXPECT_EQ(setup.coupling.wall_scheme, WallScheme::bounce_back);
-  EXPECT_EQ(setup.coupling.time, TimeCoupling::explicit_);
-  EXPECT_EQ(setup.coupling.force, ForceForm::exact);
+  EXPECT_EQ(setup.coupling.wall_scheme, coupler::WallScheme::bounce_back);
+  EXPECT_EQ(setup.coupling.time, coupler::TimeCoupling::explicit_);
+  EXPECT_EQ(setup.coupling.force, coupler::ForceForm::exact);
   EXPECT_EQ(setup.contacts.backend, "fcl");
   EXPECT_EQ(setup.contacts.resolver, "ffd");
   EXPECT_EQ(setup.contacts.resolver_settings.max_sweeps, 8);
@@ -287,7 +288,7 @@ TEST(CaseFile, CellsAreFinestHalfTheLargestBodyAwayUnlessACaseSaysOtherwise) {
   EXPECT_EQ(c.read().coarsening->distance, 8);
   EXPECT_EQ(c.read({"coarsening.distance=10.5"}).coarsening->distance, 10.5);
   c.shapes = shape_of("ball", "sphere", "radius = 12.5");
-  const CoarseningSpec spec = *c.read().coarsening;
+  const coupler::CoarseningSpec spec = *c.read().coarsening;
   EXPECT_EQ(spec.distance, 13);
   EXPECT_EQ(spec.fine[0].box.upper, rigid::Vec3(8, 8, 8));
   c = si_case();
