@@ -116,7 +116,7 @@ class Faults(SiltTest):
                 "fluid.body_force=[1e308,0,0]": "fluid.body_force adds 1e+308 cells a step to a velocity",
                 "fluid.body_force=[-1,0,0]": "fluid.body_force adds 1 cells",
                 "gravity.acceleration=[0,0,-1e14]": "gravity.acceleration adds 1e+14 cells",
-                "fluid.magic=1e308": "fluid.magic is 1e+308; at most 1000",
+                "fluid.magic=1e308": "fluid.magic is 1e+308; it must be above 0 and at most 1000",
                 "run.steps=9223372036854775807": "the run has 9223372036854775807 steps; at most 1e+15"}.items():
             errors = self.silt("check", self.case, "--set", setting, code=2).stderr
             self.assertIn(text, errors)
