@@ -76,11 +76,22 @@ class LevelledFlow final : public Flow {
 /// A box of 24 x 16 x 8 cells: of level 2 up to x = 8, of level 1 up to 16, of level 0 beyond; in eight
 /// columns along x, which up to eight ranks share.
 inline lbm::CutTree three_levels(int ranks) {
+  const auto rank_of_column = [](int column, int ranks) {  // of 8, halved as the ranks are: a rank has a box
+    int rank = 0;
+    for (int half = 4; ranks > 1; half /= 2) {
+      const int lower = ranks / 2;
+      if (column & half)
+        rank += lower, ranks -= lower;
+      else
+        ranks = lower;
+    }
+    return rank;
+  };
   std::vector<lbm::Cut> nodes;
   std::vector<lbm::LeafKind> kinds;
   const auto column = [&] {
     nodes.push_back({0, 8, 1}), nodes.push_back({0, 16, 1});
-    for (const int level : {2, 1, 0}) kinds.push_back({int(kinds.size() / 3) * ranks / 8, level});
+    for (const int level : {2, 1, 0}) kinds.push_back({rank_of_column(int(kinds.size() / 3), ranks), level});
   };
   const auto layer = [&] {
     nodes.push_back({1, 8, 6}), nodes.push_back({1, 4, 3});
