@@ -110,6 +110,20 @@ void check_specks(const Case& setup, Diagnostics& findings, const Entry& body) {
                    shown_length(setup, longest(setup)));
 }
 
+/// Shapes of files must be of about the size of the domain. Returns whether they are.
+bool check_scales(const Case& setup, Diagnostics& findings) {
+  bool good = true;
+  for (std::size_t i = 0; i < setup.shapes.size(); ++i) {
+    const std::string shape = fmt::format("shapes[{}]", i);
+    if (!setup.places.count(shape + ".file")) continue;
+    const std::string slip = scale_slip(setup, shape, 2 * rigid::bounding_radius(setup.shapes[i]));
+    if (slip.empty()) continue;
+    findings.error(shape + ".scale", "{}", slip);
+    good = false;
+  }
+  return good;
+}
+
 /// A body that moves must find room between the walls, and must not meet itself across a border.
 void check_room(const Case& setup, Diagnostics& findings, const Entry& body) {
   const rigid::Shape& shape = setup.shapes[body.shape];
@@ -229,7 +243,7 @@ void find_density_faults(const Case& setup, Diagnostics& findings) {
 }
 
 void find_body_faults(const Case& setup, Diagnostics& findings) {
-  if (!setup.has_bodies()) return;
+  if (!setup.has_bodies() || !check_scales(setup, findings)) return;
   for (const Entry& entry : entries_of(setup)) {
     if (entry.smallest && setup.fluid) check_cells_across(setup, findings, entry);
     if (entry.largest && !setup.fluid) check_specks(setup, findings, entry);

@@ -2,9 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "silt/case/case.hpp"
+#include "silt/case/case_check.hpp"
 
 namespace silt {
 namespace {
@@ -70,6 +72,16 @@ std::string length_slip(const Case& setup) {
   if (!setup.units.si || excess < least_excess || excess > most_excess) return "";
   return fmt::format("if lengths are in mm, write them in m (units.cell_size = {})",
                      shown(setup.units.cell_size / millimetres));
+}
+
+std::string scale_slip(const Case& setup, const std::string& entry, double across) {
+  constexpr double far = 100;  // times the domain: in millimetres one of a tenth of its length is so large
+  const double times = across / *std::ranges::max_element(setup.cells);
+  if (times < far) return "";
+  return fmt::format(
+      "{}.file is {} across, {:.0f} times the domain: correct {}.scale, the unit of length of the file in "
+      "that of the case{}",
+      entry, shown_length(setup, across), times, entry, setup.units.si ? " (0.001 for millimetres)" : "");
 }
 
 std::string density_slip(const Case& setup, const std::string& key, double density) {

@@ -22,6 +22,9 @@ std::string gravity_slip(const Case&);
 std::string motion_slip(const Case&);
 /// Returns the cure where cells are so large that the fluid's viscosity is nothing in them.
 std::string length_slip(const Case&);
+/// Returns what is wrong with a surface of a file, named by an entry ("walls[0]"), that is so many cells
+/// across: far more than the domain has.
+std::string scale_slip(const Case&, const std::string& entry, double across);
 /// Returns the cure of the density of a body (kg/m3) that the key gives, or of the fluid about it.
 std::string density_slip(const Case&, const std::string& key, double density);
 

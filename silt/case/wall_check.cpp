@@ -8,6 +8,7 @@
 #include "rigid/collision/tube_contacts.hpp"
 #include "rigid/shapes/shape.hpp"
 #include "silt/case/case_sections.hpp"
+#include "silt/case/unit_slips.hpp"
 
 namespace silt {
 namespace {
@@ -62,6 +63,45 @@ void check_features(const Case& setup, Diagnostics& findings, std::size_t index,
   }
 }
 
+/// Says whether a surface of some box is seen by the lattice at the start: it is not where it surrounds the
+/// domain, and where it is smaller than a cell.
+bool is_seen(const Case& setup, const MeshWall& wall, const rigid::BoundingBox& box) {
+  if ((box.upper - box.lower).maxCoeff() < 1) return false;
+  const rigid::BoundingBox domain = box_of(setup);
+  const bool surrounds =
+      (box.lower.array() <= domain.lower.array()).all() && (box.upper.array() >= domain.upper.array()).all();
+  if (!surrounds) return true;
+  const rigid::Pose pose = wall.pose(0);
+  const rigid::Mat3 turn = pose.orientation.conjugate().toRotationMatrix();
+  const Vec3 half = 0.5 * (domain.upper - domain.lower);
+  const auto near = rigid::BoundingBox::around(pose.to_body(domain.lower + half), turn.cwiseAbs() * half);
+  bool meets = false;
+  wall.mesh.surface->for_near(near, [&](std::uint32_t triangle) {
+    const auto [a, b, c] = wall.mesh.surface->corners(triangle);
+    meets |= (a.cwiseMin(b).cwiseMin(c).array() <= near.upper.array()).all() &&
+             (a.cwiseMax(b).cwiseMax(c).array() >= near.lower.array()).all();
+  });
+  return meets;
+}
+
+/// The scale of its file must be such that the domain and the lattice can have it.
+bool check_scale(const Case& setup, Diagnostics& findings, std::size_t index, const MeshWall& wall) {
+  const rigid::BoundingBox box = rigid::Mesh{wall.mesh.surface, false}.bounding_box(wall.pose(0));
+  const std::string entry = fmt::format("walls[{}]", index), key = wall_key(index, "scale");
+  const std::string slip = scale_slip(setup, entry, (box.upper - box.lower).maxCoeff());
+  if (!slip.empty()) {
+    findings.error(key, "{}", slip);
+  } else if (setup.fluid && !is_seen(setup, wall, box)) {
+    findings.error(key,
+                   "{} reaches from {}, the domain from {}: it touches none of its cells; correct {}.scale, "
+                   "or move it",
+                   entry, shown_box(setup, box), shown_box(setup, box_of(setup)), entry);
+  } else {
+    return true;
+  }
+  return false;
+}
+
 constexpr int looks = 1000;  // instants of a motion that is looked at
 
 /// It must overlap the domain; a vessel may cross a periodic border only if it goes on beyond it on both
@@ -108,6 +148,7 @@ double fastest(const Case& setup, const MeshWall& wall) {
 }
 
 void check_mesh(const Case& setup, Diagnostics& findings, std::size_t index, const MeshWall& wall) {
+  if (!check_scale(setup, findings, index, wall)) return;
   const int instants = wall.motion.moves() ? looks : 0;
   for (int k = 0; k <= instants; ++k)
     if (!check_place_at(setup, findings, index, wall, std::floor(double(setup.steps) * k / looks))) break;
