@@ -209,13 +209,16 @@ void check_fill(const Case& setup, Diagnostics& findings, std::size_t index) {
                    shown_box(setup, fill.box), shown_box(setup, box_of(setup)));
   const double volume = mean_volume(setup, fill);
   const double left = CurvedWalls(setup).share_left(fill.box, 0);
+  if (left <= 0)
+    return findings.error(key + ".box", "{}.box is {}: all of it lies in the solid of walls; move it", key,
+                          shown_box(setup, fill.box));
   const double room = std::min(1., sampling * left) * (fill.box.upper - fill.box.lower).prod();
   if (static_cast<double>(fill.count) * volume <= room * densest) return;
   findings.error(key + ".count",
                  "{}.count is {}: the bodies have {} times the volume of their box{}; at most {:.0f} can fit",
                  key, fill.count, shown(static_cast<double>(fill.count) * volume / room),
                  setup.walls.empty() ? "" : fmt::format(", of which walls leave {:.0f} %", 100 * left),
-                 room * densest / volume);
+                 std::floor(room * densest / volume));
 }
 
 void check_fill_rooms(const Case& setup, Diagnostics& findings) {
