@@ -7,6 +7,7 @@
 
 #include "silt/case/case.hpp"
 #include "silt/case/case_sections.hpp"
+#include "silt/case/unit_slips.hpp"
 
 namespace silt {
 
@@ -181,8 +182,10 @@ void check_speed(Diagnostics& findings, const std::string& key, double speed) {
   if (speed <= doubtful_velocity) return;
   const Case& setup = findings.setup;
   const std::string found = fmt::format("{} is {} cells a step{}", key, shown(speed), in_si(setup, speed));
-  const std::string cure = setup.units.si ? time_step_cure(setup, doubtful_velocity / speed) + ", or lower it"
-                                          : fmt::format("lower it to {}", doubtful_velocity);
+  std::string cure = fmt::format("lower it to {}", doubtful_velocity);
+  if (setup.units.si)
+    cure = units_first(setup, time_step_cure(setup, doubtful_velocity / speed)) +
+           (motion_slip(setup).empty() ? ", or lower it" : ", and velocities in m/s");
   if (!(speed <= impossible_velocity))
     findings.error(key, "{}; it must be at most {}: {}", found, impossible_velocity, cure);
   else

@@ -130,7 +130,7 @@ std::vector<Fall> expected_falls(const Case& setup) {
 
 void check_gain(const Case& setup, Diagnostics& findings, const char* key, double gained, double most) {
   if (!(gained > most)) return;
-  const std::string cure = time_step_cure(setup, std::sqrt(most / gained));
+  const std::string cure = units_first(setup, time_step_cure(setup, std::sqrt(most / gained)));
   findings.error(
       key, "{} adds {} cells a step to a velocity in every step; at most {} is possible: {}or lower it to {}",
       key, shown(gained), shown(most), cure.empty() ? "shorten the time step, " : cure + ", ",
@@ -188,12 +188,6 @@ void check_weight(const Case& setup, Diagnostics& findings) {
                      heavy->key, setup.units.si ? "-9.81" : "-1e-4");
 }
 
-/// Returns the cure, or what must be mended before it where a unit is wrong.
-std::string cure_of_motion(const Case& setup, const std::string& cure) {
-  const std::string slip = motion_slip(setup);
-  return slip.empty() ? cure : slip;
-}
-
 void check_fall(const Case& setup, Diagnostics& findings, const Fall& fall) {
   const double gravity = setup.gravity.norm(), speed = speed_of(setup, fall, gravity);
   if (!(speed > doubtful_velocity)) return;
@@ -212,10 +206,10 @@ void check_fall(const Case& setup, Diagnostics& findings, const Fall& fall) {
                   in_si(setup, speed), fall.density > 1 ? "falls" : "rises");
   if (speed > impossible_velocity)
     findings.error(key, "{}; at most {} is possible: {}", found, impossible_velocity,
-                   cure_of_motion(setup, cure));
+                   units_first(setup, cure));
   else
     findings.warning(key, "{}; above {} the fluid is noticeably compressible: {}", found, doubtful_velocity,
-                     cure_of_motion(setup, cure));
+                     units_first(setup, cure));
 }
 
 /// The largest velocity of laminar flow under the body force, between walls across it or, where there are
@@ -243,13 +237,13 @@ void check_flow(const Case& setup, Diagnostics& findings) {
   const double speed = laminar_speed(setup);
   if (!(speed > doubtful_velocity)) return;
   const double factor = doubtful_velocity / speed;
-  findings.warning("fluid.body_force",
-                   "fluid.body_force drives laminar flow at up to {} cells a step{}; above {} the fluid is "
-                   "noticeably compressible: {}",
-                   shown(speed), in_si(setup, speed), doubtful_velocity,
-                   cure_of_motion(setup, setup.units.si ? time_step_cure(setup, factor)
-                                                        : fmt::format("use {} times as much",
-                                                                      shown(rounded_down(factor)))));
+  findings.warning(
+      "fluid.body_force",
+      "fluid.body_force drives laminar flow at up to {} cells a step{}; above {} the fluid is "
+      "noticeably compressible: {}",
+      shown(speed), in_si(setup, speed), doubtful_velocity,
+      units_first(setup, setup.units.si ? time_step_cure(setup, factor)
+                                        : fmt::format("use {} times as much", shown(rounded_down(factor)))));
 }
 
 /// A mean velocity can be given only where the flow goes round, and in steps of one length.

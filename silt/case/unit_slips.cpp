@@ -67,11 +67,18 @@ std::string motion_slip(const Case& setup) {
 }
 
 std::string length_slip(const Case& setup) {
-  constexpr double millimetres = 1000;  // in a metre
+  constexpr double millimetres = 1000, long_cell = 0.05;  // in a metre; m
+  if (!setup.units.si || !setup.fluid) return "";
   const double excess = (setup.fluid->relaxation_time - 0.5) * millimetres * millimetres;
-  if (!setup.units.si || excess < least_excess || excess > most_excess) return "";
+  if ((excess < least_excess || excess > most_excess) && setup.units.cell_size < long_cell) return "";
   return fmt::format("if lengths are in mm, write them in m (units.cell_size = {})",
                      shown(setup.units.cell_size / millimetres));
+}
+
+std::string units_first(const Case& setup, const std::string& cure) {
+  const std::string slip = motion_slip(setup), lengths = length_slip(setup);
+  if (!slip.empty()) return slip;
+  return lengths.empty() ? cure : lengths + "; else " + cure;
 }
 
 std::string scale_slip(const Case& setup, const std::string& entry, double across) {

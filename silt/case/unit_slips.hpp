@@ -20,8 +20,11 @@ std::string viscosity_slip(const Case&);
 std::string gravity_slip(const Case&);
 /// Returns both: where it is not "", it is the cure of whatever follows from them.
 std::string motion_slip(const Case&);
-/// Returns the cure where cells are so large that the fluid's viscosity is nothing in them.
+/// Returns the cure where cells are so large that the fluid's viscosity is nothing in them, or a hand wide.
 std::string length_slip(const Case&);
+/// Returns the cure of a motion that is too fast: that of the units where they may be wrong, else the given
+/// one.
+std::string units_first(const Case&, const std::string& cure);
 /// Returns what is wrong with a surface of a file, named by an entry ("walls[0]"), that is so many cells
 /// across: far more than the domain has.
 std::string scale_slip(const Case&, const std::string& entry, double across);
