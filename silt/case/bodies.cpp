@@ -353,8 +353,11 @@ void read_bodies(TableReader& root, Case& setup) {
   if (!setup.kind_locks.empty()) setup.kind_locks.resize(setup.kind_names.size());
   // after all that name a shape: those of sizes have the names of others
   set_fill_sizes(setup, sizes);
-  for (TableReader& table : root.tables("outflow"))
-    read_keys(table, setup.outflows.emplace_back(), outflow_keys);
+  for (TableReader& table : root.tables("outflow")) {
+    OutflowSpec& outflow = setup.outflows.emplace_back();
+    read_keys(table, outflow, outflow_keys);
+    outflow.box.upper = snapped(outflow.box.upper, setup.cells);
+  }
 }
 
 void find_turnover_faults(const Case& setup, Diagnostics& findings) {

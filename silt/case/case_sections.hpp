@@ -30,6 +30,10 @@ void look_for_idle_keys(Diagnostics& findings, const std::string& table, const s
 std::vector<KeySection> domain_sections();
 void read_domain(TableReader& root, Case&);  // [units], [domain]; first: everything after it converts
 
+/// Returns x, on the upper side of the domain where it is beyond that by no more than domain.size may be.
+double snapped(double x, int cells);
+rigid::Vec3 snapped(const rigid::Vec3& x, const std::array<int, 3>& cells);
+
 // fluid.cpp
 std::vector<KeySection> fluid_sections();
 void read_fluid(TableReader& root, Case&);  // [fluid], [coupling], [gravity]

@@ -165,7 +165,11 @@ void read_coarsening(TableReader& root, Case& setup) {
   coupler::CoarseningSpec& spec = setup.coarsening.emplace();
   spec.distance = default_distance(setup);
   read_keys(table, spec, coarsening_keys);
-  for (TableReader& fine : table.tables("fine")) read_keys(fine, spec.fine.emplace_back(), fine_keys);
+  for (TableReader& fine : table.tables("fine")) {
+    coupler::FineBox& region = spec.fine.emplace_back();
+    read_keys(fine, region, fine_keys);
+    region.box.upper = snapped(region.box.upper, setup.cells);
+  }
 }
 
 void find_coarsening_faults(const Case& setup, Diagnostics& findings) {

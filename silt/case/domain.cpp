@@ -274,6 +274,14 @@ void check_flows(const Case& setup, Diagnostics& findings) {
 
 }  // namespace
 
+double snapped(double x, int cells) {
+  return x > cells && x <= cells + cell_count_tolerance ? cells : x;
+}
+
+rigid::Vec3 snapped(const rigid::Vec3& x, const std::array<int, 3>& cells) {
+  return {snapped(x[0], cells[0]), snapped(x[1], cells[1]), snapped(x[2], cells[2])};
+}
+
 std::vector<KeySection> domain_sections() {
   return {section_of("units", system_keys, si_keys), section_of("domain", domain_keys),
           section_of("domain.boundary", axis_keys),

@@ -113,7 +113,8 @@ constexpr int least_layers = 2;
 void read_cells(TableReader& table, FieldsSpec& slice) {
   const auto box = table.box("box", true);
   for (int d = 0; box && d < 3; ++d) {
-    const double cells = slice.upper[d], low = box->lower[d], high = box->upper[d];
+    const double cells = slice.upper[d];
+    const double low = snapped(box->lower[d], slice.upper[d]), high = snapped(box->upper[d], slice.upper[d]);
     const int most_lower = slice.upper[d] - least_layers;
     if (low == high && !(low >= 0 && low <= cells))
       return table.refuse("box", "within the domain where it is flat");
@@ -188,7 +189,7 @@ void read_points(TableReader& table, std::vector<rigid::Vec3>& points) {
     points.push_back(ends[0] + double(k) / double(*count - 1) * (ends[1] - ends[0]));
 }
 
-void read_probes(TableReader& output, std::vector<ProbesSpec>& all) {
+void read_probes(TableReader& output, const std::array<int, 3>& cells, std::vector<ProbesSpec>& all) {
   std::vector<std::string> names, known = field_names.list();
   known.resize(known.size() - 3);  // what is of cells alone
   for (TableReader& table : output.tables("probes")) {
@@ -196,6 +197,7 @@ void read_probes(TableReader& output, std::vector<ProbesSpec>& all) {
     read_keys(table, probes, probe_keys);
     probes.name = read_file_name(table, names, "probes");
     read_points(table, probes.points);
+    for (rigid::Vec3& x : probes.points) x = snapped(x, cells);
     read_field_names(table, known, probes.quantities);
     all.push_back(probes);
   }
@@ -323,7 +325,7 @@ void read_output(TableReader& root, Case& setup) {
   read_fields(fields, output.fields);
   read_slices(table, setup.cells, output.slices);
   read_series(table, output.series);
-  read_probes(table, output.probes);
+  read_probes(table, setup.cells, output.probes);
   if (TableReader mean = table.table("mean"); mean.present())
     read_keys(mean, output.mean.emplace(), mean_keys);
   read_keys(bodies, output.bodies, series_keys);

@@ -174,6 +174,9 @@ void read_quantities(TableReader& root, Case& setup) {
     if (!type) continue;
     quantity.type = *type;
     read_quantity_keys(table, quantity_type(*type), quantity, setup);
+    quantity.box.upper = snapped(quantity.box.upper, setup.cells);
+    if (quantity_type(*type).takes(Q::at))
+      quantity.height = snapped(quantity.height, setup.cells[quantity.axis]);
     setup.quantities.push_back(quantity);
   }
 }

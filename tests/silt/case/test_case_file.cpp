@@ -56,6 +56,31 @@ TEST(CaseFile, TimeStepFromRelaxationTimeOrLargestVelocity) {
   EXPECT_NEAR(c.read().units.lattice(0.1, dimension::velocity), 0.05, 1e-15);
 }
 
+TEST(CaseFile, PlacesOnASideMayBeBeyondItByRounding) {
+  ASSERT_GT(0.006 / 3e-4, 20);
+  CaseText c = si_case();
+  c.units = "[units]\nsystem = \"si\"\ncell_size = 3e-4\ntime_step = 1e-3\n";
+  c.domain = "[domain]\nsize = [0.006, 0.006, 0.006]\nboundary = \"no-slip\"\n";
+  c.shapes = shape_of("ball", "sphere", "radius = 1e-3");
+  c.bodies = body_of("ball", 1200, "position = [0.003, 0.003, 0.003]");
+  const std::string box = "box = [[0, 0, 0], [0.006, 0.006, 0.006]]\n";
+  c.rest = "[coarsening]\nlevels = 1\n[[coarsening.fine]]\n" + box + "[[outflow]]\n" + box +
+           "[[quantities]]\nname = \"number\"\ntype = \"body-count\"\n" + box +
+           "[[quantities]]\nname = \"flow\"\ntype = \"flow-rate\"\naxis = \"z\"\nat = 0.006\n"
+           "[[output.probes]]\nname = \"corner\"\npoints = [[0.006, 0.006, 0.006]]\nevery = 2\n"
+           "[[output.slices]]\nname = \"side\"\nbox = [[0, 0, 0.006], [0.006, 0.006, 0.006]]\nevery = 2\n";
+  EXPECT_EQ(c.fault(), "");
+  const Case setup = c.read();
+  const Vec3 corner(20, 20, 20);
+  EXPECT_EQ(setup.coarsening->fine[0].box.upper, corner);
+  EXPECT_EQ(setup.outflows[0].box.upper, corner);
+  EXPECT_EQ(setup.quantities[0].box.upper, corner);
+  EXPECT_EQ(setup.quantities[1].height, 20);
+  EXPECT_EQ(setup.output.probes[0].points[0], corner);
+  EXPECT_EQ(setup.output.slices[0].upper[2], 20);
+  EXPECT_TEXT(c.fault({"quantities[1].at=0.006000001"}), "must lie in the domain");
+}
+
 TEST(CaseFile, BoundariesInEveryForm) {
   CaseText c;
   c.domain = R"([domain]
