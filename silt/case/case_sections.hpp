@@ -2,6 +2,7 @@
 // The sections of a case file: their readers, in the order read_case calls them, and their judges. A reader
 // takes its keys from the root table and leaves what it found in the Case or in the sections of it that it
 // names; errors go to its context.
+#include <array>
 #include <string>
 #include <vector>
 

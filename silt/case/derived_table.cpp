@@ -149,11 +149,13 @@ void add_fluid(const Case& setup, Table& table) {
                                    setup.coarsening ? " if every cell were finest" : ""));
 }
 
-void add_kind(const Case& setup, Table& table, const std::string& name, const Entry& kind) {
+/// Adds bodies of one kind; of a fill of many sizes `kind` has the largest shape, `smallest` the other.
+void add_kind(const Case& setup, Table& table, const std::string& name, const Entry& kind, int smallest) {
   const rigid::Shape& shape = setup.shapes[kind.shape];
   table.line(name, fmt::format("{} of shape '{}' ({})", kind.count, setup.shape_names[kind.shape],
                                rigid::shape_name(shape)));
-  table.quantity("  cells across", rigid::least_width(shape), dimension::length);
+  table.quantity(smallest == kind.shape ? "  cells across" : "  cells across, smallest",
+                 rigid::least_width(setup.shapes[smallest]), dimension::length);
   table.line("  density ratio", "", shown(kind.density));
   if (!setup.fluid || !kind.is_free() || setup.gravity.norm() == 0) return;
   const double diameter = sphere_of_volume(shape), nu = setup.fluid->kinematic_viscosity;
@@ -224,7 +226,7 @@ void add_bodies(const Case& setup, Table& table) {
   const std::size_t given = entries.size();
   constexpr std::size_t most_lines = 12;
   for (std::size_t i = 0; i < std::min(given, most_lines); ++i) {
-    add_kind(setup, table, entries[i].key, entries[i]);
+    add_kind(setup, table, entries[i].key, entries[i], entries[i].shape);
     for (const FiledBodies& filed : setup.filed)
       if (entry_key(filed.alike.entry) == entries[i].key && filed.positions.dataset.empty())
         table.line("  in " + filed.positions.file,
@@ -237,7 +239,8 @@ void add_bodies(const Case& setup, Table& table) {
     const FillSpec& fill = setup.fills[i];
     Entry all{fill, fmt::format("fill[{}]", i)};
     all.count = most_bodies_of(setup, i);
-    add_kind(setup, table, fmt::format("{} {}", all.key, setup.kind_names[fill.kind]), all);
+    add_kind(setup, table, fmt::format("{} {}", all.key, setup.kind_names[fill.kind]), all,
+             fill.sizes.front().shape);
     add_sizes(setup, table, fill);
     add_room(setup, table, i);
     add_inflow(setup, table, fill, static_cast<double>(all.count));

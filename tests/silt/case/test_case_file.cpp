@@ -361,6 +361,12 @@ TEST(DerivedTable, SaysWhatSidesAndFacesLeaveOfABox) {
   }
 }
 
+TEST(DerivedTable, OfManySizesTheSmallestIsMeasuredInCells) {
+  CaseText c;
+  c.bodies = fill_of("ball", 1.2, 2, "diameter = { table = [[6, 1], [8, 1]] }");
+  EXPECT_TEXT(derived_table(c.read()), "  cells across, smallest  6 cells");
+}
+
 TEST(DerivedTable, TerminalVelocityFollowsStokesWhenSlow) {
   const double diameter = 2, density = 1.01, gravity = 1e-6, nu = 1;
   const double stokes = (density - 1) * gravity * diameter * diameter / (18 * nu);
