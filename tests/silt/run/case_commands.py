@@ -90,6 +90,19 @@ class Commands(SiltTest):
         report.write_text(report.read_text()[:200])
         self.assertRegex(script("compare", self.case, other, code=1), "report.json: not whole: .*; let the run write it again")
 
+    def test_compare_of_runs_of_different_lengths(self):
+        other = pathlib.Path(self.scratch.name) / "other"
+        self.silt("run", self.case, "--set", "output.report.every=20")
+        self.silt("run", self.case, "--out", other, "--set", "output.report.every=20", "--steps", 50)
+        page = pathlib.Path(self.scratch.name) / "runs.html"
+        said = script("compare", self.case, other, "--page", page, code=1)
+        self.assertIn("the runs end at different times, 60, 50: results are compared at 40, the last time that all have in series.csv", said)
+        self.assertNotIn("results\n", said)
+        self.assertNotIn("bodies at", said)
+        self.assertIn("The runs end at different times", page.read_text())
+        (other / "series.csv").unlink()
+        self.assertIn("and their results are not compared", script("compare", self.case, other, code=1))
+
     def test_every_command_explains_itself(self):
         for path in sorted(SCRIPTS.iterdir()):
             if path.is_file() and os.access(path, os.X_OK):
