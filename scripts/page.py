@@ -113,8 +113,19 @@ def side_by_side(figures):
     return f"<div class=pictures>{''.join(figures)}</div>" if figures else ""
 
 
+def tables_of(run):
+    """Returns the tables series_NAME.csv of a run by their names."""
+    names = [path.stem.removeprefix("series_") for path in sorted(run.folder.glob("series_*.csv"))]
+    return {name: run.table(name) for name in names if not re.search(r"\.\d+$", name)}  # without those that were set aside
+
+
+def finer_in_tables(run, rows):
+    """Returns the quantities that a series_NAME.csv has at so many times or more: their curves are drawn from there."""
+    return {column for table in tables_of(run).values() if len(table) >= rows for column in table.names[2:]}
+
+
 def of_series(run):
-    """Yields (title, unit, lines (label, times, values)) of series.csv."""
+    """Yields (title, unit, lines (label, times, values)) of series.csv; of what a series_NAME.csv has no coarser only the mean."""
     try:
         series = run.series
     except FileNotFoundError:
@@ -125,8 +136,9 @@ def of_series(run):
     wanted = [("Kinetic energy", unit_of(report, "energy"), ["energy.bodies", "energy.fluid"]),
               ("Largest velocity", unit_of(report, "velocity"), ["max_velocity"]), ("Contacts", "number", ["contacts_now"]),
               ("Drift of the fluid's mass", "share of it", ["mass_drift"])]
+    finer = finer_in_tables(run, len(series))
     for name in (n.removeprefix("quantities.") for n in series.names if n.startswith("quantities.")):
-        wanted.append((name, types.get(name, {}).get("unit") or "1", [f"quantities.{name}", f"means.{name}"]))
+        wanted.append((name, types.get(name, {}).get("unit") or "1", [f"quantities.{name}"] * (name not in finer) + [f"means.{name}"]))
     for title, unit, names in wanted:
         names = [n for n in names if n in series.columns and not np.isnan(series[n]).all()]
         labels = {"quantities": "in the step", "means": "mean so far", "energy": None}
@@ -135,15 +147,15 @@ def of_series(run):
 
 
 def of_tables(run):
-    """Yields the same of the columns of each series_NAME.csv."""
+    """Yields the same of the columns of each series_NAME.csv that series.csv does not have at more times."""
     types = run.report.get("quantity_types", {})
-    for path in sorted(run.folder.glob("series_*.csv")):
-        name = path.stem.removeprefix("series_")
-        if re.search(r"\.\d+$", name):  # one with other columns, that was set aside
-            continue
-        table = run.table(name)
+    try:
+        drawn_there = {name.removeprefix("quantities."): len(run.series) for name in run.series.names if name.startswith("quantities.")}
+    except FileNotFoundError:
+        drawn_there = {}
+    for name, table in tables_of(run).items():
         for column in table.names[2:]:
-            if len(table) > 1 and not np.isnan(table[column]).all():
+            if 1 < len(table) >= drawn_there.get(column, 0) and not np.isnan(table[column]).all():
                 yield f"{column} ({name})", types.get(column, {}).get("unit") or "1", [(column, table["time"], table[column])]
 
 

@@ -100,6 +100,17 @@ class Page(SiltTest):
         self.assertLessEqual(width, of)
         self.assertLessEqual(of, 500)
 
+    def test_each_curve_and_explanation_once(self):
+        """A quantity of series.csv and of a series of its own is drawn from the finer one; quantities of one type share what is said."""
+        quantity = '[[quantities]]\nname = "{}"\ntype = "mean-height"\naxis = "{}"\n'
+        for every, title in ((2, "across (own)"), (30, "across")):
+            series = f'[[output.series]]\nname = "own"\nevery = {every}\ncolumns = ["across"]\n'
+            text = self.page(CASE + quantity.format("across", "x") + quantity.format("aside", "y") + series)[1]
+            letters = re.findall(r"<text[^>]*>([^<]*)</text>", text)
+            self.assertEqual([t for t in letters if t.startswith("across")], [title])
+            self.assertEqual(text.count("mean coordinate of the bodies"), 1)
+            self.assertIn("height, across, aside: mean coordinate", text)
+
     def test_units_and_sources(self):
         """Every axis has its unit, in letters that a phone shows, every quantity too; where a reference is
         from is told, and so are the speeds of each kind."""
