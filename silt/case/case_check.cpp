@@ -158,13 +158,17 @@ std::string time_step_cure(const Case& setup, double factor) {
   const std::string key = time_step_key(setup);
   const double old = setup.units.time_step, excess = setup.fluid ? setup.fluid->relaxation_time - 0.5 : 0;
   if (key == "units.relaxation_time")
-    return fmt::format("use {} = {}", key, shown(0.5 + rounded_down(factor * excess)));
+    return fmt::format("use {} = {:.12g}", key, 0.5 + rounded_down(factor * excess));
   const double step = rounded_down(factor * old);
   constexpr double target = 0.05;  // cells a step: what units.max_velocity becomes
   const double value = key == "units.max_velocity" ? rounded_up(target * setup.units.cell_size / step) : step;
+  constexpr double small = 1e-3;  // three digits of the sum do not show it
+  const double then = excess * step / old;
+  const std::string tau =
+      then < small ? fmt::format("0.5 + {:.2g}", then) : fmt::format("{:.3g}", 0.5 + then);
   const bool follows = setup.fluid && setup.places.count("fluid.kinematic_viscosity");
   return fmt::format("use {} = {}{}", key, shown(value),
-                     follows ? fmt::format(" (relaxation time {:.3g})", 0.5 + excess * step / old) : "");
+                     follows ? fmt::format(" (relaxation time {})", tau) : "");
 }
 
 std::string shorter_step(const Case& setup) {
@@ -179,7 +183,7 @@ std::string in_si(const Case& setup, double x, Dimension d) {
 }
 
 void check_speed(Diagnostics& findings, const std::string& key, double speed) {
-  if (speed <= doubtful_velocity) return;
+  if (speed <= doubtful_velocity * (1 + unseen)) return;
   const Case& setup = findings.setup;
   const std::string found = fmt::format("{} is {} cells a step{}", key, shown(speed), in_si(setup, speed));
   std::string cure = fmt::format("lower it to {}", doubtful_velocity);

@@ -97,6 +97,8 @@ double rounded_up(double x);
 
 /// Limits in cells a step: the error by compressibility grows with the square of the speed.
 inline constexpr double doubtful_velocity = 0.1, impossible_velocity = 0.3;
+/// What a number may be beyond a limit: six digits, as messages have them, do not tell the two apart.
+inline constexpr double unseen = 1e-6;
 /// The deviation of the density above which the fluid is noticeably compressible.
 inline constexpr double doubtful_deviation = 0.02;
 

@@ -190,7 +190,7 @@ void check_weight(const Case& setup, Diagnostics& findings) {
 
 void check_fall(const Case& setup, Diagnostics& findings, const Fall& fall) {
   const double gravity = setup.gravity.norm(), speed = speed_of(setup, fall, gravity);
-  if (!(speed > doubtful_velocity)) return;
+  if (!(speed > doubtful_velocity * (1 + unseen))) return;
   const auto is_slow = [&](double share) {
     return speed_of(setup, fall, share * gravity) <= doubtful_velocity;
   };
@@ -235,7 +235,7 @@ void check_flow(const Case& setup, Diagnostics& findings) {
   const auto meshes = [](const CurvedWall& wall) { return wall.mesh() != nullptr; };
   if (setup.has_bodies() || std::ranges::any_of(setup.walls, meshes)) return;
   const double speed = laminar_speed(setup);
-  if (!(speed > doubtful_velocity)) return;
+  if (!(speed > doubtful_velocity * (1 + unseen))) return;
   const double factor = doubtful_velocity / speed;
   findings.warning(
       "fluid.body_force",

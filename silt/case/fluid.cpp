@@ -280,9 +280,10 @@ void check_viscosity(const Case& setup, Diagnostics& findings) {
   if (is_in_another_unit(setup, findings)) return;
   if (!(tau > 0.5))
     findings.error(key, "the relaxation time is {}; it must be above 0.5 (a viscosity above 0)", shown(tau));
-  else if (tau - 0.5 < least_measured)
+  else if (tau - 0.5 < least_measured * (1 - unseen))
     check_thin(setup, findings, tau);
-  else if (tau < doubtful_relaxation_low && !lbm::model_of(setup.fluid->collision).has_eddies())
+  else if (tau < doubtful_relaxation_low * (1 - unseen) &&
+           !lbm::model_of(setup.fluid->collision).has_eddies())
     findings.warning(key,
                      "the relaxation time is {}; below {} runs tend to blow up: use fluid.collision = "
                      "\"regularised\", smaller cells, a longer time step or a higher viscosity",

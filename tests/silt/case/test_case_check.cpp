@@ -45,6 +45,12 @@ TEST(CaseCheck, WarnsOfDoubtfulRelaxationTimes) {
   CaseText c;
   c.fluid = "[fluid]\nrelaxation_time = 0.505\n";
   EXPECT_TEXT(warnings(c), "case.toml:7:1: warning: the relaxation time is 0.505; below 0.51");
+  c.fluid = "[fluid]\nrelaxation_time = 0.5001\n";  // less 0.5 it is below 1e-4, by rounding
+  EXPECT_TEXT(warnings(c), "the relaxation time is 0.5001; below 0.51");
+  c.fluid = "[fluid]\nrelaxation_time = 0.5000999\n";
+  EXPECT_TEXT(warnings(c),
+              "0.5 + 9.99e-05; no collision model was measured below 0.5 + 0.0001: the viscosity "
+              "is too small for these cells by a factor of 1.1");
   c.fluid = "[fluid]\nrelaxation_time = 2.5\n";
   EXPECT_TEXT(warnings(c), "above 2 walls and slow flow lose accuracy");
 }
