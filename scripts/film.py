@@ -18,16 +18,31 @@ def moments(times, most):
     return times[np.unique(np.linspace(0, len(times) - 1, min(most, len(times))).round().astype(int))]
 
 
-def write_film(path, count, draw, rate):
-    """Lets draw(i, picture) draw so many pictures and makes them a film of `rate` a second (H.264, which browsers and
-    slides show). Says how far it is every ten seconds. NoFilm without ffmpeg, or where it fails."""
+def require_ffmpeg():
+    """Raises NoFilm without ffmpeg."""
     if not shutil.which("ffmpeg"):
         raise NoFilm("a film needs ffmpeg (apt-get install ffmpeg)")
+
+
+def duration(seconds):
+    return f"{seconds:.0f} s" if seconds < 120 else f"{seconds / 60:.0f} minutes"
+
+
+def write_film(path, count, draw, rate):
+    """Lets draw(i, picture) draw so many pictures and makes them a film of `rate` a second (H.264, which browsers and
+    slides show). Says how many there are, after the first how long all take, and every ten seconds how far it is. NoFilm
+    without ffmpeg, or where it fails."""
+    require_ffmpeg()
+    print(f"drawing {count} pictures, which ffmpeg makes a film", file=sys.stderr, flush=True)
     with tempfile.TemporaryDirectory(prefix="silt-film-") as scratch:
-        said = time.monotonic()
+        begun = said = time.monotonic()
         for i in range(count):
             draw(i, pathlib.Path(scratch) / f"{i:06}.png")
-            if time.monotonic() - said > 10:
+            if i == 0:
+                each = time.monotonic() - begun
+                print(f"one takes {each:.1f} s, all about {duration(count * each)} (less with fewer --frames or a smaller --size)",
+                      file=sys.stderr, flush=True)
+            elif time.monotonic() - said > 10:
                 said = time.monotonic()
                 print(f"drawn {i + 1} of {count} pictures", file=sys.stderr, flush=True)
         even = "pad=ceil(iw/2)*2:ceil(ih/2)*2:color=white"  # as H.264 wants it
