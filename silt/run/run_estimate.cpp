@@ -347,8 +347,9 @@ double disk_needed(const Case& setup, std::uint64_t bodies, double share) {
 }
 
 std::string estimate_table(const Case& setup, const RunEstimate& e) {
-  std::string text = fmt::format("estimate (to a factor of 2 or so, on {} rank{} of this machine)\n", e.ranks,
-                                 e.ranks > 1 ? "s" : "");
+  std::string text =
+      fmt::format("estimate (to a factor of 2 or so, on {} rank{} of this machine, on idle cores)\n", e.ranks,
+                  e.ranks > 1 ? "s" : "");
   const auto line = [&](const char* name, const std::string& value) {
     text += fmt::format("  {:<24}  {}\n", name, value);
   };

@@ -26,6 +26,7 @@ class Estimates(SiltTest):
             self.assertLess(found / 2, foreseen)
             self.assertLess(foreseen, 2 * found)
         self.assertGreater(number(said, "time"), 0)
+        self.assertIn("on 1 rank of this machine, on idle cores)", said)
 
     # Nine spheres of 8 cells in a column, a cell apart, in the stream of an inlet; 20 % solid in between.
     COLUMN = """[units]
