@@ -57,10 +57,8 @@ std::string flow_remedy(const Case& setup) {
       "the relaxation time is {}, close to its limit of 0.5: use fluid.collision = \"regularised\", or "
       "raise {}",
       shown(tau),
-      setup.places.count("fluid.kinematic_viscosity")
-          ? fmt::format("fluid.kinematic_viscosity{}",
-                        setup.units.si ? ", or use a smaller units.cell_size" : "")
-          : "fluid.relaxation_time");
+      fmt::format("{}{}", viscosity_key(setup),
+                  gives_viscosity(setup) && setup.units.si ? ", or use a smaller units.cell_size" : ""));
 }
 
 std::string speed_remedy(const Case& setup, double too_far, std::int64_t step) {

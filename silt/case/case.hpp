@@ -243,6 +243,10 @@ double fastest_given(const Case&);
 /// Returns the cell Reynolds number u / nu at that speed.
 double cell_reynolds(const Case&);
 
+/// Returns the path of the key that says how viscous the fluid is; whether that is a viscosity.
+const char* viscosity_key(const Case&);
+bool gives_viscosity(const Case&);
+
 /// Returns the largest u / nu up to which a model lasted in every scene of the map, at up to 0.1 cells a
 /// step.
 double measured_reynolds(lbm::Collision);

@@ -166,7 +166,7 @@ std::string time_step_cure(const Case& setup, double factor) {
   const double then = excess * step / old;
   const std::string tau =
       then < small ? fmt::format("0.5 + {:.2g}", then) : fmt::format("{:.3g}", 0.5 + then);
-  const bool follows = setup.fluid && setup.places.count("fluid.kinematic_viscosity");
+  const bool follows = setup.fluid && gives_viscosity(setup);
   return fmt::format("use {} = {}{}", key, shown(value),
                      follows ? fmt::format(" (relaxation time {})", tau) : "");
 }

@@ -44,8 +44,8 @@ struct Symbol {
   std::string_view written, key, value;
 };
 constexpr Symbol symbols[] = {{"nu", "kinematic_viscosity", ""},
-                              {"mu", "kinematic_viscosity", " (mu/density)"},
-                              {"dynamic_viscosity", "kinematic_viscosity", " (dynamic_viscosity/density)"},
+                              {"mu", "dynamic_viscosity", ""},
+                              {"eta", "dynamic_viscosity", ""},
                               {"tau", "relaxation_time", ""},
                               {"omega", "relaxation_time", " (1/omega)"},
                               {"omega", "angular_velocity", ""},

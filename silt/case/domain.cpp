@@ -73,22 +73,22 @@ double time_step_of(const GivenScales& scales, TableReader& units, TableReader& 
   const double cell_size = scales.cell_size, tau = scales.relaxation_time;
   if (given == "max_velocity")
     return scales.max_velocity > 0 ? target_lattice_velocity * cell_size / scales.max_velocity : 0;
-  fluid.need("kinematic_viscosity", "units.relaxation_time derives the time step from it");
-  const auto viscosity = fluid.number("kinematic_viscosity", range::above(0));
-  return tau > 0 && viscosity ? (tau - 0.5) / 3 * cell_size * cell_size / *viscosity : 0;
+  const bool dynamic = fluid.has("dynamic_viscosity");
+  if (!dynamic) fluid.need("kinematic_viscosity", "units.relaxation_time derives the time step from it");
+  const auto viscosity = fluid.number(dynamic ? "dynamic_viscosity" : "kinematic_viscosity", range::above(0));
+  const double density = dynamic ? scales.density : 1;
+  return tau > 0 && viscosity && density > 0
+             ? (tau - 0.5) / 3 * cell_size * cell_size / (*viscosity / density)
+             : 0;
 }
 
 Units read_si_scales(TableReader& units, TableReader& fluid) {
   constexpr double dry_scale = 1000;  // kg/m3: of mass, where there is no fluid
   GivenScales u{{.cell_size = 0, .time_step = 0, .si = true}};
   read_keys(units, u, si_keys);
+  u.density = fluid.present() ? fluid.number("density", range::above(0)).value_or(0) : dry_scale;
   u.time_step = time_step_of(u, units, fluid);
-  if (!fluid.present()) {
-    u.density = dry_scale;
-    return u;
-  }
-  fluid.need("density", "the density of the fluid in kg/m3");
-  u.density = fluid.number("density", range::above(0)).value_or(0);
+  if (fluid.present()) fluid.need("density", "the density of the fluid in kg/m3");
   return u;
 }
 

@@ -33,6 +33,16 @@ void choose_collision(Case& setup) {
   setup.fluid->collision = fast ? lbm::Collision::regularised : lbm::Collision::trt;
 }
 
+const char* viscosity_key(const Case& setup) {
+  for (const char* key : {"fluid.kinematic_viscosity", "fluid.dynamic_viscosity"})
+    if (setup.places.count(key)) return key;
+  return "fluid.relaxation_time";
+}
+
+bool gives_viscosity(const Case& setup) {
+  return std::string_view(viscosity_key(setup)) != "fluid.relaxation_time";
+}
+
 std::string collision_reason(const Case& setup) {
   if (!setup.fluid->collision_by_scene) return "given";
   return fmt::format("auto: u/nu = {}, trt lasts to {}", shown(cell_reynolds(setup)),
@@ -57,9 +67,12 @@ constexpr auto is_controlled_along_the_force = [](const coupler::FluidSpec& flui
 constexpr std::tuple fluid_keys{
     HandKey{"density", "number", "kg/m³", "– (si), 1", "reference density"},
     Key{"kinematic_viscosity", &coupler::FluidSpec::kinematic_viscosity,
-        Number{dimension::viscosity, range::above(0)}, "kinematic viscosity ν", "one of two"},
+        Number{dimension::viscosity, range::above(0)}, "kinematic viscosity ν", "one of three"},
+    Key{"dynamic_viscosity", &coupler::FluidSpec::kinematic_viscosity,  // the fluid's density is 1
+        Number{dimension::dynamic_viscosity, range::above(0)}, "dynamic viscosity μ = ν × density",
+        "one of three"},
     Key{"relaxation_time", &coupler::FluidSpec::relaxation_time, Number{},
-        "relaxation time τ = 1/2 + 3 ν in lattice units", "one of two"},
+        "relaxation time τ = 1/2 + 3 ν in lattice units", "one of three"},
     HandKey{"collision", "\"trt\", \"bgk\", \"regularised\", \"auto\"", "", "\"trt\"",
             "collision model: two relaxation times, one, or for high cell Reynolds numbers; \"auto\": "
             "\"trt\" where it lasts at the largest speed given"},
@@ -201,8 +214,8 @@ void read_collision(TableReader& fluid, coupler::FluidSpec& spec) {
 }
 
 void read_viscosity(TableReader& fluid, coupler::FluidSpec& spec) {
-  const std::string given =
-      fluid.one_of({"kinematic_viscosity", "relaxation_time"}, true, "how viscous the fluid is");
+  const std::string given = fluid.one_of({"kinematic_viscosity", "dynamic_viscosity", "relaxation_time"},
+                                         true, "how viscous the fluid is");
   if (given == "relaxation_time") {
     if (spec.relaxation_time <= 0.5) fluid.refuse(given, "above 0.5, where the viscosity is 0");
     spec.kinematic_viscosity = (spec.relaxation_time - 0.5) / 3;
@@ -217,15 +230,10 @@ constexpr double most_relaxation = 1e4, usual_relaxation = 1;
 constexpr double least_measured = 1e-4;  // of tau - 1/2, by any collision model (scripts/stability)
 constexpr double most_cells = 1e13;      // far beyond the largest machines: a slip of the pen
 
-const char* viscosity_key(const Case& setup) {
-  return setup.places.count("fluid.kinematic_viscosity") ? "fluid.kinematic_viscosity"
-                                                         : "fluid.relaxation_time";
-}
-
 /// Returns the cure that gives a relaxation time of 1.
 std::string shorter_steps(const Case& setup) {
   const double factor = (usual_relaxation - 0.5) / (setup.fluid->relaxation_time - 0.5);
-  if (!setup.places.count("fluid.kinematic_viscosity"))
+  if (!gives_viscosity(setup))
     return fmt::format("use {} = {}", viscosity_key(setup), shown(usual_relaxation));
   return setup.units.si ? time_step_cure(setup, factor)
                         : fmt::format("use {} = {}", viscosity_key(setup),

@@ -13,11 +13,9 @@ struct Named {
   Dimension dimension;
   const char* name;
 };
-constexpr Named named[] = {{dimension::force, "N"},
-                           {dimension::torque, "N m"},
-                           {dimension::pressure, "Pa"},
-                           {dimension::velocity, "m/s"},
-                           {{2, -3, 1}, "W"}};
+constexpr Named named[] = {{dimension::force, "N"},      {dimension::torque, "N m"},
+                           {dimension::pressure, "Pa"},  {dimension::dynamic_viscosity, "Pa s"},
+                           {dimension::velocity, "m/s"}, {{2, -3, 1}, "W"}};
 
 }  // namespace
 

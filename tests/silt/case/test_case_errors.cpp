@@ -213,7 +213,7 @@ TEST(CaseErrors, SymbolsAreTheKeysThatTheyStandFor) {
   EXPECT_TEXT(fluid("tau"), "did you mean 'relaxation_time'?");
   EXPECT_TEXT(fluid("omega"), "did you mean 'relaxation_time' (1/omega)?");
   EXPECT_TEXT(fluid("nu"), "did you mean 'kinematic_viscosity'?");
-  EXPECT_TEXT(fluid("mu"), "did you mean 'kinematic_viscosity' (mu/density)?");
+  EXPECT_TEXT(fluid("mu"), "did you mean 'dynamic_viscosity'?");
   EXPECT_TEXT(c.fault({"contacts.e=0.5"}), "did you mean 'restitution'?");
   EXPECT_TEXT(c.fault({"contacts.restitution_coefficient=0.5"}), "did you mean 'restitution'?");
   EXPECT_TEXT(c.fault({"contacts.mu=0.5"}), "did you mean 'friction'?");
@@ -251,7 +251,8 @@ TEST(CaseErrors, WhatIsTakenAwayMustBeThere) {
   EXPECT_EQ(c.read({"run.balance.every=20", "run.balance=", "run.balance.every=30"}).balance_every, 30);
   EXPECT_TRUE(c.read({"bodies[0]="}).bodies.empty());
   EXPECT_EQ(c.fault({"fluid.relaxation_time="}),
-            "case.toml:6:2: [fluid] needs one of kinematic_viscosity, relaxation_time: how viscous the fluid "
+            "case.toml:6:2: [fluid] needs one of kinematic_viscosity, dynamic_viscosity, relaxation_time: "
+            "how viscous the fluid "
             "is");
   EXPECT_EQ(
       c.fault({"run.balnce="}),

@@ -52,6 +52,9 @@ TEST(CaseFile, TimeStepFromRelaxationTimeOrLargestVelocity) {
   c.units = "[units]\nsystem = \"si\"\ncell_size = 1e-3\nrelaxation_time = 0.8\n";
   EXPECT_NEAR(c.read().units.time_step, 0.1 * 1e-6 / 1e-5, 1e-15);
   EXPECT_NEAR(c.read().fluid->relaxation_time, 0.8, 1e-14);
+  c.fluid = "[fluid]\ndensity = 1000\ndynamic_viscosity = 1e-2\n";
+  EXPECT_NEAR(c.read().units.time_step, 0.1 * 1e-6 / 1e-5, 1e-15);
+  EXPECT_NEAR(c.read().fluid->kinematic_viscosity, 0.1, 1e-14);
   c.units = "[units]\nsystem = \"si\"\ncell_size = 1e-3\nmax_velocity = 0.1\n";
   EXPECT_NEAR(c.read().units.lattice(0.1, dimension::velocity), 0.05, 1e-15);
 }
