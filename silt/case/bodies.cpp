@@ -40,7 +40,7 @@ constexpr std::tuple body_keys{
     Key{"velocity", &EntrySpec::velocity, Vector{dimension::velocity},
         "velocity at the start; not of a fixed body"},
     Key{"angular_velocity", &BodySpec::angular_velocity, Vector{dimension::angular_velocity},
-        "angular velocity at the start; not of a fixed body"}};
+        "angular velocity at the start, radian in a unit of time; not of a fixed body"}};
 
 constexpr std::tuple start_keys{
     Key{"from", &StartSpec::from, Text{},

@@ -25,7 +25,7 @@ constexpr std::tuple over_time_keys{
         "of what is added to that: amplitude × sin(2π frequency t)", nullptr,
         Rule{If::idle, is_zero(&OverTime::frequency), "the frequency is 0; give one"}},
     Key{"frequency", &OverTime::frequency, Number{dimension::angular_velocity, range::at_least(0)},
-        "oscillations in a unit of time", "with amplitude",
+        "oscillations in a unit of time: cycles, not radian", "with amplitude",
         Rule{If::idle, is_zero(&OverTime::amplitude), "the amplitude is 0; give one, or remove it"},
         Rule{If::needed, [](const OverTime& s) { return !is_zero(&OverTime::amplitude)(s); }}}};
 

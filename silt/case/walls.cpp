@@ -57,6 +57,8 @@ std::string contents_of(const adapters::ReadMesh& read) {
   return text;
 }
 
+constexpr HandKey rpm_key{"rpm", "number", "1/min", "0",
+                          "revolutions a minute, in the place of angular_velocity; in a file in \"si\""};
 constexpr std::tuple wall_keys{
     HandKey{"type", "\"tube\", \"mesh\"", "", required, "kind of wall: \"tube\" or \"mesh\""},
     HandKey{"name", "string", "", "its path", "what quantities call the wall"},
@@ -69,7 +71,8 @@ constexpr std::tuple tube_keys{
     Key{"point", &TubeWallSpec::point, Vector{dimension::length}, "a point of the tube's axis, [x, y, z]",
         required},
     Key{"angular_velocity", &TubeWallSpec::angular_velocity, Number{dimension::angular_velocity},
-        "rotation of the tube about the axis (a drum)"}};
+        "rotation of the tube about the axis (a drum), radian in a unit of time"},
+    rpm_key};
 constexpr std::tuple mesh_file_keys{HandKey{
     "file", "string", "", required, "the name of an STL, OBJ or PLY file in the directory of the case"}};
 constexpr std::tuple mesh_keys{
@@ -81,7 +84,8 @@ constexpr std::tuple mesh_keys{
 constexpr std::tuple motion_keys{
     Key{"velocity", &PrescribedMotion::velocity, Vector{dimension::velocity}, "velocity of the point"},
     HandKey{"angular_velocity", "number", "1/s", "0",
-            "rotation about the axis through the point, which goes along"},
+            "rotation about the axis through the point, which goes along, radian in a unit of time"},
+    rpm_key,
     HandKey{"axis", "\"x\", \"y\", \"z\", [x, y, z]", "", "z at rest", "of the rotation, and of wall-torque"},
     HandKey{"point", "[x, y, z]", "m", "position",
             "of the axis of a wall, at the start; wall-torque is about it"},
@@ -89,11 +93,24 @@ constexpr std::tuple motion_keys{
         "of an oscillation of the point: how far it goes to either side, by amplitude × sin(2π frequency t)",
         nullptr, Rule{If::idle, is_zero(&PrescribedMotion::frequency), "the frequency is 0; give one"}},
     Key{"frequency", &PrescribedMotion::frequency, Number{dimension::angular_velocity, range::at_least(0)},
-        "oscillations in a unit of time", "with amplitude",
+        "oscillations in a unit of time: cycles, not radian", "with amplitude",
         Rule{If::idle, is_zero(&PrescribedMotion::amplitude), "the amplitude is 0; give one, or remove it"},
         Rule{If::needed,
              [](const PrescribedMotion& s) { return !is_zero(&PrescribedMotion::amplitude)(s); }}},
     HandKey{"table", "string", "", "none", "CSV file of a motion, instead of angular_velocity"}};
+
+/// Returns the angular velocity, in radian a step, that `rpm` gives; none without it.
+std::optional<double> read_rpm(TableReader& table) {
+  const auto rpm = table.number("rpm", range::any);
+  const Units& units = table.context().units;
+  if (rpm && table.context().units_known && !units.si)
+    table.fail("rpm",
+               "{} is given, but a file in lattice units knows no minutes; give angular_velocity, radian "
+               "a step",
+               table.path("rpm"));
+  return rpm ? std::optional(units.lattice(*rpm * std::numbers::pi / 30, dimension::angular_velocity)) : rpm;
+}
+
 /// Calls use(surface, name) for the surface in `file`, read by read(name, bytes, lattice units in one of the
 /// file's) and warns of one whose numbers do not keep it: its origin is far away.
 template <class Read, class Use>
@@ -151,6 +168,8 @@ MeshWall read_mesh_wall(TableReader& table) {
 TubeWallSpec read_tube_wall(TableReader& table) {
   TubeWallSpec wall{read_tube(table)};
   read_keys(table, wall, tube_keys);
+  table.one_of({"angular_velocity", "rpm"}, false, "");
+  wall.angular_velocity = read_rpm(table).value_or(wall.angular_velocity);
   if (table.has("axis")) wall.axis = read_direction(table, "");
   return wall;
 }
@@ -162,11 +181,11 @@ ReadMotion read_motion(TableReader& table) {
   if (!table.present()) return read;
   PrescribedMotion& motion = read.motion;
   read_keys(table, motion, motion_keys);
-  const std::string turn = table.one_of({"angular_velocity", "table"}, false, "");
-  if (turn == "angular_velocity" || table.has("axis"))
+  const std::string turn = table.one_of({"angular_velocity", "rpm", "table"}, false, "");
+  if (turn == "angular_velocity" || turn == "rpm" || table.has("axis"))
     read.axis = read_direction(table, "about which it turns");
-  motion.angular_velocity =
-      table.quantity("angular_velocity", dimension::angular_velocity, range::any).value_or(0) * read.axis;
+  const auto given = table.quantity("angular_velocity", dimension::angular_velocity, range::any);
+  motion.angular_velocity = read_rpm(table).value_or(given.value_or(0)) * read.axis;
   if (turn == "table")
     with_file(table, "table", false, [&](const std::string& name, const AttachedFile& file) {
       MotionFile rows = read_motion_file(file.bytes, table.context().units);

@@ -1,6 +1,8 @@
 // Reading: what stands in a case file arrives in the Case, in lattice units.
 #include <gtest/gtest.h>
 
+#include <numbers>
+
 #include "rigid/shapes/shape.hpp"
 #include "silt/case/case_check.hpp"
 #include "silt/case/case_file.hpp"
@@ -82,6 +84,16 @@ TEST(CaseFile, PlacesOnASideMayBeBeyondItByRounding) {
   EXPECT_EQ(setup.output.probes[0].points[0], corner);
   EXPECT_EQ(setup.output.slices[0].upper[2], 20);
   EXPECT_TEXT(c.fault({"quantities[1].at=0.006000001"}), "must lie in the domain");
+}
+
+TEST(CaseFile, RevolutionsAMinute) {
+  CaseText c = si_case();
+  c.rest = "[[walls]]\ntype = \"tube\"\nradius = 15e-3\naxis = \"z\"\npoint = [0.016, 0.016, 0]\nrpm = 30\n";
+  c.bodies += "motion = { rpm = -60, axis = \"x\" }\n";
+  const Case setup = c.read();
+  const double turn = 2 * std::numbers::pi * 1e-2;  // a second in radian a step
+  EXPECT_NEAR(std::get<rigid::TubeWallSpec>(setup.walls.at(0).surface).angular_velocity, 0.5 * turn, 1e-16);
+  EXPECT_NEAR(setup.kind_motions.at(0).angular_velocity[0], -turn, 1e-16);
 }
 
 TEST(CaseFile, BoundariesInEveryForm) {
