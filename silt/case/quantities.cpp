@@ -22,7 +22,11 @@ struct KeyOf {
 constexpr std::tuple every_type_keys{
     HandKey{"name", "string", "", required, "what report.json calls the quantity"},
     HandKey{"type", "type of quantity", "", required,
-            "one of the table below, which says what else it takes"}};
+            "one of the table below, which says what else it takes"},
+    HandKey{"over", "[from, to]", "s", "none",
+            "of types that have a value in every step: the mean of those from one time to another"},
+    HandKey{"deviation", "boolean", "", "false",
+            "with over: their standard deviation in the place of the mean"}};
 constexpr std::tuple type_keys{
     KeyOf{Q::Key(Q::body | Q::bearer), HandKey{"body", "string", "", "every body",
                                                "kind of bodies: name of a [[bodies]] or [[fill]] entry"}},
@@ -43,8 +47,9 @@ constexpr std::tuple type_keys{
     KeyOf{Q::Key(Q::side | Q::side_bears),
           Key{"side", &QuantitySpec::side, Choice{coupler::side_names},
               "side of the domain, \"z-low\" for one; of forces in the place of body", "–, none"}},
-    KeyOf{Q::at, Key{"at", &QuantitySpec::height, Number{dimension::length},
-                     "where the plane is along the axis", required}},
+    KeyOf{Q::Key(Q::at | Q::planes),
+          HandKey{"at", "number, [first, second]", "m", required,
+                  "where the plane is along the axis; of a pressure-drop both planes"}},
     KeyOf{Q::Key(Q::wall | Q::bearer),
           HandKey{"wall", "string", "", "the only one, none",
                   "name of one of [[walls]]; of forces and torques in the place of body"}}};
@@ -73,6 +78,37 @@ void read_bearer(TableReader& table, const QuantityType& type, QuantitySpec& qua
   if (quantity.bearer == Bearer::wall) read_wall(table, quantity, setup);
 }
 
+/// One plane across the axis, or two.
+void read_planes(TableReader& table, const QuantityType& type, QuantitySpec& quantity) {
+  if (type.takes(Q::at)) quantity.height = table.quantity("at", dimension::length, range::any).value_or(0);
+  const Node* const node = type.takes(Q::planes) ? table.find("at") : nullptr;
+  if (!node) return;
+  const auto at = node->numbers(2);
+  if (!at || (*at)[0] == (*at)[1])
+    return table.refuse("at", "the places of two planes along the axis, [first, second], which differ");
+  const double cell = table.context().units.cell_size;
+  quantity.height = (*at)[0] / cell, quantity.second_height = (*at)[1] / cell;
+}
+
+/// The steps of which the value is the mean or the deviation.
+void read_over(TableReader& table, const QuantityType& type, QuantitySpec& quantity) {
+  quantity.deviation = table.boolean("deviation").value_or(false);
+  const Node* const node = table.find("over");
+  if (!node)
+    return table.refuse_given({"deviation"}, "{key} is given without {table}.over, the times that it is of");
+  if (!type.asks_for(Q::stepwise))
+    return table.fail("over", "{} is given, but \"{}\" has no value in every step; remove the key",
+                      table.path("over"), type.name);
+  if (type.takes(Q::time))
+    table.refuse_given({"time"},
+                       "{key} and {table}.over are both given; they say of what time the mean is, keep one");
+  const auto times = node->numbers(2);
+  if (!times || !((*times)[0] >= 0 && (*times)[0] < (*times)[1]))
+    return table.refuse("over", "two times, [from, to], the first at least 0 and before the second");
+  const double step = table.context().units.time_step;
+  quantity.over = {(*times)[0] / step, (*times)[1] / step};
+}
+
 // The keys that the type takes; any other is unknown.
 void read_quantity_keys(TableReader& table, const QuantityType& type, QuantitySpec& quantity,
                         const Case& setup) {
@@ -81,7 +117,10 @@ void read_quantity_keys(TableReader& table, const QuantityType& type, QuantitySp
     if (type.takes(row.taken)) read_key(table, quantity, row.key);
   };
   std::apply([&](const auto&... row) { (read(row), ...); }, type_keys);
-  if (type.takes(Q::time)) table.need("time", "time from which on the quantity looks at the run");
+  read_over(table, type, quantity);
+  if (type.takes(Q::time) && !table.has("over"))
+    table.need("time", "time from which on the quantity looks at the run");
+  read_planes(table, type, quantity);
   if (type.takes(Q::side)) table.need("side", "side of the domain, \"z-low\" for one");
   if (type.takes(Q::Key(Q::body | Q::bearer)))
     quantity.kind = read_name(table, "body", setup.kind_names, "name of [[bodies]] or [[fill]]").value_or(-1);
@@ -135,10 +174,11 @@ void check_place(const Case& setup, Diagnostics& findings, const QuantitySpec& q
                    "{}.axis is {}, across which nothing is sheared; both sides there must be walls (no-slip "
                    "or moving), of different velocities",
                    entry, "xyz"[quantity.axis]);
-  if (const int cells = setup.cells[quantity.axis];
-      type.takes(Q::at) && !(quantity.height >= 0 && quantity.height <= cells))
-    findings.error(entry + ".at", "{}.at is {}; it must lie in the domain, 0 to {} along {}", entry,
-                   shown_length(setup, quantity.height), shown_length(setup, cells), "xyz"[quantity.axis]);
+  const int cells = setup.cells[quantity.axis];
+  for (const double at : {quantity.height, quantity.second_height})
+    if (type.takes(Q::Key(Q::at | Q::planes)) && !(at >= 0 && at <= cells))
+      findings.error(entry + ".at", "{}.at is {}; it must lie in the domain, 0 to {} along {}", entry,
+                     shown_length(setup, at), shown_length(setup, cells), "xyz"[quantity.axis]);
   const auto& [lower, upper] = quantity.box;
   for (int d = 0; type.takes(Q::box) && d < 3; ++d)
     if (lower[d] < 0 || upper[d] > setup.cells[d])
@@ -194,6 +234,9 @@ void find_quantity_faults(const Case& setup, Diagnostics& findings) {
     const auto end = static_cast<double>(setup.steps);
     if (!lack.empty())
       findings.error(entry + ".type", "{}.type is \"{}\", but {}", entry, quantity.type, lack);
+    if (quantity.over && (*quantity.over)[0] > end)
+      findings.warning(entry + ".over",
+                       "{}.over begins after the end of the run: the quantity will have no value", entry);
     if ((type.takes(Q::time) && quantity.time >= end) ||
         (type.takes(Q::instant) && std::isfinite(quantity.time) && quantity.time > end))
       findings.warning(entry + ".time",

@@ -1,6 +1,8 @@
 #pragma once
 // The figures of a run: [[quantities]] and [run.steady] of a case, and the types that an entry may have.
+#include <array>
 #include <cstdint>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -30,8 +32,11 @@ struct QuantitySpec {
   Bearer bearer = Bearer::bodies;
   int kind = -1;  // index into Case::kind_names; -1: every body
   int axis = 2;
-  double time = 0;    // from when on (of an instant: when; without one the end), in steps
-  double height = 0;  // along the axis: of bodies, of a plane
+  double time = 0;           // from when on (of an instant: when; without one the end), in steps
+  double height = 0;         // along the axis: of bodies, of a plane
+  double second_height = 0;  // of the second of two planes
+  std::optional<std::array<double, 2>> over;  // steps of which the value is the mean, or the deviation
+  bool deviation = false;
   int side = 0;       // a Side of the domain
   int wall = 0;       // index into Case::walls
   int component = 0;  // a Component
@@ -66,6 +71,7 @@ struct QuantityType {
     bearer = 2048,      // body or wall
     side_bears = 4096,  // or side
     component = 8192,
+    planes = 16384,  // written `at` too: two of them
   };
   enum Need : unsigned {
     fluid = 1,

@@ -29,7 +29,7 @@ bool has_history(const CheckpointReader& reader, const QuantitySpec& q) {
 /// Says what becomes of a quantity that looks at the run as a whole, or "" if it has all that it looks at.
 std::string text_of_anew(const CheckpointReader& reader, const QuantitySpec& q, std::int64_t step) {
   const Computation& computation = computation_of(q.type);
-  if (!computation.gathers() || holds(reader, history_name(q, 0), definition_of(q))) return "";
+  if (!(computation.gathers() || q.over) || holds(reader, history_name(q, 0), definition_of(q))) return "";
   const bool is_instant = quantity_type(q.type).takes(QuantityType::instant);
   if (is_instant && q.time < double(step) + 0.5)
     return fmt::format("has its time before step {}, where the run goes on, and no value in the checkpoint",
@@ -37,7 +37,7 @@ std::string text_of_anew(const CheckpointReader& reader, const QuantitySpec& q, 
   if (is_instant) return "";
   if (has_history(reader, q))
     return "is of something else than what the checkpoint has under this name, and begins anew";
-  if (q.time > double(step)) return "";
+  if ((q.over ? (*q.over)[0] : q.time) > double(step)) return "";
   return fmt::format("is not in the checkpoint; it begins at step {}, where the run goes on", step);
 }
 
@@ -79,18 +79,24 @@ std::string definition_name(const std::string& of) {
 }
 
 std::string definition_of(const QuantitySpec& q) {
-  const auto& [name, type, bearer, kind, axis, time, height, side, wall, component, centre, box] = q;
+  const auto& [name, type, bearer, kind, axis, time, height, second_height, over, deviation, side, wall,
+               component, centre, box] = q;
+  std::string more;
+  if (second_height != 0) more += fmt::format(", and {}", second_height);
+  if (over)
+    more += fmt::format(", {} over {} to {}", deviation ? "deviation" : "mean", (*over)[0], (*over)[1]);
   return fmt::format(
       "{}: bearer {}, kind {}, axis {}, time {}, height {}, side {}, wall {}, component {}, centre {}, box "
       "{} "
-      "to {}",
+      "to {}{}",
       type, int(bearer), kind, axis, time, height, side, wall, component, point_text(centre),
-      point_text(box.lower), point_text(box.upper));
+      point_text(box.lower), point_text(box.upper), more);
 }
 
 std::string definition_of(const Case& setup, const ColumnsSpec& series, std::size_t column) {
   QuantitySpec in_step = quantity_named(setup, series.columns[column]);
-  in_step.time = 0;  // a row has what it is in a step, from the first on
+  in_step.time = 0, in_step.over = {},
+  in_step.deviation = false;  // a row has what it is in a step, from the first on
   return definition_of(in_step);
 }
 

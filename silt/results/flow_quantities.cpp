@@ -103,6 +103,32 @@ double flow_rate(const Case&, const QuantitySpec&, std::int64_t, std::span<const
   return rate[0];
 }
 
+/// Adds the deviation of the density from the reference over the cells of fluid beside two planes, and their
+/// area.
+void add_densities(const Simulation& simulation, const QuantitySpec& q, std::span<rigid::ExactSum> sums) {
+  for (const int plane : {0, 1})
+    simulation.scene().flow->for_levels([&](const coupler::FluidFields& fields) {
+      FixedSum deviation = 0, area = 0;
+      LayersBeside(fields, q.axis, plane == 0 ? q.height : q.second_height)
+          .for_each([&](int b, const lbm::CellBox& cells, double share) {
+            const lbm::Int3 first = cells.lower, last = first + cells.size;
+            lbm::MomentsByRow moments(fields, b, first.x, last.x);
+            coupler::for_cells(first, last, [&](lbm::Int3 x) {
+              if (!fields.is_fluid(b, x)) return;
+              deviation += to_fixed(share * moments(x).density_deviation);
+              area += to_fixed(share);
+            });
+          });
+      sums[2 * plane].add(fields.width() * fields.width() * deviation, 0x1p-64);
+      sums[2 * plane + 1].add(fields.width() * fields.width() * area, 0x1p-64);
+    });
+}
+
+double pressure_drop(const Case&, const QuantitySpec&, std::int64_t, std::span<const double> s) {
+  constexpr double sound_squared = 1. / 3;
+  return s[1] > 0 && s[3] > 0 ? sound_squared * (s[0] / s[1] - s[2] / s[3]) : no_value;
+}
+
 void see_body_force(const Simulation& simulation, const QuantitySpec& q, std::span<double> force) {
   force[0] = simulation.scene().flow->fields().spec().force[q.axis];
 }
@@ -120,6 +146,11 @@ constexpr Quantity of_flow[] = {
     {"flow-rate", Dimension{3, -1, 0}, Q::axis | Q::at, Q::fluid, in_step({1, add_flow_rate}, {flow_rate}),
      "volume of fluid that goes through a plane across the axis, per time, at the end; linear between the "
      "layers of cells beside the plane"},
+    {"pressure-drop", dimension::pressure, Q::axis | Q::planes, Q::fluid,
+     in_step({4, add_densities}, {pressure_drop}),
+     "mean pressure of the fluid in the first of two planes across the axis less that in the second, at the "
+     "end; "
+     "without hydrostatic pressure"},
     {"body-force", dimension::acceleration, Q::axis, Q::fluid,
      in_step({}, {flow_rate, false, 1, see_body_force}),
      "acceleration of the fluid along the axis, as given or as the superficial velocity asks for, at the "

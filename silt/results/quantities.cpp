@@ -68,7 +68,7 @@ bool have_same_terms(QuantitySpec a, QuantitySpec b) {
   if (!u.of || !v.of || x.sums.add != y.sums.add || x.sums.count != y.sums.count || u.see != v.see)
     return false;
   for (QuantitySpec* q : {&a, &b}) {
-    q->name = q->type = "", q->time = 0;
+    q->name = q->type = "", q->time = 0, q->over = {}, q->deviation = false;
     if (u.of_all_axes) q->axis = 0;
   }
   return a == b;
@@ -133,9 +133,9 @@ void Quantities::observe(const Simulation& simulation) {
   const std::int64_t step = simulation.steps_done();
   for (std::size_t i = 0; i < specs_.size(); ++i) {
     const Computation& c = *computations_[i];
-    if (c.observe) c.observe(simulation, specs_[i], history_[i]);
+    if (c.observe && !specs_[i].over) c.observe(simulation, specs_[i], history_[i]);
     const bool in_row = is_in_row(i, step);
-    if (!c.fold && !in_row) continue;
+    if (!c.fold && !specs_[i].over && !in_row) continue;
     const Look found = look(simulation, i, in_row);
     if (found.counts || in_row) waiting_.push_back(found);
   }
@@ -162,6 +162,18 @@ void Quantities::fold_started(const Case& setup) const {
   started_.clear();
 }
 
+/// Takes a value into the number of values, their mean and the sum of squares about it (Welford 1962).
+static void fold_over(const QuantitySpec& q, std::int64_t step, double value, QuantityHistory& h) {
+  constexpr double rounding = 1e-6;  // of times that are meant to be whole steps
+  if (std::isnan(value) || double(step) < (*q.over)[0] - rounding || double(step) > (*q.over)[1] + rounding)
+    return;
+  if (h == no_history) h = {};
+  const double away = value - h[1];
+  h[0] += 1;
+  h[1] += away / h[0];
+  h[2] += away * (value - h[1]);
+}
+
 void Quantities::fold(const Case& setup, const Look& look, std::vector<double>& in_step) const {
   if (!look.counts) return;
   const QuantitySpec& q = specs_[look.quantity];
@@ -169,9 +181,10 @@ void Quantities::fold(const Case& setup, const Look& look, std::vector<double>& 
   std::vector<double> values;
   for (int k = 0; k < c.sums.count; ++k)
     values.push_back(sums_under_way_.finish()[look.first_sum + k].value());
-  if (c.fold) c.fold(setup, q, look.step, values, history_[look.quantity]);
+  if (c.fold && !q.over) c.fold(setup, q, look.step, values, history_[look.quantity]);
   for (int k = 0; k < c.in_step.largest; ++k)
     values.push_back(largest_under_way_.finish()[look.first_largest + k]);
+  if (q.over) fold_over(q, look.step, c.in_step.of(setup, q, look.step, values), history_[look.quantity]);
   if (look.in_row) in_step[look.quantity] = physical(q, c.in_step.of(setup, q, look.step, values));
 }
 
@@ -201,27 +214,32 @@ double Quantities::physical(const QuantitySpec& q, double value) const {
   return units_.physical(value, quantity_type(q.type).dimension);
 }
 
+double Quantities::value(const Simulation& simulation, std::size_t i, const QuantityHistory& h) const {
+  const QuantitySpec& q = specs_[i];
+  const auto of_steps = [&] { return q.deviation ? std::sqrt(h[2] / h[0]) : h[1]; };
+  return physical(q, !q.over           ? computations_[i]->value(simulation, q, h)
+                     : h == no_history ? no_value
+                                       : of_steps());
+}
+
 std::vector<std::pair<std::string, double>> Quantities::evaluate(const Simulation& simulation) const {
   const auto history = this->history(simulation);
   std::vector<std::pair<std::string, double>> values;
-  for (std::size_t i = 0; i < specs_.size(); ++i) {
-    const QuantitySpec& q = specs_[i];
-    values.emplace_back(q.name, physical(q, computations_[i]->value(simulation, q, history[i])));
-  }
+  for (std::size_t i = 0; i < specs_.size(); ++i)
+    values.emplace_back(specs_[i].name, value(simulation, i, history[i]));
   return values;
 }
 
 double Quantities::evaluate(const Simulation& simulation, const std::string& name) const {
   std::size_t i = 0;
   while (specs_.at(i).name != name) ++i;
-  const QuantitySpec& q = specs_[i];
-  return physical(q, computations_[i]->value(simulation, q, history(simulation)[i]));
+  return value(simulation, i, history(simulation)[i]);
 }
 
 std::vector<std::pair<std::string, double>> Quantities::in_last_step() const {
   std::vector<std::pair<std::string, double>> values;
   for (std::size_t i = 0; i < specs_.size(); ++i)
-    if (const auto value = computations_[i]->in_last_step)
+    if (const auto value = computations_[i]->in_last_step; value && !specs_[i].over)
       values.emplace_back(specs_[i].name, physical(specs_[i], value(history_[i])));
   return values;
 }

@@ -64,6 +64,7 @@ class Quantities {
   };
   static constexpr std::size_t none = -1;
   double physical(const QuantitySpec&, double value) const;
+  double value(const Simulation&, std::size_t quantity, const QuantityHistory&) const;
   bool is_in_row(std::size_t quantity, std::int64_t step) const;
   Look look(const Simulation&, std::size_t quantity, bool in_row) const;
   void start_sums(MPI_Comm) const;

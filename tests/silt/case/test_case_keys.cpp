@@ -231,14 +231,15 @@ TEST(CaseKeys, EveryTypeOfAShapeHasItsKeys) {
 
 TEST(CaseKeys, EveryTypeOfAQuantityHasItsRow) {
   const std::vector<Row> rows = rows_of_readme();
-  Names all = {"name", "type"};
+  const Names of_every_type = {"name", "type", "over", "deviation"};
+  Names all = of_every_type;
   std::size_t types = 0;
   for (const Row& row : rows) types += row.section == "quantities" && row.cells.size() < key_columns;
   EXPECT_EQ(types, quantity_types.size());
   for (const QuantityType& type : quantity_types) {
     const Row* row = row_of_type(rows, "quantities", type.name);
     ASSERT_TRUE(row) << type.name << " is missing in cases/README.md";
-    Names keys = {"name", "type"};
+    Names keys = of_every_type;
     for (const std::string& key : names_in(row->cells[1])) keys.insert(key);
     EXPECT_EQ(listed(keys), listed(keys_of_quantity(type.name))) << type.name;
     EXPECT_EQ(row->cells[2], type.meaning) << type.name;

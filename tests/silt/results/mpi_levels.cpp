@@ -71,7 +71,7 @@ TEST(QuantitiesOfLevels, TheFlowThroughAPlaneIsLinearBetweenCells) {
     set_cells(flow, [axis](const FluidFields& fields, lbm::Int3 cell) {
       rigid::Vec3 u(1e-3, 2e-3, 3e-3);
       u[axis] += 1e-3 * fields.centre(cell)[axis];
-      return LocalFlow{0, u};
+      return LocalFlow{1e-4 * fields.centre(cell)[axis], u};
     });
     const double length = s.setup().cells[axis], area = s.setup().volume() / length;
     QuantitySpec q;
@@ -80,6 +80,9 @@ TEST(QuantitiesOfLevels, TheFlowThroughAPlaneIsLinearBetweenCells) {
       q.height = share * length;
       EXPECT_NEAR(value_in_last_step(s, q) / area, 1e-3 * (1 + axis + q.height), 1e-13)
           << "xyz"[axis] << " " << q.height;
+      QuantitySpec drop = q;
+      drop.type = "pressure-drop", drop.second_height = 1.5;
+      EXPECT_NEAR(value_in_last_step(s, drop), 1e-4 * (drop.height - 1.5) / 3, 1e-15);
     }
   }
 }

@@ -43,6 +43,10 @@ CaseText watched_crowd() {
     if (type.takes(QuantityType::wall)) c.run += "wall = \"pipe\"\n";
     if (type.takes(QuantityType::component)) c.run += "component = \"xz\"\n";
   }
+  for (const char* deviation : {"false", "true"})
+    c.run += fmt::format(
+        "[[quantities]]\nname = \"{}\"\ntype = \"mean-height\"\nover = [20, 120]\ndeviation = {}\n", n++,
+        deviation);
   return c;
 }
 
@@ -59,8 +63,9 @@ TEST(Quantities, TheSameBitsOnAnyRanks) {
 }
 
 TEST(Quantities, OfFluidTheSameBitsOnAnyRanks) {
-  for (const char* type : {"kinetic-energy", "dissipation"}) {
-    const CaseText text = vortex("type = \"" + std::string(type) + "\"", 20);
+  for (const char* quantity : {"kinetic-energy\"", "dissipation\"", "pressure-drop\"\nat = [3, 20.2]",
+                               "pressure-drop\"\nat = [3, 20.2]\nover = [5, 15]\ndeviation = true"}) {
+    const CaseText text = vortex("type = \"" + std::string(quantity), 20);
     expect_same_bits(text.values(MPI_COMM_SELF), text.values(MPI_COMM_WORLD, {finely_cut}));
   }
 }
@@ -118,7 +123,7 @@ TEST(Quantities, OfOtherDefinitionsBeginAnew) {
     after[i] = false;
     EXPECT_EQ(taken_up(saved, other), after) << overrides.front();
     const auto warnings = begun_anew(saved.reader(), other);
-    const bool warns = computation_of(scene.quantities[i].type).gathers();
+    const bool warns = computation_of(scene.quantities[i].type).gathers() || scene.quantities[i].over;
     ASSERT_EQ(warnings.size(), warns) << overrides.front();
     if (warns) {
       EXPECT_TEXT(warnings[0].text, "'" + name + "'");

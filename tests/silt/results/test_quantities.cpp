@@ -66,6 +66,17 @@ TEST(Quantities, FreeFall) {
   EXPECT_NEAR(value_of(fall), -0.5 * 0.01 * 50 * 50, 1e-10);
 }
 
+/// A body moves 0.1 cells a step: the mean over 11 steps is its place in the middle one, the deviation that
+/// of eleven numbers in a row.
+TEST(Quantities, MeanAndDeviationOverSomeSteps) {
+  const auto over = [](const std::string& more) {
+    return value_of(dry_scene("position = [10, 10, 5]\nvelocity = [0, 0, 0.1]",
+                              "type = \"mean-height\"\nover = [10, 20]\n" + more, 40));
+  };
+  EXPECT_NEAR(over(""), 5 + 1.5, 1e-12);
+  EXPECT_NEAR(over("deviation = true"), 0.1 * std::sqrt(10.), 1e-12);
+}
+
 /// A ball that stops dead (restitution 0) has lost its kinetic energy, all there is.
 TEST(Quantities, EnergyLostInAnImpact) {
   CaseText c = dry_scene("position = [16, 16, 16]\nvelocity = [0.5, 0, 0]", "type = \"energy-change\"");
