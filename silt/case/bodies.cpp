@@ -29,6 +29,8 @@ constexpr std::tuple body_keys{
     HandKey{"position", "[x, y, z]", "m", "one of two", "where the point of the body is that origin names"},
     HandKey{"positions", "[[x, y, z], …], string", "m", "one of two",
             "the same of several bodies; or a file of them in the directory of the case, see below"},
+    HandKey{"diameter", "table", "", "the shape's",
+            "sizes of bodies of initial.from that a fill gave them: its table of that name"},
     HandKey{"origin", "\"shape\", \"centre\"", "", "\"shape\"",
             "what the positions place: the origin that the shape (or its file) is given about, or the centre "
             "of mass"},
@@ -199,7 +201,11 @@ void read_body_motion(TableReader& table, BodySpec& body, Case& setup) {
                table.path("motion"), setup.kind_names[body.kind]);
 }
 
-void read_given_bodies(TableReader& root, Case& setup) {
+using Sizes = std::vector<std::vector<SizeShare>>;
+
+/// Returns the sizes of the bodies that continue another run, a list an entry.
+Sizes read_given_bodies(TableReader& root, Case& setup) {
+  Sizes sizes;
   int entry = 0;
   std::map<int, rigid::LockedAxes> locks;  // of kinds
   for (TableReader& table : root.tables("bodies")) {
@@ -223,9 +229,13 @@ void read_given_bodies(TableReader& root, Case& setup) {
       table.refuse_given({"velocity", "angular_velocity", "orientation", "origin"},
                          "{key} has no effect: an entry without position names bodies of initial.from, which "
                          "go on as they were there; remove it, or give a position to add a body");
-      setup.continued.push_back(body);
+      setup.continued.push_back({body, {}});
+      sizes.push_back(read_fill_sizes(table));
       continue;
     }
+    table.refuse_given({"diameter"},
+                       "{key} is of bodies of initial.from, which have no position here; the size of "
+                       "others is that of their shape, remove the key");
     for (const Vec3& position : read_positions(table)) {
       put_at(body, position, extent_of(setup));
       setup.bodies.push_back(body);
@@ -233,6 +243,7 @@ void read_given_bodies(TableReader& root, Case& setup) {
   }
   for (const auto& [kind, locked] : locks)
     if (locked) setup.kind_locks.resize(setup.kind_names.size()), setup.kind_locks[kind] = locked;
+  return sizes;
 }
 
 /// Refuses what does not go together.
@@ -336,8 +347,8 @@ std::vector<KeySection> body_sections() {
 void read_bodies(TableReader& root, Case& setup) {
   if (TableReader start = root.table("initial"); start.present())
     read_keys(start, setup.start.emplace(), start_keys);
-  read_given_bodies(root, setup);
-  std::vector<std::vector<SizeShare>> sizes;
+  const Sizes of_continued = read_given_bodies(root, setup);
+  Sizes sizes;
   for (TableReader& table : root.tables("fill")) {
     FillSpec& fill = setup.fills.emplace_back();
     fill.box = box_of(setup);
@@ -352,7 +363,7 @@ void read_bodies(TableReader& root, Case& setup) {
   }
   if (!setup.kind_locks.empty()) setup.kind_locks.resize(setup.kind_names.size());
   // after all that name a shape: those of sizes have the names of others
-  set_fill_sizes(setup, sizes);
+  set_fill_sizes(setup, sizes, of_continued);
   for (TableReader& table : root.tables("outflow")) {
     OutflowSpec& outflow = setup.outflows.emplace_back();
     read_keys(table, outflow, outflow_keys);

@@ -89,6 +89,11 @@ struct FillSpec : EntrySpec {   // the shape is that of the largest
   }
 };
 
+/// Bodies of an entry of [[bodies]] that come from another run, where the sizes may be those of a fill.
+struct ContinuedSpec : BodySpec {
+  std::vector<FillSize> sizes;
+};
+
 /// A box out of which free bodies are taken as soon as their centre of mass is in it.
 struct OutflowSpec {
   rigid::BoundingBox box{rigid::Vec3::Zero(), rigid::Vec3::Zero()};
@@ -159,7 +164,7 @@ struct Case : coupler::FlowSpec {
   std::vector<BodySpec> bodies;
   std::vector<FiledBodies> filed;
   std::optional<StartSpec> start;
-  std::vector<BodySpec> continued;  // of the entries whose bodies come from there; without a place
+  std::vector<ContinuedSpec> continued;  // of the entries whose bodies come from there; without a place
   std::vector<FillSpec> fills;
   std::vector<OutflowSpec> outflows;
   std::vector<coupler::SpringSpec> springs;

@@ -93,9 +93,11 @@ KeySection fill_size_section();
 /// distribution is cut into strips between diameters of equal ratios; all bodies of one have the diameter of
 /// their mean volume.
 std::vector<SizeShare> read_fill_sizes(TableReader& fill);
-/// Gives the fills the shapes of their sizes, which are added to those of the case. sizes: one list a fill.
-/// The largest takes the place of the shape that was given, where no other body has that.
-void set_fill_sizes(Case&, const std::vector<std::vector<SizeShare>>& sizes);
+/// Gives the fills, and the bodies that continue another run, the shapes of their sizes, which are added to
+/// those of the case: one list each. The largest takes the place of the shape that was given, where no other
+/// body has that.
+void set_fill_sizes(Case&, const std::vector<std::vector<SizeShare>>& of_fills,
+                    const std::vector<std::vector<SizeShare>>& of_continued);
 
 // springs.cpp
 std::vector<KeySection> spring_sections();

@@ -82,7 +82,9 @@ std::vector<SizeShare> strips_of(const DiameterSpec& spec) {
   return sizes;
 }
 
-void add_shapes(Case& setup, FillSpec& fill, const std::vector<SizeShare>& sizes, bool may_replace) {
+/// `entry` is a fill, or bodies that continue another run.
+template <class Entry>
+void add_shapes(Case& setup, Entry& fill, const std::vector<SizeShare>& sizes, bool may_replace) {
   const int given = fill.shape;
   const rigid::Shape form = setup.shapes[given];
   const rigid::Vec3 origin = setup.shape_origins[given];
@@ -134,20 +136,27 @@ std::vector<SizeShare> read_fill_sizes(TableReader& fill) {
   return sizes;
 }
 
-void set_fill_sizes(Case& setup, const std::vector<std::vector<SizeShare>>& sizes) {
+void set_fill_sizes(Case& setup, const std::vector<std::vector<SizeShare>>& of_fills,
+                    const std::vector<std::vector<SizeShare>>& of_continued) {
   std::vector<bool> used(setup.shapes.size());
   if (used.empty()) return;
   setup.for_each_given([&](const BodySpec& body, std::uint64_t) { used[body.shape] = true; });
-  for (std::size_t i = 0; i < sizes.size(); ++i) {
-    setup.fills[i].sizes = {{setup.fills[i].shape, 1}};
-    if (sizes[i].empty()) used[setup.fills[i].shape] = true;
-  }
-  for (std::size_t i = 0; i < sizes.size(); ++i) {
-    if (sizes[i].empty()) continue;
-    const int given = setup.fills[i].shape;
-    add_shapes(setup, setup.fills[i], sizes[i], !used[given]);
-    used[given] = true;
-  }
+  const auto of_one_size = [&](auto& entries, const auto& sizes) {
+    for (std::size_t i = 0; i < sizes.size(); ++i) {
+      entries[i].sizes = {{entries[i].shape, 1}};
+      if (sizes[i].empty()) used[entries[i].shape] = true;
+    }
+  };
+  const auto of_many = [&](auto& entries, const auto& sizes) {
+    for (std::size_t i = 0; i < sizes.size(); ++i) {
+      if (sizes[i].empty()) continue;
+      const int given = entries[i].shape;
+      add_shapes(setup, entries[i], sizes[i], !used[given]);
+      used[given] = true;
+    }
+  };
+  of_one_size(setup.fills, of_fills), of_one_size(setup.continued, of_continued);
+  of_many(setup.fills, of_fills), of_many(setup.continued, of_continued);
 }
 
 double mean_volume(const Case& setup, const FillSpec& fill) {

@@ -61,13 +61,25 @@ Scales scales_of(const CheckpointReader& reader, const Case& setup) {
   return scales;
 }
 
-/// The body of an entry in the place of one of the other run.
-BodyRecord body_from(const BodyRecord& was, BodySpec body, const CentredShape& shape, const Scales& scales,
-                     const Case& setup) {
+/// Returns the shape of an entry that a body of the other run has, by its size.
+int shape_of(const BodyRecord& was, const ContinuedSpec& entry, const std::vector<CentredShape>& shapes,
+             const Case& setup) {
   const double size = Eigen::Map<const rigid::Mat3>(was.inertia_B).trace() / was.mass;
-  if (std::abs(size * shape.volume / shape.inertia.trace() - 1) > 1e-6)
-    throw std::runtime_error(fmt::format("body {} has not the shape that the case gives '{}'", was.id,
-                                         setup.kind_names[body.kind]));
+  for (const FillSize& one : entry.sizes)
+    if (const CentredShape& shape = shapes[one.shape];
+        std::abs(size * shape.volume / shape.inertia.trace() - 1) <= 1e-6)
+      return one.shape;
+  throw std::runtime_error(fmt::format("body {} has not the shape that the case gives '{}'{}", was.id,
+                                       setup.kind_names[entry.kind],
+                                       entry.sizes.size() > 1 ? ", nor one of its sizes" : ""));
+}
+
+/// The body of an entry in the place of one of the other run.
+BodyRecord body_from(const BodyRecord& was, const ContinuedSpec& entry,
+                     const std::vector<CentredShape>& shapes, const Scales& scales, const Case& setup) {
+  BodySpec body = entry;
+  body.shape = shape_of(was, entry, shapes, setup);
+  const CentredShape& shape = shapes[body.shape];
   for (int d = 0; d < 3; ++d)
     if (!(was.position[d] >= 0 && was.position[d] <= setup.cells[d]))
       throw std::runtime_error(
@@ -104,13 +116,13 @@ SavedState state_from(const CheckpointReader& reader, const Case& setup, const S
       const std::string name = was.kind >= 0 && std::size_t(was.kind) < kinds.size() ? kinds[was.kind] : "";
       const auto entry =
           std::find_if(setup.continued.begin(), setup.continued.end(),
-                       [&](const BodySpec& body) { return setup.kind_names[body.kind] == name; });
+                       [&](const ContinuedSpec& body) { return setup.kind_names[body.kind] == name; });
       if (entry == setup.continued.end())
         throw std::runtime_error(
             fmt::format("{}: it has bodies '{}', of which the case has no entry; give [[bodies]] "
                         "of that name without positions",
                         reader.path().string(), name));
-      state.bodies.records.push_back(body_from(was, *entry, shapes[entry->shape], scales, setup));
+      state.bodies.records.push_back(body_from(was, *entry, shapes, scales, setup));
     }
   });
   state.bodies.impulses.resize(state.bodies.records.size());

@@ -249,6 +249,34 @@ TEST(StartFrom, ADryPackingIsFloodedAndTheRunGoesOnToTheSameBits) {
   expect_goes_on(*start, 15);
 }
 
+/// The bodies of a fill keep their sizes under another viscosity, and the shape of the case, which no body
+/// has, may be of any size.
+TEST(StartFrom, BodiesOfManySizesGoOn) {
+  const std::string sizes = "diameter = { smallest = 4, largest = 7 }\n";
+  CaseText first = crowd();
+  first.shapes = sphere_of("bead", 5);
+  first.bodies = fill_of("bead", 2, 12, "gap = 0.2\n" + sizes);
+  const Ended other(first, 20);
+  CaseText next = first;
+  next.fluid = "[fluid]\nrelaxation_time = 0.9\n";
+  next.shapes = sphere_of("bead", 3);
+  next.bodies = body_of("bead", 2, sizes);
+  const auto volume = [](const Simulation& s) {
+    double sum = 0;
+    for (std::size_t row = 0; row < s.bodies().owned; ++row)
+      sum += rigid::mass_properties(s.setup().shapes[s.bodies().shape[row]]).volume;
+    return tests::sum_over_ranks(sum);
+  };
+  const auto start = other.start(next);
+  EXPECT_EQ(start->body_count(), 12u);
+  EXPECT_NEAR(volume(*start), volume(*other.saved->go_on(first.read())), 1e-9);
+  start->run(10);
+  expect_goes_on(*start, 10);
+  next.bodies = body_of("bead", 2, "diameter = { smallest = 4, largest = 6 }");
+  EXPECT_TEXT(tests::error_of<std::runtime_error>([&] { other.start(next); }),
+              "has not the shape that the case gives 'bead', nor one of its sizes");
+}
+
 TEST(StartFrom, WhatDoesNotFitIsRefused) {
   const Ended other(free_spheres(), 10);
   const auto error = [&](const std::function<void(CaseText&)>& change) -> std::string {
