@@ -27,7 +27,7 @@ constexpr std::tuple entry_keys{
 
 constexpr std::tuple body_keys{
     HandKey{"position", "[x, y, z]", "m", "one of two", "where the point of the body is that origin names"},
-    HandKey{"positions", "[[x, y, z], …], string", "m", "one of two",
+    HandKey{"positions", "[[x, y, z], …], string, table", "m", "one of two",
             "the same of several bodies; or a file of them in the directory of the case, see below"},
     HandKey{"diameter", "table", "", "the shape's",
             "sizes of bodies of initial.from that a fill gave them: its table of that name"},
@@ -43,6 +43,11 @@ constexpr std::tuple body_keys{
         "velocity at the start; not of a fixed body"},
     Key{"angular_velocity", &BodySpec::angular_velocity, Vector{dimension::angular_velocity},
         "angular velocity at the start, radian in a unit of time; not of a fixed body"}};
+
+constexpr std::tuple file_keys{
+    HandKey{"file", "string", "", required,
+            "CSV file, or HDF5 file and dataset, in the directory of the case"},
+    Key{"position", &rigid::Pose::position, Vector{dimension::length}, "where the origin of the file is"}};
 
 constexpr std::tuple start_keys{
     Key{"from", &StartSpec::from, Text{},
@@ -110,34 +115,40 @@ void read_entry(TableReader& table, EntrySpec& spec, Case& setup) {
   spec.kind = read_kind(table, spec.shape, setup);
 }
 
-/// Refuses keys of which a file of positions has columns, and columns that a fixed body cannot have.
-void check_contents(TableReader& table, const BodySpec& body, const std::string& name,
-                    const PositionContents& in) {
+/// Refuses keys of which a file of positions has columns.
+void check_contents(TableReader& table, const std::string& name, const PositionContents& in) {
   for (const auto& [key, in_file] :
        {std::pair("orientation", in.orientation), std::pair("velocity", in.velocity),
         std::pair("angular_velocity", in.angular_velocity)})
     if (in_file && table.has(key))
       table.fail(key, "{} is given, and '{}' has columns of it: remove one of the two", table.path(key),
                  name);
-  if (body.motion == rigid::Motion::fixed && in.fastest != FiledPose{})
-    table.fail("positions",
-               "{}: '{}' has velocities, but the bodies are fixed; set motion = \"free\" or \"prescribed\", "
-               "or remove these columns",
-               table.path("positions"), name);
 }
 
-/// Positions in a file: only how many there are is looked at, and how fast the fastest are.
+/// Positions in a file: only how many there are is looked at, and how fast the fastest are. The key names it,
+/// or is a table that does and says where it is. Fixed bodies take no velocities from it.
 void read_filed_bodies(TableReader& table, BodySpec alike, Case& setup) {
-  with_file(table, "positions", true, [&](const std::string& name, const AttachedFile& file) {
-    const PositionContents& in = file.positions;
-    check_contents(table, alike, name, in);
-    const auto fastest = [&](const ColumnGroup& group, Dimension dimension) -> Vec3 {
-      return Vec3(&in.fastest[group.begin]) / setup.units.scale(dimension);
-    };
-    if (in.velocity) alike.velocity = fastest(velocity_columns, dimension::velocity);
-    if (in.angular_velocity) alike.angular_velocity = fastest(turn_columns, dimension::angular_velocity);
-    setup.filed.push_back({alike, position_file(name), in});
-  });
+  std::optional<rigid::Pose> placed;
+  TableReader where = table;
+  const bool is_table = table.find("positions")->kind == Node::Kind::table;
+  if (is_table) {
+    where = table.table("positions");
+    read_keys(where, placed.emplace(), file_keys);
+    placed->orientation = read_orientation(where);
+  }
+  with_file(where, is_table ? "file" : "positions", true,
+            [&](const std::string& name, const AttachedFile& file) {
+              PositionContents in = file.positions;
+              if (alike.motion == rigid::Motion::fixed) in.velocity = in.angular_velocity = false;
+              check_contents(table, name, in);
+              const auto fastest = [&](const ColumnGroup& group, Dimension dimension) -> Vec3 {
+                return Vec3(&in.fastest[group.begin]) / setup.units.scale(dimension);
+              };
+              if (in.velocity) alike.velocity = fastest(velocity_columns, dimension::velocity);
+              if (in.angular_velocity)
+                alike.angular_velocity = fastest(turn_columns, dimension::angular_velocity);
+              setup.filed.push_back({alike, placed, position_file(name), in});
+            });
 }
 
 std::vector<Vec3> read_positions(TableReader& table) {
@@ -221,7 +232,9 @@ Sizes read_given_bodies(TableReader& root, Case& setup) {
       table.refuse_given({"velocity", "angular_velocity"},
                          "{key} is given for a fixed body; remove it, or set motion = \"prescribed\"");
     const Node* positions = table.find("positions");
-    if (positions && positions->kind == Node::Kind::string && !table.has("position")) {
+    const bool named =
+        positions && (positions->kind == Node::Kind::string || positions->kind == Node::Kind::table);
+    if (named && !table.has("position")) {
       read_filed_bodies(table, body, setup);
       continue;
     }
@@ -340,7 +353,9 @@ void check_prescribed(const Case& setup, Diagnostics& findings) {
 std::vector<KeySection> body_sections() {
   return {section_of("initial", start_keys),
           section_of("bodies", shape_name_keys, entry_keys, body_keys, orientation_keys),
-          section_of("fill", shape_name_keys, entry_keys, fill_keys), fill_size_section(),
+          section_of("bodies.positions", file_keys, orientation_keys),
+          section_of("fill", shape_name_keys, entry_keys, fill_keys),
+          fill_size_section(),
           section_of("outflow", outflow_keys)};
 }
 

@@ -56,7 +56,8 @@ struct BodySpec : EntrySpec {
 
 /// Bodies of one [[bodies]] entry whose positions stand in a file.
 struct FiledBodies {
-  BodySpec alike;  // but for what the file says; velocities that it says: the largest
+  BodySpec alike;                     // but for what the file says; velocities that it says: the largest
+  std::optional<rigid::Pose> placed;  // of the file as a whole
   PositionFile positions;
   PositionContents contents;
 };

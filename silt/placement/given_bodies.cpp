@@ -168,10 +168,18 @@ BodySpec spec_of(const Case& setup, const FiledBodies& filed, const Passing& bod
     if (std::abs(spec.pose.orientation.squaredNorm() - 1) > rounding) spec.pose.orientation.normalize();
     spec.unit = true;
   }
-  put_at(spec, vector(0, dimension::length), extent_of(setup));
+  Vec3 point = vector(0, dimension::length);
   if (filed.contents.velocity) spec.velocity = vector(velocity_columns.begin, dimension::velocity);
   if (filed.contents.angular_velocity)
     spec.angular_velocity = vector(turn_columns.begin, dimension::angular_velocity);
+  if (filed.placed) {
+    const auto& [origin, turn] = *filed.placed;
+    point = origin + turn * point;
+    spec.pose.orientation = (turn * spec.pose.orientation).normalized(), spec.unit = false;
+    if (filed.contents.velocity) spec.velocity = turn * spec.velocity;
+    if (filed.contents.angular_velocity) spec.angular_velocity = turn * spec.angular_velocity;
+  }
+  put_at(spec, point, extent_of(setup));
   spec.point = body.point + 1;
   return spec;
 }

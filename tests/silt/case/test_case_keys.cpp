@@ -122,7 +122,7 @@ contacts = { zzz = 1 }
 material_pairs = [{ between = ["steel", "steel"], zzz = 1 }]
 walls = [{ type = "tube", zzz = 1 }, { type = "mesh", zzz = 1, motion = { zzz = 1 } }]
 shapes = []
-bodies = [{ zzz = 1, orientation = { zzz = 1 } }]
+bodies = [{ zzz = 1, orientation = { zzz = 1 }, positions = { zzz = 1 } }]
 fill = [{ zzz = 1, diameter = { smallest = 1, zzz = 1 } }]
 springs = [{ zzz = 1 }]
 outflow = [{ zzz = 1 }]

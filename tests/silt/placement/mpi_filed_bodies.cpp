@@ -130,6 +130,27 @@ TEST(FiledBodies, ArePlacedByTheirOriginOrCentre) {
     }
 }
 
+/// A file as a whole: its bodies go with it, turned and on their way; fixed ones take no velocity.
+TEST(FiledBodies, AreShiftedAndTurnedTogether) {
+  const Scratch scratch;
+  write(scratch / "bed.csv", "x,y,z,velocity.x,velocity.y,velocity.z\n4, 9, 10, 0.01, 0, 0\n");
+  CaseText text = text_of(
+      R"({ file = "bed.csv", position = [20, 1, 2], orientation = { axis = [0, 0, 1], degrees = 90 } })");
+  for (const bool fixed : {false, true}) {
+    if (fixed)
+      text.bodies =
+          body_of("ball", 1, "motion = \"fixed\"\n" + text.bodies.substr(text.bodies.find("positions")));
+    const Case setup = read(scratch, text);
+    EXPECT_EQ(fault_of(setup, MPI_COMM_WORLD), "");
+    place(setup, MPI_COMM_WORLD).for_each([&](rigid::BodyId id, const BodySpec& body) {
+      if (id != 1) return;
+      EXPECT_LT((body.pose.position - Vec3(20 - 9, 1 + 4, 2 + 10)).norm(), 1e-12);
+      EXPECT_LT((body.pose.orientation * Vec3::UnitX() - Vec3::UnitY()).norm(), 1e-12);
+      EXPECT_LT((body.velocity - (fixed ? Vec3::Zero() : Vec3(0, 0.01, 0))).norm(), 1e-15);
+    });
+  }
+}
+
 TEST(FiledBodies, InSmallRoundsAndWithOthers) {
   const Scratch scratch;
   write(scratch / "cloud.csv", csv_of(points - 1));

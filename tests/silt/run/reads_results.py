@@ -116,7 +116,6 @@ class PositionFiles(SiltTest):
                                 ("id,x,y\n1,6,8\n", "", "its headings name \"id\""),
                                 ("x,x,y,z\n6,6,8,8\n", "", "its headings name x twice"),
                                 (header + "6,8,8,0,0,0\n18,8,8,0.9,0,0\n", "", "velocity is 0.9 cells a step; it must be at most 0.3"),
-                                (header + "6,8,8,0,0.01,0\n", 'motion = "fixed"', "'p.csv' has velocities, but the bodies are fixed"),
                                 ("x,y,z," + ",".join(f"orientation.{a}" for a in "wxyz") + "\n6,8,8,0,0,0,0\n", "", "line 2 of p.csv has an orientation of four zeros"),
                                 (header + "6,8,8\n", "", 'line 2 of p.csv is "6,8,8": it has 3 numbers; it must be 6 finite numbers')):
             (self.case / "p.csv").write_text(text)
