@@ -39,6 +39,29 @@ class Ranks(ModuleTest):
                 for name in ("velocity", "vorticity", "density"):
                     self.assertTrue((alone[name][cells] == part[name]).all(), (ranks, name))
 
+    def test_bodies_by_id_are_alike_on_every_rank(self):
+        program = """
+            import numpy, silt
+            simulation = silt.Simulation(".", unset=["domain.blocks"])
+            simulation.run(5)
+            all, two = simulation.bodies.by_id(), simulation.bodies.by_id([2, 1])
+            assert list(all["id"]) == [1, 2] and list(two["id"]) == [2, 1]
+            for name, values in all.items():
+                assert (values[::-1] == two[name]).all(), name
+                assert not values.flags.writeable
+                here = [list(all["id"]).index(id) for id in simulation.bodies.id]
+                assert (values[here] == getattr(simulation.bodies, name)).all(), name
+            try:
+                simulation.bodies.by_id([1, 7])
+            except ValueError as error:
+                assert str(error) == "there is no body 7"
+            print(*(float(x).hex() for x in all["position"].ravel()))
+            """
+        said = {ranks: self.script(program, ranks) for ranks in (1, 3, 4)}
+        for ranks, result in said.items():
+            self.assertEqual((result.returncode, result.stderr), (0, ""))
+            self.assertEqual(result.stdout.splitlines(), ranks * said[1].stdout.splitlines())
+
     def test_an_error_on_one_rank_ends_all(self):
         result = self.script("""
             import silt
