@@ -175,6 +175,20 @@ class Commands(SiltTest):
         self.assertEqual((done.returncode, done.stderr), (0, ""))
         self.assertLess(time.monotonic() - begun, 8)  # it tells how far it is each 10 s
 
+    def test_build_says_how_silt_is_found_from_anywhere(self):
+        tree = self.tiny_tree()
+        (tree / "build/release/bin").mkdir(parents=True)
+        silt = tree / "build/release/bin/silt"
+        silt.write_text("#!/bin/sh\necho it is $1\n")
+        silt.chmod(0o755)
+        said = subprocess.run([tree / "scripts/build"], capture_output=True, text=True, check=True).stdout
+        command = said.removeprefix("build: silt is found from anywhere after: ")
+        self.assertNotEqual(command, said)
+        done = subprocess.run(["bash", "-c", f"{command}silt here; {tree}/scripts/build"], capture_output=True, text=True, cwd="/")
+        self.assertEqual((done.stdout, done.stderr), ("it is here\n", ""))
+        of_one = subprocess.run([tree / "scripts/build", "release", "short"], capture_output=True, text=True, check=True)
+        self.assertEqual(of_one.stdout, "")
+
     def test_two_builds_of_a_tree_come_one_after_the_other(self):
         command = [self.tiny_tree() / "scripts/build"]
         builds = [subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) for _ in range(2)]
