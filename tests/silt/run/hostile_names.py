@@ -153,11 +153,14 @@ class Submit(unittest.TestCase):
             self.assertEqual(self.module.seconds(text), seconds, text)
 
     def test_what_was_asked_for(self):
-        script("submit", self.case, "-n", 8, "--nodes", 2, "--time", "02:00:00", "--partition", "short", "--account", "fluids", "--no-submit",
+        script("submit", self.case, "-n", 8, "--nodes", 2, "--time", "02:00:00", "--partition", "short", "--account", "fluids", "--memory", "64G",
+                "--module", "gcc/12.2", "--module", "openmpi/4.1", "--no-submit",
                 "--set", "run.steps=50", "--out", self.folder / "results", "--resume")
         text = (self.case / "submit.sh").read_text()
         self.assertEqual(directives(text), {"job-name": "silt-case", "ntasks": "8", "nodes": "2", "time": "02:00:00", "partition": "short",
-                                              "account": "fluids", "output": "%x-%j.log", "distribution": "block:cyclic"})
+                                              "account": "fluids", "mem": "64G", "output": "%x-%j.log", "distribution": "block:cyclic"})
+        self.assertTrue(text.startswith("#!/bin/bash -l\n"))
+        self.assertIn("module load gcc/12.2 || exit 1\nmodule load openmpi/4.1 || exit 1\nset -euo pipefail\n", text)
         words = shlex.split(text.splitlines()[-1])
         self.assertEqual(words[:4], ["exec", "mpirun", "-n", "8"])
         self.assertIn("--bind-to", words)
@@ -182,6 +185,7 @@ class Submit(unittest.TestCase):
                             ("-n", "2", "--nodes", "3"): "2 ranks on 3 nodes",
                             ("--gpus", "0"): "--gpus 0: there must be at least one a node",
                             ("--account", "a\n#SBATCH --wrap=x"): "it must be one word of ASCII characters",
+                            ("--module", "a; rm x"): "it must be one word of ASCII characters",
                             ("--partition", "a b"): "it must be one word of ASCII characters",
                             ("--no-submit", "--set", "fluid.viscosty=1"): "viscosty"}.items():
             self.assertIn(said, script("submit", self.case, *words, code=2))
