@@ -67,7 +67,19 @@ std::string fault_of_populations(const adapters::CheckpointReader&, const Case&)
 /// widest level: as boxes that do not overlap. `coarsest`: that of the case.
 std::vector<lbm::LevelBox> saved_levels(const adapters::CheckpointReader&, int coarsest, const lbm::CellBox&);
 
-// ---- another run's start (start_from.cpp) ----
+// ---- another run's start (start_from.cpp, other_cells.cpp) ----
+
+/// How the lattice units of a run differ from those of the one that it begins with: factors of what a fluid
+/// has.
+struct FluidScales {
+  double length = 1;  // the width of its cells in those of the earlier run
+  double velocity = 1, pressure = 1, off_equilibrium = 1;  // off_equilibrium keeps the rate of strain
+};
+
+/// Collective. Gives the fluid what that of an earlier run on cells of another width has at the same places;
+/// one level of cells each.
+void interpolate_populations(const adapters::CheckpointReader&, const Case&, coupler::FluidFields&,
+                             const FluidScales&);
 
 /// Writes what a start from a checkpoint asks of the run that wrote it, besides its state.
 void write_origin_of_start(adapters::CheckpointWriter&, const Case&, std::int64_t step);

@@ -1,7 +1,8 @@
 // The populations of the fluid in a checkpoint. Cells of one level are a field, [q][z][y][x]. Of several,
 // each level has a list of its cells, [q][cell], and /cells/levels says where they lie: the level of each
 // tile of the domain, a cube of finest cells within which all cells are of one level. The lists go through
-// the tiles, and the cells of each, in the order z, y, x, whatever the cut of the domain.
+// the tiles, and the cells of each, in the order z, y, x, whatever the cut of the domain. /cells/solid says
+// of cells of one level which are solid, for a run that begins from here on cells of another width.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -218,6 +219,12 @@ void read_cells(const CheckpointReader& reader, const Case& setup, coupler::Flow
 void write_populations(CheckpointWriter& writer, const Case& setup, const coupler::Flow& flow) {
   storage_of(setup) == Storage::double_ ? write_cells<double>(writer, setup, flow)
                                         : write_cells<float>(writer, setup, flow);
+  if (flow.levels() > 1 || !setup.has_surfaces()) return;
+  const coupler::FluidFields& fields = flow.fields();
+  writer.cells("solid", Storage::byte, setup.cells, 1, boxes_of(fields), [&](int, std::size_t b, void* out) {
+    auto* next = static_cast<std::uint8_t*>(out);
+    coupler::for_cells({}, fields.block(int(b)).size, [&](Int3 x) { *next++ = !fields.is_fluid(int(b), x); });
+  });
 }
 
 void read_populations(const CheckpointReader& reader, const Case& setup, coupler::Flow& flow) {

@@ -36,9 +36,13 @@ std::string walls_after(const Case& setup, std::int64_t step) {
 
 /// How the lattice units of a run differ from those of the one that it begins with.
 struct Scales {
-  double step = 1, density = 1;  // in those of the earlier run
-  double off_equilibrium = 1;    // of the populations: what keeps the rate of strain
+  double length = 1, step = 1, density = 1;  // in those of the earlier run
+  double off_equilibrium = 1;                // of the populations: what keeps the rate of strain
   bool keep_fluid() const { return step == 1 && density == 1 && off_equilibrium == 1; }
+  double velocity() const { return step / length; }
+  FluidScales of_fluid() const {
+    return {length, velocity(), velocity() * velocity() / density, off_equilibrium};
+  }
 };
 
 Scales scales_of(const CheckpointReader& reader, const Case& setup) {
@@ -50,10 +54,8 @@ Scales scales_of(const CheckpointReader& reader, const Case& setup) {
       reader.refuse(fmt::format("{} is {}; it must be a number above 0", name, value));
     return value;
   };
-  if (const double width = positive("start.cell_size"); width != setup.units.cell_size)
-    reader.refuse_case(fmt::format("its cells are {} wide, those of the case {}; they must be of one size",
-                                   width, setup.units.cell_size));
   Scales scales;
+  scales.length = setup.units.cell_size / positive("start.cell_size");
   scales.step = setup.units.time_step / positive("start.time_step");
   scales.density = setup.units.density / positive("start.density");
   if (setup.fluid && reader.has("start.relaxation_time"))
@@ -63,8 +65,8 @@ Scales scales_of(const CheckpointReader& reader, const Case& setup) {
 
 /// Returns the shape of an entry that a body of the other run has, by its size.
 int shape_of(const BodyRecord& was, const ContinuedSpec& entry, const std::vector<CentredShape>& shapes,
-             const Case& setup) {
-  const double size = Eigen::Map<const rigid::Mat3>(was.inertia_B).trace() / was.mass;
+             double length, const Case& setup) {
+  const double size = Eigen::Map<const rigid::Mat3>(was.inertia_B).trace() / was.mass / (length * length);
   for (const FillSize& one : entry.sizes)
     if (const CentredShape& shape = shapes[one.shape];
         std::abs(size * shape.volume / shape.inertia.trace() - 1) <= 1e-6)
@@ -78,26 +80,26 @@ int shape_of(const BodyRecord& was, const ContinuedSpec& entry, const std::vecto
 BodyRecord body_from(const BodyRecord& was, const ContinuedSpec& entry,
                      const std::vector<CentredShape>& shapes, const Scales& scales, const Case& setup) {
   BodySpec body = entry;
-  body.shape = shape_of(was, entry, shapes, setup);
+  body.shape = shape_of(was, entry, shapes, scales.length, setup);
   const CentredShape& shape = shapes[body.shape];
+  const Vec3 x = Vec3(was.position) / scales.length;
   for (int d = 0; d < 3; ++d)
-    if (!(was.position[d] >= 0 && was.position[d] <= setup.cells[d]))
+    if (!(x[d] >= 0 && x[d] <= setup.cells[d]))
       throw std::runtime_error(
           fmt::format("body {} is at [{:.6g}, {:.6g}, {:.6g}] cells, outside of the {} x {} x {} cells of "
                       "the case; enlarge domain.size",
-                      was.id, was.position[0], was.position[1], was.position[2], setup.cells[0],
-                      setup.cells[1], setup.cells[2]));
+                      was.id, x[0], x[1], x[2], setup.cells[0], setup.cells[1], setup.cells[2]));
   const double* const q = was.orientation;
-  body.pose = {Vec3(was.position), {q[0], q[1], q[2], q[3]}};
+  body.pose = {x, {q[0], q[1], q[2], q[3]}};
   body.unit = true;
   if (body.motion == rigid::Motion::free) {
-    body.velocity = scales.step * Vec3(was.velocity);
+    body.velocity = scales.velocity() * Vec3(was.velocity);
     body.angular_velocity = scales.step * Vec3(was.angular_velocity);
   }
   BodyRecord r = body_record(was.id, body, shape, setup.fluid.has_value());
   std::copy_n(was.image, 3, r.image);
-  coupler::coupling_of(r.attached_state).mapped =
-      coupler::coupling_of(was.attached_state).mapped.pose();  // at rest there
+  coupler::coupling_of(r.attached_state).mapped =  // at rest there
+      scales.length == 1 ? coupler::coupling_of(was.attached_state).mapped.pose() : body.pose;
   return r;
 }
 
@@ -133,9 +135,49 @@ bool takes_fluid(const CheckpointReader& reader, const Case& setup) {
   return setup.fluid && reader.has_cells("populations");
 }
 
+/// Returns whether the walls of the other run, whose cells may be of another width, end where those begin.
+bool has_same_walls(const CheckpointReader& reader, const Case& setup, double length) {
+  constexpr double rounding = 1e-6;
+  const std::string there = reader.text("start.walls"), here = walls_after(setup, 0);
+  if (length == 1) return there == here;
+  std::istringstream was(there), is(here);
+  double x = 0, y = 0;
+  for (int k = 0;; ++k) {
+    const bool more = bool(was >> x);
+    if (bool(is >> y) != more) return false;
+    if (!more) return true;
+    if (std::abs(x - (k % 6 < 3 ? length : 1) * y) > rounding * std::max(1., std::abs(x))) return false;
+  }
+}
+
+/// Throws where the fluid cannot be that of the case: on the same cells bit by bit, on others in the same
+/// domain.
+void require_fluid(const CheckpointReader& reader, const Case& setup, double length) {
+  if (!has_same_walls(reader, setup, length))
+    reader.refuse_case(
+        "its [[walls]] are not where those of the case begin, and what fluid is there is not known");
+  if (length == 1) {
+    if (const std::string fault = fault_of_populations(reader, setup); !fault.empty())
+      reader.refuse_case(fault);
+    return;
+  }
+  const auto n = reader.lattice("populations");
+  for (int d = 0; d < 3; ++d)
+    if (std::abs(n[d] - length * setup.cells[d]) > 1e-6 * n[d])
+      reader.refuse_case(
+          fmt::format("its domain has {} x {} x {} cells, each as wide as {:.6g} of the case, which has "
+                      "{} x {} x {}; the domains must be of one size",
+                      n[0], n[1], n[2], 1 / length, setup.cells[0], setup.cells[1], setup.cells[2]));
+  if (reader.components("populations") != lbm::D3Q19::directions)
+    reader.refuse_case("its populations are of another lattice than the case's");
+  if (setup.has_surfaces() && !reader.has_cells("solid"))
+    reader.refuse_case(
+        "it does not say which of its cells are solid, and those of the case are of another width; let "
+        "a new one write it");
+}
+
 /// Velocity, pressure and rate of strain stay what they are in the units of the case.
-void rescale(coupler::FluidFields& fields, const Scales& scales) {
-  const double pressure = scales.step * scales.step / scales.density;
+void rescale(coupler::FluidFields& fields, const FluidScales& scales) {
   for (int b = 0; b < fields.blocks(); ++b) {
     lbm::CellBox plane{{}, {fields.block(b).size.x, fields.block(b).size.y, 1}};
     std::array<std::vector<double>, lbm::D3Q19::directions> g;
@@ -150,9 +192,9 @@ void rescale(coupler::FluidFields& fields, const Scales& scales) {
           rho += g[i][n];
           for (int d = 0; d < 3; ++d) j[d] += lbm::D3Q19::c[i][d] * g[i][n];
         }
-        const double scaled[3] = {scales.step * j[0], scales.step * j[1], scales.step * j[2]};
+        const double scaled[3] = {scales.velocity * j[0], scales.velocity * j[1], scales.velocity * j[2]};
         for (int i = 0; i < lbm::D3Q19::directions; ++i)
-          g[i][n] = lbm::equilibrium(i, pressure * rho, scaled) +
+          g[i][n] = lbm::equilibrium(i, scales.pressure * rho, scaled) +
                     scales.off_equilibrium * (g[i][n] - lbm::equilibrium(i, rho, j));
       }
       for (int i = 0; i < lbm::D3Q19::directions; ++i) fields.write(b, plane, i, g[i].data());
@@ -175,14 +217,9 @@ void write_origin_of_start(adapters::CheckpointWriter& writer, const Case& setup
 
 SavedState start_from(const CheckpointReader& reader, const Case& setup) {
   const Scales scales = scales_of(reader, setup);
-  if (takes_fluid(reader, setup) && reader.text("start.walls") != walls_after(setup, 0))
-    reader.refuse_case(
-        "its [[walls]] are not where those of the case begin, and what fluid is there is not known");
-  if (takes_fluid(reader, setup))
-    if (const std::string fault = fault_of_populations(reader, setup); !fault.empty())
-      reader.refuse_case(fault);
+  if (takes_fluid(reader, setup)) require_fluid(reader, setup, scales.length);
   SavedState state = state_from(reader, setup, scales);
-  require_room_beside(state.bodies.records, reader.text("start.walls") != walls_after(setup, 0), setup,
+  require_room_beside(state.bodies.records, !has_same_walls(reader, setup, scales.length), setup,
                       coupler::make_domain(setup, parallel::ranks_of(reader.comm())), reader.comm());
   return state;
 }
@@ -201,8 +238,9 @@ std::unique_ptr<Simulation> simulation_from(const CheckpointReader& reader, Case
   std::function<void(const Case&, coupler::Flow&)> set_populations;
   if (takes_fluid(reader, setup))
     set_populations = [&](const Case& of, coupler::Flow& flow) {
+      if (scales.length != 1) return interpolate_populations(reader, of, flow.fields(), scales.of_fluid());
       read_populations(reader, of, flow);
-      if (!scales.keep_fluid()) rescale(flow.fields(), scales);
+      if (!scales.keep_fluid()) rescale(flow.fields(), scales.of_fluid());
     };
   return std::make_unique<Simulation>(std::move(setup), comm, state, set_populations);
 }
