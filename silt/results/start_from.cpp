@@ -170,7 +170,7 @@ void require_fluid(const CheckpointReader& reader, const Case& setup, double len
                       n[0], n[1], n[2], 1 / length, setup.cells[0], setup.cells[1], setup.cells[2]));
   if (reader.components("populations") != lbm::D3Q19::directions)
     reader.refuse_case("its populations are of another lattice than the case's");
-  if (setup.has_surfaces() && !reader.has_cells("solid"))
+  if (!reader.has("start.surfaces"))
     reader.refuse_case(
         "it does not say which of its cells are solid, and those of the case are of another width; let "
         "a new one write it");
@@ -209,6 +209,7 @@ void write_origin_of_start(adapters::CheckpointWriter& writer, const Case& setup
   for (const std::string& name : setup.kind_names) kinds += name + '\n';
   writer.set("start.kinds", kinds);
   writer.set("start.walls", walls_after(setup, step));
+  writer.set("start.surfaces", std::int64_t{setup.has_surfaces()});  // then /cells/solid is there
   writer.set("start.cell_size", setup.units.cell_size);
   writer.set("start.time_step", setup.units.time_step);
   writer.set("start.density", setup.units.density);
