@@ -8,7 +8,7 @@ import itertools
 import math
 
 import periodic_array as array
-from problem import Curve, Found, Goal, Run
+from problem import Claim, Curve, Found, Goal, Run
 
 FRACTIONS = (0.008, 0.064, 0.125, 0.216, 0.343, 0.45)
 SIZES = (6, 8, 12)              # cells across, nearly: the cube is a whole number of cells
@@ -33,6 +33,25 @@ GOALS = [
 ]
 SHORT_GOALS = [goal for goal in GOALS if goal.figure in ("accuracy.array.0.064.d6.mean_error", "accuracy.array.0.064.d8.mean_error",
                                                          "accuracy.array.0.216.d8.multireflection.regularised.single.mean_error")]
+THEORY = dict(source="Zick, Homsy, J. Fluid Mech. 115 (1982) 13; series of Sangani, Acrivos (1982)", doi="10.1017/S0022112082000627",
+              uncertainty="2e-4")
+CLAIMS = {
+    "accuracy.array.{phi}.d{D}.mean_error": Claim(
+        "drag K, mean of eight places", "simple cubic array, Stokes flow, φ = {phi}", "D = {D}", **THEORY,
+        expected=lambda phi, D: array.exact_drag(float(phi)),
+        note="gaps of a cell and less at φ of 0.343 and 0.45"),
+    "accuracy.array.{phi}.d{D}.spread": Claim(
+        "drag K, largest less smallest error of eight places", "simple cubic array, Stokes flow, φ = {phi}", "D = {D}", **THEORY,
+        note="gaps of a cell and less at φ of 0.343 and 0.45: the error depends on the place"),
+    "accuracy.array.{phi}.d{D}.{walls}.{collision}.{precision}.mean_error": Claim(
+        "drag K under {collision}, mean of eight places", "simple cubic array, Stokes flow, φ = {phi}, τ = 0.55", "D = {D}", **THEORY,
+        expected=lambda phi, **_: array.exact_drag(float(phi))),
+    "accuracy.array.{phi}.order": Claim(
+        "order of convergence of the drag", "simple cubic array, Stokes flow, φ = {phi}", "D = 8 to 24", "second order: analysis of the scheme",
+        unit="", note="the surface of walls that keep mass seems a hundredth of a cell further out: an error of first order"),
+    "accuracy.array.single_share": Claim(
+        "difference of single from double precision, over the error", "simple cubic arrays, Stokes flow", "all", "own runs in double precision",
+        kind="convergence", note="where the error of discretisation passes through zero the share has no meaning")}
 
 
 def methods(fraction, D):

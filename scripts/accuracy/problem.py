@@ -3,6 +3,7 @@
 A problem is a module of this folder, named after it:
 
     GOALS = [Goal("accuracy.tencate.e4.d9.error", 1.0)]         # |figure| in percent must not be above
+    CLAIMS = {"accuracy.tencate.{e}.d{D}.error": Claim(...)}      # what goals of these names say, and whence it is known
     def runs(level):      -> [Run]                                # level: "short" (seconds, in CI) or "full"
     def measure(run, outcome):  -> {name: number}                 # of one run; kept with it
     def figures(measured):      -> {figure: number or Found}      # measured: {run.key: {name: number}}; runs may be missing
@@ -38,6 +39,21 @@ class Goal:
 
     def __str__(self):
         return f"{self.low:g} to {self.limit:g}" if self.low is not None else f"{self.limit:g}"
+
+
+@dataclasses.dataclass(frozen=True)
+class Claim:
+    """A Claim describes the goals of one form of name, for scripts/ledger. Its texts may hold the fields of the name, {D}."""
+    quantity: str
+    regime: str
+    resolution: str
+    source: str           # a citation, or how the reference was computed
+    doi: str = ""         # of the source, one that is known to be right
+    kind: str = "theory"  # "experiment"; "computation": others' or by another method; "convergence": our own finest run
+    expected: object = None  # value of the quantity, or a function of the name's fields, where the figure is its relative error
+    uncertainty: str = ""    # of what is expected
+    unit: str = "%"       # of the figure
+    note: str = ""        # why it is missed, or why its goal is wide
 
 
 @dataclasses.dataclass(frozen=True)

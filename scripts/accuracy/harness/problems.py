@@ -1,9 +1,11 @@
 """Finds the reference problems of a folder."""
+import dataclasses
 import importlib.util
 import re
 import sys
 import traceback
 
+FIELD = r"(?P<\1>\\d+(?:\\.\\d+)?|[^.\\d][^.]*)"  # a number, or a word without a point
 HAS_GOALS = re.compile(r"^GOALS\b", re.MULTILINE)
 
 
@@ -37,6 +39,18 @@ def runs_of(module, level):
 
 def goals_of(module, level):
     return getattr(module, "SHORT_GOALS", module.GOALS) if level == "short" else module.GOALS
+
+
+def claim_of(module, figure):
+    """Returns the first of the module's claims whose form a figure's name has, its texts with the fields filled in; None without one."""
+    for form, claim in getattr(module, "CLAIMS", {}).items():
+        if found := re.fullmatch(re.sub(r"\\\{(\w+)\\\}", FIELD, re.escape(form)), figure):
+            fields = found.groupdict()
+            filled = {name: text.format(**fields) for name, text in vars(claim).items() if isinstance(text, str)}
+            if callable(claim.expected):
+                filled["expected"] = claim.expected(**fields)
+            return dataclasses.replace(claim, **filled)
+    return None
 
 
 def summary(module):
