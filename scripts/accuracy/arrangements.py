@@ -13,7 +13,7 @@ import math
 import numpy as np
 
 import stokes_scene as scene
-from problem import Found, Goal, Run
+from problem import Claim, Found, Goal, Run
 from stokes_periodic import Mirrors, PeriodicBox, Repeated, solve, sphere_points, uniform
 
 PLACES = {"sc": [(0, 0, 0)], "bcc": [(0, 0, 0), (0.5, 0.5, 0.5)], "hexagonal": [(0, 0, 0), (0.5, 0.5, 0)],
@@ -29,6 +29,16 @@ GOALS = [Goal("accuracy.arrangements.loose.d8.worst", 0.5), Goal("accuracy.arran
          Goal("accuracy.arrangements.dense.d12.worst", 1.5), Goal("accuracy.arrangements.dense.d20.worst", 0.6),
          Goal("accuracy.arrangements.d8.worst_spread", 1.5)]
 SHORT_GOALS = [Goal("accuracy.arrangements.bcc.phi0.216.d8.error", 1.5), Goal("accuracy.arrangements.fcc.phi0.216.d8.error", 1.5)]
+CLAIMS = {
+    "accuracy.arrangements.{density}.d{D}.worst": Claim(
+        "drag K, worst error of the {density} arrangements", "regular arrangements of spheres, Stokes flow", "D = {D}", **scene.SAME_BOX,
+        uncertainty="3e-4", note="body-centred arrays of 0.216 at D = 8, and gaps of a cell and less at φ = 0.6"),
+    "accuracy.arrangements.d{D}.worst_spread": Claim(
+        "drag K, largest less smallest error of four places", "regular arrangements of spheres, Stokes flow", "D = {D}", **scene.SAME_BOX,
+        uncertainty="3e-4", note="gaps of a cell and less at φ of 0.343 and 0.45: the error depends on the place"),
+    "accuracy.arrangements.{lattice}.phi{phi}.d{D}.error": Claim(
+        "drag K, mean of four places", "{lattice} array, Stokes flow, φ = {phi}", "D = {D}", **scene.SAME_BOX, uncertainty="3e-4",
+        expected=lambda lattice, phi, D: scene.references("arrangements")[f"{lattice}.phi{phi}"]["K"])}
 
 
 def parts(setup):

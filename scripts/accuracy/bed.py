@@ -16,7 +16,7 @@ import numpy as np
 
 import packing
 from case_text import case_text, sphere
-from problem import Found, Goal, Run
+from problem import Claim, Found, Goal, Run
 
 SPHERES, WIDTH, HEIGHT, SEED = 60, 4, 9, 0       # lengths in diameters
 LOWEST = 2.5                                     # of the lowest centres
@@ -33,6 +33,20 @@ GOALS = [Goal("accuracy.bed.re8.d12.flow", 0.3), Goal("accuracy.bed.re8.d12.erro
          Goal("accuracy.bed.re8.d16.collisions", 2.0),
          *(Goal(f"accuracy.bed.re{Re}.d{FINEST}.over_ergun", 25.0) for Re in PASSING)]
 SHORT_GOALS = [Goal(f"accuracy.bed.re8.d{SHORT_SIZE}.spread_behind", 0.1), Goal(f"accuracy.bed.re8.d{SHORT_SIZE}.flow", 0.3)]
+CLAIMS = {
+    "accuracy.bed.re{Re}.d{D}.flow": Claim(
+        "flow through planes less the inflow, largest", "bed of sixty spheres, Re = {Re}", "D = {D}", "conservation of mass"),
+    "accuracy.bed.re{Re}.d{D}.spread_behind": Claim(
+        "flow through planes behind the bed, largest less smallest", "bed of sixty spheres, Re = {Re}", "D = {D}", "conservation of mass"),
+    "accuracy.bed.re{Re}.d{D}.error": Claim(
+        "pressure drop", "bed of sixty spheres, Re = {Re}", "D = {D}", "own run with D = 24", kind="convergence",
+        note="at Re = 50 trt does not last, and under regularised drag between spheres is too large with few cells"),
+    "accuracy.bed.re{Re}.d{D}.collisions": Claim(
+        "pressure drop, difference between collision models", "bed of sixty spheres, Re = {Re}", "D = {D}", "own runs under trt",
+        kind="convergence", note="under regularised and bgk drag between spheres is too large at low relaxation times"),
+    "accuracy.bed.re{Re}.d{D}.over_ergun": Claim(
+        "pressure drop", "bed of sixty spheres, Re = {Re}", "D = {D}", "Ergun's law, Chem. Eng. Prog. 48 (1952) 89", kind="experiment",
+        uncertainty="25 %", expected=lambda Re, D: ergun(int(Re)))}
 
 
 @functools.cache

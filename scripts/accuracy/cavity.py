@@ -11,7 +11,7 @@ import pathlib
 import numpy as np
 
 from case_text import case_text
-from problem import Curve, Found, Goal, Run
+from problem import Claim, Curve, Found, Goal, Run
 
 REFERENCE = pathlib.Path(__file__).parent / "reference"
 LID = 0.1                # cells a step; the steady flow does not depend on the speed of sound with this equilibrium
@@ -21,6 +21,13 @@ DEPTH = {"square": 4}    # cells of the slab
 
 GOALS = [Goal("accuracy.cavity.cube.n97.single.error", 1), Goal("accuracy.cavity.square.n65.single.error", 1)]
 SHORT_GOALS = [Goal("accuracy.cavity.square.n33.single.error", 2)]
+CLAIMS = {
+    "accuracy.cavity.cube.n{N}.{precision}.error": Claim(
+        "velocity on the middle lines, largest deviation over the lid's", "lid-driven cube, Re = 1000", "N = {N}",
+        "Albensoeder, Kuhlmann, J. Comput. Phys. 206 (2005) 536, tables 5 and 6", doi="10.1016/j.jcp.2004.12.024", kind="computation"),
+    "accuracy.cavity.square.n{N}.{precision}.error": Claim(
+        "velocity on the middle lines, largest deviation over the lid's", "lid-driven square, Re = 100", "N = {N}",
+        "Ghia, Ghia, Shin, J. Comput. Phys. 48 (1982) 387", doi="10.1016/0021-9991(82)90058-4", kind="computation", uncertainty="1 %")}
 
 
 def run_of(shape, N, precision):

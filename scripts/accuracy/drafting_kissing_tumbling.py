@@ -8,7 +8,7 @@ finer run: the start differs from paper to paper.
 """
 import numpy as np
 from case_text import case_text, si, sphere
-from problem import Found, Goal, Run
+from problem import Claim, Found, Goal, Run
 
 DIAMETER = 1 / 600                     # m
 BOX = (0.01, 0.01, 0.04)               # m
@@ -20,6 +20,11 @@ FASTEST = 0.11                         # m/s; 0.08 cells a step
 TOUCHING = 0.05                        # diameters between the surfaces: kissing
 
 GOALS = [Goal("accuracy.dkt.kissing", 5.0), Goal("accuracy.dkt.order", 1, low=1)]
+PAPERS = "Glowinski, Pan, Hesla, Joseph, Periaux, J. Comput. Phys. 169 (2001) 363; Breugem, J. Comput. Phys. 231 (2012) 4469"
+CLAIMS = {
+    "accuracy.dkt.kissing": Claim("time of kissing", "two spheres settle one above the other", "D = 9", "own run with D = 12", kind="convergence"),
+    "accuracy.dkt.order": Claim("1 if they draft, kiss and tumble in this order", "two spheres settle one above the other", "D = 9 and 12",
+                                PAPERS, doi="10.1006/jcph.2000.6542", kind="computation", unit="")}
 
 
 def run_of(cells):

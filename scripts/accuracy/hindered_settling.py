@@ -11,7 +11,7 @@ import math
 
 import numpy as np
 from case_text import case_text, cube, sphere
-from problem import Found, Goal, Run
+from problem import Claim, Found, Goal, Run
 
 DIAMETER, BOX, RATIO, RELAXATION_TIME, REYNOLDS = 8, 40, 2.0, 1.0, 1.0
 COUNTS = (12, 24, 48, 72)                   # spheres: phi = 0.05, 0.10, 0.20, 0.30
@@ -23,6 +23,10 @@ VISCOSITY = (RELAXATION_TIME - 0.5) / 3
 VELOCITY = REYNOLDS * VISCOSITY / DIAMETER  # of one alone
 
 GOALS = [Goal("accuracy.hindered_settling.exponent.outside", 0.3)]
+CLAIMS = {"accuracy.hindered_settling.exponent.outside": Claim(
+    "exponent of the hindrance, outside of 4.35 to 4.88", "suspensions of up to φ = 0.3 that settle, Re = 1", "D = 8",
+    "Richardson, Zaki, Chem. Eng. Sci. 3 (1954) 65; Garside, Al-Dibouni (1977)", doi="10.1016/0009-2509(54)85015-9", kind="experiment",
+    unit="", note="5.37 with k = 1.00: the laws are fitted with k < 1 in dilute suspensions; a smaller k would lower the exponent")}
 
 
 def solid_fraction(count):

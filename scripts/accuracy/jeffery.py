@@ -9,7 +9,7 @@ import math
 
 import numpy as np
 from case_text import case_text
-from problem import Found, Goal, Run
+from problem import Claim, Found, Goal, Run
 
 MINOR, COARSE = 8, 4                        # cells, the shorter axis; in the short run
 SHAPES = {"prolate": 2.0, "oblate": 0.5}    # along the axis over across
@@ -21,6 +21,10 @@ SAMPLES = 400
 GOALS = [Goal(f"accuracy.jeffery.{shape}.error", 1.5) for shape in SHAPES]
 # found -1.66 with 4 cells at Reynolds number 0.2, and 0.00 with 8
 SHORT_GOALS = [Goal(f"accuracy.jeffery.prolate.d{COARSE}.re{REYNOLDS[1]:g}.error", 2.5)]
+JEFFERY = dict(source="Jeffery, Proc. R. Soc. A 102 (1922) 161", doi="10.1098/rspa.1922.0078")
+CLAIMS = {
+    "accuracy.jeffery.{shape}.error": Claim("period of the orbit, drawn out to Re = 0", "{shape} spheroid in shear", "8 cells across", **JEFFERY),
+    "accuracy.jeffery.{shape}.d{D}.re{Re}.error": Claim("period of the orbit", "{shape} spheroid in shear, Re = {Re}", "{D} cells across", **JEFFERY)}
 
 
 def shear_rate(reynolds, minor):

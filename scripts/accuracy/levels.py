@@ -8,7 +8,7 @@ import math
 
 import periodic_array as array
 from case_text import case_text, cube, sphere
-from problem import Curve, Found, Goal, Run
+from problem import Claim, Curve, Found, Goal, Run
 
 FRACTION = math.pi / 6000
 POSITION = (0.13, 0.31, 0.87)
@@ -29,6 +29,17 @@ def name_of(levels, distance):
 GOALS = [*(Goal(f"accuracy.levels.d{D}.{name_of(1, 0.75)}.difference", 0.1) for D in (8, 12)),
          Goal(f"accuracy.levels.d8.{name_of(1, 0.75)}.speedup", 1e9, low=8), Goal(f"accuracy.levels.d12.{name_of(1, 0.5)}.speedup", 1e9, low=8)]
 SHORT_GOALS = [Goal(f"accuracy.levels.d6.{name_of(2, 1)}.error", 1.0)]
+CLAIMS = {
+    "accuracy.levels.d{D}.{levels}.distance{distance}.difference": Claim(
+        "drag K with wider cells {distance} diameters away", "sphere in a wide box, Stokes flow", "D = {D}", "own run with cells of one width",
+        kind="convergence"),
+    "accuracy.levels.d{D}.{levels}.distance{distance}.speedup": Claim(
+        "times as fast with wider cells {distance} diameters away", "sphere in a wide box, Stokes flow", "D = {D}",
+        "own run with cells of one width", kind="convergence", unit="", note="a time: it scatters by some percent on a busy machine"),
+    "accuracy.levels.d{D}.{levels}.distance{distance}.error": Claim(
+        "drag K with wider cells {distance} diameters away", "sphere in a wide box, Stokes flow", "D = {D}",
+        "Zick, Homsy, J. Fluid Mech. 115 (1982) 13; series of Sangani, Acrivos (1982)", doi="10.1017/S0022112082000627", uncertainty="1e-6",
+        expected=lambda **_: array.exact_drag(FRACTION))}
 
 
 def run_of(D, levels, distance, place=POSITION):

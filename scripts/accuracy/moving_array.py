@@ -12,7 +12,7 @@ import numpy as np
 
 import periodic_array as array
 from case_text import case_text, cube, sphere
-from problem import Curve, Found, Goal, Run
+from problem import Claim, Curve, Found, Goal, Run
 
 FRACTION = 0.064
 RELAXATION_TIME = 1.5
@@ -32,6 +32,16 @@ GOALS = [Goal("accuracy.moving_array.d8.oblique.error", 1.2), Goal("accuracy.mov
          Goal("accuracy.moving_array.single_share", 10),  # of the discretisation error
          Goal("accuracy.moving_array.d8.boost_shift", 0.4), Goal("accuracy.moving_array.d12.boost_shift", 0.4)]
 SHORT_GOALS = [Goal("accuracy.moving_array.d6.oblique.error", 2.2), Goal("accuracy.moving_array.d6.oblique.noise", 1.5)]
+THEORY = dict(source="Zick, Homsy, J. Fluid Mech. 115 (1982) 13", doi="10.1017/S0022112082000627", uncertainty="1e-6")
+MOVING = "simple cubic array that moves, Stokes flow, φ = 0.064"
+CLAIMS = {
+    "accuracy.moving_array.d{D}.{way}.error": Claim("drag K", MOVING, "D = {D}", **THEORY, expected=lambda D, way: array.exact_drag(FRACTION)),
+    "accuracy.moving_array.d{D}.{way}.noise": Claim("force, root mean square about its mean", MOVING, "D = {D}", "steady motion: no noise"),
+    "accuracy.moving_array.d{D}.boost_shift": Claim(
+        "drag K, change if everything moves at 0.05 cells a step besides", MOVING, "D = {D}", "Galilean invariance",
+        note="the quadratic equilibrium is not Galilean invariant"),
+    "accuracy.moving_array.single_share": Claim(
+        "difference of single from double precision, over the error", MOVING, "all", "own runs in double precision", kind="convergence")}
 
 
 def unit(direction):

@@ -8,7 +8,7 @@ import math
 import numpy as np
 
 import stokes_scene as scene
-from problem import Goal, Run
+from problem import Claim, Goal, Run
 from stokes_periodic import PeriodicBox, rotation_about, solve, sphere_points
 
 EDGE = 6.0                                       # radii
@@ -19,6 +19,12 @@ FINE = 12
 GOALS = [Goal(f"accuracy.rotating_sphere.{setup}.d{FINE}.error", 1.0) for setup in SETUPS] + [
     Goal("accuracy.rotating_sphere.error", 1.0)]
 SHORT_GOALS = [Goal(f"accuracy.rotating_sphere.{setup}.d8.error", 2.25) for setup in SETUPS]  # (12 / 8)^2: second order
+CLAIMS = {
+    "accuracy.rotating_sphere.error": Claim("torque, worst of the axes", "sphere that turns in a periodic box", f"D = {FINE}", **scene.SAME_BOX,
+                                            uncertainty="1e-7"),
+    "accuracy.rotating_sphere.{setup}.d{D}.error": Claim(
+        "torque, mean of four places", "sphere that turns about a {setup} axis in a periodic box", "D = {D}", **scene.SAME_BOX,
+        uncertainty="1e-7", expected=lambda setup, D: scene.references("rotating_sphere")[setup]["torque"])}
 
 
 def exact(setup, fineness):

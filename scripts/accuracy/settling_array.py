@@ -11,7 +11,7 @@ import math
 import numpy as np
 import periodic_array as array
 from case_text import case_text, cube, sphere
-from problem import Found, Goal, Run
+from problem import Claim, Found, Goal, Run
 
 DIAMETER, BOX = 8, 16                                      # cells
 RATIOS = (0.05, 0.1, 0.5, 0.8, 1.2, 2.5, 8.0)              # density of body over fluid
@@ -25,6 +25,9 @@ VOLUME = math.pi / 6 * DIAMETER**3
 PHI = VOLUME / BOX**3
 
 GOALS = [Goal(f"accuracy.settling_array.rho{r:g}.tau{t:g}.error", 1.2) for r in RATIOS for t in RELAXATION_TIMES]
+CLAIMS = {"accuracy.settling_array.rho{rho}.tau{tau}.error": Claim(
+    "settling velocity over that of theory", "simple cubic array that settles, {rho} times the fluid's density, τ = {tau}", f"D = {DIAMETER}",
+    "Zick, Homsy, J. Fluid Mech. 115 (1982) 13", doi="10.1017/S0022112082000627", uncertainty="1e-6")}
 
 
 def run_of(ratio, relaxation_time):

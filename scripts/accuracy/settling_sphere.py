@@ -8,7 +8,7 @@ figures of these runs are against cells of one width under the same collision.
 WIDE is a box so large that a larger one changes 0.1 to 0.2 points.
 """
 from case_text import case_text, sphere
-from problem import Found, Goal, Run
+from problem import Claim, Found, Goal, Run
 
 DIAMETER = 20                                # cells; with 8 the relaxation time would be 0.51: unstable
 RATIO, GALILEO, REFERENCE = 1.5, 144.0, 1.2855
@@ -43,6 +43,19 @@ WIDE = run_of(DIAMETER, 2 * WIDTH, "regularised", DISTANCES[1], below=6, above=1
 GOALS = [Goal("accuracy.settling_sphere.error", 3.0), Goal(f"accuracy.settling_sphere.{WIDE.key}.error", 1.0),
          Goal(f"accuracy.settling_sphere.{LEVELS[1]}.difference", 0.3),
          Goal(f"accuracy.settling_sphere.{LEVELS[1]}.speedup", 1e9, low=8)]
+DUSEK = dict(source="Uhlmann, Dušek, Int. J. Multiphase Flow 59 (2014) 221, spectral elements", doi="10.1016/j.ijmultiphaseflow.2013.10.010",
+             kind="computation")
+GA144 = "sphere that settles at Galileo number 144, in a box {} wide"
+CLAIMS = {
+    "accuracy.settling_sphere.error": Claim("velocity over sqrt((ρ − 1) g d)", GA144.format("7 diameters"), f"D = {DIAMETER}", **DUSEK,
+                                            expected=REFERENCE),
+    "accuracy.settling_sphere.d{D}.w{w}.{collision}.{levels}.distance{distance}.error": Claim(
+        "velocity over sqrt((ρ − 1) g d)", GA144.format("{w} diameters"), "D = {D}, three lattices", **DUSEK, expected=REFERENCE),
+    "accuracy.settling_sphere.d{D}.w{w}.{collision}.{levels}.distance{distance}.difference": Claim(
+        "velocity", GA144.format("{w} diameters"), "D = {D}, three lattices", "own run with cells of one width", kind="convergence"),
+    "accuracy.settling_sphere.d{D}.w{w}.{collision}.{levels}.distance{distance}.speedup": Claim(
+        "times as fast with wider cells", GA144.format("{w} diameters"), "D = {D}, three lattices", "own run with cells of one width",
+        kind="convergence", unit="")}
 
 
 def runs(level):

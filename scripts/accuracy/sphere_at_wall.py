@@ -14,7 +14,7 @@ import math
 import numpy as np
 
 import stokes_scene as scene
-from problem import Goal, Run
+from problem import Claim, Goal, Run
 from stokes_periodic import Channel, Mirrors, rotation_about, solve, sphere_points, uniform
 
 LENGTH, HEIGHT = 8.0, 6.0                        # radii
@@ -26,6 +26,13 @@ FINE = 16
 GOALS = [Goal(f"accuracy.sphere_at_wall.{setup}.d{FINE}.{what}_error", 2.0) for setup in SETUPS
          for what in ("force", "torque")] + [Goal("accuracy.sphere_at_wall.error", 2.0)]
 SHORT_GOALS = [Goal("accuracy.sphere_at_wall.rotation.h1.5.d8.torque_error", 3.0)]
+CLAIMS = {
+    "accuracy.sphere_at_wall.error": Claim("force and torque, worst of all", "sphere near a wall, Stokes flow", f"D = {FINE}", **scene.SAME_BOX,
+                                           uncertainty="5e-3"),
+    "accuracy.sphere_at_wall.{motion}.h{h}.d{D}.{what}_error": Claim(
+        "{what}, mean of the places", "sphere {h} radii over a wall, {motion}, Stokes flow", "D = {D}",
+        **scene.SAME_BOX | dict(source="same box (stokes_boxes.csv); Goldman, Cox, Brenner, Chem. Eng. Sci. 22 (1967) 637 and 653"),
+        doi="10.1016/0009-2509(67)80047-2", uncertainty="5e-3")}
 
 
 def parts(setup):

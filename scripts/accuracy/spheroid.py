@@ -10,7 +10,7 @@ import math
 import numpy as np
 
 import stokes_scene as scene
-from problem import Goal, Run
+from problem import Claim, Goal, Run
 from stokes_periodic import PeriodicBox, solve, spheroid_points, uniform
 
 EDGE = 6.0                                       # radii of the sphere of the same volume
@@ -21,6 +21,13 @@ FINE = 12
 
 GOALS = [Goal(f"accuracy.spheroid.{setup}.d{FINE}.error", 1.0) for setup in SETUPS] + [Goal("accuracy.spheroid.error", 1.0)]
 SHORT_GOALS = [Goal("accuracy.spheroid.r2.axis.oblique.d8.error", 2.25)]  # (12 / 8)^2: second order
+CLAIMS = {
+    "accuracy.spheroid.error": Claim("drag K, worst of all", "spheroids in a periodic box, Stokes flow", f"D = {FINE}", **scene.SAME_BOX,
+                                     uncertainty="3e-4"),
+    "accuracy.spheroid.r{aspect}.{flow}.{way}.d{D}.error": Claim(
+        "drag K along or across the axis ({flow}), mean of the places", "spheroid of aspect {aspect}, {way}, Stokes flow", "D = {D}",
+        **scene.SAME_BOX, uncertainty="3e-4",
+        expected=lambda aspect, flow, way, D: scene.references("spheroid")[f"r{aspect}.{flow}.{way}"]["K"])}
 
 
 def parts(setup):

@@ -12,7 +12,7 @@ import numpy as np
 
 import stokes_scene as scene
 from mesh_text import obj
-from problem import Found, Goal, Run
+from problem import Claim, Found, Goal, Run
 from stokes_panels import Body, cylinder_panels
 from stokes_periodic import Mirrors, PeriodicBox, ellipsoid_points, rotation_about, solve
 
@@ -27,6 +27,13 @@ START = 12                                       # times that in which the slowe
 GOALS = [Goal(f"accuracy.stirrer.{setup}.d{cells}.error", 3.0) for setup in SETUPS for cells in CELLS] + [
     Goal(f"accuracy.stirrer.{setup}.order", 9.0, 1.7) for setup in SETUPS]
 SHORT_GOALS = [Goal("accuracy.stirrer.blade.d24.error", 12.0)]  # (48 / 24)^2: second order
+CLAIMS = {
+    "accuracy.stirrer.{setup}.d{N}.error": Claim(
+        "power number times Re, mean of two places", "{setup} that turns in a periodic cube, Re = 0.25", "N = {N}", **scene.SAME_BOX,
+        uncertainty="1.5e-3", expected=lambda setup, N: scene.references("stirrer")[setup]["NpRe"]),
+    "accuracy.stirrer.{setup}.order": Claim(
+        "order of convergence of the power number", "{setup} that turns in a periodic cube, Re = 0.25", "N = 48 and 96",
+        "second order: analysis of the scheme", unit="")}
 
 
 @functools.cache

@@ -20,6 +20,8 @@ RELAXATION_TIME = 2.0       # with trt the drag does not depend on it; a high vi
 VISCOSITY = (RELAXATION_TIME - 0.5) / 3
 STEADY = 2e-4               # what a force may still change in the last fifth of a run, of itself
 
+SAME_BOX = dict(source="Stokes flow in the same box by point forces or boundary elements (stokes_boxes.csv)", kind="computation")
+
 
 def references(problem):
     """Returns {setup: {quantity: value}} of a problem."""

@@ -12,7 +12,7 @@ import numpy as np
 
 import stokes_scene as scene
 from mesh_text import obj
-from problem import Goal, Run
+from problem import Claim, Goal, Run
 from stokes_periodic import PeriodicBox, solve, torus_points, uniform
 
 RING, EDGE = 3.0, 12.0                           # radii of the tube
@@ -25,6 +25,11 @@ TRIANGLES = 12000
 
 GOALS = [Goal(f"accuracy.torus.{setup}.d{FINE}.error", 1.5) for setup in SETUPS] + [Goal("accuracy.torus.error", 1.5)]
 SHORT_GOALS = [Goal("accuracy.torus.broadside.oblique.d6.error", 2.7)]  # (8 / 6)^2: second order
+CLAIMS = {
+    "accuracy.torus.error": Claim("drag K, worst of all", "torus in a periodic box, Stokes flow", f"D = {FINE}", **scene.SAME_BOX, uncertainty="1e-4"),
+    "accuracy.torus.{flow}.{way}.d{D}.error": Claim(
+        "drag K, mean of the places", "torus, {flow}, {way}, Stokes flow", "D = {D} across the tube", **scene.SAME_BOX, uncertainty="1e-4",
+        expected=lambda flow, way, D: scene.references("torus")[f"{flow}.{way}"]["K"])}
 
 
 def parts(setup):

@@ -12,7 +12,7 @@ import tomllib
 import numpy as np
 
 import stokes_scene as scene
-from problem import Found, Goal, Run
+from problem import Claim, Found, Goal, Run
 from stokes_periodic import Mirrors, PeriodicBox, solve, sphere_points, uniform
 
 BOX = {"along": (14.0, 6.0, 6.0), "across": (11.0, 11.0, 6.0), "beside": (10.0, 8.0, 6.0)}  # radii
@@ -25,6 +25,15 @@ FINE = 16
 GOALS = [Goal(f"accuracy.two_spheres.{setup}.d{FINE}.error", 1.5) for setup in SETUPS] + [
     Goal("accuracy.two_spheres.beside.gap0.25.d12.torque_error", 0.3), Goal("accuracy.two_spheres.error", 1.5)]
 SHORT_GOALS = [Goal("accuracy.two_spheres.along.gap0.5.d8.error", 3.0)]  # four times the goal at twice the cell: second order
+CLAIMS = {
+    "accuracy.two_spheres.error": Claim("drag K, worst of all", "two spheres in a periodic box, Stokes flow", f"D = {FINE}", **scene.SAME_BOX,
+                                        uncertainty="1e-4"),
+    "accuracy.two_spheres.{way}.gap{gap}.d{D}.error": Claim(
+        "drag K, mean of the places", "two spheres, {way}, gap of {gap} radii, Stokes flow", "D = {D}", **scene.SAME_BOX, uncertainty="1e-4",
+        expected=lambda way, gap, D: scene.references("two_spheres")[f"{way}.gap{gap}"]["K"]),
+    "accuracy.two_spheres.{way}.gap{gap}.d{D}.torque_error": Claim(
+        "torque, mean of the places", "two spheres, {way}, gap of {gap} radii, Stokes flow", "D = {D}", **scene.SAME_BOX, uncertainty="1e-4",
+        expected=lambda way, gap, D: scene.references("two_spheres")[f"{way}.gap{gap}"]["torque"])}
 
 
 def parts(setup):

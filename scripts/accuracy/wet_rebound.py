@@ -12,7 +12,7 @@ import math
 
 import numpy as np
 from case_text import case_text, si, sphere
-from problem import Curve, Found, Goal, Run
+from problem import Claim, Curve, Found, Goal, Run
 
 GRAVITY, DRY = 9.81, 0.97
 STEEL, CARBIDE = 7800.0, 14800.0  # kg/m3; tungsten carbide: a high Stokes number at a Reynolds number the lattice can resolve
@@ -28,6 +28,11 @@ SCATTER = 10
 
 GOALS = [Goal(f"accuracy.wet_rebound.{name}.d{D}.difference", SCATTER) for name in BALLS for D in SIZES]
 SHORT_GOALS = [Goal("accuracy.wet_rebound.st90.d15.difference", SCATTER)]
+CLAIMS = {"accuracy.wet_rebound.{ball}.d{D}.difference": Claim(
+    "restitution, wet over dry, times 100", "ball on a plate under oil, {ball}", "D = {D}",
+    "exp(-35 / St*): Legendre, Daniel, Guiraud, Phys. Fluids 17 (2005) 097105; Joseph et al. (2001), Gondret et al. (2002)",
+    doi="10.1017/S0022112001003470", kind="experiment", uncertainty="10 points", unit="points",
+    note="a bounce depends on the place in the lattice by 4 points, and measurements scatter about the law by 10")}
 
 
 def terminal_velocity(ball, diameter, density, mu):
