@@ -6,7 +6,7 @@ import verification
 
 KINDS = ("theory", "experiment", "pinned")
 SAME_PHYSICS = ("output.", "contacts.backend=", "run.balance")  # keys that a reference does not depend on
-KEYS = {"name", "computed", "value", "tolerance", "relative", "between", "kind", "source", "note"}
+KEYS = {"name", "computed", "value", "tolerance", "relative", "between", "kind", "source", "doi", "uncertainty", "note"}
 WITH_PREFIXES = ("m", "m/s", "s", "N", "N m", "J", "W")  # units of which there are thousandths and millionths
 
 

@@ -51,7 +51,7 @@ CLAIMS = {
         unit="", note="the surface of walls that keep mass seems a hundredth of a cell further out: an error of first order"),
     "accuracy.array.single_share": Claim(
         "difference of single from double precision, over the error", "simple cubic arrays, Stokes flow", "all", "own runs in double precision",
-        kind="convergence", note="where the error of discretisation passes through zero the share has no meaning")}
+        kind="convergence")}
 
 
 def methods(fraction, D):

@@ -26,7 +26,7 @@ GOALS = [Goal("accuracy.hindered_settling.exponent.outside", 0.3)]
 CLAIMS = {"accuracy.hindered_settling.exponent.outside": Claim(
     "exponent of the hindrance, outside of 4.35 to 4.88", "suspensions of up to φ = 0.3 that settle, Re = 1", "D = 8",
     "Richardson, Zaki, Chem. Eng. Sci. 3 (1954) 65; Garside, Al-Dibouni (1977)", doi="10.1016/0009-2509(54)85015-9", kind="experiment",
-    unit="", note="5.37 with k = 1.00: the laws are fitted with k < 1 in dilute suspensions; a smaller k would lower the exponent")}
+    unit="", note="5.37 with k = 1.00; one suspension of each φ, in a box 5 diameters wide; the cause is not known")}
 
 
 def solid_fraction(count):
