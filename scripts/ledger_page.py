@@ -4,11 +4,10 @@ import math
 from page import document, number, said, section, table
 
 KINDS = {"theory": "#0072b2", "experiment": "#d55e00", "computation": "#009e73", "convergence": "#cc79a7"}
-TOLD = {"theory": "theory", "experiment": "experiments", "computation": "computations by others or by another method",
-        "convergence": "own finest runs"}
 STYLE = """<style>
-h3 { font-size: 1rem; margin: 1.2rem 0 .2rem } .words { min-width: 14rem } svg { display: block; width: 100%; max-width: 44rem }
-svg text { font: 10px system-ui, sans-serif; fill: #1d2733 } .missed { color: var(--bad); font-weight: 600 } .open { color: var(--pale) }
+h3 { font-size: 1rem; margin: 1.2rem 0 .2rem } .words { min-width: 10rem } svg { display: block; width: 100%; max-width: 44rem }
+svg text { font: 10px system-ui, sans-serif; fill: #1d2733 } .missed { color: var(--bad); font-weight: 600 } .open { color: var(--pale) } p.warning { overflow-wrap: anywhere; font-size: .9rem }
+@media (max-width: 30rem) { td, th { padding-right: .7rem } }
 </style>"""
 WIDTH, LEFT, LINE = 360, 128, 13  # of a plot, as wide as a narrow screen; of its labels; of a row of them
 
@@ -20,8 +19,7 @@ def page(rows, form):
         by_problem.setdefault(row.problem, []).append(row)
     missed, open_ones = ([row for row in rows if row.verdict == verdict] for verdict in ("missed", "not measured"))
     return document("Ledger of claims", STYLE + lead(rows, form)
-                    + section("Missed", table(["claim", "expected", "measured", "error", "tolerance", "why"], [
-                        [said(row.claim), *told(row), text(row.note)] for row in missed]) if missed else "")
+                    + section("Missed", "".join(map(miss, missed)))
                     + section("Error over tolerance", strip(by_problem)) + section("Error against cost", scatter(rows))
                     + section("Not measured yet", f"<p>{said(', '.join(row.claim for row in open_ones))}.</p>" if open_ones else "")
                     + section("All claims", "".join(of_problem(name, listed) for name, listed in by_problem.items())))
@@ -34,11 +32,18 @@ def lead(rows, form):
         measured = [row for row in rows if kind in (row.kind, None) and row.verdict != "not measured"]
         within = sum(row.verdict == "within" for row in measured)
         share = f"{100 * within / len(measured):.0f} %" if measured else "–"
-        cells.append([TOLD.get(kind, "all"), number(sum(kind in (row.kind, None) for row in rows)), number(len(measured)), number(within), share])
+        cells.append([kind or "all", number(sum(kind in (row.kind, None) for row in rows)), number(len(measured)), number(within), share])
     return (f"<p>What the reference problems and the cases of Silt claim ({said(form)}), against what it is known from. A claim is within its "
             "tolerance or missed; a miss stays here with its explanation. Tolerances are goals of the project, errors those of single runs or "
-            "means over places on the lattice, as the quantity says; core-seconds are of the steps, on a busy machine.</p>"
-            + table(["known from", "claims", "measured", "within tolerance", "share"], cells, numbers=(1, 2, 3, 4)))
+            "means over places on the lattice, as the quantity says; core-seconds are of the steps, on a busy machine. Computation: by others, or by "
+            "another method; convergence: our own finest run.</p>"
+            + table(["kind", "claims", "measured", "within", "share"], cells, numbers=(1, 2, 3, 4)))
+
+
+def miss(row):
+    expected, measured, error, tolerance = told(row)
+    return (f"<p class=warning><b>{said(row.claim)}</b>: {said(row.quantity)}; {said(row.regime)}, {said(row.resolution)}. Expected {expected}, "
+            f"measured {measured}; error {error}{tolerance and f', tolerance {tolerance}'}. {said(row.note[:1].upper() + row.note[1:])}</p>")
 
 
 def told(row):
@@ -59,9 +64,9 @@ def of_problem(name, rows):
     """Returns the table of a problem or case."""
     verdicts = {"within": "<span class=good>within</span>", "missed": "<span class=missed>missed</span>",
                 "not measured": "<span class=open>not measured</span>"}
-    head = ["quantity", "regime", "resolution", "expected", "measured", "error", "tolerance", "", "core-s", "program", "source"]
+    head = ["quantity", "", "expected", "measured", "error", "tolerance", "regime", "resolution", "core-s", "program", "source"]
     return f"<h3 id='{said(name)}'>{said(name)}</h3>" + table(head, [
-        [text(row.quantity), text(row.regime), said(row.resolution), *told(row), verdicts[row.verdict],
+        [text(row.quantity), verdicts[row.verdict], *told(row), text(row.regime), said(row.resolution),
          number(row.core_seconds) if row.core_seconds is not None else "", said(row.commit), source(row)] for row in rows])
 
 
@@ -91,7 +96,7 @@ def strip(by_problem):
                   f"<text x='{x}' y='27' text-anchor='middle'>{tick:g}{'+' if tick == 2 else ''}</text>"]
     for i, (name, rows) in enumerate(lines.items()):
         y = 40 + LINE * i
-        parts.append(f"<text x='{LEFT - 8}' y='{y + 3}' text-anchor='end'>{said(name[:23])}</text>")
+        parts.append(f"<text x='{LEFT - 8}' y='{y + 3}' text-anchor='end'>{said(name.removeprefix('cases/')[:23])}</text>")
         parts += [mark(LEFT + scale * min(row.margin, 2), y, row) for row in rows]
     return svg(bottom + 6, parts, "error over tolerance by problem")
 
@@ -102,7 +107,7 @@ def scatter(rows):
     found = [(math.log10(cost), math.log10(max(error, 1e-3)), row) for cost, error, row in found]
     if not found:
         return ""
-    left, top, right, bottom, low, high = 40, 20, WIDTH - 10, 240, -3, 2
+    left, top, right, bottom, low, high = 48, 20, WIDTH - 18, 240, -3, 2
     first, last = (end(f(cost for cost, _, _ in found)) for end, f in ((math.floor, min), (math.ceil, max)))
     last = max(last, first + 1)
 

@@ -64,6 +64,14 @@ class Problems(unittest.TestCase):
     def test_docstrings_say_what_it_is(self):
         self.for_each(lambda module: self.assertGreater(len(problems.summary(module)), 20))
 
+    def test_every_goal_is_described(self):
+        def look(module):
+            for goal in (*module.GOALS, *getattr(module, "SHORT_GOALS", ())):
+                claim = problems.claim_of(module, goal.figure)
+                self.assertTrue(claim and claim.quantity and claim.regime and claim.resolution and claim.source, goal.figure)
+                self.assertIn(claim.kind, ("theory", "experiment", "computation", "convergence"), goal.figure)
+        self.for_each(look)
+
     @unittest.skipUnless(SILT, "needs the program")
     def test_cases_are_accepted(self):
         def look(module):
