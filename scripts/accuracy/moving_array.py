@@ -4,7 +4,9 @@ The sphere's velocity is prescribed; a body force the opposite way holds the flu
 of displacement, after the flow has settled; K as in periodic_array, with the mean velocity of the fluid relative to the sphere.
 Solid fraction 0.064. `oblique` goes along (1, 0.6, 0.35), off every lattice direction; `boosted` is the same with 0.05
 added to the velocity of everything: by how much the drag then differs is what the lattice's frame costs. noise: root mean
-square of the force along the way about its mean, relative to that.
+square of the force along the way about its mean, relative to that, as surfaces pass from cell to cell. A fictitious boundary
+method with finite elements has 3.8, 1.8 and 0.9 % at 11.4, 23.9 and 49.1 cells across, of first order in the cell (FeatFloWer,
+docs/md_docs/dns_practitioners_guide.md, section 4: one sphere, constant velocity): the goals of noise are a quarter of that.
 """
 import math
 
@@ -26,17 +28,26 @@ METHODS = {"default": {}, "bounce-back": dict(wall_scheme="bounce-back"),
            "exact": dict(force="exact"), "double": {}}
 FLUID = {"double": dict(precision="double")}
 SIZES = (6, 8, 12)
+FINE = 24                # for the noise
+OTHERS_NOISE = 3.8 * 11.4  # percent times cells across
+
+
+def noise_goal(D, direction):
+    return Goal(f"accuracy.moving_array.d{D}.{direction}.noise", round(OTHERS_NOISE / D / 4, 2))
+
 
 GOALS = [Goal("accuracy.moving_array.d8.oblique.error", 1.2), Goal("accuracy.moving_array.d12.oblique.error", 0.3),
-         Goal("accuracy.moving_array.d8.oblique.noise", 0.5), Goal("accuracy.moving_array.d12.oblique.noise", 0.5),
+         *(noise_goal(D, direction) for D in (8, 12, FINE) for direction in DIRECTIONS),
          Goal("accuracy.moving_array.single_share", 10),  # of the discretisation error
          Goal("accuracy.moving_array.d8.boost_shift", 0.4), Goal("accuracy.moving_array.d12.boost_shift", 0.4)]
-SHORT_GOALS = [Goal("accuracy.moving_array.d6.oblique.error", 2.2), Goal("accuracy.moving_array.d6.oblique.noise", 1.5)]
+SHORT_GOALS = [Goal("accuracy.moving_array.d6.oblique.error", 2.2), noise_goal(6, "oblique"), noise_goal(8, "axis")]
 THEORY = dict(source="Zick, Homsy, J. Fluid Mech. 115 (1982) 13", doi="10.1017/S0022112082000627", uncertainty="1e-6")
 MOVING = "simple cubic array that moves, Stokes flow, φ = 0.064"
 CLAIMS = {
     "accuracy.moving_array.d{D}.{way}.error": Claim("drag K", MOVING, "D = {D}", **THEORY, expected=lambda D, way: array.exact_drag(FRACTION)),
-    "accuracy.moving_array.d{D}.{way}.noise": Claim("force, root mean square about its mean", MOVING, "D = {D}", "steady motion: no noise"),
+    "accuracy.moving_array.d{D}.{way}.noise": Claim(
+        "force, root mean square about its mean", MOVING + ", {way}", "D = {D}",
+        "steady motion: no noise; goal: a quarter of that of FeatFloWer, finite elements, 3.8 % at 11.4 cells, of first order"),
     "accuracy.moving_array.d{D}.boost_shift": Claim(
         "drag K, change if everything moves at 0.05 cells a step besides", MOVING, "D = {D}", "Galilean invariance",
         note="the quadratic equilibrium is not Galilean invariant"),
@@ -78,8 +89,8 @@ def run_of(D, direction, method="default", boosted=False):
 
 def runs(level):
     if level == "short":
-        return [run_of(6, "oblique")]
-    return [*(run_of(D, direction) for D in SIZES for direction in DIRECTIONS),
+        return [run_of(6, "oblique"), run_of(8, "axis")]
+    return [*(run_of(D, direction) for D in (*SIZES, FINE) for direction in DIRECTIONS),
             *(run_of(D, "oblique", method) for D in SIZES for method in METHODS if method != "default"),
             *(run_of(D, "oblique", "default", True) for D in SIZES), run_of(8, "oblique", "bounce-back", True)]
 
