@@ -7,6 +7,10 @@ G. Joseph, R. Zenit, M. Hunt, A. Rosenwinkel, J. Fluid Mech. 433 (2001) 329 and 
 al. Both velocities are those at a gap of 0.1 diameters, on the way down and up; U in St* is the former. The film
 stops growing at 1e-4 radii: a steel ball's surface gives way there to the pressure (R. Davis, J.-M. Serayssol, E. Hinch, J. Fluid
 Mech. 163 (1986) 479: 0.2 micrometres at 2 mm and 0.5 m/s in the thickest oil). The figure is found less reference, times 100.
+
+Trajectories: heights of the gap and times after the first contact at which the ball turns between bounces, read off Gondret et
+al.'s figures at Stokes numbers 27 and 152. The ball starts 3 diameters over the plate at the speed of the experiment's impact, because
+its terminal velocity in a box differs; `impact` is by how much the speed at GAP differs.
 """
 import math
 
@@ -26,9 +30,27 @@ GAP = 0.1                  # at which the velocities are taken, diameters
 LATTICE_VELOCITY = 0.05    # of free fall
 SCATTER = 10
 
+# named by Gondret's Stokes number: as BALLS; speed of impact, m/s; heights in mm, times in s
+TRAJECTORIES = {"st27": ((STEEL, 0.006, 965, 0.100), 0.518, [(1.972, 0.0192)]),
+                "st152": ((STEEL, 0.003, 935, 0.010), 0.586, [(7.466, 0.040), (2.234, 0.106), (0.520, 0.140), (0.096, 0.156)])}
+TRAJECTORY_BOX, TRAJECTORY_START = (6, 6, 8), 3
+HEIGHT_LIMIT, TIME_LIMIT = 30, 15   # percent: of a scatter of 10 points in a restitution of 0.4 to 0.8
+
 GOALS = [Goal(f"accuracy.wet_rebound.{name}.d{D}.difference", SCATTER) for name in BALLS for D in SIZES]
-SHORT_GOALS = [Goal("accuracy.wet_rebound.st90.d15.difference", SCATTER)]
-CLAIMS = {"accuracy.wet_rebound.{ball}.d{D}.difference": Claim(
+GOALS += [Goal(f"accuracy.wet_rebound.{name}.d{D}.apex{n}.{what}", limit) for name, (_, _, apexes) in TRAJECTORIES.items() for D in SIZES
+          for n in range(1, min(len(apexes), 2) + 1) for what, limit in (("height", HEIGHT_LIMIT), ("time", TIME_LIMIT))]
+SHORT_GOALS = [Goal("accuracy.wet_rebound.st90.d15.difference", SCATTER), Goal("accuracy.wet_rebound.st27.d10.apex1.height", HEIGHT_LIMIT),
+               Goal("accuracy.wet_rebound.st27.d10.apex1.time", TIME_LIMIT)]
+GONDRET = dict(source="Gondret, Lance, Petit, Phys. Fluids 14 (2002) 643, trajectories, as digitised in a test of PARTIES",
+               doi="10.1063/1.1427920", kind="experiment")
+CLAIMS = {
+    "accuracy.wet_rebound.{ball}.d{D}.apex{n}.height": Claim(
+        "height over the plate where the ball turns in mm, bounce {n}", "ball on a plate under oil, {ball}", "D = {D}", **GONDRET,
+        expected=lambda ball, D, n: TRAJECTORIES[ball][2][int(n) - 1][0], uncertainty="10 points of restitution"),
+    "accuracy.wet_rebound.{ball}.d{D}.apex{n}.time": Claim(
+        "time after the first contact when it turns in s, bounce {n}", "ball on a plate under oil, {ball}", "D = {D}", **GONDRET,
+        expected=lambda ball, D, n: TRAJECTORIES[ball][2][int(n) - 1][1], uncertainty="10 points of restitution"),
+    "accuracy.wet_rebound.{ball}.d{D}.difference": Claim(
     "restitution, wet over dry, times 100", "ball on a plate under oil, {ball}", "D = {D}",
     "exp(-35 / St*): Legendre, Daniel, Guiraud, Phys. Fluids 17 (2005) 097105; Joseph et al. (2001), Gondret et al. (2002)",
     doi="10.1017/S0022112001003470", kind="experiment", uncertainty="10 points", unit="points",
@@ -44,25 +66,39 @@ def terminal_velocity(ball, diameter, density, mu):
     return v
 
 
-def run_of(name, D):
-    ball, diameter, density, mu = BALLS[name]
-    fall, cell = terminal_velocity(ball, diameter, density, mu), diameter / D
-    step = LATTICE_VELOCITY * cell / fall
-    size = [n * diameter for n in BOX]
-    text = case_text(
-        f"A ball of {1000 * diameter:g} mm and {ball:g} kg/m3 falls on a plate under oil", si(cell, step),
+def case_of(ball, D, fall, first, box, start, duration):
+    """Returns the case of a ball that falls from `start` diameters at `first`; `duration` is in steps, fall in m/s: LATTICE_VELOCITY."""
+    density_of_ball, diameter, density, mu = ball
+    cell = diameter / D
+    size = [n * diameter for n in box]
+    return case_text(
+        f"A ball of {1000 * diameter:g} mm and {density_of_ball:g} kg/m3 falls on a plate under oil", si(cell, LATTICE_VELOCITY * cell / fall),
         domain=dict(size=size, boundary=dict(x="periodic", y="periodic", z="no-slip")),
         fluid=dict(density=density, kinematic_viscosity=mu / density), gravity=dict(acceleration=[0, 0, -9.81]),
         coupling=dict(lubrication_min_gap=1e-4 * diameter / 2), contacts=dict(restitution=0.97, substeps=10),
         shapes=[sphere(diameter, "ball")],
-        bodies=[dict(shape="ball", density=ball, velocity=[0, 0, -0.9 * fall],
-                     position=[size[0] / 2 + 0.31 * cell, size[1] / 2 + 0.17 * cell, (START + 0.5) * diameter])],
-        run=dict(steps=round(1.35 * START * D / LATTICE_VELOCITY)), output=dict(bodies=dict(every=1)))
+        bodies=[dict(shape="ball", density=density_of_ball, velocity=[0, 0, -first],
+                     position=[size[0] / 2 + 0.31 * cell, size[1] / 2 + 0.17 * cell, (start + 0.5) * diameter])],
+        run=dict(steps=duration), output=dict(bodies=dict(every=1)))
+
+
+def run_of(name, D):
+    fall = terminal_velocity(*BALLS[name])
+    text = case_of(BALLS[name], D, fall, 0.9 * fall, BOX, START, round(1.35 * START * D / LATTICE_VELOCITY))
+    return Run(f"{name}.d{D}", text, dict(ball=name, D=D))
+
+
+def trajectory_of(name, D):
+    ball, impact, apexes = TRAJECTORIES[name]
+    duration = 1.1 * TRAJECTORY_START * ball[1] / impact + 1.15 * apexes[-1][1]
+    text = case_of(ball, D, impact, impact, TRAJECTORY_BOX, TRAJECTORY_START, round(duration * impact * D / (LATTICE_VELOCITY * ball[1])))
     return Run(f"{name}.d{D}", text, dict(ball=name, D=D))
 
 
 def runs(level):
-    return [run_of("st90", 15)] if level == "short" else [run_of(name, D) for name in BALLS for D in SIZES]
+    if level == "short":
+        return [run_of("st90", 15), trajectory_of("st27", 10)]
+    return [run_of(name, D) for name in BALLS for D in SIZES] + [trajectory_of(name, D) for name in TRAJECTORIES for D in SIZES]
 
 
 def rebound(gap, velocity):
@@ -81,21 +117,39 @@ def law(stokes):
     return math.exp(-35 / stokes)
 
 
+def turns(time, gap, number):
+    """Returns heights and times after the first contact of the first `number` tops between bounces; nan where there are fewer."""
+    lowest = [k for k in range(1, len(gap) - 1) if gap[k - 1] > gap[k] <= gap[k + 1] and gap[k] < GAP]
+    tops = [first + int(np.argmax(gap[first:last])) for first, last in zip(lowest, [*lowest[1:], len(gap)])]
+    tops = [k for k in tops if k < len(gap) - 1][:number]
+    found = [(gap[k], time[k] - time[lowest[0]]) for k in tops]
+    return found + [(math.nan, math.nan)] * (number - len(found))
+
+
 def measure(run, outcome):
-    ball, diameter, density, mu = BALLS[run.settings["ball"]]
-    height, velocity = (outcome.bodies.array(name)[:, 0, 2] for name in ("position", "velocity"))
-    before, after = rebound(height / diameter - 0.5, velocity)
+    name = run.settings["ball"]
+    ball, diameter, density, mu = BALLS[name] if name in BALLS else TRAJECTORIES[name][0]
+    height, velocity = (outcome.bodies.array(quantity)[:, 0, 2] for quantity in ("position", "velocity"))
+    gap = height / diameter - 0.5
+    before, after = rebound(gap, velocity)
     stokes = (ball + density / 2) * diameter * before / (9 * mu)
     restitution = after / before / DRY
-    return dict(stokes=stokes, restitution=restitution, error=100 * (restitution - law(stokes)))
+    found = dict(stokes=stokes, restitution=restitution, error=100 * (restitution - law(stokes)))
+    if name in TRAJECTORIES:
+        _, impact, apexes = TRAJECTORIES[name]
+        found["impact"] = 100 * (before / impact - 1)
+        for n, ((high, when), (exact, then)) in enumerate(zip(turns(outcome.bodies.time, gap, len(apexes)), apexes), 1):
+            found.update({f"apex{n}.height": 100 * (1000 * high * diameter / exact - 1), f"apex{n}.time": 100 * (when / then - 1)})
+    return found
 
 
 def figures(measured):
     found = {}
     for key, m in measured.items():
-        found[f"accuracy.wet_rebound.{key}.difference"] = Found(m["error"], (key,))
-        found[f"accuracy.wet_rebound.{key}.stokes"] = Found(m["stokes"], (key,))
-        found[f"accuracy.wet_rebound.{key}.restitution"] = Found(m["restitution"], (key,))
+        names = dict(error="difference")
+        for name in m:
+            if name in ("error", "stokes", "restitution", "impact") or name.startswith("apex"):
+                found[f"accuracy.wet_rebound.{key}.{names.get(name, name)}"] = Found(m[name], (key,))
     return found
 
 
