@@ -1,4 +1,4 @@
-"""A sphere that settles straight through a large fluid at Galileo number 144: its terminal velocity.
+"""A sphere that settles through a large fluid at Galileo numbers 144 to 250: its velocities down and sideways.
 
 Reference: M. Uhlmann, J. Dusek, Int. J. Multiphase Flow 59 (2014) 221-243, spectral elements: 1.2855 sqrt((rho - 1) g d),
 Reynolds number 185, density ratio 1.5 (reference/03_single_sphere_drag.toml). The frame moves with the expected velocity:
@@ -6,7 +6,14 @@ fluid comes in below and leaves above, sideways the box is periodic, and the sph
 `width` tells what a narrower one does. With wider cells away from the sphere, on three lattices, trt does not last; the
 figures of these runs are against cells of one width under the same collision.
 WIDE is a box so large that a larger one changes 0.1 to 0.2 points.
+
+REGIMES: at 144 the sphere falls straight, at 178.46 obliquely, at 190 it swings about an oblique path, at 250 it is chaotic. The same
+source has the velocities in its large domain; horizontal ones are means of the magnitude. The boxes are 14 diameters wide, 6 below and
+10 above the sphere, on three lattices, finest to 0.6 diameters from it. A sphere that is to leave the vertical begins with a tenth of
+the velocity sideways; means are over the last third. The authors' own immersed boundary method has 1.206 (15 cells) and 1.227 (36) at
+144, 1.243 (15) and 1.307 (48) at 178.46, 1.323 (48) at 190, 1.395 (36) at 250.
 """
+import numpy as np
 from case_text import case_text, sphere
 from problem import Claim, Found, Goal, Run
 
@@ -16,25 +23,42 @@ WIDTH, NARROW = 7, 5                         # diameters
 BELOW, ABOVE = 3, 7                          # diameters from the sphere to inlet and outlet
 VELOCITY = 0.08                              # cells a step
 TIMES = 30                                   # diameters the sphere settles
+REGIMES = {144.0: (1.285, 0, 50), 178.46: (1.356, 0.1245, 100), 190.0: (1.376, 0.136, 100),
+           250.0: (1.4604, None, 100)}       # velocity down, sideways over sqrt((rho - 1) g d); diameters it settles
+REGIME_LIMITS = {15: 8, 24: 3, 36: 2}        # by cells across
+SIDEWAYS_LIMIT = 15
+SHORT_TIMES = 15
 DISTANCES = (0.5, 0.6, 0.7, 1)               # diameters from the sphere up to which cells are finest
 
 
-def run_of(diameter, width, collision="trt", distance=None, below=BELOW, above=ABOVE, times=TIMES):
-    scale = VELOCITY / REFERENCE  # sqrt((rho - 1) g d)
+def case_of(diameter, width, galileo, reference, collision, distance, below, above, times, sideways=0):
+    scale = VELOCITY / reference  # sqrt((rho - 1) g d)
     every = int(0.5 * diameter / VELOCITY / 4) * 4
-    levels = f".levels2.distance{distance:g}" if distance else ""
-    inflow, middle = [0, 0, VELOCITY], width * diameter / 2 + 0.27
-    text = case_text(
-        f"a sphere settling at Galileo number {GALILEO}, {diameter} cells across, box {width * diameter} cells wide",
-        domain=dict(size=[width * diameter, width * diameter, (below + above) * diameter],
+    inflow, across = [0, 0, VELOCITY], 4 * round(width * diameter / 4) if distance else width * diameter
+    middle = across / 2 + 0.27
+    return case_text(
+        f"a sphere settling at Galileo number {galileo}, {diameter} cells across, box {across} cells wide",
+        domain=dict(size=[across, across, (below + above) * diameter],
                     boundary=dict(x="periodic", y="periodic",
                                   z=[dict(type="velocity-inlet", velocity=inflow), "pressure-outlet"])),
         coarsening=dict(levels=2, distance=float(distance * diameter)) if distance else {},
-        fluid=dict(kinematic_viscosity=scale * diameter / GALILEO, collision=collision, initial=dict(type="uniform", velocity=inflow)),
+        fluid=dict(kinematic_viscosity=scale * diameter / galileo, collision=collision, initial=dict(type="uniform", velocity=inflow)),
         gravity=dict(acceleration=[0, 0, -scale**2 / ((RATIO - 1) * diameter)]), shapes=[sphere(diameter)],
-        bodies=[dict(shape="sphere", density=RATIO, position=[middle, middle, below * diameter])],
+        bodies=[dict(shape="sphere", density=RATIO, position=[middle, middle, below * diameter],
+                     **(dict(velocity=[sideways * VELOCITY, 0, 0]) if sideways else {}))],
         run=dict(steps=2 * times * every), output=dict(bodies=dict(every=every)))
+
+
+def run_of(diameter, width, collision="trt", distance=None, below=BELOW, above=ABOVE, times=TIMES):
+    levels = f".levels2.distance{distance:g}" if distance else ""
+    text = case_of(diameter, width, GALILEO, REFERENCE, collision, distance, below, above, times)
     return Run(f"d{diameter}.w{width}" + (f".{collision}" if collision != "trt" else "") + levels, text, dict(D=diameter, width=width))
+
+
+def regime_run(diameter, galileo):
+    vertical, horizontal, times = REGIMES[galileo]
+    text = case_of(diameter, 2 * WIDTH, galileo, vertical, "regularised", DISTANCES[1], 6, 10, times, 0 if horizontal == 0 else 0.1)
+    return Run(f"ga{galileo:g}.d{diameter}", text, dict(D=diameter, galileo=galileo))
 
 
 ONE_WIDTH = run_of(DIAMETER, WIDTH, "regularised").key
@@ -43,10 +67,21 @@ WIDE = run_of(DIAMETER, 2 * WIDTH, "regularised", DISTANCES[1], below=6, above=1
 GOALS = [Goal("accuracy.settling_sphere.error", 3.0), Goal(f"accuracy.settling_sphere.{WIDE.key}.error", 1.0),
          Goal(f"accuracy.settling_sphere.{LEVELS[1]}.difference", 0.3),
          Goal(f"accuracy.settling_sphere.{LEVELS[1]}.speedup", 1e9, low=8)]
+GOALS += [Goal(f"accuracy.settling_sphere.ga{galileo:g}.d{D}.vertical", limit) for galileo in REGIMES for D, limit in REGIME_LIMITS.items()]
+GOALS += [Goal(f"accuracy.settling_sphere.ga{galileo:g}.d{D}.horizontal", SIDEWAYS_LIMIT) for galileo, (_, horizontal, _) in REGIMES.items()
+          if horizontal for D in (24, 36)]
+SHORT = run_of(15, WIDTH, "regularised", DISTANCES[1], times=SHORT_TIMES)
+SHORT_GOALS = [Goal(f"accuracy.settling_sphere.{SHORT.key}.error", 8)]
 DUSEK = dict(source="Uhlmann, Dušek, Int. J. Multiphase Flow 59 (2014) 221, spectral elements", doi="10.1016/j.ijmultiphaseflow.2013.10.010",
              kind="computation")
 GA144 = "sphere that settles at Galileo number 144, in a box {} wide"
 CLAIMS = {
+    "accuracy.settling_sphere.ga{galileo}.d{D}.vertical": Claim(
+        "velocity over sqrt((ρ − 1) g d)", "sphere that settles at Galileo number {galileo}, in a box 14 diameters wide", "D = {D}, three lattices",
+        **DUSEK, expected=lambda galileo, D: REGIMES[float(galileo)][0]),
+    "accuracy.settling_sphere.ga{galileo}.d{D}.horizontal": Claim(
+        "velocity sideways over sqrt((ρ − 1) g d)", "sphere that settles at Galileo number {galileo}, in a box 14 diameters wide",
+        "D = {D}, three lattices", **DUSEK, expected=lambda galileo, D: REGIMES[float(galileo)][1]),
     "accuracy.settling_sphere.error": Claim("velocity over sqrt((ρ − 1) g d)", GA144.format("7 diameters"), f"D = {DIAMETER}", **DUSEK,
                                             expected=REFERENCE),
     "accuracy.settling_sphere.d{D}.w{w}.{collision}.{levels}.distance{distance}.error": Claim(
@@ -60,14 +95,20 @@ CLAIMS = {
 
 def runs(level):
     if level == "short":
-        return []
-    return [run_of(DIAMETER, WIDTH), run_of(DIAMETER, NARROW), run_of(DIAMETER, WIDTH, "regularised"),
+        return [SHORT]
+    regimes = [regime_run(D, galileo) for D in REGIME_LIMITS for galileo in REGIMES]
+    return [*regimes, run_of(DIAMETER, WIDTH), run_of(DIAMETER, NARROW), run_of(DIAMETER, WIDTH, "regularised"),
             *(run_of(DIAMETER, WIDTH, "regularised", distance) for distance in DISTANCES), WIDE]
 
 
 def measure(run, outcome):
-    """Returns the mean over the last quarter; `change` from the quarter before it."""
+    """Returns the mean over the last quarter; `change` from the quarter before it. Of a regime the means over the last third."""
     bodies = outcome.bodies
+    if galileo := run.settings.get("galileo"):
+        velocity = bodies.array("velocity")[:, 0] * (REGIMES[galileo][0] / VELOCITY)
+        last = velocity[-(len(velocity) // 3):]
+        return dict(vertical=REGIMES[galileo][0] - last[:, 2].mean(), horizontal=np.hypot(last[:, 0], last[:, 1]).mean(),
+                    swing=last[:, 2].std(), height=bodies.array("position")[-1, 0, 2] / run.settings["D"])
     settling = VELOCITY - bodies.array("velocity")[:, 0, 2]
     quarter = len(settling) // 4
     last, before = settling[-quarter:].mean(), settling[-2 * quarter:-quarter].mean()
@@ -75,7 +116,14 @@ def measure(run, outcome):
 
 
 def figures(measured):
-    found = {f"accuracy.settling_sphere.{key}.error": Found(m["error"], (key,)) for key, m in measured.items()}
+    found = {f"accuracy.settling_sphere.{key}.error": Found(m["error"], (key,)) for key, m in measured.items()
+             if not key.startswith("ga")}
+    for galileo, (vertical, horizontal, _) in REGIMES.items():
+        for D in REGIME_LIMITS:
+            if m := measured.get(key := f"ga{galileo:g}.d{D}"):
+                found[f"accuracy.settling_sphere.{key}.vertical"] = Found(100 * (m["vertical"] / vertical - 1), (key,))
+                name, value = ("horizontal", 100 * (m["horizontal"] / horizontal - 1)) if horizontal else ("sideways", m["horizontal"])
+                found[f"accuracy.settling_sphere.{key}.{name}"] = Found(value, (key,))
     wide, narrow = (f"d{DIAMETER}.w{w}" for w in (WIDTH, NARROW))
     if wide in measured:
         found["accuracy.settling_sphere.error"] = Found(measured[wide]["error"], (wide,))
