@@ -8,7 +8,8 @@ Laws, of the solid fraction phi:
     krieger    (1 - phi / 0.64)^(-1.6)                        I. M. Krieger, T. J. Dougherty, Trans. Soc. Rheology 3 (1959) 137
     zarraga    exp(-2.34 phi) / (1 - phi / 0.62)^3            I. E. Zarraga, D. A. Hill, D. T. Leighton, J. Rheology 44 (2000) 185
 intrinsic is (viscosity - 1 - 5.2 phi^2) / phi, Einstein's 2.5. Walls keep spheres half a diameter away, so the fluid beside them is
-thinner, and one suspension is not a mean over many.
+thinner, and one suspension is not a mean over many. The shear spreads from the walls as exp(-4 pi^2 nu t / H^2), by e a strain: a
+mean from a strain of 2 to 5 would be 6 % too high, that from 5 on is 0.1 %, that of the short form 0.7 %.
 """
 import math
 
@@ -18,7 +19,7 @@ from problem import Claim, Found, Goal, Run
 DIAMETER, SIZE, SPEED, RELAXATION_TIME = 8, (40, 40, 64), 0.05, 1.0  # cells; of each wall, cells a step
 COUNTS = (8, 19, 38, 76)
 FROM, TO = 5, 20                             # strains
-SHORT_FROM, SHORT_TO = 2, 5
+SHORT_FROM, SHORT_TO = 5, 7
 STRAIN = SIZE[2] / (2 * SPEED)               # steps
 LAWS = {"einstein": lambda phi: 1 + 2.5 * phi,
         "batchelor": lambda phi: 1 + 2.5 * phi + 5.2 * phi**2,
