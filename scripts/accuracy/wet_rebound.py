@@ -31,7 +31,7 @@ LATTICE_VELOCITY = 0.05    # of free fall
 SCATTER = 10
 
 # named by Gondret's Stokes number: as BALLS; speed of impact, m/s; of the start over that; heights in mm, times in s
-TRAJECTORIES = {"st27": ((STEEL, 0.006, 965, 0.100), 0.518, 1.18, [(1.972, 0.0192)]),
+TRAJECTORIES = {"st27": ((STEEL, 0.006, 965, 0.100), 0.518, 1.25, [(1.972, 0.0192)]),
                 "st152": ((STEEL, 0.003, 935, 0.010), 0.586, 1.10, [(7.466, 0.040), (2.234, 0.106), (0.520, 0.140), (0.096, 0.156)])}
 TRAJECTORY_BOX, TRAJECTORY_START = (6, 6, 8), 3
 HEIGHT_LIMIT, TIME_LIMIT = 30, 15   # percent: of a scatter of 10 points in a restitution of 0.4 to 0.8
