@@ -34,11 +34,12 @@ DISTANCES = (0.5, 0.6, 0.7, 1)               # diameters from the sphere up to w
 def case_of(diameter, width, galileo, reference, collision, distance, below, above, times, sideways=0):
     scale = VELOCITY / reference  # sqrt((rho - 1) g d)
     every = int(0.5 * diameter / VELOCITY / 4) * 4
-    inflow, across = [0, 0, VELOCITY], 4 * round(width * diameter / 4) if distance else width * diameter
+    inflow = [0, 0, VELOCITY]
+    across, along = (4 * round(n * diameter / 4) if distance else n * diameter for n in (width, below + above))  # multiples of widest cells
     middle = across / 2 + 0.27
     return case_text(
         f"a sphere settling at Galileo number {galileo}, {diameter} cells across, box {across} cells wide",
-        domain=dict(size=[across, across, (below + above) * diameter],
+        domain=dict(size=[across, across, along],
                     boundary=dict(x="periodic", y="periodic",
                                   z=[dict(type="velocity-inlet", velocity=inflow), "pressure-outlet"])),
         coarsening=dict(levels=2, distance=float(distance * diameter)) if distance else {},
