@@ -128,31 +128,27 @@ def turns(time, gap, number):
 
 def measure(run, outcome):
     name = run.settings["ball"]
-    ball, diameter, density, mu = BALLS[name] if name in BALLS else TRAJECTORIES[name][0]
     height, velocity = (outcome.bodies.array(quantity)[:, 0, 2] for quantity in ("position", "velocity"))
-    gap = height / diameter - 0.5
-    before, after = rebound(gap, velocity)
+    if name in TRAJECTORIES:
+        ball, impact, _, apexes = TRAJECTORIES[name]
+        gap = height / ball[1] - 0.5
+        found = dict(impact=100 * (-velocity[np.argmax(gap < 1)] / impact - 1))
+        for n, ((high, when), (exact, then)) in enumerate(zip(turns(outcome.bodies.time, gap, len(apexes)), apexes), 1):
+            found.update({f"apex{n}.height": 100 * (1000 * high * ball[1] / exact - 1), f"apex{n}.time": 100 * (when / then - 1)})
+        return found
+    ball, diameter, density, mu = BALLS[name]
+    before, after = rebound(height / diameter - 0.5, velocity)
     stokes = (ball + density / 2) * diameter * before / (9 * mu)
     restitution = after / before / DRY
-    found = dict(stokes=stokes, restitution=restitution, error=100 * (restitution - law(stokes)))
-    if name in TRAJECTORIES:
-        _, impact, _, apexes = TRAJECTORIES[name]
-        found["impact"] = 100 * (-velocity[np.argmax(gap < 1)] / impact - 1)
-        for n, ((high, when), (exact, then)) in enumerate(zip(turns(outcome.bodies.time, gap, len(apexes)), apexes), 1):
-            found.update({f"apex{n}.height": 100 * (1000 * high * diameter / exact - 1), f"apex{n}.time": 100 * (when / then - 1)})
-    return found
+    return dict(stokes=stokes, restitution=restitution, error=100 * (restitution - law(stokes)))
 
 
 def figures(measured):
-    found = {}
-    for key, m in measured.items():
-        names = dict(error="difference")
-        for name in m:
-            if name in ("error", "stokes", "restitution", "impact") or name.startswith("apex"):
-                found[f"accuracy.wet_rebound.{key}.{names.get(name, name)}"] = Found(m[name], (key,))
-    return found
+    names = dict(error="difference", stokes="stokes", restitution="restitution", impact="impact")
+    return {f"accuracy.wet_rebound.{key}.{names.get(name, name)}": Found(value, (key,)) for key, m in measured.items()
+            for name, value in m.items() if name in names or name.startswith("apex")}
 
 
 def curves(measured):
-    return [Curve(f"{name}", [(m["core_seconds"], m["error"], key) for key, m in measured.items() if key.startswith(name)])
+    return [Curve(f"{name}", [(m["core_seconds"], m["error"], key) for key, m in measured.items() if key.startswith(f"{name}.")])
             for name in BALLS]
