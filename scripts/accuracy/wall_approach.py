@@ -32,7 +32,8 @@ BRENNER = dict(source="Brenner, Chem. Eng. Sci. 16 (1961) 242, equation 2.19", d
 CLAIMS = {
     "accuracy.wall_approach.d{D}.gap{gap}.error": Claim(
         "drag over 6 π μ a U, with the correction for lubrication", "sphere that moves towards a wall, Stokes flow, gap of {gap} radii", "D = {D}",
-        **BRENNER, expected=lambda D, gap: exact(1 + float(gap)) * IN_BOX.get(float(gap), 1), uncertainty="0.2 %: inertia, the box"),
+        **BRENNER, expected=lambda D, gap: exact(1 + float(gap)) * IN_BOX.get(float(gap), 1), uncertainty="0.2 %: inertia, the box",
+        note="a gap of 0.6 cells is too narrow for the lattice, and films hardly act there yet"),
     "accuracy.wall_approach.d{D}.without.resolved.error": Claim(
         "drag, worst at gaps of two cells and more, without the correction", "sphere that moves towards a wall, Stokes flow", "D = {D}", **BRENNER,
         uncertainty="0.7 %: the box")}

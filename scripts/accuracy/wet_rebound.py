@@ -39,22 +39,26 @@ HEIGHT_LIMIT, TIME_LIMIT = 30, 15   # percent: of a scatter of 10 points in a re
 GOALS = [Goal(f"accuracy.wet_rebound.{name}.d{D}.difference", SCATTER) for name in BALLS for D in SIZES]
 GOALS += [Goal(f"accuracy.wet_rebound.{name}.d{D}.apex{n}.{what}", limit) for name, (*_, apexes) in TRAJECTORIES.items() for D in SIZES
           for n in range(1, min(len(apexes), 2) + 1) for what, limit in (("height", HEIGHT_LIMIT), ("time", TIME_LIMIT))]
-SHORT_GOALS = [Goal("accuracy.wet_rebound.st90.d15.difference", SCATTER), Goal("accuracy.wet_rebound.st27.d10.apex1.height", HEIGHT_LIMIT),
-               Goal("accuracy.wet_rebound.st27.d10.apex1.time", TIME_LIMIT)]
+SHORT_GOALS = [Goal("accuracy.wet_rebound.st90.d15.difference", SCATTER), Goal("accuracy.wet_rebound.st152.d10.short.apex1.height", 15),
+               Goal("accuracy.wet_rebound.st152.d10.short.apex1.time", 5)]
 GONDRET = dict(source="Gondret, Lance, Petit, Phys. Fluids 14 (2002) 643, trajectories, as digitised in a test of PARTIES",
                doi="10.1063/1.1427920", kind="experiment")
-CLAIMS = {
-    "accuracy.wet_rebound.{ball}.d{D}.apex{n}.height": Claim(
-        "height over the plate where the ball turns in mm, bounce {n}", "ball on a plate under oil, {ball}", "D = {D}", **GONDRET,
-        expected=lambda ball, D, n: TRAJECTORIES[ball][-1][int(n) - 1][0], uncertainty="10 points of restitution"),
-    "accuracy.wet_rebound.{ball}.d{D}.apex{n}.time": Claim(
-        "time after the first contact when it turns in s, bounce {n}", "ball on a plate under oil, {ball}", "D = {D}", **GONDRET,
-        expected=lambda ball, D, n: TRAJECTORIES[ball][-1][int(n) - 1][1], uncertainty="10 points of restitution"),
+CRITICAL = ("near the Stokes number of 10 to 20 below which no ball bounces, what is left of the speed hangs on the last hundredth of a cell of "
+            "the film: heights are 30 to 74 % too low, with the speed and place of the start")
+CLAIMS = {}
+for ball, (*_, apexes) in TRAJECTORIES.items():
+    for n, (height, time) in enumerate(apexes, 1):
+        for form in ("{D}", "{D}.short"):
+            for what, value in (("height over the plate in mm", height), ("time after the first contact in s", time)):
+                CLAIMS[f"accuracy.wet_rebound.{ball}.d{form}.apex{n}.{what.split()[0]}"] = Claim(
+                    f"{what} of the top after bounce {n}", f"ball on a plate under oil, {ball}", "D = {D}", **GONDRET, expected=value,
+                    uncertainty="10 points of restitution", note=CRITICAL * (ball == "st27"))
+CLAIMS |= {
     "accuracy.wet_rebound.{ball}.d{D}.difference": Claim(
-    "restitution, wet over dry, times 100", "ball on a plate under oil, {ball}", "D = {D}",
-    "exp(-35 / St*): Legendre, Daniel, Guiraud, Phys. Fluids 17 (2005) 097105; Joseph et al. (2001), Gondret et al. (2002)",
-    doi="10.1017/S0022112001003470", kind="experiment", uncertainty="10 points", unit="points",
-    note="a bounce depends on the place in the lattice by 4 points, and measurements scatter about the law by 10")}
+        "restitution, wet over dry, times 100", "ball on a plate under oil, {ball}", "D = {D}",
+        "exp(-35 / St*): Legendre, Daniel, Guiraud, Phys. Fluids 17 (2005) 097105; Joseph et al. (2001), Gondret et al. (2002)",
+        doi="10.1017/S0022112001003470", kind="experiment", uncertainty="10 points", unit="points",
+        note="a bounce depends on the place in the lattice by 4 points, and measurements scatter about the law by 10")}
 
 
 def terminal_velocity(ball, diameter, density, mu):
@@ -88,16 +92,18 @@ def run_of(name, D):
     return Run(f"{name}.d{D}", text, dict(ball=name, D=D))
 
 
-def trajectory_of(name, D):
+def trajectory_of(name, D, tops=None):
+    """Returns the run of a trajectory, to the first `tops` tops."""
     ball, impact, faster, apexes = TRAJECTORIES[name]
+    apexes = apexes[:tops]
     duration = 1.1 * TRAJECTORY_START * ball[1] / impact + 1.15 * apexes[-1][1]
     text = case_of(ball, D, impact, faster * impact, TRAJECTORY_BOX, TRAJECTORY_START, round(duration * impact * D / (LATTICE_VELOCITY * ball[1])))
-    return Run(f"{name}.d{D}", text, dict(ball=name, D=D))
+    return Run(f"{name}.d{D}" + (".short" if tops else ""), text, dict(ball=name, D=D))
 
 
 def runs(level):
     if level == "short":
-        return [run_of("st90", 15), trajectory_of("st27", 10)]
+        return [run_of("st90", 15), trajectory_of("st152", 10, 1)]
     return [run_of(name, D) for name in BALLS for D in SIZES] + [trajectory_of(name, D) for name in TRAJECTORIES for D in SIZES]
 
 
@@ -118,12 +124,11 @@ def law(stokes):
 
 
 def turns(time, gap, number):
-    """Returns heights and times after the first contact of the first `number` tops between bounces; nan where there are fewer."""
+    """Returns heights and times after the first contact of the first `number` tops between bounces; fewer where it ends before."""
     lowest = [k for k in range(1, len(gap) - 1) if gap[k - 1] > gap[k] <= gap[k + 1] and gap[k] < GAP]
     tops = [first + int(np.argmax(gap[first:last])) for first, last in zip(lowest, [*lowest[1:], len(gap)])]
     tops = [k for k in tops if k < len(gap) - 1][:number]
-    found = [(gap[k], time[k] - time[lowest[0]]) for k in tops]
-    return found + [(math.nan, math.nan)] * (number - len(found))
+    return [(gap[k], time[k] - time[lowest[0]]) for k in tops]
 
 
 def measure(run, outcome):
