@@ -68,7 +68,7 @@ def problem_row(module, goal, form, measured):
     if claim.expected is not None:
         row.expected = f"{claim.expected:.5g}"
     elif goal.low is not None:
-        row.expected = f"at least {goal.low:g}" if goal.limit > 4 * abs(goal.low) else f"{goal.low:.4g} to {goal.limit:.4g}"
+        row.expected = between(goal.low, goal.limit)
     if measured is None:
         return row
     row.figure, row.core_seconds, row.commit = measured.figure, measured.core_seconds, measured.commit
@@ -81,10 +81,18 @@ def problem_row(module, goal, form, measured):
     return row
 
 
+def no_limit(low, high):
+    return 0 < 4 * low < high
+
+
+def between(low, high):
+    return f"at least {low:g}" if no_limit(low, high) else f"{low:.4g} to {high:.4g}" if low < high else f"{low:g}"
+
+
 def margin_between(x, low, high):
-    if high > 4 * abs(low):  # as good as no limit
+    if no_limit(low, high):
         return low / x if x > 0 else math.inf
-    return abs(x - (low + high) / 2) / ((high - low) / 2) if high > low else float(x != low)
+    return abs(x - (low + high) / 2) / ((high - low) / 2) if low < high else float(x != low)
 
 
 def case_row(case, quantity, form, measured):
@@ -94,7 +102,7 @@ def case_row(case, quantity, form, measured):
     found = {name: measured.figure} if measured else {}
     if isinstance(quantity.get("value"), str) and measured:
         found[quantity["value"]] = measured.expected
-    seen, expected, tolerance, deviation = compared(quantity, found)[0]
+    (seen, expected, tolerance, deviation), good = compared(quantity, found)
     row = Row(f"{case.name}{short}.{name}", f"cases/{case.name}", form, regime, name, quantity["kind"], quantity["source"], quantity.get("doi", ""),
               expected.removesuffix(" is missing"), quantity.get("uncertainty", ""), tolerance=tolerance.replace("-", "", tolerance == "-"),
               resolution=resolution, note=quantity.get("note", ""))
@@ -102,12 +110,13 @@ def case_row(case, quantity, form, measured):
         return row
     row.figure, row.core_seconds, row.commit = measured.figure, measured.core_seconds, measured.commit
     if "between" in quantity:
-        margin = margin_between(measured.figure, *quantity["between"]) if quantity["between"][0] else measured.figure / quantity["between"][1]
+        low, high = quantity["between"]
+        margin = margin_between(measured.figure, low, high) if low else measured.figure / high  # from 0: an error
     else:
         value, allowed = target(quantity, found)
         off = abs(measured.figure - value)
         margin = off / allowed if allowed else math.inf if off else 0.0
-    row.judge(seen, deviation, compared(quantity, found)[1], margin)
+    row.judge(seen, deviation, good, margin)
     return row
 
 
