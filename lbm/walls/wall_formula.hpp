@@ -51,8 +51,7 @@ struct WallFluid {
   SILT_DEVICE bool has_force() const { return force[0] != 0 || force[1] != 0 || force[2] != 0; }
 };
 
-/// Coefficients of the formula; e follows from the others (equation 11). Only schemes that read beyond use d,
-/// g.
+/// The coefficients; e follows from the others (equation 11). Only schemes that read beyond use d and g.
 template <class V>
 struct LinkCoefficients {
   V a, b, c, k, d{}, g{};
