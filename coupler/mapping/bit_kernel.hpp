@@ -43,9 +43,8 @@ struct BitKernels {
   /// Lists the links of rows. Both lists need room for link_lanes more than the links.
   LinkCounts (*list_links)(const BitFrame&, const FrameRows&, const LinkBits&, std::uint32_t* place,
                            std::uint32_t* single_cell);
-  /// Lists those of n links whose cell behind is outside the block or whose second cell behind is solid;
-  /// returns their number. Places count from `corner`. Reads whole vectors of places; the list needs room for
-  /// n.
+  /// Lists those of n links (places from `corner`) whose cell behind is outside the block or whose second one
+  /// is solid; returns their number. Reads whole vectors of places; the list needs room for n.
   std::uint32_t (*list_beyond)(const std::uint32_t* place, std::uint32_t n, lbm::Int3 corner,
                                const CellBits& solid, std::uint32_t* found);
   /// Sets in `to` all cells that have a neighbour along some c in a stream with margins.

@@ -1,6 +1,5 @@
 #pragma once
-// Cells that turn solid (covered) or fluid (uncovered): the populations of uncovered cells, and the mass of
-// both.
+// Cells that turn solid (covered) or fluid (uncovered): populations of the latter, mass of both.
 //
 // All populations that arrive at an uncovered cell are in its own block at either parity, so refilling is
 // local. It averages over neighbours that were and are fluid. The moments of neighbours on other ranks are
