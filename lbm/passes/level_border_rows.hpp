@@ -32,7 +32,8 @@ struct BorderRows {
     std::array<T, 3> slope;           // times above - below: change from the centre to a packet
     std::int32_t before;              // index in coarse_before of arrivals before collision; -1: not used
   };
-  static constexpr int carried_rows = 5;  // values in the first and second step, changes along x, y, z
+  static constexpr int carried_rows =
+      5;  // values in the first and in the second step; changes along x, y and z
   /// Moves coarse populations of one direction that left a row of cells into fine cells.
   struct Explosion {
     std::uint32_t length, carried;

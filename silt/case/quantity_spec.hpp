@@ -1,5 +1,5 @@
 #pragma once
-// The figures of a run: [[quantities]] and [run.steady] of a case, and the types that an entry may have.
+// The results of a run: [[quantities]] and [run.steady] of a case, and the types of entries.
 #include <cstdint>
 #include <stdexcept>
 #include <string>
@@ -20,18 +20,18 @@ inline constexpr auto axis_names = coupler::names_of<Axis>("x", "y", "z");
 enum class Component { xx, yy, zz, xy, xz, yz };
 inline constexpr auto component_names = coupler::names_of<Component>("xx", "yy", "zz", "xy", "xz", "yz");
 
-/// Forces act on bodies, one of [[walls]] or a side of the domain.
+/// A force acts on bodies, on one of [[walls]] or on a side of the domain.
 enum class Bearer { bodies, wall, side };
 
-/// A value the run puts into report.json under "quantities", for reference.toml to compare. The types and
-/// the keys each takes are in quantity_types.
+/// A value that the run writes to report.json under "quantities", for reference.toml. quantity_types lists
+/// the types and their keys.
 struct QuantitySpec {
   std::string name, type;
   Bearer bearer = Bearer::bodies;
   int kind = -1;  // index into Case::kind_names; -1: every body
   int axis = 2;
-  double time = 0;    // from when on (of an instant: when; without one the end), in steps
-  double height = 0;  // along the axis: of bodies, of a plane
+  double time = 0;    // start, or the instant (none: the end), in steps
+  double height = 0;  // of bodies or a plane, along the axis
   int side = 0;       // a Side of the domain
   int wall = 0;       // index into Case::walls
   int component = 0;  // a Component
@@ -42,26 +42,26 @@ struct QuantitySpec {
   bool operator==(const QuantitySpec&) const = default;
 };
 
-/// The run ends before its last step when a quantity has come so close to where it goes (see SteadyWatch).
+/// Ends the run early when a quantity has come close to its limit (see SteadyWatch).
 struct SteadySpec {
   std::string quantity;  // name of a QuantitySpec
   double change = 0;     // relative
   std::int64_t every = 0;
 };
 
-/// A type that a [[quantities]] entry may have: which keys it takes, what the scene must have, the dimension
-/// of its value and what it means.
+/// A type of [[quantities]] entries: the keys it takes, the needs of the scene, the dimension and meaning of
+/// the value.
 struct QuantityType {
   enum Key : unsigned {
     body = 1,
     axis = 2,
-    time = 4,  // the quantity looks at the run from this time on
+    time = 4,  // from which on the run is evaluated
     height = 16,
     centre = 32,
     box = 64,
     side = 128,
     wall = 256,
-    instant = 512,  // written `time` too: the quantity looks at this time, by default at the end
+    instant = 512,  // also the key `time`: the instant, by default the end
     at = 1024,
     bearer = 2048,      // body or wall
     side_bears = 4096,  // or side
@@ -74,24 +74,24 @@ struct QuantityType {
     undriven = 8,      // no body of prescribed motion
     sheared = 16,      // walls of different velocities across `axis`
     same_bodies = 32,  // from start to end
-    stepwise = 64      // no need: it has a value in every step, for which no rank waits
+    stepwise = 64      // not a need: has a value in every step without waiting
   };
 
   std::string_view name;
   Dimension dimension;  // of the value
   unsigned keys, needs;
   std::string_view meaning;
-  std::string_view unit = "";  // of a value without a dimension, where it has one
+  std::string_view unit = "";  // of a value without a dimension
 
   constexpr bool takes(Key key) const { return keys & key; }
   constexpr bool asks_for(Need need) const { return needs & need; }
 };
-using Q = QuantityType;  // in rows
+using Q = QuantityType;  // for rows
 
-/// Every type. Its row, with its computation, is at the end of a family in silt/results.
+/// All types. Rows and computations are at the end of the families in silt/results.
 extern const std::vector<QuantityType> quantity_types;
 
-/// Returns the type of a name; std::invalid_argument where there is none.
+/// Returns a type by its name. Throws std::invalid_argument if there is none.
 inline const QuantityType& quantity_type(std::string_view name) {
   for (const QuantityType& type : quantity_types)
     if (type.name == name) return type;

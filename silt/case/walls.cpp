@@ -1,4 +1,4 @@
-// [[walls]]; surfaces in files, of walls and of [[shapes]]; the motion of a wall as a table over time.
+// [[walls]]; surfaces from files, for walls and [[shapes]]; prescribed motions of walls.
 #include <fmt/format.h>
 
 #include <array>
@@ -94,8 +94,8 @@ constexpr std::tuple motion_keys{
         Rule{If::needed,
              [](const PrescribedMotion& s) { return !is_zero(&PrescribedMotion::amplitude)(s); }}},
     HandKey{"table", "string", "", "none", "CSV file of a motion, instead of angular_velocity"}};
-/// Calls use(surface, name) for the surface in `file`, read by read(name, bytes, lattice units in one of the
-/// file's) and warns of one whose numbers do not keep it: its origin is far away.
+/// Calls use(surface, name) for the surface in `file`, read by read(name, bytes, lattice units per unit of
+/// the file). Warns if its origin is so far away that single precision is too coarse.
 template <class Read, class Use>
 void with_surface(TableReader& table, Read&& read, Use&& use) {
   constexpr double enough = 0.1;  // cells
@@ -111,7 +111,7 @@ void with_surface(TableReader& table, Read&& read, Use&& use) {
   });
 }
 
-/// "x", "y", "z" or a direction, made a unit vector; `what` says of what.
+/// Reads "x", "y", "z" or a vector as a unit vector; `what` describes it.
 Vec3 read_direction(TableReader& table, std::string_view what) {
   table.need("axis", fmt::format("{}: \"x\", \"y\", \"z\" or [x, y, z]", what));
   const Node* node = table.find("axis");
@@ -212,7 +212,7 @@ void read_walls(TableReader& root, Case& setup) {
     const int material = read_name(table, "material", setup.material_names, "material").value_or(0);
     if (type == rigid::Mesh::name) {
       MeshWall mesh = read_mesh_wall(table);
-      if (mesh.mesh.surface) wall.surface = std::move(mesh);  // else what is wrong has been said
+      if (mesh.mesh.surface) wall.surface = std::move(mesh);  // else the fault has been reported
     } else {
       wall.surface = read_tube_wall(table);
     }
