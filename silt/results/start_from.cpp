@@ -21,7 +21,7 @@ using adapters::CheckpointReader;
 using rigid::BodyRecord;
 using rigid::Vec3;
 
-/// Returns where the walls are after so many steps, as a text.
+/// Returns the places of walls after `step` steps as a text.
 std::string walls_after(const Case& setup, std::int64_t step) {
   std::string text;
   const auto add = [&](const auto& wall) {
@@ -34,10 +34,10 @@ std::string walls_after(const Case& setup, std::int64_t step) {
   return text;
 }
 
-/// How the lattice units of a run differ from those of the one that it begins with.
+/// The lattice units of a run in those of the run from which it starts.
 struct Scales {
-  double step = 1, density = 1;  // in those of the earlier run
-  double off_equilibrium = 1;    // of the populations: what keeps the rate of strain
+  double step = 1, density = 1;  // in units of the earlier run
+  double off_equilibrium = 1;    // of populations, at equal strain rate
   bool keep_fluid() const { return step == 1 && density == 1 && off_equilibrium == 1; }
 };
 
@@ -61,7 +61,7 @@ Scales scales_of(const CheckpointReader& reader, const Case& setup) {
   return scales;
 }
 
-/// The body of an entry in the place of one of the other run.
+/// Returns a body with the properties of an entry and the motion of a body of the other run.
 BodyRecord body_from(const BodyRecord& was, BodySpec body, const CentredShape& shape, const Scales& scales,
                      const Case& setup) {
   const double size = Eigen::Map<const rigid::Mat3>(was.inertia_B).trace() / was.mass;
@@ -121,7 +121,7 @@ bool takes_fluid(const CheckpointReader& reader, const Case& setup) {
   return setup.fluid && reader.has_cells("populations");
 }
 
-/// Velocity, pressure and rate of strain stay what they are in the units of the case.
+/// Rescales populations: velocity, pressure and strain rate are unchanged in units of the case.
 void rescale(coupler::FluidFields& fields, const Scales& scales) {
   const double pressure = scales.step * scales.step / scales.density;
   for (int b = 0; b < fields.blocks(); ++b) {
