@@ -109,8 +109,7 @@ lbm::Int3 FlowSums::cell_at(std::int64_t index) const {
 
 namespace {
 
-/// Sums a block's fluid cells in runs; then searches the runs with the fastest and the thinnest cell for its
-/// place.
+/// Sums a block's fluid cells in runs; then finds the fastest and the thinnest cell within their runs.
 template <class T>
 class BlockSums {
  public:

@@ -169,8 +169,7 @@ void set(const FlowSpec& spec, FluidFields& fields) {
   });
 }
 
-/// Adds a random velocity to every cell, each component uniform in [-noise, noise], from its first finest
-/// cell.
+/// Adds a random velocity to every cell, uniform in [-noise, noise] by component, from its first finest cell.
 void add_noise(const FlowSpec& spec, FluidFields& fields) {
   const double noise = spec.fluid->initial.noise;
   const auto velocity = [&](lbm::Int3 cell) {

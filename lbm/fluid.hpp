@@ -117,8 +117,7 @@ class Fluid {
   std::span<const Moments> moments(std::span<const LocalCell>);
   /// Returns the density deviations of single cells; a device sends a tenth of the data of moments().
   std::span<const double> densities(std::span<const LocalCell>);
-  /// Adds masses, in quanta of excess.hpp, to single cells at their next collision; a cell may be listed
-  /// repeatedly.
+  /// Adds masses (quanta of excess.hpp) to single cells at their next collision; a cell may get several.
   void give_masses(std::span<const LocalCell>, std::span<const std::int64_t>);
   /// Returns single cells as passes address them; valid until the next call of listed() or moments().
   ListedCells<T> listed(std::span<const LocalCell>);

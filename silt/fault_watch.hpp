@@ -53,8 +53,7 @@ class FaultWatch {
   void see_fluid(const Scene&, const coupler::FluidFields::Fast&, std::int64_t step);
 
   /// Notes the contact of a (sub-)step with the deepest overlap, relative to the half-width of the thinner
-  /// body, among those above it whose bodies still approach after the contact response. Call with
-  /// hold_runaways.
+  /// body, among those above it whose bodies still approach. Call with hold_runaways.
   void see_overlaps(const Case&, const rigid::BodySet&, std::span<const rigid::Contact>, std::int64_t step);
 
   /// Computes the energy after a step; `brought` is that of bodies that arrived less that of those that left
@@ -66,8 +65,7 @@ class FaultWatch {
 
   /// Starts the sums of the faults so far. Collective, but waits for no other rank.
   void start(MPI_Comm);
-  /// Returns the error that all ranks had found when the sums were started, the same on every rank, or "".
-  /// Collective.
+  /// Returns the error that ranks had found when the sums were started, the same on all, or "". Collective.
   std::string finish(const Case&, MPI_Comm);
 
  private:

@@ -21,8 +21,7 @@ using rigid::Vec3;
 
 namespace {
 
-/// Returns the keys of this case that drive motion, at most one per section: "fluid.body_force,
-/// bodies[0].velocity".
+/// Returns the keys that drive motion, at most one per section: "fluid.body_force, bodies[0].velocity".
 std::string drives(const Case& setup) {
   constexpr std::array<std::string_view, 6> names = {
       "acceleration", "body_force", "superficial_velocity", "velocity", "angular_velocity", "amplitude"};
@@ -128,8 +127,7 @@ std::string place_text(const Scene& scene, lbm::Int3 cell, const Neighbours& nea
   return text;
 }
 
-/// Returns the remedy for fast fluid at a cell: that of a body beside it with a similar speed, else of the
-/// flow.
+/// Returns the remedy for fast fluid at a cell: of a body beside it as fast as it, else of the flow.
 std::string remedy_at(const Scene& scene, const Neighbours& near, double speed) {
   const rigid::BodySet& bodies = scene.bodies;
   if (!near.first || near.first->row >= bodies.first_wall()) return flow_remedy(scene.setup);

@@ -16,8 +16,7 @@ namespace silt {
 struct Case;
 class Scene;
 
-/// A value left its allowed range. what() gives the step, the place, the value, the allowed range, and the
-/// key to change.
+/// A value left its allowed range. what() gives step, place, value, allowed range and the key to change.
 struct GuardStop : std::runtime_error {
   using std::runtime_error::runtime_error;
 };

@@ -1,7 +1,7 @@
 #pragma once
 // A start from rest without sound waves (method-coupling.md, equation 55). Loads on bodies and fluid act at
-// once, but the fluid's pressure responds with the speed of sound and oscillates. Here it is built up before
-// the first step.
+// once, but the fluid's pressure responds with the speed of sound and oscillates. Here it is there before the
+// first step.
 
 namespace silt {
 

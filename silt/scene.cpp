@@ -58,8 +58,7 @@ std::array<rigid::WallSpec, 6> walls_of(const Case& setup) {
   return walls;
 }
 
-/// Returns the wall with the point of its axis nearest to the middle of the domain, about which torques are
-/// summed.
+/// Returns the wall with its axis point, about which torques are summed, nearest to the domain's middle.
 rigid::TubeWallSpec at_the_domain(rigid::TubeWallSpec wall, const rigid::Extent& extent) {
   wall.point += wall.axis.dot(0.5 * extent.size - wall.point) * wall.axis;
   return wall;

@@ -62,8 +62,7 @@ class Scene {
   std::unique_ptr<coupler::Flow> flow;        // null: no [fluid]
   std::unique_ptr<coupler::Springs> springs;  // null: no [[springs]]
 
-  /// Sets moving walls to their pose and velocities after `step` steps, and to the pose at which the next
-  /// step maps them.
+  /// Sets moving walls to pose and velocities after `step` steps, and to the next mapping pose.
   void move_walls(std::int64_t step);
 
   /// Sets what drives step `steps_done + 1`: gravity, moving sides, bodies, springs and the flow.
@@ -76,8 +75,7 @@ class Scene {
   void repartition(const lbm::CutTree&);
 
   /// Updates the levels of cells for the present places of bodies and walls; returns whether this rank
-  /// changed anything. Call between steps of the coarsest cells, after the flow has started. Ranks without a
-  /// change do nothing.
+  /// changed anything. Call between steps of the coarsest cells, after the flow has started.
   bool regrid();
   /// Returns the levels of the cells known to this rank; needs [coarsening].
   const lbm::Domain& level_view() const { return *level_view_; }

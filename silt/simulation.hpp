@@ -116,8 +116,7 @@ class Simulation : private rigid::StepObserver {
   /// Returns the force and torque of the fluid on each owned body in the last step, by row. Local.
   std::vector<coupler::BodyLoad> last_loads() const;
   /// Returns the force and torque of contacts and lubrication films on each owned body in the last step, by
-  /// row. Zero for bodies that are not free, and if neither output.bodies.contacts nor a quantity needs them.
-  /// Local.
+  /// row. Zero for bodies that are not free, and unless output.bodies.contacts or a quantity needs it. Local.
   std::vector<coupler::BodyLoad> last_contact_loads() const;
   /// Returns the force and torque of springs likewise.
   std::vector<coupler::BodyLoad> last_spring_loads() const;

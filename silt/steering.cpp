@@ -1,5 +1,4 @@
-// Changes to bodies between steps by a program. All ranks reject what a case could not have before any
-// change.
+// Changes to bodies between steps by a program. All ranks reject what a case could not have.
 #include <fmt/format.h>
 
 #include <stdexcept>
@@ -35,8 +34,7 @@ void refuse(MPI_Comm comm, const std::string& mine) {
     throw std::invalid_argument(fault);
 }
 
-/// Returns the fault of the forces on a body in the next step, or "". The displaced fluid counts as added
-/// mass.
+/// Returns the fault of a body's forces in the next step, or "". Displaced fluid counts as added mass.
 std::string fault_of_forces(const Scene& scene, std::size_t row, const Vec3& force, const Vec3& torque) {
   const rigid::BodySet& bodies = scene.bodies;
   const int shape = bodies.shape[row];

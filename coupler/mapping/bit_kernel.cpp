@@ -64,8 +64,7 @@ Words moved(const std::uint64_t* stream, std::ptrdiff_t shift) {
   return load<Words>(from) >> s | load<Words>(from + 1) << 1 << (63 - s);
 }
 
-/// Lists the places of the set bits of words in order; returns their number. May write link_lanes places
-/// more.
+/// Lists the places of set bits in order; returns their number. May write link_lanes places more.
 std::uint32_t list_bits_plain(const BitFrame& frame, const PlaneWords& plane, const Words& words,
                               unsigned filled, std::uint32_t direction, std::uint32_t* out) {
   // writes four without counting the bits: a mispredicted branch costs more
@@ -90,8 +89,8 @@ std::uint32_t list_bits_plain(const BitFrame& frame, const PlaneWords& plane, co
 }
 
 #if defined(SILT_ISA_avx512)
-// Uses operators and full masks, which generate no code: plain intrinsics start from an undefined vector, of
-// which g++ 12 warns.
+// Uses operators and full masks, which generate no code: g++ 12 warns of undefined vectors in plain
+// intrinsics.
 using Eight = VectorOf<std::uint64_t>::type;
 using Sixteen = VectorOf<std::uint32_t>::type;
 
@@ -238,8 +237,7 @@ void mark_part(const BitFrame& frame, const PointInFrame& centre, const rigid::S
   }
 }
 
-/// Sets the cells inside any part of a surface. Spheres, which need neither rotation nor division, have
-/// mark_sphere.
+/// Sets the cells inside any part of a surface. Spheres have the cheaper mark_sphere.
 void mark_parts(const BitFrame& frame, const PointInFrame& centre, const rigid::SurfaceView<double>& surface,
                 std::uint64_t* words) {
   for (int k = 0; k < surface.count; ++k)

@@ -1,6 +1,5 @@
 #pragma once
-// The kernels of object mapping, built once per instruction set: bits of bodies, bits of cut links, lists of
-// links.
+// The kernels of object mapping, built once per instruction set: bits of bodies and links, lists of links.
 #include <cstdint>
 
 #include "coupler/mapping/bit_window.hpp"
@@ -50,8 +49,8 @@ struct BitKernels {
   /// Sets in `to` all cells that have a neighbour along some c in a stream with margins.
   void (*widen)(const BitFrame&, const std::uint64_t* from, std::uint64_t* to);
   /// Lists cells x of rows and directions i of one half (c_i before its opposite) with x and x + c_i in
-  /// `ends` and one of them in `own` (streams with margins). Returns their number; the list needs room for
-  /// link_lanes more.
+  /// `ends` and one of them in `own` (streams with margins). Returns their number n; needs room for n +
+  /// link_lanes.
   std::uint32_t (*list_crossings)(const BitFrame&, const FrameRows&, const std::uint64_t* ends,
                                   const std::uint64_t* own, std::uint32_t* place);
 };

@@ -1,7 +1,6 @@
 #pragma once
 // A box of cells as one stream of bits: x fastest, rows `pitch` bits apart, planes whole words apart. A step
-// along c shifts the whole stream, and no cell needs special treatment if all cells at the border of the box
-// are unset.
+// along c shifts the whole stream, without special cases if all cells at the border of the box are unset.
 #include <algorithm>
 #include <cstdint>
 #include <vector>

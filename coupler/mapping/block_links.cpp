@@ -78,8 +78,7 @@ void SingleCellGaps<T>::pad(std::vector<SurfaceLinks<T>>& surfaces,
   }
 }
 
-/// Finds pairs with a hash table: a link takes the first free slot from its key on, unless it finds its
-/// partner.
+/// Finds pairs with a hash table: a link takes the first free slot from its key on or finds its partner.
 template <class T>
 template <class F>
 void SingleCellGaps<T>::for_pairs(F&& f) {

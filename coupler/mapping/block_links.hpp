@@ -34,8 +34,7 @@ struct SurfaceLinks {
 };
 
 /// Pairs of `single_cell_gap` links: two links from one cell along i and against it, mostly of two surfaces;
-/// or a link and a side of the domain behind it. Gives each link the distance and velocity of the wall
-/// behind.
+/// or a link and a side of the domain. Gives each link the distance and velocity of the wall behind.
 template <class T>
 class SingleCellGaps {
  public:

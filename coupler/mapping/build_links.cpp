@@ -33,8 +33,7 @@ bool touches_rim(const BitFrame& f, Int3 block, int rim) {
   return false;
 }
 
-/// Lists the links of a body plane by plane, measures them and sorts them into groups. Keeps its memory for
-/// the next body.
+/// Lists the links of a body plane by plane, measures and groups them. Keeps its memory for the next body.
 template <class T>
 class LinkWriter {
  public:
@@ -118,8 +117,7 @@ class LinkWriter {
     }
   }
 
-  /// Finds the fluid cells of the block next to the body; separates those at the rim, within a link's reach
-  /// of ghosts.
+  /// Finds the block's fluid cells; separates those at the rim, within a link's reach of ghost cells.
   void find_open(bool at_rim) {
     const BitFrame& frame = mask_->frame();
     const Int3 n = map_.box.size;

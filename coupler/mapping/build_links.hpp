@@ -1,6 +1,5 @@
 #pragma once
-// Builds the cut links of a block from its map: from every fluid cell to a neighbour inside a body, with the
-// wall distance.
+// Builds the cut links of a block: from each fluid cell to neighbours in a body, with wall distances.
 #include "coupler/mapping/block_links.hpp"
 #include "coupler/mapping/device_mapping.hpp"
 #include "coupler/mapping/mesh_distances.hpp"

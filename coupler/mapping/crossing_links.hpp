@@ -23,8 +23,7 @@ class CrossingLinks {
   /// Finds the cells of the block and its first ghost layer where crossing links of a body may end.
   void find_cells(const BlockMap&, const BodyMask&);
   /// Lists the ends, inside the block, of links that begin in planes [z, z + planes) of the mask's frame.
-  /// Places count from cell (0, 0, z - 1) of the frame. Links with both ends inside come first, their ends
-  /// side by side.
+  /// Places count from cell (0, 0, z - 1) of the frame. Links with both ends inside come first, as pairs.
   void list(int z, const lbm::SurfaceFrame&, const rigid::SurfaceView<T>&);
 
   const std::vector<std::uint32_t>& place() const { return place_; }

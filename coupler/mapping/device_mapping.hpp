@@ -31,8 +31,7 @@ SILT_DEVICE inline T rate_of(T middle, T last, double steps) {
   return std::clamp(last - middle, -most, most) * per_step;
 }
 
-/// A group whose links follow from the solid bits alone: those of open cells in rows [y0, y1) of planes of a
-/// mask.
+/// A group whose links follow from the solid bits alone: of open cells in rows [y0, y1) of a mask.
 struct ListedGroup {
   std::uint32_t number;  // index in the surface's groups
   std::uint16_t y0, y1;

@@ -86,8 +86,7 @@ bool MapBodies::changed() const {
   return std::any_of(blocks_.begin(), blocks_.end(), [](const BlockMap& b) { return b.changed; });
 }
 
-/// Finds all walls, and all images of bodies whose cells may lie in the block or its ghost layers, by (id,
-/// shift).
+/// Finds all walls, and images of bodies that may cover cells of the block or its ghosts, by (id, shift).
 void MapBodies::find_images(const BlockMap& block, const rigid::BodySet& bodies) {
   found_.clear();
   for (std::size_t row = 0; row < bodies.first_wall(); ++row) add_images(block, bodies, row);
@@ -260,8 +259,7 @@ bool MapBodies::changed_around(const BlockMap& block, BodyMask& mask) const {
   return false;
 }
 
-/// Returns the frame of cells that links of the mask may read. The mask's own frame reaches two cells beyond
-/// it.
+/// Returns the frame of cells that links of the mask may read; the mask has two cells of them already.
 BitFrame MapBodies::near_frame(const BodyMask& mask) const {
   const int beyond = link_reach_ - 1;
   const Int3 b{beyond, beyond, beyond};

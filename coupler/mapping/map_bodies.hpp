@@ -1,7 +1,7 @@
 #pragma once
 // Object mapping: a cell is solid if its centre is inside a body (the paper, section IV) or a curved wall.
-// Where bodies overlap, the cell belongs to the lower id. The map depends on poses alone, so all ranks agree
-// on it.
+// Where bodies overlap, the cell belongs to the lower id. The map depends on poses alone, equally on all
+// ranks.
 #include <span>
 
 #include "coupler/mapping/placed_mesh.hpp"

@@ -35,9 +35,8 @@ inline std::int64_t cell_of(double lattice_point) {
   return std::int64_t(lattice_point) >> cell_bits;
 }
 
-/// The lines along direction c of one half of the directions, a compile-time constant. A line passes the
-/// lattice points whose coordinate `across` is `slope` (-1, 0 or 1) times that along `along` plus a whole
-/// number.
+/// The lines along direction c of one half of the directions, a compile-time constant. Along a line, the
+/// coordinate `across` is `slope` (-1, 0, 1) times that of `along` plus a whole number.
 template <int number_>
 struct Direction {
   static constexpr int number = number_, forward = 2 * number + 1, backward = forward + 1;
@@ -93,8 +92,7 @@ class SlicedTriangles {
   static Doubles least(Doubles a, Doubles b) { return a < b ? a : b; }
   static Doubles largest(Doubles a, Doubles b) { return a > b ? a : b; }
 
-  /// Cuts the edges from the corner that is alone on its side of the plane; a corner on the plane counts as
-  /// below.
+  /// Cuts the edges at the corner that is alone on its side of the plane; corners on it count as below.
   [[gnu::always_inline]] Segments cut(Doubles plane, unsigned used) const {
     const Doubles(&z)[3] = x_[axis];
     const Longs above[] = {z[0] > plane, z[1] > plane, z[2] > plane};

@@ -50,8 +50,8 @@ void refill(lbm::Fluid<T>&, const std::vector<BlockMap>&, const ChangedCells&, c
             const rigid::BodySet& gone, UncoveredCells&);
 
 /// The masses that cells of this rank get from covered and uncovered neighbours, in quanta of
-/// lbm/blocks/excess.hpp. They are added after the cells have collided: added to an excess before, their sum
-/// would be rounded.
+/// lbm/blocks/excess.hpp. They are added after collision, since their sum with an older excess would be
+/// rounded.
 struct PassedMass {
   std::vector<lbm::LocalCell> cells;
   std::vector<std::int64_t> masses;

@@ -1,7 +1,7 @@
 #pragma once
 // Exchanges values of pairs of a cell that turned solid or fluid and a neighbour on another rank: moments go
-// to the rank of the cell, masses to that of the neighbour (refill.hpp). Both ends find the pairs from their
-// own maps.
+// to the rank of the cell, masses to that of the neighbour (refill.hpp). Both ends find the pairs in their
+// maps.
 #include <mpi.h>
 
 #include <algorithm>

@@ -1,6 +1,5 @@
 #pragma once
-// The solid cells near a block's two faces across x as bits along y, since rows along x have few such cells
-// per word.
+// The solid cells near a block's two faces across x as bits along y: rows along x have few per word.
 #include <cstdint>
 #include <vector>
 

@@ -34,8 +34,7 @@ struct BodyMask {
   bool kept = false;        // neither it nor its links need an update
 
   const BitFrame& frame() const { return bits.frame(); }
-  /// Returns the vector from the centre of mass of this image to a cell's centre; `cell` is global, not
-  /// wrapped.
+  /// Returns the vector from this image's centre of mass to a cell's centre (global, not wrapped).
   rigid::Vec3 arm(lbm::Int3 cell) const {
     return {(cell.x - shift.x + 0.5) - pose.position[0], (cell.y - shift.y + 0.5) - pose.position[1],
             (cell.z - shift.z + 0.5) - pose.position[2]};

@@ -2,9 +2,8 @@
 // The distance along links, in units of a link, to the first part of a surface that they enter; its
 // computation for kernels for a vector of links, or for one (SILT_SCALAR).
 //
-// Beside convex edges the surface is moved outwards by a lip (method-walls.md, "Edges"): where a line meets a
-// face s < 1 cells from the nearest edge, under_lip() reduces the wall distance by a height over |n.c|, n the
-// face's normal.
+// Beside convex edges the surface is moved outwards by a lip (method-walls.md, "Edges"): within a cell of an
+// edge under_lip() reduces wall distances by a height over |n.c|, n the normal of the face.
 #include "cpu/isa.hpp"
 #include "lbm/walls/cut_links.hpp"
 #include "rigid/shapes/surface_kinds.hpp"
@@ -21,8 +20,7 @@ struct PlacedLinks {
   lbm::Int3 corner;
 };
 /// Sets wall distances q, with the lip of bodies of one part (under_lip). For a surface that has moved past
-/// an end of a link, distances range from -past to 1 + past, in links; 1 + past if the line does not meet it
-/// there.
+/// an end of a link, distances range from -past to 1 + past, in links; 1 + past if the line misses it.
 template <class Real, class T>
 using SurfaceDistances = void (*)(const PlacedLinks&, const lbm::SurfaceFrame&,
                                   const rigid::SurfaceView<Real>&, Real past, T* q);
@@ -84,8 +82,7 @@ SILT_DEVICE auto distance_to_any(const lbm::SILT_ISA::Places<T>& at, const Surfa
   return nearest;
 }
 
-/// Height of the lip in cells, half a cell from an edge; least wall distance under it; least |n.c| as a
-/// divisor.
+/// Height of the lip in cells, half a cell from an edge; least wall distance under it; least |n.c|.
 inline constexpr double lip_height = 0.22, least_under_lip = 0.01, least_lip_slope = 0.3;
 
 /// Returns wall distances reduced by the lip of the part that lines meet; lines with q = 1 may meet none.

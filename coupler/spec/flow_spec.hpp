@@ -1,6 +1,5 @@
 #pragma once
-// The parameters of a flow with bodies: domain, fluid and coupling, in lattice units (cell = step = reference
-// density = 1).
+// A flow with bodies: domain, fluid and coupling, in lattice units (cell = step = reference density = 1).
 #include <array>
 #include <optional>
 

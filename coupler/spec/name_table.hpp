@@ -7,8 +7,7 @@
 
 namespace silt::coupler {
 
-/// The names of an enum's values, defined once for the case reader, its messages, the derived table and the
-/// report.
+/// The names of an enum's values, defined once for case reader, messages, derived table and report.
 template <class Enum, std::size_t count>
 struct NameTable {
   std::array<std::string_view, count> names;  // in the order of the enumerators

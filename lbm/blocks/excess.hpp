@@ -1,8 +1,7 @@
 #pragma once
 // The excess of a cell: the mass that its cut links gave it beyond the mass that the motion of the walls
 // carries (method.md, equation 9a). A wall passes only the latter, so the cell gives up the excess at its
-// next collision. Links of several surfaces add to the excess of a cell in any order: it is a whole number of
-// quanta.
+// next collision. Several links add to a cell's excess in any order: it is a whole number of quanta.
 #include <cstdint>
 #include <type_traits>
 

@@ -1,8 +1,7 @@
 #pragma once
 // The order of the dense pass. The shell collides first, i.e. the rows at faces beyond which another rank is,
 // so that messages to that rank travel during the rest. Strips of rows follow, plane after plane within a
-// strip, so that three planes of a strip stay in cache for the work that follows. A part is one plane of a
-// strip.
+// strip, so that three planes of a strip stay in cache. A part is one plane of a strip.
 //
 //     z |  3 | 7 |     parts of a block of 4 planes and two strips, without a shell; after part 2 the cells
 //       |  2 | 6 |     of part 1 whose neighbours are all in the strip are complete

@@ -2,8 +2,8 @@
 // Collides cells in place: a vector of cells at a time, or one cell (SILT_SCALAR).
 //
 // The populations that arrive at a cell along pair i, opposite i are in slots A and B; the one that leaves
-// along i goes to B, the one against it to A. Parity decides only where A and B are, so one pass serves even
-// and odd steps.
+// along i goes to B, the one against it to A. Parity only decides where A and B are: one pass serves all
+// steps.
 #include <type_traits>
 
 #include "cpu/lanes.hpp"
@@ -60,8 +60,7 @@ struct NothingGivenUp {
   }
 };
 
-/// Collides the vector of cells from x on. Slots of lanes outside the row keep their values; no other lane
-/// writes them.
+/// Collides the vector of cells from x on. Slots of lanes outside the row keep their values.
 template <class Model, bool source, class V, class T, class Keep, class Watch, class Given = NothingGivenUp>
 [[gnu::always_inline]] SILT_DEVICE inline void collide(const Slots<T>& slots, std::ptrdiff_t x,
                                                        const CollisionRates<T>& r, const Keep& keep,

@@ -13,8 +13,7 @@ namespace silt::lbm {
 /// mass and momentum (method.md, equations 24 to 27), for flows unstable with the others.
 enum class Collision : std::uint8_t { trt, bgk, regularised };
 
-/// How the odd half of a pair is relaxed: by `magic`, as the even half, or by `magic` as far as that is
-/// stable.
+/// How the odd half of a pair relaxes: by `magic`, as the even half, or by `magic` if that is stable.
 enum class OddRate : std::uint8_t { by_magic, as_even, by_magic_if_stable };
 
 struct CollisionModel {

@@ -16,8 +16,7 @@ struct CollisionRates;
 /// for a while and recover.)
 inline constexpr double speed_of_sound = 0.57735026918962576;
 
-/// A cell that exceeded the speed of sound when a pass began: its Block::cell, and its speed with half the
-/// force.
+/// A cell faster than sound when a pass began: its Block::cell, and its speed with half the force.
 struct FastCell {
   std::ptrdiff_t cell;
   double speed;

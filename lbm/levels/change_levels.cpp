@@ -94,8 +94,7 @@ class Change {
     }
   }
 
-  /// Sets new fine cells to the populations of the coarse cell, interpolated with its slopes between
-  /// neighbours.
+  /// Sets new fine cells by linear interpolation between the coarse cell and its neighbours.
   void refine() {
     fetch();
     for (const Changed& part : changed_) {

@@ -64,8 +64,7 @@ class LevelBorder {
   std::pmr::vector<typename Rows::Carried> carry_;
   std::pmr::vector<typename Rows::Passing> passing_;
   /// The lists of rows that can be served after a part of a block, by block and part; none if passes are not
-  /// in parts. Rows that need several blocks or other ranks, or subtract values that others read, are served
-  /// late.
+  /// in parts. Rows that need several blocks or other ranks, or subtract others' values, are served late.
   std::vector<std::vector<Lists>> ready_;
   std::vector<char> by_parts_;  // whether after_part() was called for a block in this pass
   Lists late_;

@@ -71,8 +71,7 @@ struct LevelBorder<Field>::Builder {
                    std::uint32_t(2 * border.fine_.blocks().size() * Lattice::directions + sub_step));
   }
 
-  /// The part of a block after which all fine cells of some rows have collided; none if they lie in several
-  /// blocks.
+  /// The part of a block after which all fine cells of some rows are done; none for several blocks.
   struct Part {
     Builder& builder;
     int block = -1, part = 0;
@@ -279,8 +278,8 @@ struct LevelBorder<Field>::Builder {
     sums += length;
   }
 
-  /// Lists packets that leave a fine cell in the first step, rest in coarse cell x, and enter a fine cell in
-  /// the second.
+  /// Lists packets that leave a fine cell in the first step and enter one in the second, through coarse cell
+  /// x.
   void add_passing(int j) {
     for (int k = 0; k < 8; ++k) {
       const Flight middle{x + x + corner(k), j};
@@ -301,8 +300,7 @@ struct LevelBorder<Field>::Builder {
     }
   }
 
-  /// The levels of the cells around a coarse cell, and for how many cells from it on along `axis` they stay
-  /// the same.
+  /// The levels around a coarse cell, and the number of cells along `axis` from it on with the same.
   struct Surroundings {
     bool any_fine = false, any_outside = false, any_far = false;
     bool fine[3][3][3] = {};  // by z, y, x

@@ -8,9 +8,8 @@ namespace silt::lbm {
 
 namespace {
 
-/// Calls visit(rank, run) for the cells that local blocks of one cut share with blocks of the other, in the
-/// order that the other end of the message finds, too. Parts whose cells are unknown have cells of the same
-/// levels.
+/// Calls visit(rank, run) for the cells that local blocks of one cut share with blocks of the other, in an
+/// order common to both ends of a message. Unknown parts have cells of the same levels.
 template <class Field, class Visit>
 void for_shared_cells(const Field& here, const Domain& there, Visit&& visit) {
   struct Row {

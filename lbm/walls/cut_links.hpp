@@ -70,8 +70,7 @@ struct LinkGroup {
   bool crossing = false;           // cut at both ends: applied after all others
 };
 
-/// A frame fixed to the reference point of a surface: `offset` is the vector from this point to the centre of
-/// block cell `cell`.
+/// The frame of a surface's reference point, from which the centre of block cell `cell` is at `offset`.
 struct SurfaceFrame {
   Int3 cell;
   double offset[3];
@@ -212,16 +211,14 @@ inline int resistance_exponent(double radius) {
   return e;
 }
 
-/// The group of the next call, in the same block, whose slots are looked up, and fetched if far, in the
-/// meantime.
+/// The group of the next call, in the same block: looked up, and prefetched if far, in the meantime.
 template <class T>
 struct NextGroup {
   const CutLinks<T>* links = nullptr;
   const LinkGroup* group = nullptr;
 };
 
-/// The slots of links that come next: a call lists those of the next group for the call for that group
-/// (link_fetch.hpp).
+/// The slots of the next links: a call lists those of the next group in advance (link_fetch.hpp).
 struct ListedLinks {
   static constexpr int most = 128, most_rows = D3Q19::directions + 2;  // links of a window; slots per link
   const LinkGroup* group = nullptr;                                    // of the listed links

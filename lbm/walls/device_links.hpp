@@ -9,8 +9,7 @@
 
 namespace silt::lbm {
 
-/// A surface until its links are built again: frame, groups and arrays of CutLinks (null pointers for empty
-/// arrays).
+/// A surface until its links are built again: frame, groups and arrays of CutLinks (null if empty).
 template <class T>
 struct DeviceSurface {
   SurfaceFrame frame;
@@ -108,8 +107,7 @@ class DeviceLinks {
   explicit DeviceLinks(Device device) : device_(device) {}
   Device device() const { return device_; }
 
-  /// Removes all surfaces. Surfaces and links added afterwards must lie in memory_of the device and stay
-  /// there.
+  /// Removes all surfaces. Those added next must stay in memory_of the device.
   void clear();
   void add(const DeviceSurface<T>*, std::span<const LinkGroup>);
   void add(const OppositeLink<T>& link) { opposites_.host().push_back(link); }
@@ -118,8 +116,7 @@ class DeviceLinks {
   /// Sets the motion of surface k in the next step, the largest distance of its links' cells from its
   /// reference point, and the age of its wall distances.
   void set_motion(std::size_t k, const SurfaceMotion&, double reach, T age);
-  /// Writes the populations that all links return, adds to the excess of their cells, and sums force and
-  /// torque.
+  /// Writes the populations that links return, adds to their cells' excess, sums force and torque.
   void apply(Block<T>&, const WallFluid<T>&, const LinkSlots&, const BeyondPair<T>* pairs_across, ForceForm);
   const LinkSums& sums(std::size_t k) const { return sums_.host()[k]; }
 

@@ -157,8 +157,7 @@ class GroupSums {
   typename L::Mask good_ = V{} == V{};
 };
 
-/// The constants of a group's links in a step (motion of the surface, fluid, mass by each link), and their
-/// sums.
+/// The constants of a group's links in a step (surface motion, fluid, mass by each link), and their sums.
 template <class T>
 struct GroupStep {
   Motion<T> u;

@@ -74,8 +74,7 @@ struct LinkAt {
   SILT_DEVICE void give(ExcessQuanta<T> given) const { add_to(links.excess[at.cell], given); }
 };
 
-/// Applies a member's share of the links of a group, `together` links at a time: reads all of them before it
-/// writes any.
+/// Applies a member's share of a group, `together` links at a time: reads them all before it writes.
 template <WallScheme scheme, int together, class T>
 SILT_DEVICE void apply_group(const LinksOfGroup<T>& links, const Team& member) {
   GroupStep<T> step(links.step.motion, links.pass.fluid, links.pass.galilean, links.step.limit);

@@ -4,7 +4,6 @@
 // or those of its ghost layer, and PairsAcross copies it. No such slot is overwritten between the halo
 // exchange and the next pass: a ghost slot that was returned to its home keeps its value. Both ranks know the
 // solid cells on either side of a face, from which the pairs to copy follow without requests.
-// is asked for, and only these pairs move.
 #include <mpi.h>
 
 #include <array>
@@ -62,8 +61,7 @@ class PairsAcross {
   using Block = lbm::Block<T, Lattice>;
 
  public:
-  /// Takes the local blocks in the order of domain.blocks_of(rank). Copies all pairs until choose() is
-  /// called.
+  /// Takes the local blocks as in domain.blocks_of(rank). Copies all pairs until choose() is called.
   PairsAcross(const Domain&, MPI_Comm, std::span<const Block> blocks, Device = Device::cpu);
   /// Restricts the exchange to pairs that cut links read: those of fluid cells x with x + c_i solid. Others
   /// hold no value. solid(block, cell, axis) returns the solid bits of 64 cells of a local block along x or y

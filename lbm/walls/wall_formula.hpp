@@ -73,8 +73,7 @@ constexpr LinkCoefficients<V> central(V q, V excess, V weight6, const WallFluid<
   return {(q + T(0.5) - g) * s, T(1) - T(2) * q * s, (q - T(0.5) + g) * s, weight6 * s};
 }
 
-/// Returns T - magic of `parabolic` with this share of its excess over magic (equation 14); share 0 gives
-/// `cli`.
+/// Returns T - magic of `parabolic` with a share of its excess over magic (equation 14); 0: of `cli`.
 template <class V, class T>
 constexpr V parabolic_excess(V q, T share, const WallFluid<T>& fluid) {
   const V least = T(least_excess) * (T(0.5) + q), wanted = share * (T(parabola) * q * q - fluid.magic);

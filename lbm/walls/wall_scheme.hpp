@@ -27,8 +27,7 @@ constexpr double curved_share(const CollisionSpec& collision) {
   constexpr double enough = 0.01;  // tau - 1/2
   return std::min(1.0, collision.excess() * collision.excess() / (enough * enough));
 }
-/// Returns the stable share of `multireflection` (method.md, equation 20); the remainder is `cli` or
-/// `parabolic`.
+/// Returns the stable share of `multireflection` (method.md, 20); the rest is `cli` or `parabolic`.
 constexpr double stable_share(const CollisionSpec& collision) {
   constexpr double slope = 1.8;
   return curved_share(collision) *
@@ -76,8 +75,7 @@ constexpr WallScheme two_cell_gap_scheme(WallScheme scheme) {
 }
 
 /// `galilean`: F = sum c (f* + f_opp) - u_w (f* - f_opp) over cut links (Wen et al. 2014). `exact`: the first
-/// term alone (equation 6 of Goetz et al.); the momentum of cells that turn solid or fluid must then be
-/// added.
+/// term alone (equation 6 of Goetz et al.); that of cells that turn solid or fluid is then added.
 enum class ForceForm : std::uint8_t { galilean, exact };
 inline constexpr std::array<std::string_view, 2> force_form_names = {"galilean", "exact"};
 

@@ -1,5 +1,4 @@
-// Checks bodies, but not the places of given ones: densities, sizes, support of shapes by the backend, boxes
-// of fills.
+// Checks bodies, but not the places of given ones: densities, sizes, shapes of the backend, boxes of fills.
 #include <fmt/format.h>
 
 #include <algorithm>

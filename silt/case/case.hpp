@@ -183,8 +183,7 @@ struct Case : coupler::FlowSpec {
   bool has_bodies() const {
     return !bodies.empty() || !filed.empty() || !fills.empty() || !continued.empty();
   }
-  /// Calls f(body, count) for every given body, and once for all bodies of a file, whose position is not
-  /// valid.
+  /// Calls f(body, count) for every given body, and once for those of a file, without a position.
   template <class F>
   void for_each_given(F&& f) const {
     for (const BodySpec& body : bodies) f(body, std::uint64_t{1});

@@ -1,6 +1,5 @@
 #pragma once
-// Checks a case that could be read: rejects scenes that cannot run, warns of poor ones, and derives further
-// values.
+// Checks a case that was read: rejects scenes that cannot run, warns of poor ones, derives values.
 #include <fmt/format.h>
 
 #include <string>
@@ -65,8 +64,7 @@ std::string fault_in_curved_walls(const Case&, const BodySpec&, const std::strin
                                   double time = 0);
 
 /// Returns all errors and warnings of a case by topic: domain and blocks, fluid and boundaries, bodies,
-/// fills, run and output. A case with an error must not be started. Places of bodies are checked by each rank
-/// in silt/placement.
+/// fills, run and output. A case with an error must not be started. silt/placement checks places of bodies.
 std::vector<Diagnostic> check_case(const Case&);
 
 /// Checks a case; throws CaseError if there is an error, else returns the warnings.
@@ -79,8 +77,7 @@ double fluid_memory(const Case&);
 /// time, sizes and expected speeds of bodies, memory, output. For `silt check` and the head of run.log.
 std::string derived_table(const Case&);
 
-// Remedies for velocities and relaxation times out of range: the key that sets the time step, with a valid
-// value.
+// Remedies for velocities and relaxation times out of range: a valid value of the key for the time step.
 
 /// Returns "use units.time_step = 2.5e-05 (relaxation time 0.56)" for steps `factor` times as long, or
 /// slightly shorter; "" for a case in lattice units.
@@ -98,8 +95,7 @@ inline constexpr double doubtful_velocity = 0.1, impossible_velocity = 0.3;
 /// The density deviation above which the fluid is noticeably compressible.
 inline constexpr double doubtful_deviation = 0.02;
 
-/// Reports an error or a warning for a speed (cells per step) of a key that is too high, with a suitable time
-/// step.
+/// Reports a speed (cells per step) of a key that is too high, with a suitable time step.
 void check_speed(Diagnostics&, const std::string& key, double speed);
 
 /// Reports errors and warnings for the velocities of a body; `entry` ("bodies[2].") precedes their keys.
@@ -113,8 +109,7 @@ std::string in_si(const Case&, double x, Dimension = dimension::velocity);
 double sphere_of_volume(const rigid::Shape&);
 
 /// Returns the steady speed of a falling or rising sphere in unbounded fluid, by the drag law of Schiller and
-/// Naumann (1933), C_D = 24/Re (1 + 0.15 Re^0.687). Lattice units; density relative to the fluid; never
-/// negative.
+/// Naumann (1933), C_D = 24/Re (1 + 0.15 Re^0.687). Lattice units, density relative to the fluid's.
 double terminal_velocity(double diameter, double density, double gravity, double kinematic_viscosity);
 
 /// Cells per step; a body that moves further covers cells without known neighbours. Only with a fluid.

@@ -29,8 +29,7 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
   return d[a.size()][b.size()];
 }
 
-/// Returns whether one name contains the other, or both are short with a common stem, such as "body" and
-/// "bodies".
+/// Returns whether one name contains the other, or both are short with one stem: "body", "bodies".
 bool are_kin(std::string_view a, std::string_view b) {
   constexpr std::size_t stem = 3;  // letters: shorter parts are not significant
   const bool contain = a.find(b) != a.npos || b.find(a) != b.npos;

@@ -40,8 +40,7 @@ std::ifstream opened(const fs::path& directory, const fs::path& relative) {
   return stream;
 }
 
-/// Reads a file, which must be in the directory, and keeps its bytes if wanted. Throws std::invalid_argument
-/// with its fault.
+/// Reads a file of the directory and keeps its bytes if wanted. Throws std::invalid_argument.
 AttachedFile read_attached(const fs::path& directory, const std::string& name, const fs::path& path,
                            bool keep) {
   std::ifstream stream = opened(directory, path);

@@ -1,8 +1,7 @@
 #pragma once
 // Reads a case directory: case.toml and the files it names, nothing outside the directory. One rank reads and
 // broadcasts them. `--set key.path=value` and `--unset key.path` change the tree of the file before it is
-// read. A run that continues from a checkpoint may change [run], [output] and [[quantities]], which do not
-// act on the state.
+// read. A run that continues from a checkpoint may change [run], [output] and [[quantities]], not the state.
 #include <mpi.h>
 
 #include <filesystem>
@@ -39,8 +38,8 @@ void broadcast(MPI_Comm, CaseSource&);
 
 /// Reads `directory`/case.toml, or a .toml file, and converts it to lattice units. `overrides` are values of
 /// `--set`: "key.path=value", with a value in TOML, strings also without quotes, and entries of lists as
-/// bodies[0].density. Throws CaseError with all errors of syntax, keys, types and ranges. check_case checks
-/// the scene.
+/// bodies[0].density. Throws CaseError with all errors of syntax, keys, types, ranges; see check_case for
+/// others.
 Case read_case(const std::filesystem::path& directory, const std::vector<std::string>& overrides = {});
 
 /// Reads a source in the same way; files read meanwhile are added to it.

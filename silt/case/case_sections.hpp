@@ -84,8 +84,7 @@ struct SizeShare {
 };
 KeySection fill_size_section();
 /// Reads the table `diameter` of a fill; empty without it or if it is wrong (reported). Cuts a continuous
-/// distribution into strips of diameters in equal ratios, each represented by the diameter of its mean
-/// volume.
+/// distribution into strips of diameters in equal ratios, each with the diameter of its mean volume.
 std::vector<SizeShare> read_fill_sizes(TableReader& fill);
 /// Sets the shapes of the fills' sizes and adds them to the case; `sizes` has one list per fill. The largest
 /// replaces the given shape if no other body has it.

@@ -50,8 +50,7 @@ bool stands_for_no_number(View text) {
   return std::find(std::begin(missing_values), std::end(missing_values), small) != std::end(missing_values);
 }
 
-/// Returns whether a word is a number or begins like one after signs, quotes, brackets: 4, -.5, '4', (4, 4.O,
-/// x=4.
+/// Returns whether a word is a number or begins like one after signs, quotes etc.: 4, -.5, '4', (4, x=4.
 bool looks_like_number(View word) {
   if (stands_for_no_number(word)) return true;
   if (const auto equals = word.rfind('='); equals != word.npos) word.remove_prefix(equals + 1);

@@ -25,8 +25,7 @@ class CsvReader {
   void take_part(int part, int parts);
   /// Goes to the next line with numbers; returns false after the last.
   bool next();
-  /// Returns the number of lines read so far, with skipped lines and headings; within the part if it is not
-  /// the first.
+  /// Returns the number of lines read, with skipped ones and headings; of this part unless it is the first.
   std::uint64_t lines() const { return lines_; }
   /// Reads the numbers of the line. Throws std::invalid_argument with `is "4;5;6": it has semicolons between
   /// its numbers; it must be ` and then `must`.

@@ -1,5 +1,4 @@
-// Reads what drives bodies and fluid and its variation over time, and estimates how fast they fall, rise or
-// flow.
+// Reads what drives bodies and fluid, also over time; estimates how fast they fall, rise or flow.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -54,8 +53,7 @@ struct Fall {
 };
 
 /// Returns the speed that is reached: the terminal velocity with hindered settling, (1 - volume fraction)^2.4
-/// at least (Richardson, Zaki 1954), or that of free fall with added mass to the next wall or the end of the
-/// run.
+/// at least (Richardson, Zaki 1954), or that of free fall with added mass to a wall or the run's end.
 double speed_of(const Case& setup, const Fall& fall, double gravity) {
   const double steady =
       terminal_velocity(fall.diameter, fall.density, gravity, setup.fluid->kinematic_viscosity);

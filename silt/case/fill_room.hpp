@@ -59,8 +59,7 @@ rigid::BoundingBox room_for_centres(const Case&, std::size_t fill, double radius
 double mean_volume(const Case&, const FillSpec&);
 
 /// The sites of an arrangement: rows along x, side by side along y in layers, which are stacked along z.
-/// Along a periodic axis that the room covers, sites are spread to fit the period; along others they are
-/// centred.
+/// Along a periodic axis that the room covers, sites are spread to fit; along others they are centred.
 class Lattice {
  public:
   using Index = std::array<std::int64_t, 3>;

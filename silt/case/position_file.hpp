@@ -44,8 +44,7 @@ struct PositionContents {
   FiledPose fastest = {};  // largest velocities, in units of the case
 };
 
-/// Summarises a file. Throws std::runtime_error if it cannot be read, std::invalid_argument for wrong
-/// headings.
+/// Summarises a file. Throws std::runtime_error (unreadable) or std::invalid_argument (headings).
 PositionContents scan(const std::filesystem::path& directory, const PositionFile&);
 
 /// Consecutive bodies of a file, in units of the case.
@@ -60,8 +59,7 @@ struct PositionSlice {
   void put(std::size_t body, FiledPose&) const;
 };
 
-/// Reads part `part` of `parts` of a file; the parts have all bodies in the order of the file. Throws like
-/// scan.
+/// Reads part `part` of `parts` of a file, whose parts are in the order of the file. Throws like scan.
 PositionSlice read_slice(const std::filesystem::path& directory, const PositionFile&, int part, int parts);
 
 }  // namespace silt

@@ -49,8 +49,7 @@ struct SteadySpec {
   std::int64_t every = 0;
 };
 
-/// A type of [[quantities]] entries: the keys it takes, the needs of the scene, the dimension and meaning of
-/// the value.
+/// A type of [[quantities]] entries: its keys, needs of the scene, dimension and meaning.
 struct QuantityType {
   enum Key : unsigned {
     body = 1,

@@ -14,8 +14,7 @@ inline bool is_of_a_solid(double density) {
   return density >= lightest_solid && density <= heaviest_solid;
 }
 
-/// Return the remedy, or "", for a fluid that is too viscous, and for gravity 100 or 1000 times that of the
-/// Earth.
+/// Return the remedy, or "", for too viscous a fluid and for gravity 100 or 1000 times the Earth's.
 std::string viscosity_slip(const Case&);
 std::string gravity_slip(const Case&);
 /// Returns both; if not "", this is the remedy for all that follows from them.

@@ -1,6 +1,5 @@
 #pragma once
-// The bodies that a case gives one by one, on the ranks that need them, and the reports of faults over all
-// ranks.
+// The bodies that a case gives one by one, on the ranks that need them; reports of faults of all ranks.
 #include <mpi.h>
 
 #include <span>

@@ -1,6 +1,5 @@
 #pragma once
-// The obstacles of bodies to be placed: curved walls, given bodies, and bodies placed before on this rank or
-// near it.
+// The obstacles of bodies to be placed: curved walls, given bodies, and bodies placed before.
 #include <span>
 #include <vector>
 
@@ -13,8 +12,7 @@
 namespace silt {
 
 /// Returns a lower bound of the overlap of two shapes in cells. Positive only if they overlap, so that no
-/// valid scene is rejected; exact if one is a sphere; negative if no overlap is found (minus the distance for
-/// two spheres).
+/// valid scene is rejected; exact if one is a sphere; negative if none is found (two spheres: -distance).
 double overlap_depth(const rigid::Shape& a, const rigid::Pose& pose_a, const rigid::Shape& b,
                      const rigid::Pose& pose_b);
 

@@ -46,8 +46,7 @@ std::vector<std::int64_t> sites_met(const Lattice& lattice, int axis, const lbm:
   return met;
 }
 
-/// Returns bodies on the free sites of this rank, each moved by up to the fill's shift, by their site
-/// numbers.
+/// Returns bodies on this rank's free sites, each moved by up to the fill's shift, by site number.
 std::vector<FilledBody> on_free_sites(const OneFill& fill, const Lattice& lattice) {
   const FillSpec& spec = fill.spec;
   const Surroundings& around = fill.around;
@@ -276,8 +275,7 @@ class RandomFill {
     return parallel::sum_over_ranks(around_.comm(), mine);
   }
 
-  /// Returns the time at which the wanted number of points of this batch was accepted on all ranks, byte by
-  /// byte.
+  /// Returns, byte by byte, the time at which all ranks had accepted the wanted number of this batch.
   std::uint64_t time_of_last(std::uint64_t wanted) const {
     std::uint64_t time = 0, known = 0;  // known: mask of the bytes found
     for (int shift = 56; shift >= 0; shift -= 8) {

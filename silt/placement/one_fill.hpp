@@ -23,8 +23,7 @@ struct FilledBody {
   std::uint64_t place = 0;  // rank among all bodies of this application
 };
 
-/// The current application. Its radius has been begun in the obstacles, to which bodies placed here and near
-/// are added.
+/// The current application. The obstacles have begun balls of its radius, to which bodies are added.
 struct OneFill {
   const Case& setup;
   FillApplication application;
@@ -50,8 +49,7 @@ Filling fill_at_random(const OneFill&);
 std::vector<std::uint64_t> number_off(parallel::Messages&, const std::vector<std::uint64_t>& keys,
                                       std::uint64_t range);
 
-/// Sets the places of bodies: numbers those of all ranks from 0 on by their numbers, which are below `range`.
-/// Collective.
+/// Sets the places of bodies: their order over all ranks by number, which is below `range`. Collective.
 void set_places(std::vector<FilledBody>&, std::uint64_t range, Surroundings&);
 
 }  // namespace silt

@@ -76,18 +76,15 @@ struct CentredShape {
 };
 std::vector<CentredShape> centred_shapes(const Case&);
 
-/// Returns the record of a body: the pose of its centre of mass, not wrapped, with buoyancy if in a fluid of
-/// density 1.
+/// Returns the record of a body: pose of its centre of mass, not wrapped; buoyancy if in a fluid.
 rigid::BodyRecord body_record(rigid::BodyId, const BodySpec&, const CentredShape&, bool in_fluid);
 
 struct Case;
 
-/// The start positions of bodies, distributed over ranks by id modulo their number, so that none holds more
-/// than its share.
+/// The start positions of bodies, distributed evenly over ranks by id modulo their number.
 class StartPositions {
  public:
-  /// Returns the centres of mass at the start, not wrapped, of bodies by id; NaN for bodies that were not
-  /// there. Collective.
+  /// Returns the centres of mass at the start, not wrapped, by id; NaN for unknown bodies. Collective.
   std::vector<rigid::Vec3> of(const Case&, const lbm::Domain&, MPI_Comm,
                               std::span<const rigid::BodyId>) const;
 

@@ -48,8 +48,8 @@ std::optional<SteadyWatch> read_steady_watch(const adapters::CheckpointReader&, 
 std::vector<adapters::AttachedColumn> saved_columns();
 
 /// Throws std::runtime_error with dataset, row, value and allowed range for the first invalid number in this
-/// rank's slice of bodies and stored impulses; correct checksums do not guarantee a valid state. next_id: the
-/// first unused id.
+/// rank's slice of bodies and stored impulses; checksums do not ensure a valid state. next_id: first unused
+/// id.
 void require_possible(const Case&, const adapters::CheckpointReader::Bodies&, rigid::BodyId next_id);
 
 // ---- populations of the fluid (populations.cpp) ----

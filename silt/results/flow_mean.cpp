@@ -66,8 +66,7 @@ void FlowMean::observe(const Simulation& simulation) {
   }
 }
 
-/// Returns `components` arrays from `first` on as a field, of products the mean; 0 in cells that were never
-/// fluid.
+/// Returns the arrays from `first` on as a field, of products the mean; 0 in cells that were never fluid.
 adapters::FieldQuantity FlowMean::quantity(const char* name, const char* unit, double scale, int first,
                                            int components, bool of_products) const {
   return {name, unit, components,

@@ -13,8 +13,7 @@ class LayersBeside {
   LayersBeside(const coupler::FluidFields& fields, int axis, double at)
       : fields_(fields), axis_(axis), at_(at), cells_(fields.domain().cells()[axis]) {}
 
-  /// Calls visit(block, its local cells, weight) for the cells of this rank with a weight in the value on the
-  /// plane.
+  /// Calls visit(block, its local cells, weight) for this rank's cells with a weight on the plane.
   template <class Visit>
   void for_each(Visit&& visit) const {
     for (int b = 0; b < fields_.blocks(); ++b)

@@ -1,6 +1,5 @@
 // Mean, standard deviation, minimum and maximum over bodies of a component of position, velocity or angular
-// velocity. Sums are exact: the mean of equal numbers is that number, and their deviation is zero up to
-// rounding.
+// velocity. Sums are exact: the mean of equal numbers is that number, their deviation 0 up to rounding.
 #include <algorithm>
 #include <cmath>
 

@@ -57,8 +57,7 @@ struct Computation {
   bool gathers() const { return (observe || fold) && !of_start; }
 };
 
-/// A row of a family. Means over steps also take the key `time`; types with a value in every step are
-/// stepwise.
+/// A row of a family. Means over steps take the key `time`; values of every step are stepwise.
 struct Quantity {
   QuantityType type;
   Computation computation;
@@ -149,8 +148,7 @@ constexpr Computation in_step(const StepSums& sums, const StepValue& value) {
           value};
 }
 
-/// Mean over the steps from the spec's time on. History: sum, number, and the value in the last step of any
-/// time.
+/// Mean over the steps from the spec's time on. History: sum, number, and the value in the last step.
 template <auto f>
 void fold_into_mean(const Case& setup, const QuantitySpec& q, std::int64_t step, std::span<const double> sums,
                     QuantityHistory& h) {

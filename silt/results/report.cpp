@@ -107,8 +107,7 @@ Json unlubricated_shapes(const Case& setup) {
   return names;
 }
 
-/// Returns pairs of diameter (of the sphere of equal volume) and number of bodies, for kinds of several
-/// sizes.
+/// Returns pairs of equivalent diameter and number of bodies, for kinds of several sizes.
 Json sizes_of(const Simulation& simulation) {
   const Scene& scene = simulation.scene();
   const Case& setup = scene.setup;

@@ -40,8 +40,8 @@ bool is_result(const std::filesystem::path&);
 /// Prepares `folder` for a new run. Earlier results are never overwritten silently: the folder is renamed to
 /// FOLDER.1 (or .2, ... the first unused), unless `overwrite`, which deletes earlier results only. In a link,
 /// a mount point and a folder that cannot be renamed, results move to a subfolder of that name. Throws
-/// FileError if making or moving fails, and std::runtime_error if the folder also has other files or a run is
-/// writing to it.
+/// FileError if making or moving fails, and std::runtime_error if the folder has other files or a run writes
+/// to it.
 struct ReadyFolder {
   std::unique_ptr<ResultLock> lock;
   std::string note;  // what was done, for the user, or ""

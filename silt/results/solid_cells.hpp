@@ -46,8 +46,7 @@ class SolidCells {
           rigid::bounding_box(world_.shapes[bodies_.shape[row]], coupler::mapping_pose(bodies_, row)));
   }
 
-  /// Calls visit(row, cell, r) for solid cells of a piece in bodies; r is from the centre of the body to that
-  /// of the cell.
+  /// Calls visit(row, cell, r) for solid cells of a piece in bodies, at r from the centre of the body.
   template <class Visit>
   void for_each(const Piece& piece, Visit&& visit) const {
     for (std::size_t row = 0; row < reach_.size(); ++row)

@@ -1,6 +1,5 @@
 #pragma once
-// Makes closed triangle meshes of the bodies' surfaces for pictures from their support functions, also for
-// new shapes.
+// Makes closed triangle meshes of bodies for pictures, from the support functions of their shapes.
 #include "adapters/hdf5/body_series.hpp"
 #include "rigid/shapes/shape.hpp"
 

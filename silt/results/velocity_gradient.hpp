@@ -23,8 +23,7 @@ class CellVelocities {
   /// The depth in cells beyond the face of a block.
   static constexpr int reach = 2;
 
-  /// Exchanges the velocities of cells within reach of the faces of blocks, cut by the box [lower, upper).
-  /// Collective.
+  /// Exchanges velocities of cells within reach of faces of blocks cut by the box [lower, upper). Collective.
   CellVelocities(const coupler::FluidFields&, MPI_Comm, lbm::Int3 lower, lbm::Int3 upper);
 
   /// Returns the velocity of a cell beyond a block, up to `reach` cells along an axis from a cell of block
@@ -72,8 +71,8 @@ class VelocitiesAround {
 };
 
 /// Returns the vorticity of a fluid cell, in units of its level. Differences are central, or one-sided beside
-/// cells that are not fluid or of another level: of second order with two fluid cells, of first order with
-/// one, 0 with none.
+/// cells that are not fluid or of another level: second order with two fluid cells, first with one, 0 with
+/// none.
 rigid::Vec3 vorticity(VelocitiesAround&, lbm::Int3 cell);
 
 /// Returns S (xx yy zz xy xz yz) of the arriving populations: S = -3/(2 tau) [sum_i c_i c_i (g_i - g_i^eq) +

@@ -1,5 +1,4 @@
-// Quantities of the forces of fluid and bodies on walls: means over steps, and loads on walls and bodies in a
-// step.
+// Forces of fluid and bodies on walls: means over steps, and loads on walls and bodies in a step.
 #include "coupler/exchange/coupling_state.hpp"
 #include "lbm/walls/cut_links.hpp"
 #include "silt/case/case.hpp"

@@ -78,8 +78,7 @@ double machines_for(int ranks) {
   return ranks > parallel::ranks_of(MPI_COMM_WORLD) ? std::ceil(ranks / cores) : 1;
 }
 
-/// Reads a case on rank 0 and broadcasts its files; checks it, and makes the quantities of the run.
-/// Collective.
+/// Reads a case on rank 0 and broadcasts its files; checks it, makes the run's quantities. Collective.
 template <class Read>
 std::unique_ptr<Case> judged_once(const fs::path& directory, MPI_Comm comm, PreparedRun& prepared,
                                   Read&& read) {
@@ -127,8 +126,7 @@ ReadyFolder folder_on_rank_0(MPI_Comm comm, Make&& make) {
   return ready;
 }
 
-/// Opens the first sound checkpoint and notes those skipped. Throws the first error if there is none.
-/// Collective.
+/// Opens the first sound checkpoint, notes those skipped; throws the first error if none. Collective.
 std::unique_ptr<adapters::CheckpointReader> first_sound_checkpoint(
     const std::vector<adapters::StepFile>& there, MPI_Comm comm, std::string& note) {
   std::exception_ptr first;

@@ -40,8 +40,7 @@ std::string examine_case(const RunOptions&);
 std::filesystem::path result_folder(const RunOptions&);
 
 /// Returns the derived table of a case (a folder with a case.toml, or a .toml file) and a list of the results
-/// in its folder `out`, or, for another folder, the list alone. Throws CaseError, or std::runtime_error for
-/// neither.
+/// in its folder `out`, or, for another folder, the list alone. Throws CaseError or std::runtime_error.
 std::string describe_case(const std::filesystem::path&);
 
 /// Starts MPI unless it is running; returns whether it did. Arguments as for MPI_Init, or none.

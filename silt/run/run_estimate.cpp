@@ -37,8 +37,8 @@ constexpr double file_row_of_a_body = 184, file_buoyancy_of_a_body = 24, file_co
 constexpr double multireflection_link = 1.27;  // relative to other schemes
 // Costs of output in collision steps of one cell in single precision: per cell of a field; per number of it,
 // plain or a derivative, with packing; per population in a checkpoint with its checksum; per body there; per
-// row of bodies.h5; per cell of a report, of a quantity of the flow, of the final hash; per byte written for
-// the first time.
+// row of bodies.h5; per cell of a report, of a quantity of the flow, of the final hash; per first-touched
+// byte.
 constexpr double of_a_field_cell = 2.5, of_a_number = 1.8, of_a_derivative = 5.6, of_a_population = 5,
                  of_a_saved_body = 600, of_a_row = 300, of_a_report_cell = 1.2, of_a_flow_cell = 3,
                  of_a_hashed_cell = 6, of_a_new_byte = 0.07;

@@ -27,8 +27,7 @@ struct RunEstimate {
 /// Estimates a run on `ranks` ranks of machines like this one, to a factor of 2 (measurements.md, "Estimates
 /// of runs"). Counts work as cuts of the domain do (balance/body_work.hpp), measures the time per cell on
 /// this machine now, and takes contacts per body from beds of such bodies. Costs milliseconds, plus the
-/// placement of bodies: those continued from another run, and those of the case (CaseError if they do not
-/// fit).
+/// placement of bodies: those of another run and of the case (CaseError if they do not fit).
 RunEstimate estimate_run(const Case&, std::span<const rigid::BodyRecord> continued, int ranks);
 
 /// Returns the bytes of a run's files; `share` is the number of cells relative to finest cells everywhere.

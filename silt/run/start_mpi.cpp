@@ -66,8 +66,7 @@ class Proposal {
   std::vector<const char*> set_;
 };
 
-/// Ends the process if the system cannot give this much memory, since Open MPI would crash while it reports
-/// that.
+/// Ends the process if the system cannot give this much memory, since Open MPI would crash then.
 void require_memory_to_start() {
   constexpr std::size_t needed = std::size_t{32} << 20;
   void* const found = mmap(nullptr, needed, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
