@@ -53,7 +53,7 @@ class FaultWatch {
   void see_fluid(const Scene&, const coupler::FluidFields::Fast&, std::int64_t step);
 
   /// Notes the contact of a (sub-)step with the deepest overlap, relative to the half-width of the thinner
-  /// body, among those above it whose bodies still approach. Call with hold_runaways.
+  /// body, among those deeper than it whose bodies still approach. Call with hold_runaways.
   void see_overlaps(const Case&, const rigid::BodySet&, std::span<const rigid::Contact>, std::int64_t step);
 
   /// Computes the energy after a step; `brought` is that of bodies that arrived less that of those that left

@@ -6,7 +6,7 @@
 // sent; both ends find them from their own maps, ghost cells included.
 //
 // A covered cell gives its density deviation to the fluid around it and an uncovered cell takes it from there
-// (method.md, equations 46 and 47), so that moving bodies conserve mass where the domain is closed or open.
+// (method.md, equations 46 and 47), so that moving bodies conserve mass with any sides.
 #include <mpi.h>
 
 #include "coupler/mapping/refill_cell.hpp"

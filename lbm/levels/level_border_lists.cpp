@@ -278,8 +278,7 @@ struct LevelBorder<Field>::Builder {
     sums += length;
   }
 
-  /// Lists packets that leave a fine cell in the first step and enter one in the second, through coarse cell
-  /// x.
+  /// Lists packets that leave a fine cell in the first step and enter one in the second, through cell x.
   void add_passing(int j) {
     for (int k = 0; k < 8; ++k) {
       const Flight middle{x + x + corner(k), j};

@@ -24,7 +24,7 @@ struct BorderRows {
     std::uint32_t array = 0;
     std::int32_t first = 0, step = 0;
   };
-  /// Reads the packets that leave a row of coarse cells along one direction into `carried`, row after row.
+  /// The packets that leave a row of coarse cells along one direction, stored in `carried` row after row.
   struct Carried {
     std::uint32_t length, first;  // first: index in carried
     Row value;

@@ -75,7 +75,7 @@ constexpr WallScheme two_cell_gap_scheme(WallScheme scheme) {
 }
 
 /// `galilean`: F = sum c (f* + f_opp) - u_w (f* - f_opp) over cut links (Wen et al. 2014). `exact`: the first
-/// term alone (equation 6 of Goetz et al.); that of cells that turn solid or fluid is then added.
+/// term alone (equation 6 of Goetz et al.); the momentum of cells that change sides is then added.
 enum class ForceForm : std::uint8_t { galilean, exact };
 inline constexpr std::array<std::string_view, 2> force_form_names = {"galilean", "exact"};
 

@@ -18,8 +18,8 @@ struct Diagnostic {
   Place place;
   std::string text;
 
-  /// Returns "cases/x/case.toml:12:5: fluid.density is -1; it must be above 0", for warnings with "warning:
-  /// ".
+  /// Returns "cases/x/case.toml:12:5: fluid.density is -1; it must be above 0"; before the text of a warning
+  /// there is "warning: ".
   std::string line() const;
 };
 
@@ -39,7 +39,7 @@ bool has_errors(std::span<const Diagnostic>);
 std::string listed(std::span<const Diagnostic>);
 
 /// Returns the name closest by edit distance (swapped neighbours count one, case is ignored), or "" if none
-/// is close: a third of the letters differ, neither contains the other, and stems differ.
+/// is close: over a third of the letters differ, neither contains the other, and stems differ.
 std::string nearest_name(std::string_view as_written, std::span<const std::string> names);
 /// Returns "a, b, c".
 std::string joined(std::span<const std::string> names, std::string_view separator = ", ");

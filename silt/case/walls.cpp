@@ -95,7 +95,7 @@ constexpr std::tuple motion_keys{
              [](const PrescribedMotion& s) { return !is_zero(&PrescribedMotion::amplitude)(s); }}},
     HandKey{"table", "string", "", "none", "CSV file of a motion, instead of angular_velocity"}};
 /// Calls use(surface, name) for the surface in `file`, read by read(name, bytes, lattice units per unit of
-/// the file). Warns if its origin is so far away that single precision is too coarse.
+/// the file). Warns if single precision is too coarse for its coordinates, far from the origin.
 template <class Read, class Use>
 void with_surface(TableReader& table, Read&& read, Use&& use) {
   constexpr double enough = 0.1;  // cells

@@ -1,6 +1,6 @@
 #pragma once
-// Finds boxes that may touch a box, by a grid of cubes over the domain of which only occupied cells use
-// memory. For placing bodies, not for steps.
+// Finds boxes that may touch a box, by a grid over the domain of which only occupied cells use memory. For
+// placing bodies, not for steps.
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -20,7 +20,7 @@ struct FilledBody {
   std::uint64_t number;  // unique in the fill; close bodies have close numbers
   rigid::Vec3 centre;    // of bounding sphere and mass; wrapped
   rigid::Quat orientation = rigid::Quat::Identity();
-  std::uint64_t place = 0;  // rank among all bodies of this application
+  std::uint64_t place = 0;  // index among all bodies of this application
 };
 
 /// The current application. The obstacles have begun balls of its radius, to which bodies are added.
