@@ -12,14 +12,14 @@ CoupledStep::CoupledStep(const SceneParts& scene)
 rigid::RigidStepReport CoupledStep::operator()(rigid::BodySet& bodies, const BodyChanges& changes) {
   if (scene_.springs) scene_.springs->add_forces(bodies);
   if (Flow* const flow = scene_.flow) {
-    // Lines 1 and 2-4. Line 1 sends the densities around every body; here the moments around uncovered cells
-    // go, once the bodies are mapped, and only if there are such cells.
+    // Lines 1 and 2-4. The paper's line 1 sends densities around every body; here only moments around
+    // uncovered cells are sent, after the bodies are mapped.
     if (scene_.surfaces) clock_.timed(Stage::object_mapping, [&] { flow->map_bodies(bodies, changes); });
-    // Lines 6-8, and of lines 9-11 what surfaces within a block return, while its populations are in cache.
+    // Lines 6-8, and lines 9-11 for links within a block, whose populations are still cached.
     clock_.timed(Stage::stream_collide, [&] { flow->stream_collide(clock_); });
     // Line 5. Populations stream in place, so they are exchanged after the pass instead of before it.
     clock_.timed(Stage::lbm_communication, [&] { flow->communicate(); });
-    // Lines 9-11: what the other surfaces return, and the forces on the bodies.
+    // Lines 9-11 for all other links, and the forces on the bodies.
     if (scene_.surfaces) {
       clock_.timed(Stage::force_evaluation, [&] { flow->evaluate_forces(bodies); });
       store_loads(bodies);

@@ -8,7 +8,7 @@ namespace silt::coupler {
 
 class Springs;
 
-/// The parts of a scene; a part that is absent is null, and its passes do not exist.
+/// The parts of a scene; the passes of an absent part (null) are left out.
 struct SceneParts {
   Flow* flow = nullptr;
   Springs* springs = nullptr;
@@ -20,16 +20,16 @@ struct SceneParts {
 class CoupledStep {
  public:
   explicit CoupledStep(const SceneParts&);
-  /// Goes on with other parts; the seconds so far stay.
+  /// Continues with other parts; keeps the times measured so far.
   void renew(const SceneParts& scene) { scene_ = scene; }
-  /// Advances everything by one step; returns what the bodies did. The changes are those since the last step.
+  /// Advances the scene by one step; returns the report on the bodies. `changes`: those since the last step.
   rigid::RigidStepReport operator()(rigid::BodySet&, const BodyChanges&);
-  /// Seconds of all steps so far, on this rank, by stage; and what it exchanged with others in them.
+  /// Return the seconds and the traffic with other ranks, by stage, of all steps on this rank.
   StageSeconds seconds() const;
   StageTraffic traffic() const;
 
  private:
-  /// The stages of the fluid with those of the bodies.
+  /// Adds the stages of the bodies to those of the fluid.
   template <class Stages, class Of>
   Stages with_bodies(Stages, Of&&) const;
 

@@ -29,7 +29,7 @@ using rigid::Vec3;
 namespace {
 
 lbm::CollisionSpec collision_of(const FluidSpec& f) {
-  constexpr double smagorinsky = 0.1;  // of `regularised`: no cell is less viscous than an eddy of its size
+  constexpr double smagorinsky = 0.1;  // of `regularised`: least viscosity is that of an eddy
   return {f.relaxation_time,
           f.magic,
           f.collision,
@@ -134,7 +134,7 @@ class FlowOf final : public Flow {
   void hold_bodies(bool hold) override {
     holds_bodies_ = hold;
     if (hold) return;
-    account_.begin_pass();  // which ends what is under way
+    account_.begin_pass();  // completes the sums of the last step
     account_.set_mass_taken(0);
     levels_.set_passes(0);
     levels_.set_seconds(std::vector<double>(levels()));
@@ -167,7 +167,7 @@ class FlowOf final : public Flow {
   }
 
  private:
-  /// A lattice without bodies.
+  /// The map and fields of a coarser lattice, which has no bodies.
   struct CoarserFields {
     MapBodies map;
     std::unique_ptr<FluidFields> fields;
@@ -175,7 +175,7 @@ class FlowOf final : public Flow {
         : map(fluid.domain(), world, boxes(fluid), 0), fields(make_fields<T>(fluid, map.blocks())) {}
   };
 
-  /// The force acts at the time of a step, a side half a step later, when it is met.
+  /// Sets the body force of a time, and side velocities half a step later, when fluid meets the sides.
   void take_drive(double time) {
     bool sides_vary = false;
     for (int side = 0; side < 6; ++side) {
@@ -205,7 +205,7 @@ class FlowOf final : public Flow {
     fluid_.forget_given_up();
     complete_ = false;
   }
-  /// Cells give up their excess before somebody reads many of them; in a step they do that as they collide.
+  /// Makes all cells give up their excess before their values are read; in a step collisions do that.
   void complete_cells() const {
     if (!complete_) fluid_.take_and_keep_excess();
     complete_ = true;
@@ -214,7 +214,7 @@ class FlowOf final : public Flow {
     forces_.apply_inner(fluid_.blocks()[b], links_[b], groups, schedule_ == LinkSchedule::interleaved);
   }
 
-  /// Cells that changed sides, and links.
+  /// Handles cells that turned solid or fluid, and rebuilds links.
   void remap(const rigid::BodySet& bodies, const BodyChanges& changes) {
     const ChangedCells cells = changed_cells(map_.blocks());
     take_cells(+1, cells.covered, bodies, changes);
@@ -228,7 +228,7 @@ class FlowOf final : public Flow {
 
   bool is_exact() const { return coupling_.force == ForceForm::exact; }
 
-  /// Bodies have covered cells (sign 1) or left them (-1).
+  /// Accounts for the momentum of cells that bodies have covered (sign 1) or uncovered (-1).
   void take_cells(int sign, const std::vector<CoveredCell>& cells, const rigid::BodySet& bodies,
                   const BodyChanges& changes) {
     if (!is_exact() && changes.none()) return;
@@ -246,13 +246,13 @@ class FlowOf final : public Flow {
     if (!is_exact() || row >= bodies.size()) return;
     const Int3 cell = map_.blocks()[c.block].box.lower + c.cell;
     const Vec3 arm = nearest_arm(fluid_.domain(), bodies.position[row], cell);
-    const bool is_wall = row >= bodies.first_wall();  // it has no impulse debt
+    const bool is_wall = row >= bodies.first_wall();  // walls have no impulse debt
     const Vec3 own = is_wall ? Vec3(sign * bodies.velocity_at(row, arm)) : Vec3(Vec3::Zero());
     forces_.add_covered(c.body->id, momentum - own, arm);
   }
 
-  /// The body force stands for a pressure gradient, which pushes a body with the force on the fluid it
-  /// displaces. (A fixed body is held against it.)
+  /// Adds the force of the pressure gradient that the body force stands for: that on the displaced fluid.
+  /// (Fixed bodies are held against it.)
   void push_bodies(rigid::BodySet& bodies) const {
     const auto& f = fluid_.spec().force;
     const Vec3 force(f[0], f[1], f[2]);
@@ -309,19 +309,19 @@ class FlowOf final : public Flow {
 
   CouplingSpec coupling_;
   const rigid::World& world_;
-  mutable lbm::Fluid<T> fluid_;  // of the finest cells
-  lbm::Levels<T> levels_;        // all
+  mutable lbm::Fluid<T> fluid_;  // finest level
+  lbm::Levels<T> levels_;        // all levels
   MapBodies map_;
   std::unique_ptr<FluidFields> fields_;
   std::vector<std::unique_ptr<CoarserFields>> coarser_;
   FlowAccount account_;
   std::vector<BlockLinks<T>> links_;
-  std::vector<DeviceMapping<T>> mappings_;  // of the blocks
+  std::vector<DeviceMapping<T>> mappings_;  // per block
   MeshDistances meshes_{map_.meshes()};
   UncoveredCells uncovered_{fluid_.device()};
-  PassedMass passed_;                         // in the step under way
-  std::optional<lbm::PairsAcross<T>> pairs_;  // under schemes that read beyond
-  std::vector<SideColumns> columns_;          // of the blocks, for pairs_
+  PassedMass passed_;                         // of the current step
+  std::optional<lbm::PairsAcross<T>> pairs_;  // for schemes that read beyond
+  std::vector<SideColumns> columns_;          // per block, for pairs_
   bool pushes_bodies_;
   struct {
     Vec3 body_force;

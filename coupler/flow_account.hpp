@@ -1,7 +1,6 @@
 #pragma once
-// The account of the fluid from step to step: its mass and momentum, what bodies did to them, and whether a
-// force was out of range. What the ranks sum of a step is started at its end and settled when it is asked
-// for.
+// The balance of the fluid between steps: its mass and momentum, the changes by bodies, and whether a force
+// was out of range. Sums over ranks start at the end of a step and are completed when they are needed.
 #include <mpi.h>
 
 #include <array>
@@ -15,7 +14,7 @@
 
 namespace silt::coupler {
 
-/// Cells that changed sides on this rank in the last mapping (ghost cells not counted), and cut links held.
+/// Cells of this rank (no ghosts) that turned solid or fluid in the last mapping, and its cut links.
 struct MappingCounts {
   std::uint64_t covered = 0, uncovered = 0, links = 0;
 };
@@ -26,20 +25,19 @@ class FlowAccount {
   void add_level(const FluidFields& coarser) { levels_.push_back(&coarser); }
 
   // ---- asked between steps ----
-  /// Collective; ForceOutOfRange, on every rank alike, if a body's sums were out of range in the last step.
-  /// The cells have to be complete: Flow::totals sees to that.
+  /// Returns the totals over all ranks. Collective; throws ForceOutOfRange, on every rank alike, if a body's
+  /// sums were out of range in the last step. Cells must be complete, as Flow::totals ensures.
   FlowTotals totals() const;
-  /// This rank's share of the force and torque of the fluid on a wall in the last step (`wall` counts the
-  /// walls' rows), the torque about its position, in lbm::link_quantum. Zero before the first step.
+  /// Returns this rank's share of the force and torque (about the wall's position) of the fluid on a wall in
+  /// the last step, in lbm::link_quantum; `wall` counts the rows of walls. Zero before the first step.
   std::array<std::int64_t, 6> wall_load(std::size_t wall) const {
     return wall < wall_loads_.size() ? wall_loads_[wall] : std::array<std::int64_t, 6>{};
   }
-  /// Returns the momentum that bodies that came and went brought to the fluid and the impulse debts, of this
-  /// rank, in all steps since the flow was made: by the fluid they took the place of, and that which took
-  /// theirs.
+  /// Returns the momentum that added and removed bodies brought to the fluid and to the impulse debts on this
+  /// rank since the flow was made: that of the fluid they replaced or that replaced them.
   const rigid::FixedVec3& momentum_brought() const { return brought_; }
-  /// Returns the mass, in lbm::mass_quantum, that this rank's cells took from the fluid because they changed
-  /// sides where no neighbour was fluid (refill.hpp), in all steps.
+  /// Returns the mass, in lbm::mass_quantum, that cells of this rank took from the fluid in all steps because
+  /// they turned solid or fluid without a fluid neighbour (refill.hpp).
   rigid::FixedSum mass_taken() const { return mass_taken_; }
   const MappingCounts& mapping() const { return mapping_; }  // of the last step, this rank
 
@@ -47,11 +45,11 @@ class FlowAccount {
   void set_mapping(const MappingCounts& counts) { mapping_ = counts; }
   void take_mass(rigid::FixedSum quanta) { mass_taken_ += quanta; }
   void bring(const rigid::Vec3& momentum) { brought_.add(momentum); }
-  /// Begins a pass with what the last step left under way (ForceOutOfRange as above).
+  /// Completes the sums of the last step (throws ForceOutOfRange as above).
   void begin_pass() { settle(); }
-  /// Starts the sums that the next step begins with.
+  /// Starts the sums that the next step completes.
   void end_step(const LinkOutcome&);
-  /// Goes on from an earlier account, of this program or another.
+  /// Continues from an earlier account, of this run or another.
   void set_mass_taken(rigid::FixedSum quanta) { mass_taken_ = quanta; }
   void take_over(const FlowAccount& other) {
     other.settle();
@@ -59,11 +57,11 @@ class FlowAccount {
   }
 
  private:
-  /// The step leaves this, summed over the ranks, for the next one to begin with.
+  /// The sums over ranks that a step starts and the next one completes.
   struct StepSums {
-    std::int64_t ranks_out_of_range;  // that have a body whose sums are
+    std::int64_t ranks_out_of_range;  // ranks with a body whose sums are
   };
-  /// Takes what the last step left under way.
+  /// Completes the sums of the last step.
   void settle() const;
 
   std::vector<const FluidFields*> levels_;
@@ -72,8 +70,8 @@ class FlowAccount {
   rigid::FixedVec3 brought_;
   rigid::FixedSum mass_taken_ = 0;
   std::vector<std::array<std::int64_t, 6>> wall_loads_;
-  rigid::BodyId out_of_range_ = LinkOutcome::nobody;  // of this rank, in the last step
-  mutable parallel::PendingSums<StepSums> sums_;      // settled whenever something is asked for
+  rigid::BodyId out_of_range_ = LinkOutcome::nobody;  // on this rank, in the last step
+  mutable parallel::PendingSums<StepSums> sums_;      // completed by every function that reads them
 };
 
 }  // namespace silt::coupler

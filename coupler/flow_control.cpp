@@ -11,10 +11,10 @@ FlowControl::FlowControl(const FluidSpec& fluid, double cells, MPI_Comm comm)
       state_{fluid.body_force, fluid.body_force} {}
 
 void FlowControl::look(std::int64_t step, const FlowSums& here) {
-  constexpr double intervals = 4;  // in which a difference is to go: stable whatever resists (method.md)
+  constexpr double intervals = 4;  // in which a difference decays: stable at any resistance (method.md)
   settle();
   if (step > 0) {
-    if (step == interval) state_.velocity_before = state_.velocity;  // the first is the only one so far
+    if (step == interval) state_.velocity_before = state_.velocity;  // there was only one look so far
     const Vec3 gain = (state_.velocity - state_.velocity_before) / double(interval);
     const Vec3 lacking = (wanted_ - state_.velocity) / (intervals * double(interval));
     const Vec3 next = state_.force_before - gain + lacking;
@@ -35,7 +35,7 @@ const FlowControl::State& FlowControl::state() {
   return state_;
 }
 
-/// The velocity of the last look, with half of the force that acts since.
+/// Computes the velocity of the last look, with half of the present force.
 void FlowControl::settle() {
   if (!pending_) return;
   pending_ = false;

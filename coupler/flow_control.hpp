@@ -1,6 +1,6 @@
 #pragma once
-// The control of the body force by which the fluid of a periodic domain flows as fast as it is to
-// (method.md, equation 48). No step waits for a sum: what a look starts is used at the next one.
+// Controls the body force of a periodic domain to reach a superficial velocity (method.md, equation 48). No
+// step waits for a sum: the sums started at one look are used at the next.
 #include <mpi.h>
 
 #include <cstdint>
@@ -15,25 +15,25 @@ class FlowControl {
  public:
   static constexpr std::int64_t interval = 16;  // steps between two looks
 
-  /// The control knows this at a look and until the next: the force then and before, the mean velocity then
-  /// and at the look before.
+  /// The state between two looks: the present force and the one before, and the mean velocity at the last
+  /// look and the one before.
   struct State {
     rigid::Vec3 force, force_before, velocity = rigid::Vec3::Zero(), velocity_before = rigid::Vec3::Zero();
   };
 
-  /// `cells`: all of the domain.
+  /// `cells` is the number of cells of the domain.
   FlowControl(const FluidSpec&, double cells, MPI_Comm);
 
   bool is_due(std::int64_t step) const { return step % interval == 0 && step != looked_at_; }
-  /// Takes what came of the last look, and starts the sums of this one; collective, before the step that
-  /// follows `step`. The fluid feels `force()` from then on.
+  /// Updates the force from the sums of the last look and starts new sums. Call before the step after `step`;
+  /// the fluid then needs the new force(). Collective.
   void look(std::int64_t step, const FlowSums& here);
-  /// Returns the controlled components of the force, and of another the rest.
+  /// Returns `given` with the controlled components replaced.
   rigid::Vec3 force(const rigid::Vec3& given) const;
 
-  /// Collective: waits for the sums under way.
+  /// Completes the sums under way. Collective.
   const State& state();
-  /// Goes on from a state after so many steps.
+  /// Continues from a state; `step` is the number of steps done.
   void set_state(const State& state, std::int64_t step) { state_ = state, looked_at_ = step; }
   std::int64_t looked_at() const { return looked_at_; }
 

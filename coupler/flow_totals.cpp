@@ -13,7 +13,7 @@ using lbm::Int3;
 
 void FlowSums::add(Int3 g, const lbm::Moments& m, const std::array<double, 3>& u) {
   using lbm::CellTotals;
-  constexpr double no_flow_is_so_fast = 1e3;  // to be told as what it is, not as no number
+  constexpr double no_flow_is_so_fast = 1e3;  // reported as a speed, not as not-a-number
   const auto quanta = [](double x, double quantum) { return std::int64_t(std::llrint(x / quantum)); };
   CellTotals t;
   t.speed_squared = u[0] * u[0] + u[1] * u[1] + u[2] * u[2];
@@ -109,8 +109,7 @@ lbm::Int3 FlowSums::cell_at(std::int64_t index) const {
 
 namespace {
 
-/// The fluid cells of a block, added up in runs; the first runs that hold its fastest and its thinnest cell
-/// are looked at once more.
+/// Sums a block's fluid cells in runs; then finds the fastest and the thinnest cell within their runs.
 template <class T>
 class BlockSums {
  public:
@@ -154,7 +153,7 @@ class BlockSums {
     sums_.add(1, t);
     sums_.see(lower_ + x, t);
   }
-  /// The first cell of a run that has an extreme of it.
+  /// Adds the first cell of a run that has the run's extreme.
   void see(const Run& run, double CellTotals::*extreme) {
     const double value = extremes_.*extreme;
     for (Int3 x = run.first; x.y < run.first.y + run.rows; ++x.y) {
@@ -169,7 +168,7 @@ class BlockSums {
   const int block_;
   const Int3 lower_;
   FlowSums& sums_;
-  std::pmr::vector<CellTotals> found_;  // of the runs at hand
+  std::pmr::vector<CellTotals> found_;  // of the current runs
   Run fastest_{{}, 0, 0}, thinnest_{{}, 0, 0};
   CellTotals extremes_;
 };

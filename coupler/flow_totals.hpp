@@ -1,5 +1,5 @@
 #pragma once
-// The totals of the fluid of all ranks: mass, momentum, and the extremes that the guard judges.
+// The totals of the fluid over all ranks: mass, momentum, and the extremes that the guard checks.
 #include <mpi.h>
 
 #include <array>
@@ -20,9 +20,8 @@ namespace silt::coupler {
 
 struct BlockMap;
 
-/// The totals are those over the fluid cells of all ranks and levels, a coarse one being as many as finest
-/// ones fill it; units of the finest lattice. Sums are in fixed point, so they are the same on any number of
-/// ranks.
+/// Totals over the fluid cells of all ranks and levels in units of the finest lattice; a coarse cell counts
+/// as the finest cells that fill it. Sums are in fixed point, so they do not depend on the number of ranks.
 struct FlowTotals {
   std::uint64_t fluid_cells = 0;
   std::uint64_t forces = 0;          // on a finest cell in its step, that those on all cells in theirs are
@@ -36,19 +35,19 @@ struct FlowTotals {
   lbm::Int3 bad_cell{}, fastest_cell{}, thinnest_cell{};
 };
 
-/// Adds up cells. A cell is rounded once to whole quanta (lbm::CellTotals); the sums have 128 bits, where 64
-/// would end at 2^23 lattice units, the momentum of 300^3 cells.
+/// Sums over cells. Each cell is rounded once to whole quanta (lbm::CellTotals). The sums have 128 bits,
+/// since 64 would overflow at 2^23 lattice units, the momentum of 300^3 cells.
 class FlowSums {
  public:
-  /// `cells` are those of the domain on a level.
+  /// `cells` is the size of the domain in cells of the level.
   explicit FlowSums(lbm::Int3 cells, int level = 0) : cells_(cells), level_(level) {}
   void add(lbm::Int3 global_cell, const lbm::Moments&, const std::array<double, 3>& velocity);
-  /// Adds many that are sound, but for where the fastest and the thinnest are: that is to be seen.
+  /// Adds cells with sound totals. Call see() for the places of the fastest and the thinnest cell.
   void add(int cells, const lbm::CellTotals&);
   void see(lbm::Int3 global_cell, const lbm::CellTotals& of_the_cell);
-  /// Adds those of another level of the same domain.
+  /// Adds the sums of another level of the same domain.
   void add(const FlowSums&);
-  /// This rank's momentum (CellTotals::momentum_quantum), and how many finest cells are fluid.
+  /// Returns this rank's momentum in CellTotals::momentum_quantum, and its fluid volume in finest cells.
   std::array<parallel::WideSum, 3> momentum() const { return {momentum_[0], momentum_[1], momentum_[2]}; }
   std::uint64_t cells() const { return count_; }
   FlowTotals over_ranks(MPI_Comm) const;  // collective
@@ -56,7 +55,7 @@ class FlowSums {
  private:
   static constexpr std::int64_t none = std::numeric_limits<std::int64_t>::max();
   static constexpr double lowest = -std::numeric_limits<double>::max();
-  /// The largest of something and the first global cell, by its index in the finest lattice, that has it.
+  /// A maximum, and the first global cell that has it, by its index in the finest lattice.
   struct Extreme {
     double value;
     std::int64_t cell = none;
@@ -80,7 +79,7 @@ class FlowSums {
   std::int64_t first_bad_ = none;  // index of a global cell
 };
 
-/// Adds up the fluid cells of this rank, each in the precision of its populations.
+/// Returns the sums over this rank's fluid cells, each in the precision of its populations.
 template <class T>
 FlowSums flow_sums(const lbm::Fluid<T>&, std::span<const BlockMap>);
 

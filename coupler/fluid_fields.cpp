@@ -46,7 +46,7 @@ class FieldsOf final : public FluidFields {
       const Int3 g = block(b).lower + x;
       struct {
         std::int64_t cell;
-        T g[20];  // one is spare, so that neither precision has padding bytes
+        T g[20];  // one unused, so that neither precision has padding bytes
       } record{(std::int64_t(g.z) * n.y + g.y) * n.x + g.x, {}};
       record.g[lbm::D3Q19::directions] = T(level());
       for (int i = 0; i < lbm::D3Q19::directions; ++i) record.g[i] = fluid_.arriving(b, x, i);
@@ -92,7 +92,7 @@ class FieldsOf final : public FluidFields {
   std::size_t bytes() const override { return fluid_.bytes(); }
 
  private:
-  /// Calls visit(block, low, high) for what this rank has of a layer of cells across an axis.
+  /// Calls visit(block, low, high) for this rank's cells of a layer across an axis.
   template <class Visit>
   void for_layer(int axis, int layer, Visit&& visit) const {
     for (int b = 0; b < blocks(); ++b) {
@@ -102,11 +102,11 @@ class FieldsOf final : public FluidFields {
       if (low[axis] >= 0 && low[axis] < box.size[axis]) visit(b, low, high);
     }
   }
-  /// What came back to a cell along c_i before the cell gave up its excess.
+  /// Returns the population that returned to a cell against c_i, before the cell gave up its excess.
   double came_back(int b, Int3 x, int i) const {
     return fluid_.arriving(b, x, lbm::opposite(i)) + fluid_.given_up(b, fluid_.blocks()[b].cell(x), i);
   }
-  /// Calls visit(offset in the block, cells) for runs of at most 64 of its fluid cells from low to high.
+  /// Calls visit(offset in the block, cells) for runs of at most 64 fluid cells between low and high.
   template <class Visit>
   void for_fluid_runs_of(int b, Int3 low, Int3 high, Visit&& visit) const {
     for (int z = low.z; z < high.z; ++z)
@@ -122,8 +122,8 @@ class FieldsOf final : public FluidFields {
               if (!(is_solid >> k & 1)) visit(first + k, 1);
         }
   }
-  /// A share of half of what passes along an axis through the cut links of bodies and [[walls]] of the cells
-  /// from low to high: a cell's velocity counts it, although it goes through neither face of the layer.
+  /// Returns `share` times half the flux along an axis through cut links of bodies and [[walls]] of cells
+  /// between low and high: cell velocities contain it, but it passes neither face of the layer.
   rigid::FixedSum flow_into_surfaces(int axis, int b, Int3 low, Int3 high, double share) const {
     rigid::FixedSum sum = 0;
     for_cells(low, high, [&](Int3 x) {
@@ -137,7 +137,7 @@ class FieldsOf final : public FluidFields {
     });
     return sum;
   }
-  /// Adds so many times c (f out + f back) of the cells from low to high, over the directions.
+  /// Adds `times` times c (f out + f back) over the directions `across` and the cells between low and high.
   void add_exchanged(std::span<const int> across, int b, Int3 low, Int3 high, int times,
                      std::array<rigid::FixedSum, 3>& sums) const {
     const lbm::Block<T>& block = fluid_.blocks()[b];
@@ -160,8 +160,8 @@ class FieldsOf final : public FluidFields {
     for (std::size_t k = 0; k < across.size(); ++k)
       for (int d = 0; d < 3; ++d) sums[d] += times * lbm::D3Q19::c[across[k]][d] * exchanged[k];
   }
-  /// A link along i that leaves the domain across several sides belongs to the first of them, in the order of
-  /// the axes, that reverses, as in the halo: takes it off the sums of a later one.
+  /// Subtracts from the sums links along i that cross an earlier side, too: as in the halo, a link through
+  /// several sides belongs to the first reflecting one in the order of axes.
   void take_from_other_sides(int axis, int i, int b, Int3 low, Int3 high,
                              std::array<rigid::FixedSum, 3>& sums) const {
     const lbm::CellBox& box = block(b);

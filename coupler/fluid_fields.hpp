@@ -1,6 +1,6 @@
 #pragma once
-// The fields of the fluid of one level on this rank, read and written by boxes of cells, whatever the
-// precision of its populations, and which cells are fluid.
+// Reads and writes the fluid of one level on this rank by boxes of cells, whatever the precision of its
+// populations, and tells which cells are fluid.
 #include <array>
 #include <memory>
 #include <optional>
@@ -33,28 +33,28 @@ class FluidFields {
   int width() const { return 1 << level(); }
   std::int64_t volume() const { return std::int64_t{1} << 3 * level(); }
   lbm::Int3 finest(lbm::Int3 cell) const { return {cell.x * width(), cell.y * width(), cell.z * width()}; }
-  /// The cell of this level that a finest one lies in.
+  /// Returns the cell of this level that contains a finest cell.
   lbm::Int3 coarse(lbm::Int3 finest) const {
     return {finest.x >> level(), finest.y >> level(), finest.z >> level()};
   }
   rigid::Vec3 centre(lbm::Int3 cell) const {
     return width() * rigid::Vec3(cell.x + 0.5, cell.y + 0.5, cell.z + 0.5);
   }
-  /// Returns how much of a cell's volume lies in a box, in finest cells.
+  /// Returns the volume of a cell that lies in a box, in finest cells.
   double volume_in(const rigid::BoundingBox& box, lbm::Int3 cell) const {
     const auto low = (width() * rigid::Vec3(cell.x, cell.y, cell.z)).eval();
     const rigid::Vec3 high = (low.array() + width()).min(box.upper.array());
     return (high - low.cwiseMax(box.lower)).cwiseMax(0).prod();
   }
-  /// The cells that a box reaches into.
+  /// Returns the cells that overlap a box.
   lbm::CellBox cells_meeting(const rigid::BoundingBox&) const;
 
   // ---- cells of a box of a block's local cells, x fastest; of solid ones they mean nothing ----
   virtual void moments(int b, const lbm::CellBox&, lbm::MomentArrays&) const = 0;
   std::array<double, 3> velocity(const lbm::Moments& m) const { return lbm::velocity_of(m, spec_.force); }
-  /// Population i arriving at the cells, whatever the parity; exact in double for either precision.
+  /// Reads population i that arrives at the cells, at either parity; exact in double for both precisions.
   virtual void read(int b, const lbm::CellBox&, int i, double* g) const = 0;
-  /// Returns what left a fluid cell along i in the last pass, and what came back to it against i.
+  /// Returns the populations that left a fluid cell along i in the last pass and returned against i.
   virtual std::pair<double, double> link(int b, lbm::Int3 local_cell, int i) const = 0;
   void write(int b, const lbm::CellBox& box, int i, const double* g) {
     sums_.reset();
@@ -66,34 +66,33 @@ class FluidFields {
     lbm::Int3 cell;  // global, of the finest lattice
     double speed;    // infinite for what is not a number
   };
-  /// Returns the fastest of this rank's fluid cells that the last pass found to be faster than
-  /// lbm::speed_of_sound when it began; of several the first, z before y before x.
+  /// Returns the fastest of this rank's fluid cells that exceeded lbm::speed_of_sound when the last pass
+  /// began; of several the first, ordered by z, y, x.
   virtual std::optional<Fast> too_fast() const = 0;
-  /// Cells are added up once between two changes.
+  /// Returns the sums over the cells, computed once between two changes.
   const FlowSums& sums() const {
     if (!sums_) sums_ = count();
     return *sums_;
   }
-  /// Returns the sum of the velocities of the cells of all levels; asked of the finest.
+  /// Returns the sum of velocities over the cells of all levels. Call for the finest level.
   rigid::Vec3 velocity_sum(const FlowTotals& t) const {
     return rigid::Vec3(t.momentum.data()) +
            0.5 * static_cast<double>(t.forces) * rigid::Vec3(spec_.force.data());
   }
   /// Returns the wrapping sum of XXH3 of level, global cell index and arriving populations.
   virtual std::uint64_t hash() const = 0;
-  /// Returns this rank's share of the force of the fluid on a side of the domain in the last step, in
-  /// lbm::link_quantum, by momentum exchange: the sum of c (f out + f back) over its links across the upper
-  /// or lower side of an axis (method.md, equation 1), in units of the finest lattice. It is 0 where that is
-  /// not a wall.
+  /// Returns this rank's share of the force of the fluid on a side of the domain in the last step by momentum
+  /// exchange: the sum of c (f out + f back) over its links across that side (method.md, equation 1), in
+  /// lbm::link_quantum, units of the finest lattice. Zero if the side is not a wall.
   virtual std::array<rigid::FixedSum, 3> side_force(int axis, bool upper) const = 0;
-  /// Returns the volume that goes along an axis through a block's local cells of one layer across it, in a
-  /// step, times a share, in flow_quantum and finest units: the sum of the velocities times the face of a
-  /// cell, less what goes into bodies and [[walls]] there: in steady flow it is alike for all layers.
+  /// Returns `share` times the volume flux along an axis through a block's local cells of one layer, in
+  /// flow_quantum and finest units: the sum of velocities times the face of a cell, less the flux into bodies
+  /// and [[walls]] in the layer. In steady flow it is equal for all layers.
   virtual rigid::FixedSum flow_through(int axis, int b, const lbm::CellBox&, double share) const = 0;
   static constexpr double flow_quantum = 0x1p-48;
   virtual std::size_t bytes() const = 0;  // of the populations
 
-  /// Must be called when populations or the map have changed but by write().
+  /// Call after a change of populations or map by any other function than write().
   void changed() { sums_.reset(); }
 
  protected:
@@ -110,7 +109,7 @@ class FluidFields {
   mutable std::optional<FlowSums> sums_;
 };
 
-/// Returns the fields of a fluid; refers to it and to the maps of its blocks.
+/// Returns the fields of a fluid; refers to the fluid and to the maps of its blocks.
 template <class T>
 std::unique_ptr<FluidFields> make_fields(lbm::Fluid<T>&, const std::vector<BlockMap>&);
 
@@ -127,14 +126,13 @@ void for_each_fluid_cell(const FluidFields& fields, const lbm::CellBox& within, 
     });
   }
 }
-/// The same of all fluid cells.
+/// Visits all fluid cells of the level in the same way.
 template <class Visit>
 void for_each_fluid_cell(const FluidFields& fields, Visit&& visit) {
   for_each_fluid_cell(fields, {{}, fields.domain().cells()}, visit);
 }
 
-/// Puts the fluid of a level into its initial state (InitialSpec); it must be fresh, at rest
-/// (initial_flow.cpp).
+/// Sets the initial state of a level's fluid (InitialSpec), which must be new and at rest (initial_flow.cpp).
 void set_initial_flow(const FlowSpec&, FluidFields&);
 
 }  // namespace silt::coupler

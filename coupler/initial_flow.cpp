@@ -16,7 +16,7 @@ namespace {
 
 namespace elementary = rigid::elementary;
 
-/// The flow at a point.
+/// The flow at a point, lattice units.
 struct Local {
   double density_deviation = 0;
   rigid::Vec3 velocity = rigid::Vec3::Zero();
@@ -81,8 +81,8 @@ Local at(const TaylorGreen3D& vortex, const rigid::Vec3& x) {
           0.5 * a * k * cx * sy * sz};
 }
 
-/// Two layers between streams along x that a wave across them rolls up (Minion, Brown, J. Comput. Phys. 138
-/// (1997) 734), with lengths over the period in y:
+/// Two shear layers along x that a wave across them rolls up (Minion, Brown, J. Comput. Phys. 138 (1997)
+/// 734), with lengths in units of the period in y:
 ///   u = A tanh(s (1/4 - |y - 1/2|)),  v = A p sin(2 pi (x + 1/4)).
 struct ShearLayer {
   double amplitude, steepness, perturbation, kx, height;
@@ -104,8 +104,8 @@ Local at(const ShearLayer& layer, const rigid::Vec3& x) {
   return flow;
 }
 
-/// A vortex about the axis z through the middle of the domain, in a uniform stream; its fastest ring has the
-/// radius R:
+/// A vortex about the z axis through the middle of the domain in a uniform stream, with the largest speed s
+/// at radius R:
 ///   u = U + s/R (-y, x) e^((1 - r^2/R^2)/2),  p = -s^2/2 e^(1 - r^2/R^2).
 struct GaussianVortex {
   rigid::Vec3 stream, centre;
@@ -130,7 +130,7 @@ Local at(const GaussianVortex& vortex, const rigid::Vec3& point) {
   return flow;
 }
 
-/// Calls change(i, g, local(global cell)) for every population, which becomes what it returns.
+/// Replaces every population by change(i, g, local(global cell)).
 template <class AtCell, class Change>
 void change_populations(FluidFields& fields, AtCell&& local, Change&& change) {
   std::vector<double> g;
@@ -151,7 +151,7 @@ void change_populations(FluidFields& fields, AtCell&& local, Change&& change) {
   }
 }
 
-/// Equilibrium and its first-order deviation, f1_i = -3 tau w_i (c_i c_i - 1/3) : S.
+/// Sets equilibrium and its first-order deviation, f1_i = -3 tau w_i (c_i c_i - 1/3) : S.
 template <class Shape>
 void set(const FlowSpec& spec, FluidFields& fields) {
   const Shape shape(spec);
@@ -169,8 +169,7 @@ void set(const FlowSpec& spec, FluidFields& fields) {
   });
 }
 
-/// Adds a velocity to every cell, a function of its first finest cell: each component uniform between -noise
-/// and noise.
+/// Adds a random velocity to every cell, uniform in [-noise, noise] by component, from its first finest cell.
 void add_noise(const FlowSpec& spec, FluidFields& fields) {
   const double noise = spec.fluid->initial.noise;
   const auto velocity = [&](lbm::Int3 cell) {
@@ -188,7 +187,7 @@ void add_noise(const FlowSpec& spec, FluidFields& fields) {
 
 void set_initial_flow(const FlowSpec& spec, FluidFields& fields) {
   constexpr void (*setters[])(const FlowSpec&, FluidFields&) = {
-      // by InitialFlow; none: at rest
+      // by InitialFlow; null: at rest
       nullptr, set<Uniform>, set<TaylorGreen>, set<TaylorGreen3D>, set<ShearLayer>, set<GaussianVortex>};
   if (const auto set_flow = setters[int(spec.fluid->initial.type)]) set_flow(spec, fields);
   if (spec.fluid->initial.noise > 0) add_noise(spec, fields);

@@ -1,5 +1,5 @@
 #pragma once
-// The stages of a step, by which its clock and the report count.
+// The stages of a step, used by its clock and by the report.
 #include <array>
 #include <string_view>
 

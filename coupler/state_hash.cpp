@@ -10,7 +10,7 @@
 
 namespace silt::coupler {
 
-/// The list is apart from visit_columns: a new column leaves the hash of a state what it was.
+/// Lists its columns apart from visit_columns, so that a new column does not change the hash of a state.
 std::uint64_t hash_bodies(const rigid::BodySet& bodies) {
   std::uint64_t sum = 0;
   parallel::Bytes bytes;

@@ -1,5 +1,5 @@
 #pragma once
-// One number for the whole state: the same on any number of ranks, any block layout, across a restart.
+// A hash of the whole state that does not depend on ranks, blocks or restarts.
 #include <mpi.h>
 
 #include <cstdint>
@@ -11,14 +11,14 @@ namespace silt::coupler {
 
 class Flow;
 
-/// Wrapping sum over this rank's owned bodies of XXH3 of id, position, image, orientation, velocity, angular
-/// momentum, what the fluid still owes the body, and stored impulses.
+/// Returns the wrapping sum over this rank's owned bodies of XXH3 of id, position, image, orientation,
+/// velocity, angular momentum, impulse debt of the fluid, and stored impulses.
 std::uint64_t hash_bodies(const rigid::BodySet&);
 
-/// Collective: wrapping sum over all ranks of hash_bodies and FluidFields::hash (flow may be null).
+/// Returns the wrapping sum over ranks of hash_bodies and FluidFields::hash (flow may be null). Collective.
 std::uint64_t state_hash(MPI_Comm, const Flow*, const rigid::BodySet&);
 
-/// 16 hexadecimal digits.
+/// Returns 16 hexadecimal digits.
 std::string hex(std::uint64_t);
 
 }  // namespace silt::coupler

@@ -9,8 +9,8 @@
 namespace silt::lbm {
 
 namespace {
-/// Appends blocks that share arrays: a level's leaves are cut by what is finer among them, and between those
-/// in one array nothing moves. No array has more than half of its cells between its blocks.
+/// Appends blocks that share arrays. Blocks of a coarse level lie between finer boxes; blocks in one array
+/// need no exchange among them. At least half of the cells of an array belong to its blocks.
 template <class T>
 void add_shared(std::span<const BlockPlace> places, Device device, std::vector<Block<T>>& blocks) {
   Int3 low = places[0].box.lower, high = low;
@@ -32,7 +32,7 @@ void add_shared(std::span<const BlockPlace> places, Device device, std::vector<B
   }
 }
 
-/// Cut links of the finest cells read and write what other blocks hold too: those have arrays of their own.
+/// Makes the local blocks. Those of level 0 share no array: cut links write cells that other blocks hold.
 template <class T>
 std::vector<Block<T>> local_blocks(const Domain& domain, MPI_Comm comm, Device device) {
   const std::vector<BlockPlace> places = domain.blocks_of(parallel::rank_of(comm));
@@ -44,7 +44,7 @@ std::vector<Block<T>> local_blocks(const Domain& domain, MPI_Comm comm, Device d
   return blocks;
 }
 
-/// The faces of a block beyond which, if only beyond a part of one, another rank is.
+/// Returns the faces of a block that touch blocks of other ranks.
 ShellFaces shell_of(const Domain& domain, const BlockPlace& place) {
   ShellFaces shell;
   for (int axis = 1; axis < 3; ++axis)
@@ -118,7 +118,7 @@ void Fluid<T>::take_and_keep_excess() {
   take_excess();
 }
 
-/// Notes what the cells of a block are about to give up.
+/// Records the amounts that the cells of a block give up.
 template <class T>
 void Fluid<T>::keep_excess(std::size_t b) {
   const Block<T>& block = blocks_[b];
@@ -170,7 +170,7 @@ void Fluid<T>::stream_collide() {
   for (int b = 0; b < int(blocks_.size()); ++b) {
     if (idle_[b]) continue;
     const RowRange inner = orders_[b].inner();
-    const int slices = device_ == Device::gpu ? 1 : 8;  // between looks at the messages
+    const int slices = device_ == Device::gpu ? 1 : 8;  // between checks for messages
     const int planes = std::max(1, (inner.z1 - inner.z0 + slices - 1) / slices);
     for (int z = inner.z0; z < inner.z1; z += planes)
       collide_rows(b, {inner.y0, inner.y1, z, std::min(z + planes, inner.z1)});

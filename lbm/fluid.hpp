@@ -1,6 +1,6 @@
 #pragma once
-// The fluid as its user holds it: the local blocks, one pass of collision and streaming, and density,
-// velocity and momentum flux where they are asked for (never computed otherwise).
+// The fluid as a user of the library holds it: local blocks, one pass of collision and streaming, and
+// density, velocity and momentum flux, computed on request only.
 #include <mpi.h>
 
 #include <array>
@@ -26,7 +26,7 @@ struct LocalCell {
   Int3 cell;
 };
 
-/// Returns half of what an acceleration adds to population i of fluid at rest, 3/2 w c.F (equation 6).
+/// Returns half of what an acceleration adds to population i of fluid at rest: 3/2 w c.F (equation 6).
 double half_push(const std::array<double, 3>& force, int i);
 
 template <class T>
@@ -46,48 +46,48 @@ class Fluid {
   const Halo<T>& halo() const { return halo_; }
   MPI_Comm comm() const { return comm_; }
   Device device() const { return device_; }
-  /// Returns whether a pass is to be done in parts, with something else after each: what a part has written
-  /// is then in a cache of the processor.
+  /// Returns whether callers should do a pass in parts with other work after each, since the populations of a
+  /// part are then still in the CPU's cache.
   bool is_in_parts() const { return device_ == Device::cpu; }
 
-  /// The acceleration from the next collision on.
+  /// Sets the acceleration from the next collision on.
   void set_force(const std::array<double, 3>&);
-  /// The velocity of a side of the domain from the next pass on.
+  /// Sets the velocity of a side of the domain from the next pass on.
   void set_side_velocity(int side, const std::array<double, 3>&);
-  /// The cells of a block that have links are all in these rows from now on (excess.hpp). A pass comes before
-  /// the next call.
+  /// Declares that from now on cells of block b with links are all in these rows (excess.hpp). A pass must
+  /// come before the next call.
   void hold_excess(int b, std::span<const RowRange> rows) {
     blocks_[b].hold_no_more_excess();
     for (const RowRange& range : rows)
       blocks_[b].hold_excess(range, T(spec_.bulk_stress_given_up()), device_);
   }
-  /// All cells give up their excess, as they would when they collide: what arrives is complete then, but is
-  /// no longer what came back along links.
+  /// Subtracts the excess of all cells now instead of at the next collision: the populations that arrive are
+  /// then final, but no longer those that links returned.
   void take_excess();
-  /// As take_excess(), and what a cell gave up can be asked for until forget_given_up().
+  /// Like take_excess(), but keeps the amounts for given_up() until forget_given_up().
   void take_and_keep_excess();
   void forget_given_up() { is_given_up_ = false; }
-  /// Returns what the populations along c_i and against it, i > 0, of a cell by its Block::cell lost thereby.
+  /// Returns what populations along c_i and against it (i > 0) of a cell lost in take_and_keep_excess().
   double given_up(int b, std::ptrdiff_t cell, int i) const {
     if (!is_given_up_ || given_up_[b].empty()) return 0;
     return given_up_[b][cell][i < 7 ? 0 : 1];
   }
-  /// A block without a fluid cell need not collide; what its slots hold means nothing then.
+  /// Lets a block without fluid cells skip collisions; its slots then hold no valid values.
   void set_idle(int b, bool idle) { idle_[b] = idle; }
-  /// Every cell of the blocks that are not idle collides; parity flips. Messages to other ranks set out as
-  /// soon as what they carry is there. Call exchange() next.
+  /// Collides and streams all blocks that are not idle, and flips the parity. Messages to other ranks leave
+  /// as soon as their values are written. Call exchange() next.
   void stream_collide();
-  /// These are the same pass in pieces, with something else in between: it begins, the parts of each block
-  /// (pass_order.hpp) are collided in their order, and it ends.
+  /// The same pass in pieces, with other work in between: begin_pass(), then collide() for the parts of each
+  /// block (pass_order.hpp) in their order, then end_pass().
   void begin_pass();
   int parts(int b) const { return idle_[b] ? 0 : orders_[b].parts(); }
   void collide(int b, int part) { collide_rows(b, orders_[b].rows_of(part)); }
   void end_pass();
-  /// The number of passes decides which planes are watched in a pass (WatchedPlanes).
+  /// Returns the number of passes, which selects the planes watched in a pass (WatchedPlanes).
   std::int64_t passes() const { return passes_; }
   void set_passes(std::int64_t done) { passes_ = done; }
-  /// The cells of the planes looked at that were faster than sound when the last pass began, or whose
-  /// speed was not a number; solid ones too.
+  /// The cells of watched planes, solid ones included, whose speed was above that of sound or not a number
+  /// when the last pass began.
   struct Fast {
     int block;
     Int3 cell;
@@ -95,8 +95,8 @@ class Fluid {
   };
   const std::vector<Fast>& fast_cells() const { return fast_cells_; }
   const PassOrder& pass_order(int b) const { return orders_[b]; }
-  /// Fills or returns ghost slots and applies domain walls, for the pass just done: sends what messages are
-  /// left and waits for all. Cut links of the rim come after it.
+  /// Completes the pass: sends the remaining messages, waits for all, fills or returns ghost slots, and
+  /// applies the walls of the domain. Cut links at the rim of blocks come after it.
   void exchange() { halo_.exchange(blocks_, idle_, parity_); }
 
   T& arriving(int b, Int3 local_cell, int i) {
@@ -105,32 +105,30 @@ class Fluid {
   T arriving(int b, Int3 local_cell, int i) const {
     return blocks_[b].data()[blocks_[b].arriving(i, parity_) + blocks_[b].cell(local_cell)];
   }
-  /// Read or write population i arriving at the cells of a box of local cells, x fastest.
+  /// Copy population i that arrives at the cells of a box of local cells, x fastest.
   void read(int b, const CellBox&, int i, double* g) const;
   void write(int b, const CellBox&, int i, const double* g);
-  /// The population that left a cell along i in the last pass (until the next one).
+  /// Returns the population that left a cell along i in the last pass; valid until the next one.
   T leaving(int b, Int3 local_cell, int i) const {
     return blocks_[b].data()[blocks_[b].leaving(i, parity_) + blocks_[b].cell(local_cell)];
   }
   Moments moments(int b, Int3 local_cell) const;
-  /// Returns the moments of single cells without their excess, in their order; they are there until the next
-  /// call.
+  /// Returns the moments of single cells, in order, after giving up their excess; valid until the next call.
   std::span<const Moments> moments(std::span<const LocalCell>);
-  /// Returns the density deviations of single cells: a tenth of what moments bring from a device.
+  /// Returns the density deviations of single cells; a device sends a tenth of the data of moments().
   std::span<const double> densities(std::span<const LocalCell>);
-  /// Gives single cells these masses, in quanta of excess.hpp, when they collide next; a cell may get
-  /// several.
+  /// Adds masses (quanta of excess.hpp) to single cells at their next collision; a cell may get several.
   void give_masses(std::span<const LocalCell>, std::span<const std::int64_t>);
-  /// Returns where a pass finds single cells; the list holds until the next call of listed() or moments().
+  /// Returns single cells as passes address them; valid until the next call of listed() or moments().
   ListedCells<T> listed(std::span<const LocalCell>);
   void moments(int b, const CellBox&, MomentArrays&) const;
-  /// Return the totals of rows of cells; those of many rows lie in memory that the device reaches.
+  /// Return the totals of rows of cells; for many rows, in memory that the device reaches.
   CellTotals totals(int b, const LocalRows&) const;
   void totals(int b, std::span<const LocalRows>, CellTotals*) const;
   std::array<double, 3> velocity(const Moments& m) const { return velocity_of(m, spec_.force); }
   void set_equilibrium(int b, Int3 local_cell, double density_deviation,
                        const std::array<double, 3>& velocity);
-  /// Half of what the force adds to population i of fluid at rest.
+  /// Returns half the amount that the force adds to population i of fluid at rest.
   double half_push(int i) const { return lbm::half_push(spec_.force, i); }
   std::size_t bytes() const;
 
@@ -152,7 +150,7 @@ class Fluid {
   Parity parity_ = Parity::settled;
   std::int64_t passes_ = 0;
   std::vector<Fast> fast_cells_;
-  // of single cells, for passes
+  // single cells for passes
   Mirror<typename ListedCells<T>::Cell> listed_cells_{device_};
   Mirror<typename ListedCells<T>::Block> listed_blocks_{device_};
   Mirror<Moments> cell_moments_{device_};
@@ -163,9 +161,9 @@ class Fluid {
   Halo<T> halo_;
 };
 
-/// Collective. Gives every cell of `to` what arrives there in `from`, straight from rank to rank: two cuts of
-/// one domain for the same ranks. A direction at a time, so that messages hold a nineteenth of the
-/// populations (move_populations.cpp).
+/// Copies the populations that arrive in `from` to the cells of `to`, two cuts of one domain for the same
+/// ranks, from rank to rank. One direction at a time, so that messages hold a nineteenth of the populations
+/// (move_populations.cpp). Collective.
 template <class Field>
 void move_populations(const Field& from, Field& to);
 

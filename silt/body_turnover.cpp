@@ -22,7 +22,7 @@ bool is_in(const OutflowSpec& outflow, const Vec3& x) {
   return (x.array() >= outflow.box.lower.array()).all() && (x.array() <= outflow.box.upper.array()).all();
 }
 
-/// The way by which a body leaves now, if by any.
+/// Returns how a body leaves now, if it does.
 std::optional<int> way_out(const Scene& scene, std::size_t row) {
   const rigid::BodySet& bodies = scene.bodies;
   const Vec3& x = bodies.position[row];
@@ -48,7 +48,7 @@ std::vector<Leaver> leavers(const Scene& scene) {
   return found;
 }
 
-/// Returns a body's momentum with that which the fluid still has to give it or to get from it.
+/// Returns the momentum of a body with its impulse debt to the fluid.
 Vec3 momentum_of(const rigid::BodySet& bodies, std::size_t row) {
   return bodies.mass[row] * bodies.velocity[row] + coupler::impulse_debt(bodies, row) +
          coupler::coupling_of(bodies, row).pending_impact();

@@ -20,7 +20,7 @@ using rigid::Vec3;
 
 namespace {
 
-/// 2^62, the range of a sum, for 2^20 bodies.
+/// The largest energy of a body in a sum: 2^62, the range of a sum, divided by 2^20 bodies.
 constexpr double out_of_proportion = 0x1p42;
 
 FixedSum cut_off(double energy) {
@@ -36,12 +36,12 @@ bool is_driven(const Case& setup) {
          setup.any_given([](const BodySpec& b) { return b.motion == rigid::Motion::prescribed; });
 }
 
-/// Returns the sum of the components of rows [begin, end): infinite or not a number as soon as one is.
+/// Returns the sum of the components of rows [begin, end), which is not finite if one is not.
 double sum_over(const std::vector<rigid::Vec3>& x, std::size_t begin, std::size_t end) {
   return Eigen::Map<const Eigen::VectorXd>(x[begin].data(), 3 * Eigen::Index(end - begin)).sum();
 }
 
-struct Speeds {  // squares; the sum is not a number as soon as one is
+struct Speeds {  // squares; the sum is NaN if one is
   double sum = 0, highest = 0;
 };
 Speeds speeds_of(const rigid::BodySet& bodies, std::size_t begin, std::size_t end) {
@@ -53,7 +53,7 @@ Speeds speeds_of(const rigid::BodySet& bodies, std::size_t begin, std::size_t en
   return speeds;
 }
 
-/// No row of [begin, end) can have a reason to stop: a few instructions a body, in every step.
+/// Returns whether no row of [begin, end) needs a closer check; costs a few instructions per body and step.
 bool clearly_sound(const rigid::BodySet& bodies, std::size_t begin, std::size_t end, const Speeds& speeds,
                    double furthest) {
   return std::isfinite(speeds.sum) && speeds.highest <= furthest * furthest &&
@@ -61,7 +61,7 @@ bool clearly_sound(const rigid::BodySet& bodies, std::size_t begin, std::size_t 
          std::isfinite(sum_over(bodies.position, begin, end));
 }
 
-/// A number as soon as velocity and position are, and no more than the speed; else not finite.
+/// Returns the speed if velocity and position of a body are finite, else NaN.
 double speed_or_nan(const BodySet& bodies, std::size_t row) {
   const double rest = bodies.angular_velocity[row].squaredNorm() + bodies.position[row].squaredNorm();
   return std::isfinite(rest) ? bodies.velocity[row].norm() : std::numeric_limits<double>::quiet_NaN();
@@ -144,7 +144,7 @@ void FaultWatch::see_overlaps(const Case& setup, const BodySet& bodies,
     return (at(c.a, c.r_a) - at(c.b, c.r_b)).dot(c.normal);
   };
   const auto gives_way = [&](rigid::BodyId id, const Vec3& r, const Vec3& normal) {
-    constexpr double rounding = 1e-9;  // of what a body without locked axes gives way
+    constexpr double rounding = 1e-9;  // relative to a body without locked axes
     const std::size_t row = bodies.row_of(id);
     if (!bodies.is_dynamic(row) || bodies.locked(row) == 0) return bodies.is_dynamic(row);
     const Vec3 arm = r.cross(normal);
@@ -152,7 +152,7 @@ void FaultWatch::see_overlaps(const Case& setup, const BodySet& bodies,
                bodies.mass[row] * arm.dot(bodies.inverse_inertia_W(row) * arm) >
            rounding;
   };
-  constexpr double at_rest = 1e-4;  // of the half-width in a step
+  constexpr double at_rest = 1e-4;  // half-widths per step
   for (const rigid::Contact& c : contacts) {
     if (-c.gap <= limits_.least_half_width()) continue;
     const double allowed = std::min(half_width(c.a), half_width(c.b)), share = -c.gap / allowed;
@@ -195,9 +195,9 @@ bool FaultWatch::see_energy(const Scene& scene, FixedSum brought, std::int64_t s
   return true;
 }
 
-/// Returns the text to report if the bodies have gained too much; "" if not.
+/// Returns the error if the bodies have gained too much energy, or "".
 std::string FaultWatch::gain(const Case& setup, const Energies& of_all) {
-  constexpr double share_of_motion = 0.1;  // of the largest kinetic energy so far: allowed, besides the lift
+  constexpr double share_of_motion = 0.1;  // of the largest kinetic energy, allowed besides the lift
   const double energy = rigid::from_fixed(of_all.mechanical.value()),
                kinetic = rigid::from_fixed(of_all.kinetic.value());
   Energy& e = energy_;

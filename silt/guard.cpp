@@ -21,8 +21,7 @@ using rigid::Vec3;
 
 namespace {
 
-/// The keys of this case that set things in motion, at most one a section: "fluid.body_force,
-/// bodies[0].velocity".
+/// Returns the keys that drive motion, at most one per section: "fluid.body_force, bodies[0].velocity".
 std::string drives(const Case& setup) {
   constexpr std::array<std::string_view, 6> names = {
       "acceleration", "body_force", "superficial_velocity", "velocity", "angular_velocity", "amplitude"};
@@ -45,8 +44,8 @@ std::string slower_remedy(const Case& setup) {
 
 const char* const light_bodies_remedy = "use coupling.time = \"implicit\" (light bodies need it), or ";
 
-/// Returns what to change when a flow runs away: explicit coupling of light bodies; the collision or the
-/// relaxation time if that is close to 1/2, where trt and bgk do not last; else the time step or the drive.
+/// Returns what to change when a flow diverges: explicit coupling of light bodies; collision or relaxation
+/// time, if close to 1/2, where trt and bgk are unstable; else the time step or the drive.
 std::string flow_remedy(const Case& setup) {
   constexpr double delicate_relaxation_time = 0.55;
   if (has_bodies_too_light(setup)) return light_bodies_remedy + slower_remedy(setup);
@@ -75,7 +74,7 @@ Vec3 centre_of(lbm::Int3 cell) {
   return {cell.x + 0.5, cell.y + 0.5, cell.z + 0.5};
 }
 
-/// Returns the distance of a point from the surface of a row, at its periodic image nearest to the point.
+/// Returns the distance of a point from the surface of a body or wall, at the nearest periodic image.
 double distance_of(const Scene& scene, std::size_t row, Vec3 point) {
   const rigid::Extent& extent = scene.exchange->extent();
   const rigid::Pose pose = scene.bodies.pose(row);
@@ -86,7 +85,7 @@ double distance_of(const Scene& scene, std::size_t row, Vec3 point) {
   return rigid::signed_distance(scene.world.shapes[scene.bodies.shape[row]], pose.to_body(point));
 }
 
-/// A body or wall near a point: its row, and the distance of its surface (cells).
+/// A body or wall near a point: its row, and the distance of its surface in cells.
 struct Neighbour {
   std::size_t row;
   double distance;
@@ -94,7 +93,7 @@ struct Neighbour {
 struct Neighbours {
   std::optional<Neighbour> first, second;
 };
-/// Looks among the bodies and walls that this rank holds, within so many cells of a cell's centre.
+/// Finds the two nearest bodies or walls on this rank within a distance of a cell's centre, in cells.
 Neighbours neighbours_of(const Scene& scene, lbm::Int3 cell, double within = 2) {
   Neighbours near;
   for (std::size_t row = 0; row < scene.bodies.size(); ++row) {
@@ -109,7 +108,7 @@ Neighbours neighbours_of(const Scene& scene, lbm::Int3 cell, double within = 2) 
 }
 
 /// Returns "cell [1, 2, 3] (at [0.1, 0.2, 0.3] m), 0.6 cells from body 7, in a gap of 1.1 cells to the side
-/// z-low": the position if the case has units, and what of the neighbours there is.
+/// z-low", with the position if the case has units, and the neighbours there are.
 std::string place_text(const Scene& scene, lbm::Int3 cell, const Neighbours& near) {
   std::string text = fmt::format("cell [{}, {}, {}]", cell.x, cell.y, cell.z);
   if (scene.setup.units.si) {
@@ -126,8 +125,7 @@ std::string place_text(const Scene& scene, lbm::Int3 cell, const Neighbours& nea
   return text;
 }
 
-/// Returns the remedy for what moves the fluid at a cell: a body beside it that is about as fast, else the
-/// flow itself.
+/// Returns the remedy for fast fluid at a cell: of a body beside it as fast as it, else of the flow.
 std::string remedy_at(const Scene& scene, const Neighbours& near, double speed) {
   const rigid::BodySet& bodies = scene.bodies;
   if (!near.first || near.first->row >= bodies.first_wall()) return flow_remedy(scene.setup);
@@ -149,7 +147,7 @@ std::string speed_text(const Case& setup, double speed, double limit) {
                      in_si(setup, speed), shown(limit));
 }
 
-/// The cell at fault and what is wrong with it, if anything is.
+/// A cell at fault and the fault.
 struct FluidFault {
   lbm::Int3 cell;
   std::string what;
@@ -165,7 +163,7 @@ std::optional<FluidFault> fault_of(const Case& setup, const coupler::FlowTotals&
   return {};
 }
 
-/// Says whether this rank has a cell of the finest lattice, or a coarse one where it would be.
+/// Returns whether this rank has a cell of the finest lattice, or the coarse cell in its place.
 bool holds(const coupler::Flow& flow, lbm::Int3 cell) {
   bool found = false;
   flow.for_levels([&](const coupler::FluidFields& fields) {

@@ -1,5 +1,5 @@
 #pragma once
-// Stops a run whose state has left the range in which it means anything, and says what to change.
+// Stops a run whose state leaves the range in which results are valid, and says what to change.
 #include <cstdint>
 #include <optional>
 #include <stdexcept>
@@ -16,53 +16,52 @@ namespace silt {
 struct Case;
 class Scene;
 
-/// GuardStop says that a value left its allowed range. what(): step, where, value, what is allowed, which key
-/// to change.
+/// A value left its allowed range. what() gives step, place, value, allowed range and the key to change.
 struct GuardStop : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
-/// One that every rank finds alike, in the same step: all come to their end together.
+/// A GuardStop that every rank throws in the same step.
 struct CommonGuardStop : GuardStop {
   using GuardStop::GuardStop;
 };
 
-/// All of the fluid is looked at once in so many steps, a multiple of those of the coarsest cells, about the
-/// price of two. In between the dense pass finds what is too fast, in lbm::WatchedPlanes::period steps at
-/// most.
+/// Steps between two checks of all fluid cells, a multiple of the steps of the coarsest cells; a check costs
+/// about two steps. Between them the dense pass finds cells that are too fast within
+/// lbm::WatchedPlanes::period steps.
 inline constexpr std::int64_t guard_interval = 96;
 static_assert(guard_interval % (1 << coupler::CoarseningSpec::most_levels) == 0);
-/// Above this speed (cells a step) the scheme's error is of the order of the flow itself: what a look finds.
+/// The largest speed that a check allows, in cells per step; above it the scheme's error is that of the flow.
 inline constexpr double highest_speed = 0.4;
 
-/// Judges the totals of a scene's flow. Throws CommonGuardStop: the cell, what is beside it, the cure.
-/// Collective if something is wrong.
+/// Checks the totals of a scene's flow. Throws CommonGuardStop with the cell, its surroundings and the
+/// remedy. Collective if there is a fault.
 void check_flow(const Scene&, const coupler::FlowTotals&, std::int64_t step);
 
-/// Returns what to change when contacts go wrong without a fluid.
+/// Returns what to change when contacts fail without a fluid.
 std::string contact_remedy(const Case&);
 
-/// Returns the text for a cell of this rank that is too fast: where it is, what is beside it, the cure.
+/// Returns the error for a cell of this rank that is too fast: its place, its surroundings, the remedy.
 std::string too_fast_text(const Scene&, const coupler::FluidFields::Fast&, std::int64_t step);
 
-/// Returns the text for a body that would move further in a step than its limit; a speed that is not finite
-/// stands for a velocity or position that is no number.
+/// Returns the error for a body that would move further in a step than its limit. A speed that is not finite
+/// means a velocity or position that is not a number.
 std::string motion_text(const Case&, rigid::BodyId, double speed, double limit, std::int64_t step);
 
-/// Returns the text for two bodies (or a body and a wall) that overlap deeper than half the width of one, and
-/// go on; can_part: whether an impulse along the normal moves either.
+/// Returns the error for two bodies (or a body and a wall) that overlap by more than half the width of one
+/// and still approach; can_part: whether a normal impulse can move either.
 std::string overlap_text(const Case&, const rigid::Contact&, double half_width, bool can_part,
                          std::int64_t step);
 
-/// Returns the text for bodies whose energy has grown since a step though nothing drives them.
+/// The growth of energy of bodies that nothing drives; energy_text() returns the error for it.
 struct EnergyGain {
-  double gain, kinetic, allowed;  // kinetic: now
+  double gain, kinetic, allowed;  // kinetic: at present
 };
 std::string energy_text(const Case&, const EnergyGain&, std::int64_t since, std::int64_t step);
 
-/// Returns the text for a body that came too near to coarser cells.
+/// Returns the error for a body that is too close to coarser cells.
 std::string border_text(const Case&, rigid::BodyId, std::int64_t step);
 
-/// Returns the text for sums of forces that ran out of range; on this rank, or (no rank) as all ranks know.
+/// Returns the error for sums of forces out of range, on one rank or, without `rank`, known to all ranks.
 std::string overflow_text(const Case&, const std::string& what, std::int64_t step,
                           std::optional<int> rank = {});
 

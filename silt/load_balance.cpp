@@ -7,11 +7,11 @@
 namespace silt {
 namespace {
 
-/// A move takes as long as so many steps of mean work: populations go, halo and maps are made again.
+/// The cost of a move in steps of mean work: populations are sent, halo and maps rebuilt.
 constexpr double steps_of_a_move = 20;
 
-/// The work of finer cells beyond that of the coarsest in their place, and other work, in the tiles of which
-/// the domain is cut where cells have levels.
+/// Returns the work of cells beyond that of the coarsest cells in their place, and the given items, in tiles,
+/// by which a domain with several levels is cut.
 std::vector<coupler::WorkItem> in_tiles(const Scene& scene, std::int64_t work_of_a_cell,
                                         std::vector<coupler::WorkItem> items) {
   const int tile = coarsest_tile(scene.setup), levels = scene.setup.coarsening->levels;

@@ -18,7 +18,7 @@ using rigid::Vec3;
 
 namespace {
 
-/// Bodies at their places, which the loads of a step give velocities.
+/// The scene with bodies held in place, whose velocities are only used to compute forces.
 class HeldScene final : rigid::StepObserver {
  public:
   explicit HeldScene(Scene& scene) : scene_(scene), start_(scene.bodies) {
@@ -44,7 +44,7 @@ class HeldScene final : rigid::StepObserver {
     }
   }
 
-  /// Leaves the fluid its pressure, and nothing a velocity.
+  /// Sets all velocities to zero and keeps the pressure of the fluid.
   void come_to_rest() {
     for (int level = 0; level < scene_.flow->levels(); ++level) {
       coupler::FluidFields& fields = scene_.flow->fields(level);
@@ -54,8 +54,7 @@ class HeldScene final : rigid::StepObserver {
     if (scene_.springs) scene_.springs->start(scene_.bodies);
   }
 
-  /// Gives the bodies back all that they had. Copies get velocities from their owners; what else of them
-  /// changes is zero at the start.
+  /// Restores the bodies. Copies get velocities from their owners; their other columns are zero at the start.
   void give_back() {
     rigid::BodySet& bodies = scene_.bodies;
     for (std::size_t row = 0; row < start_.owned; ++row) {
@@ -109,7 +108,7 @@ class HeldScene final : rigid::StepObserver {
 
   Scene& scene_;
   const rigid::BodySet start_;
-  std::optional<rigid::RigidStep> rigid_step_;  // of its own: that of the scene has not begun
+  std::optional<rigid::RigidStep> rigid_step_;  // its own, as that of the scene must not begin
 };
 
 }  // namespace

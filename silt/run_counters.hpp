@@ -1,6 +1,6 @@
 #pragma once
-// The counters of a run. A new counter is a member and its line in visit_counters: checkpoints, report.json
-// and the sums over ranks follow from that.
+// The counters of a run. A new counter needs a member and a line in visit_counters, which checkpoints,
+// report.json and the sums over ranks use.
 #include <cstdint>
 
 #include "rigid/collision/collision_backend.hpp"
@@ -9,18 +9,18 @@
 namespace silt {
 
 struct CellCounts {
-  std::uint64_t covered = 0, uncovered = 0;  // by bodies
+  std::uint64_t covered = 0, uncovered = 0;  // cells that bodies covered and left
 };
 struct BodyCounts {
-  std::uint64_t migrations = 0;         // that changed their owner
+  std::uint64_t migrations = 0;         // bodies that changed their owner
   std::uint64_t arrived = 0, left = 0;  // since the start
-  std::uint64_t left_by[7] = {};        // of these by each side of the domain, by an [[outflow]]
-  std::uint64_t refused = 0;            // that a later application of a fill had no room for
+  std::uint64_t left_by[7] = {};        // through each side of the domain, and into an [[outflow]]
+  std::uint64_t refused = 0;            // bodies for which a repeated fill had no room
 };
 struct ContactCounts {
   std::uint64_t contacts = 0, mixed_owner_contacts = 0;
-  std::uint64_t lubricated_contacts = 0, unlubricated_contacts = 0;  // with a film, and as narrow without
-  std::uint64_t infeasible = 0;  // of the resolver (ResolverStatistics), as sweeps and residual
+  std::uint64_t lubricated_contacts = 0, unlubricated_contacts = 0;  // with a film; too narrow for a film
+  std::uint64_t infeasible = 0;                                      // of the resolver (ResolverStatistics)
 };
 struct Counts : CellCounts, BodyCounts, ContactCounts, rigid::BackendCounters {};
 struct Extremes {
@@ -28,15 +28,15 @@ struct Extremes {
   double body_speed = 0, penetration = 0, residual = 0;
 };
 
-/// All counts since step 0. Counts of contacts are sums over steps; lattice units.
+/// The counters since step 0, lattice units. Counts of contacts are summed over steps.
 struct RunCounters : Counts, Extremes {};
 
 struct CounterName {
-  const char *checkpoint, *report;        // attribute of a checkpoint, key of report.json (or none)
+  const char *checkpoint, *report;        // names in checkpoints and report.json (null: none)
   Dimension dimension = dimension::none;  // of the value in the report
 };
 
-/// Calls visit(name, counter) for each: counts are sums over ranks and steps, extremes are the largest.
+/// Calls visit(name, counter) for each counter. Counts are summed over ranks and steps, extremes are maxima.
 template <class Counters, class Visit>
 void visit_counters(Counters& c, Visit&& visit) {
   visit(CounterName{"covered", "covered"}, c.covered);

@@ -20,11 +20,11 @@ namespace {
 
 using rigid::Vec3;
 
-// Cells by which the blocks are grown when the holders of a body are found, with fluid: the ghost layers of
-// the map of solid cells (whose centres are no further than 1.5 cells away; the rest is for what a mapping
-// pose may lag behind); besides them the furthest motion of a step that the guard lets pass.
+// Cells by which blocks are grown to find the holders of a body in a fluid: the ghost layers of the solid map
+// (cell centres are at most 1.5 cells away; the rest allows for mapping poses that lag behind). The guard's
+// limit of motion in a step is added.
 constexpr double ghost_layers = coupler::CellBits::ghosts;
-// Rounding may move a contact point between two blocks by this, without a fluid.
+// Without a fluid: the distance by which rounding may move a contact point into another block.
 constexpr double dry_slack = 1e-3;
 
 double rim_of(const Case& setup) {
@@ -58,8 +58,7 @@ std::array<rigid::WallSpec, 6> walls_of(const Case& setup) {
   return walls;
 }
 
-/// Returns the wall with that point of its axis that is nearest to the middle of the domain: torques are
-/// summed about it.
+/// Returns the wall with its axis point, about which torques are summed, nearest to the domain's middle.
 rigid::TubeWallSpec at_the_domain(rigid::TubeWallSpec wall, const rigid::Extent& extent) {
   wall.point += wall.axis.dot(0.5 * extent.size - wall.point) * wall.axis;
   return wall;
@@ -119,7 +118,7 @@ Scene::Scene(Case given, MPI_Comm communicator, const coupler::SavedBodies* save
                               setup.contacts.substeps);
 }
 
-/// Takes the levels of cells that follow from where bodies and walls are.
+/// Updates the levels of cells from the places of bodies and walls.
 void Scene::update_level_view() {
   if (!setup.coarsening) return;
   if (!level_views_)
@@ -152,7 +151,7 @@ void Scene::drive(std::int64_t step) {
     const auto velocity = found->second.over_step(static_cast<double>(step));
     bodies.set_velocity(row, velocity.linear, velocity.angular);
   }
-  if (!setup.kind_motions.empty()) exchange->synchronise(bodies);  // other ranks may be in their way now
+  if (!setup.kind_motions.empty()) exchange->synchronise(bodies);  // their holders may have changed
   if (springs) {
     if (step == 0) springs->start(bodies);
     springs->share(bodies);
@@ -164,10 +163,9 @@ bool Scene::may_be_cut_again() const {
   return ranks > 1 && !setup.block_cells;
 }
 
-/// Changes from the cut by size alone to one for the work that the bodies will make, where that is clearly
-/// better.
+/// Changes from the equal cut to one for the predicted work of bodies, if that is clearly better.
 void Scene::cut_for_bodies() {
-  constexpr double clearly = 0.05;  // of the mean work of a rank
+  constexpr double clearly = 0.05;  // in units of the mean work of a rank
   const CutComparison cuts = compare_cuts(*this);
   Evenness& evenness = at_start.evenness;
   evenness.before = evenness.after = cuts.present.largest_over_mean();
@@ -210,7 +208,7 @@ bool Scene::has_coarser_cells_near(const rigid::BoundingBox& box) const {
   return false;
 }
 
-/// Returns a body of this rank that is nearer to coarser cells than it may ever be.
+/// Returns a body of this rank that is too close to coarser cells.
 std::optional<rigid::BodyId> Scene::body_at_border() const {
   for (std::size_t row = 0; row < bodies.owned; ++row)
     if (has_coarser_cells_near(rigid::bounding_box(world.shapes[bodies.shape[row]], bodies.pose(row))))

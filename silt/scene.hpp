@@ -1,6 +1,6 @@
 #pragma once
-// Everything a run holds, built from a case: the domain, the bodies and the world they live in, the exchange
-// between ranks, and those parts of the step the scene needs. What it does not need is not there (null).
+// The parts of a run, built from a case: domain, bodies, world, the exchange between ranks, and those parts
+// of a step that the scene needs; others are null.
 #include <mpi.h>
 
 #include <functional>
@@ -25,18 +25,18 @@ struct BodySpec;
 struct Case;
 struct CentredShape;
 
-/// Returns the levels of cells in a part of the domain, as boxes; collective.
+/// Returns the boxes of cells of one level in a part of the domain. Collective.
 using SavedLevels = std::function<std::vector<lbm::LevelBox>(const lbm::CellBox& part)>;
 
 class Scene {
   std::shared_ptr<const Case> own_setup_;
 
  public:
-  /// Collective. The case must have passed check_case; CaseError on every rank if a fill does not fit. With
-  /// `saved` the bodies are those, each of them saved on exactly one rank, whichever, instead of the case's,
-  /// and the levels of cells those saved. With a first id those of the case are there as well, from it on.
-  /// std::invalid_argument for a domain that cannot be cut for this many ranks, or an unknown backend or
-  /// resolver. The flow is at rest and not started.
+  /// The case must have passed check_case. With `saved` the scene has these bodies, each saved on exactly one
+  /// rank, instead of the case's, and the saved levels of cells; with a first id also those of the case, from
+  /// this id on. The flow is at rest and not started. Collective. Throws on every rank: CaseError if a fill
+  /// does not fit, std::invalid_argument for a domain that cannot be cut for this number of ranks, or an
+  /// unknown backend or resolver.
   Scene(Case, MPI_Comm, const coupler::SavedBodies* saved = nullptr, const SavedLevels& = {},
         rigid::BodyId first_id = 0);
 
@@ -45,50 +45,45 @@ class Scene {
   int rank = 0, ranks = 1;
   lbm::Domain domain;
   rigid::World world;
-  rigid::BodySet bodies;        // this rank's
-  bool anything_moves = false;  // a body that is not fixed, on any rank, or may come
+  rigid::BodySet bodies;        // of this rank
+  bool anything_moves = false;  // any rank has a body that is not fixed, or bodies may arrive
   struct AtStart {
     std::uint64_t body_count = 0;     // of all ranks
-    rigid::BodyId first_free_id = 1;  // none of the case's bodies has that or a higher one
+    rigid::BodyId first_free_id = 1;  // above all ids of the case's bodies
     StartPositions positions;         // of the case's bodies
-    Evenness evenness;                // of the work of ranks, under the equal cut and the one taken
+    Evenness evenness;                // of the work, with the equal cut and with the chosen one
   } at_start;                         // of this run
   std::unique_ptr<coupler::ParallelBodyExchange> exchange;
   struct {
     std::unique_ptr<rigid::CollisionBackend> backend;
     std::unique_ptr<rigid::ContactResolver> resolver;
-  } contacts;  // this and the step: null if no body moves
+  } contacts;  // null, like rigid_step, if no body moves
   std::unique_ptr<rigid::RigidStep> rigid_step;
   std::unique_ptr<coupler::Flow> flow;        // null: no [fluid]
   std::unique_ptr<coupler::Springs> springs;  // null: no [[springs]]
 
-  /// Gives walls that move the pose and the velocities that they have after so many steps, and the pose at
-  /// which the next step maps them: functions of the step alone.
+  /// Sets moving walls to pose and velocities after `step` steps, and to the next mapping pose.
   void move_walls(std::int64_t step);
 
-  /// Gives gravity, moving sides, bodies, springs and the flow what drives them in the step that follows so
-  /// many.
+  /// Sets what drives step `steps_done + 1`: gravity, moving sides, bodies, springs and the flow.
   void drive(std::int64_t steps_done);
 
-  /// Says whether the domain may be cut as the work is shared best.
+  /// Returns whether the domain may be cut again for load balance.
   bool may_be_cut_again() const;
-  /// Collective, between steps, once the flow has started: goes over to another cut, of a leaf a rank or
-  /// more. Bodies and populations move to the ranks it gives; the flow and the parts that refer to it are new
-  /// ones.
+  /// Changes to another cut with at least one leaf per rank: moves bodies and populations, and makes the flow
+  /// and the parts that refer to it anew. Call between steps, after the flow has started. Collective.
   void repartition(const lbm::CutTree&);
 
-  /// Changes to the levels of cells that follow from where bodies and walls are now; between steps of the
-  /// coarsest cells, once the flow has started. Ranks that see no change do nothing. Returns whether this one
-  /// did anything.
+  /// Updates the levels of cells for the present places of bodies and walls; returns whether this rank
+  /// changed anything. Call between steps of the coarsest cells, after the flow has started.
   bool regrid();
-  /// Returns the levels of the cells that this rank knows of; needs [coarsening].
+  /// Returns the levels of the cells known to this rank; needs [coarsening].
   const lbm::Domain& level_view() const { return *level_view_; }
-  /// Says whether this rank knows of cells, other than finest ones, that are nearer to a box than bodies may
-  /// ever be; needs [coarsening].
+  /// Returns whether this rank knows of coarser cells closer to a box than bodies may be; needs [coarsening].
   bool has_coarser_cells_near(const rigid::BoundingBox&) const;
   std::optional<rigid::BodyId> body_at_border() const;
 
-  /// Makes a row that of a body which a case places: wrapped into the domain, at rest on the lattice.
+  /// Sets a row to a body placed by the case: wrapped into the domain, mapped at its pose, at rest.
   void set_placed(std::size_t row, rigid::BodyId, const BodySpec&, const CentredShape&);
 
   std::string backend_name() const {
@@ -97,7 +92,7 @@ class Scene {
   std::string resolver_name() const {
     return contacts.resolver ? std::string(contacts.resolver->name()) : "none";
   }
-  /// The passes of a coupled step for this scene.
+  /// Returns the parts for a coupled step.
   coupler::SceneParts parts();
 
  private:
@@ -110,7 +105,7 @@ class Scene {
   void renew_flow();
 
   struct MovingWall {
-    std::size_t number;  // in the case
+    std::size_t number;  // index in the case
     coupler::WallMapping mapping;
   };
   std::vector<MovingWall> moving_walls_;

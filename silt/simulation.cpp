@@ -24,7 +24,7 @@ using rigid::Vec3;
 
 namespace {
 
-/// Says whether a quantity is of one of the types.
+/// Returns whether a quantity has one of the types.
 bool asks_for(const Case& setup, std::initializer_list<std::string_view> types) {
   return std::ranges::any_of(setup.quantities, [&](const QuantitySpec& q) {
     return std::ranges::find(types, q.type) != types.end();
@@ -54,7 +54,7 @@ Simulation::Simulation(Case setup, MPI_Comm comm, const SavedState& saved,
   saved.is_start ? start_fresh(set_populations) : resume(saved, set_populations);
 }
 
-/// All but the state that either start gives.
+/// Makes everything but the state, which start_fresh() or resume() sets.
 Simulation::Simulation(Case&& setup, MPI_Comm comm, const SavedState* saved)
     : scene_(std::move(setup), comm, saved ? &saved->bodies : nullptr, saved ? saved->levels : SavedLevels{},
              saved && saved->is_start ? saved->next_id : 0),
@@ -82,7 +82,7 @@ void Simulation::start_fresh(const std::function<void(const Case&, coupler::Flow
 
 void Simulation::resume(const SavedState& saved,
                         const std::function<void(const Case&, coupler::Flow&)>& set_populations) {
-  if (saved.step > 0) scene_.move_walls(saved.step - 1);  // where the last step mapped them
+  if (saved.step > 0) scene_.move_walls(saved.step - 1);  // as for the mapping of the last step
   if (scene_.flow) {
     set_populations(setup(), *scene_.flow);
     scene_.flow->resume(saved.step, scene_.rank == 0 ? saved.mass_taken : rigid::FixedSum{0});
@@ -110,7 +110,7 @@ void Simulation::before_drift(rigid::BodySet& bodies) {
   faults_.see_overlaps(setup(), bodies, step.contacts(), step_ + 1);
 }
 
-/// Says whether contact loads are noted in the columns of the bodies, since something asks for them.
+/// Returns whether contact loads are recorded in the columns of the bodies.
 bool Simulation::notes_contacts() const {
   return setup().output.body_contacts || asks_for_body_loads(setup());
 }
@@ -128,13 +128,13 @@ void Simulation::contact_impulse(rigid::BodySet& bodies, std::size_t row, const 
   coupler::add_contact_load(bodies, row, impulse, angular_impulse);
 }
 
-/// The next step, or the first look after it, reports what the last step found out of range.
+/// Runs work, which may find forces of the last step out of range, and reports these.
 template <class Work>
 auto Simulation::guarded(Work&& work) {
   try {
     return work();
   } catch (const coupler::ForceOutOfRange& found) {
-    tell_faults();  // what made it so
+    tell_faults();  // a fault that caused it
     const std::string what = fmt::format("the force on {} {}", body_name(setup(), found.on), found.what());
     throw CommonGuardStop(overflow_text(setup(), what, step_));
   }
@@ -146,7 +146,7 @@ void Simulation::start_quietly() {
   initial_ = balance();
 }
 
-/// Reports what was found a step ago; what was found in this one is under way.
+/// Reports faults of the last step, and starts the sums over this one.
 void Simulation::watch() {
   const bool fluid = scene_.flow != nullptr;
   if (!fluid && !scene_.anything_moves) return;
@@ -181,7 +181,7 @@ void Simulation::repartition(const lbm::CutTree& tree) {
   coupled_step_.renew(scene_.parts());
 }
 
-/// The balance is looked at before a step, so that all that a step leaves to be asked is of one cut.
+/// Balances before a step, so that all results of a step belong to one cut.
 void Simulation::balance_work() {
   const std::int64_t every = setup().balance_every;
   if (every == 0 || step_ == 0 || step_ % every != 0 || !scene_.may_be_cut_again()) return;
@@ -221,7 +221,7 @@ void Simulation::step() {
   contact_loads_.clear(), contact_moments_.clear();
   if (!scene_.flow && notes_contacts()) coupler::clear_contact_loads(scene_.bodies);
   const rigid::RigidStepReport report = guarded([&] { return coupled_step_(scene_.bodies, changes); });
-  if (!scene_.rigid_step) {  // nothing has consumed them
+  if (!scene_.rigid_step) {  // no step has cleared them
     std::fill(scene_.bodies.force.begin(), scene_.bodies.force.end(), rigid::FixedVec3{});
     std::fill(scene_.bodies.torque.begin(), scene_.bodies.torque.end(), rigid::FixedVec3{});
   }
@@ -229,7 +229,7 @@ void Simulation::step() {
   scene_.drive(step_);
   count(report);
   watch();
-  check_.finish(*scene_.exchange, scene_.bodies, turnover_.expected());  // of the step before
+  check_.finish(*scene_.exchange, scene_.bodies, turnover_.expected());  // of the last step
   if (scene_.anything_moves && step_ % guard_interval == 0)
     check_.start(*scene_.exchange, scene_.bodies, turnover_.expected(), step_);
   effort_.traffic += parallel::traffic() - before, effort_.bus += bus_bytes() - on_bus_before;
@@ -273,7 +273,7 @@ RunCounters Simulation::counters() const {
           parallel::max_over_ranks<Extremes>(scene_.comm, c)};
 }
 
-// ---- what may be asked ----
+// ---- queries ----
 
 std::uint64_t Simulation::hash() const {
   return coupler::state_hash(scene_.comm, scene_.flow.get(), scene_.bodies);
@@ -291,7 +291,7 @@ Balance Simulation::balance() const {
   Balance b;
   struct {
     rigid::FixedVec3 momentum;
-    rigid::FixedSum scale = 0;  // of |m v|
+    rigid::FixedSum scale = 0;  // sum of |m v|
   } mine;
   const rigid::BodySet& bodies = scene_.bodies;
   for (std::size_t row = 0; row < bodies.owned; ++row) {

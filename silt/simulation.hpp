@@ -23,53 +23,51 @@
 
 namespace silt {
 
-/// A Balance is the mass and the momentum of everything there is at one time.
+/// The mass and momentum of a whole scene at one time.
 struct Balance {
   double mass_deviation = 0, fluid_cells = 0;
-  // of fluid and free bodies, less what bodies that came brought, with what those that left took
+  // of fluid and free bodies, corrected for bodies that arrived or left
   rigid::Vec3 momentum = rigid::Vec3::Zero();
-  double momentum_scale = 0;  // |fluid's| + sum over bodies of |m v|
+  double momentum_scale = 0;  // |momentum of the fluid| + sum over bodies of |m v|
 };
 
-/// This is what a checkpoint brings back, but for the populations of the fluid.
+/// The contents of a checkpoint, without populations.
 struct SavedState {
-  bool is_start = false;  // of a run of its own: all but bodies and next_id begins again
+  bool is_start = false;  // of another run: only bodies and next_id are used
   coupler::SavedBodies bodies;
   std::int64_t step = 0;
   RunCounters counters;
   Balance initial;
   rigid::BodyId next_id = 1;
-  rigid::FixedVec3 momentum_brought;  // by bodies that came and went
+  rigid::FixedVec3 momentum_brought;  // by bodies that arrived or left
   double fluid_speed = 0, density_deviation = 0;
-  rigid::FixedSum mass_taken = 0;  // by cells that changed sides, in lbm::mass_quantum
+  rigid::FixedSum mass_taken = 0;  // by cells that turned solid or fluid, lbm::mass_quantum
   coupler::FlowControl::State flow_control;
   SavedLevels levels;
 };
 
 class Simulation : private rigid::StepObserver {
  public:
-  /// Starts at step 0. Errors are those of Scene.
+  /// Starts at step 0. Throws like Scene.
   Simulation(Case, MPI_Comm);
-  /// Goes on from a state, with populations that set_populations gives the fluid, if there is one; or starts
-  /// with it, at step 0, where its fluid may be that of the case too.
+  /// Resumes from a state; set_populations sets the fluid's populations. If the state is a start, begins at
+  /// step 0 from it, and set_populations may be empty for the initial flow of the case.
   Simulation(Case, MPI_Comm, const SavedState&,
              const std::function<void(const Case&, coupler::Flow&)>& set_populations);
   Simulation(const Simulation&) = delete;
 
-  /// Before the first step: a start from rest begins with the pressure that its loads ask for, and sets off
-  /// no sound (quiet_start.hpp). Does nothing where quiet_start_steps() of the case is 0. CommonGuardStop.
+  /// Starts from rest with the pressure that balances the loads, without sound waves (quiet_start.hpp). Call
+  /// before the first step; does nothing if quiet_start_steps() is 0. Throws CommonGuardStop.
   void start_quietly();
-  /// Does one step; before it, where the case asks for it and it is time to, looks at how the work is shared,
-  /// and moves to a better cut (scene().flow and what it holds are then new ones), and bodies leave and come.
-  /// CommonGuardStop comes on every rank, a step after its cause: bodies that gain energy, that move too far
-  /// in a step or are outside the domain (within 64 steps), or on which the fluid's force is out of range,
-  /// and fluid that is too fast. GuardStop and std::overflow_error may come on some ranks only: the others
-  /// then wait for ever, so a program on several ranks ends with MPI_Abort after saying what happened.
+  /// Does one step. Before it, balances the work if that is due (a move replaces scene().flow and all it
+  /// holds), and removes and adds bodies. Throws CommonGuardStop on every rank, one step after the cause:
+  /// bodies that gain energy, move too far in a step, are outside the domain (within 64 steps) or have a
+  /// fluid force out of range, and fluid that is too fast. GuardStop and std::overflow_error may occur on
+  /// some ranks only, and others would wait for ever: on several ranks report the error and call MPI_Abort.
   void step();
-  /// Does so many steps, looking at the fluid every guard_interval steps (GuardStop on every rank).
+  /// Does `steps` steps, and checks the fluid every guard_interval steps (GuardStop on every rank).
   void run(std::int64_t steps);
-  /// Waits for what the guards of all ranks have seen so far (CommonGuardStop), so that the state can be
-  /// relied on.
+  /// Waits for the guards of all ranks (CommonGuardStop), so that the present state is known to be sound.
   void settle();
   std::int64_t steps_done() const { return step_; }
 
@@ -79,63 +77,62 @@ class Simulation : private rigid::StepObserver {
   rigid::BodySet& bodies() { return scene_.bodies; }
   const rigid::BodySet& bodies() const { return scene_.bodies; }
 
-  // ---- what a program may do between steps, by id (steering.cpp). std::invalid_argument on every rank, and
-  // nothing is changed, for a body that is not there or is fixed, and for what a case may not have ----
-  /// Gives a force that acts in the next step, once, however many ranks hold the body. All forces that it has
-  /// for that step must not move it further than a step may.
+  // ---- changes between steps, by body id (steering.cpp). Throw std::invalid_argument on every rank and
+  // change nothing if the body does not exist or is fixed, or if a case could not have the value ----
+  /// Adds a force to the next step, once, however many ranks hold the body. All added forces together must
+  /// not move the body further than its limit per step.
   void add_force(rigid::BodyId, const rigid::Vec3& force_W,
                  const rigid::Vec3& torque_W = rigid::Vec3::Zero());
   void set_velocity(rigid::BodyId, const rigid::Vec3& velocity_W, const rigid::Vec3& angular_velocity_W);
-  /// Moves a body to where it meets neither a wall nor another body and cells are finest; its velocity stays.
+  /// Moves a body to a place in finest cells, free of walls and bodies; keeps its velocity.
   void set_pose(rigid::BodyId, const rigid::Pose&);
 
-  /// Moves everything to the ranks that another cut of the domain gives: no result depends on it.
+  /// Moves the state to the ranks of another cut of the domain; results do not change.
   void repartition(const lbm::CutTree&);
 
-  // ---- what may be asked ----
+  // ---- queries ----
   std::uint64_t hash() const;
   RunCounters counters() const;  // of all ranks
-  /// Returns the momentum that bodies that came and went have brought to all there is; collective.
+  /// Returns the momentum that bodies brought when they arrived or left, in total. Collective.
   rigid::FixedVec3 momentum_brought() const;
-  /// Collective. Returns the mass that FlowAccount::mass_taken says, of all ranks.
+  /// Returns FlowAccount::mass_taken over all ranks. Collective.
   rigid::FixedSum mass_taken() const;
-  rigid::BodyId next_id() const { return turnover_.next_id(); }  // the first that no body has had
-  /// Returns this rank's bodies that have left since the last call. Local.
+  rigid::BodyId next_id() const { return turnover_.next_id(); }  // the first unused id
+  /// Returns this rank's bodies that left since the last call. Local.
   std::vector<Departure> take_departures() { return turnover_.take_departures(); }
   const Balance& initial_balance() const { return initial_; }
   Balance balance() const;
   coupler::FlowTotals checked_totals();                // needs a flow; also checks it (GuardStop)
-  double fluid_speed() const { return fluid_speed_; }  // largest at any look; local
-  /// The largest root mean square of density - 1 at any look; local.
+  double fluid_speed() const { return fluid_speed_; }  // largest at any check; local
+  /// Returns the largest root mean square of density - 1 at any check. Local.
   double density_deviation() const { return density_deviation_; }
   std::uint64_t links() const;  // of all ranks
   BalanceRecord balance_record() const;
-  coupler::StageSeconds stage_seconds() const { return coupled_step_.seconds(); }  // local, waits included
+  coupler::StageSeconds stage_seconds() const { return coupled_step_.seconds(); }  // local, with waiting
   coupler::StageTraffic stage_traffic() const { return coupled_step_.traffic(); }  // local: with other ranks
   const parallel::Traffic& traffic_in_steps() const { return effort_.traffic; }    // local: of all steps
   const BusBytes& bus_bytes_in_steps() const { return effort_.bus; }               // local: of all steps
   double step_seconds() const { return effort_.seconds; }  // local: time spent in step()
-  /// Returns the force and torque that the fluid had on each owned body in the last step, by row. Local.
+  /// Returns the force and torque of the fluid on each owned body in the last step, by row. Local.
   std::vector<coupler::BodyLoad> last_loads() const;
-  /// Returns the force and torque that contacts, films included, had on each owned body in the last step, by
-  /// row; zero of bodies that are not free, and where neither output.bodies.contacts nor a quantity of the
-  /// case asks for them. Local.
+  /// Returns the force and torque of contacts and lubrication films on each owned body in the last step, by
+  /// row. Zero for bodies that are not free, and unless output.bodies.contacts or a quantity needs it. Local.
   std::vector<coupler::BodyLoad> last_contact_loads() const;
-  /// Of their springs.
+  /// Returns the force and torque of springs likewise.
   std::vector<coupler::BodyLoad> last_spring_loads() const;
-  /// Returns what owned bodies' contacts did to walls, and to bodies that they do not move, in the last step;
-  /// empty where no quantity of the case asks for it. Local.
+  /// Returns the loads by contacts of owned bodies on walls and on bodies that they do not move in the last
+  /// step; empty if no quantity needs them. Local.
   std::span<const coupler::ContactLoad> contact_loads() const { return contact_loads_; }
-  /// Returns the moments of their contacts, which quantities of stress ask for. Local.
+  /// Returns the moments of these contacts, for quantities of stress. Local.
   std::span<const coupler::ContactMoment> contact_moments() const { return contact_moments_; }
-  std::uint64_t body_count() const;    // that have an owner on any rank, counted
+  std::uint64_t body_count() const;    // bodies with an owner, counted on all ranks
   std::uint64_t contacts_now() const;  // of all ranks, in the last step
 
  private:
   Simulation(Case&&, MPI_Comm, const SavedState*);
   void start_fresh(const std::function<void(const Case&, coupler::Flow&)>& set_populations = {});
   void resume(const SavedState&, const std::function<void(const Case&, coupler::Flow&)>& set_populations);
-  // of the bodies' step
+  // for the step of the bodies
   void before_drift(rigid::BodySet&) override;
   bool wants_contact_impulses() const override;
   bool wants_all_impulses() const override;
@@ -156,7 +153,7 @@ class Simulation : private rigid::StepObserver {
   Scene scene_;
   coupler::CoupledStep coupled_step_;
   std::int64_t step_ = 0;
-  RunCounters counters_;  // this rank's; those of a checkpoint on rank 0
+  RunCounters counters_;  // of this rank; those of a checkpoint on rank 0
   std::uint64_t last_contacts_ = 0;
   Balance initial_;
   BodyTurnover turnover_;

@@ -1,5 +1,4 @@
-// What a program does to bodies between steps. All ranks refuse alike what a case may not have, before
-// anything is changed.
+// Changes to bodies between steps by a program. All ranks reject what a case could not have.
 #include <fmt/format.h>
 
 #include <stdexcept>
@@ -19,8 +18,7 @@ using rigid::BodyId;
 using rigid::Motion;
 using rigid::Vec3;
 
-/// What every rank knows of a body that a program is about to change, and its row, which counts on the rank
-/// that owns it alone.
+/// What all ranks know of the body to change, and its row, which is valid on its owner only.
 struct Simulation::Steered {
   std::size_t row;
   bool own;
@@ -30,14 +28,13 @@ struct Simulation::Steered {
 
 namespace {
 
-/// Every rank throws the text of the first that has one.
+/// Throws, on every rank, the text of the first rank that has one.
 void refuse(MPI_Comm comm, const std::string& mine) {
   if (const std::string fault = parallel::text_of_first(comm, mine); !fault.empty())
     throw std::invalid_argument(fault);
 }
 
-/// Returns what is wrong with the forces that a body has for the next step, "" if nothing. The fluid that it
-/// displaces counts as so much mass more.
+/// Returns the fault of a body's forces in the next step, or "". Displaced fluid counts as added mass.
 std::string fault_of_forces(const Scene& scene, std::size_t row, const Vec3& force, const Vec3& torque) {
   const rigid::BodySet& bodies = scene.bodies;
   const int shape = bodies.shape[row];
@@ -56,7 +53,7 @@ std::string fault_of_forces(const Scene& scene, std::size_t row, const Vec3& for
   return "";
 }
 
-/// The body that is moved, where it is to be.
+/// Returns a spec of the body at its new place.
 BodySpec spec_of(const rigid::Pose& pose, int shape, int kind, Motion motion) {
   BodySpec spec;
   spec.shape = shape, spec.kind = kind, spec.motion = motion;
@@ -68,7 +65,7 @@ BodySpec spec_of(const rigid::BodySet& bodies, std::size_t row) {
   return spec_of(bodies.pose(row), bodies.shape[row], bodies.kind[row], bodies.motion[row]);
 }
 
-/// The words of a case file, with lengths in cells.
+/// Returns a copy of the case whose messages give lengths in cells.
 Case in_cells(const Case& setup) {
   Case copy = setup;
   copy.units = Units{};
@@ -128,11 +125,11 @@ void Simulation::set_velocity(BodyId id, const Vec3& velocity, const Vec3& angul
     bodies.set_velocity(body.row, velocity, angular_velocity);
     coupler::Springs::start(bodies, body.row);
   }
-  scene_.exchange->relocate(bodies);  // other ranks may be in its way now
+  scene_.exchange->relocate(bodies);  // its holders may have changed
   if (scene_.springs) scene_.springs->share(bodies);
 }
 
-/// A body must have room where it is to be, among walls and bodies where they are now, and finest cells.
+/// Requires that a body at its new place is in finest cells and free of walls and other bodies.
 void Simulation::require_room(BodyId id, const BodySpec& body) const {
   const std::string key = setup().units.si ? "position (in cells)" : "position";
   const double now = double(step_);
@@ -174,7 +171,7 @@ void Simulation::set_pose(BodyId id, const rigid::Pose& pose) {
   }
   rigid::forget_impulses(bodies, id);
   faults_.start_again();
-  scene_.exchange->relocate(bodies);  // it may be another rank's now
+  scene_.exchange->relocate(bodies);  // its owner may have changed
   if (scene_.springs) scene_.springs->share(bodies);
 }
 

@@ -1,4 +1,4 @@
-// Built once an instruction set.
+// Built once per instruction set.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -17,8 +17,8 @@ namespace silt::coupler::SILT_ISA {
 
 namespace {
 
-/// Eight words of a stream, from the `first` one of some planes on: the place of each one's first cell, and
-/// the bits of rows [y0, y1); none beyond the planes.
+/// Eight words of a stream from word `first` of a group of planes on: the place of each word's first cell,
+/// and a mask of the bits in rows [y0, y1), zero beyond the planes.
 struct PlaneWords {
   static constexpr int most = 8;
   std::uint32_t place[most];
@@ -43,7 +43,7 @@ struct PlaneWords {
 
 using Words = VectorOf<std::uint64_t, PlaneWords::most>::type;
 
-/// Bit k: whether word k has any.
+/// Returns a mask with bit k set if word k has a bit set.
 unsigned filled(const Words& w) {
 #if defined(SILT_ISA_avx512)
   return _mm512_test_epi64_mask(__m512i(w), __m512i(w));
@@ -57,18 +57,17 @@ unsigned filled(const Words& w) {
 #endif
 }
 
-/// The stream moved so that a cell's bit is that of the cell `shift` bits further on.
+/// Returns eight words of the stream, shifted so that each bit is that of the cell `shift` bits further on.
 Words moved(const std::uint64_t* stream, std::ptrdiff_t shift) {
   const std::uint64_t* const from = stream + (shift >> 6);
   const int s = int(shift & 63);
   return load<Words>(from) >> s | load<Words>(from + 1) << 1 << (63 - s);
 }
 
-/// The places of the set bits of some words, one after the other; returns how many. Up to link_lanes more may
-/// be written.
+/// Lists the places of set bits in order; returns their number. May write link_lanes places more.
 std::uint32_t list_bits_plain(const BitFrame& frame, const PlaneWords& plane, const Words& words,
                               unsigned filled, std::uint32_t direction, std::uint32_t* out) {
-  // so many without asking how many there are: a wrong guess takes longer than four places
+  // writes four without counting the bits: a mispredicted branch costs more
   constexpr int at_once = 4;
   const int log_pitch = std::countr_zero(unsigned(std::min(frame.pitch, 64)));
   const std::uint32_t in_row = (1u << log_pitch) - 1;
@@ -90,8 +89,8 @@ std::uint32_t list_bits_plain(const BitFrame& frame, const PlaneWords& plane, co
 }
 
 #if defined(SILT_ISA_avx512)
-// Operators, and masks of all ones, for which nothing is generated: the plain intrinsics start from an
-// undefined vector, and g++ 12 warns that it is uninitialized.
+// Uses operators and full masks, which generate no code: g++ 12 warns of undefined vectors in plain
+// intrinsics.
 using Eight = VectorOf<std::uint64_t>::type;
 using Sixteen = VectorOf<std::uint32_t>::type;
 
@@ -103,7 +102,7 @@ Eight without_first_16_bytes(Eight set) {
   return Eight(_mm512_maskz_alignr_epi64(0xFF, __m512i(set), __m512i(set), 2));
 }
 
-/// Lists bits 16 at a time: the numbers of a word's set bits, compressed, then widened.
+/// Lists bits 16 at a time: compresses the indices of a word's set bits, then widens them.
 __attribute__((target("avx512vbmi2,avx512vbmi,avx512bw"))) std::uint32_t list_bits_compressed(
     const BitFrame& frame, const PlaneWords& plane, const Words& words, unsigned filled,
     std::uint32_t direction, std::uint32_t* out) {
@@ -147,8 +146,8 @@ std::uint32_t list_bits(const BitFrame& frame, const PlaneWords& plane, const Wo
   return list_bits_plain(frame, plane, words, filled(words), along, out);
 }
 
-/// Sets the cells first..last of a row that starts at a bit, as far as they lie in the block and its ghost
-/// layers: all but two at either end of the frame.
+/// Sets cells first..last of a row that starts at a bit, except the outer two cells at either end of the
+/// frame, which lie outside the block and its ghost layers.
 inline void set_cells(const BitFrame& frame, std::size_t row, double first, double last,
                       std::uint64_t* words) {
   first = std::max(first, 2.0), last = std::min(last, frame.size.x - 3.0);
@@ -160,9 +159,9 @@ inline void set_cells(const BitFrame& frame, std::size_t row, double first, doub
   }
 }
 
-/// Marks row by row where the line of cell centres is inside, in closed form.
+/// Marks the cells inside a ball; row by row in closed form.
 void mark_sphere(const BitFrame& frame, const PointInFrame& ball, double radius, std::uint64_t* words) {
-  constexpr int most = 64;  // rows at a time
+  constexpr int most = 64;  // rows per batch
   double first[most], last[most];
   for (int z = 2; z < frame.size.z - 2; ++z) {
     const double rz = (ball.low.z + z + 0.5) - ball.z;
@@ -183,8 +182,7 @@ void mark_sphere(const BitFrame& frame, const PointInFrame& ball, double radius,
   }
 }
 
-/// The rows of a frame, but for the outer two at either end, that may meet a part of a body: those of the box
-/// about it.
+/// The rows of a frame, without the outer two at either end, that the bounding box of a part overlaps.
 struct RowsOf {
   static constexpr double rounding = 1e-6;  // cells
   static constexpr double infinity = std::numeric_limits<double>::infinity();
@@ -208,8 +206,7 @@ struct RowsOf {
   }
 };
 
-/// Fills the cells inside a part of any kind, one row a lane; for a tube these are the cells outside its
-/// hole.
+/// Sets the cells inside a part of any kind, one row per lane; for a tube the cells outside its hole.
 template <rigid::SurfaceKind kind>
 void mark_part(const BitFrame& frame, const PointInFrame& centre, const rigid::SurfacePart<double>& part,
                const rigid::Plane<double>* planes, std::uint64_t* words) {
@@ -240,8 +237,7 @@ void mark_part(const BitFrame& frame, const PointInFrame& centre, const rigid::S
   }
 }
 
-/// Marks the cells inside any part. Bodies that are spheres, which need neither turning nor a division, have
-/// their own.
+/// Sets the cells inside any part of a surface. Spheres have the cheaper mark_sphere.
 void mark_parts(const BitFrame& frame, const PointInFrame& centre, const rigid::SurfaceView<double>& surface,
                 std::uint64_t* words) {
   for (int k = 0; k < surface.count; ++k)
@@ -250,7 +246,7 @@ void mark_parts(const BitFrame& frame, const PointInFrame& centre, const rigid::
     });
 }
 
-/// How many bits of a frame's stream a step along c_i is.
+/// Returns the number of bits of a frame's stream that a step along c_i spans.
 std::ptrdiff_t step_along(const BitFrame& frame, int i) {
   const lbm::Int3 c = lbm::D3Q19::c[i];
   return c.x + std::ptrdiff_t(frame.pitch) * c.y + std::ptrdiff_t(frame.plane) * 64 * c.z;
@@ -276,7 +272,7 @@ LinkCounts list_links(const BitFrame& frame, const FrameRows& wanted, const Link
   return n;
 }
 
-/// 32 cells of each row of some words, at 32-bit numbers of the words.
+/// Returns 32 cells of each row from words, at indices of 32-bit halves.
 using Links = Lanes<float>;
 Links::Whole half_words(const std::uint64_t* words, const Links::Whole& at) {
 #if defined(SILT_ISA_avx512)

@@ -1,6 +1,5 @@
 #pragma once
-// The kernels of object mapping, built once an instruction set: bits of bodies, bits of cut links and their
-// lists.
+// The kernels of object mapping, built once per instruction set: bits of bodies and links, lists of links.
 #include <cstdint>
 
 #include "coupler/mapping/bit_window.hpp"
@@ -10,21 +9,21 @@
 
 namespace silt::coupler {
 
-/// The reference point of a body seen from a frame.
+/// The reference point of a body relative to a frame.
 struct PointInFrame {
-  double x, y, z;  // bitwise the same for every frame, but for whole cells
+  double x, y, z;  // bitwise equal in all frames
   lbm::Int3 low;   // cell of the frame's bit 0, in the coordinates of the point
 };
 
-/// The bits from which the links of one surface are listed: streams of one frame.
+/// The bit streams of one frame from which the links of a surface are listed.
 struct LinkBits {
-  const std::uint64_t* body;   // with margins
-  const std::uint64_t* solid;  // with margins
-  const std::uint64_t* open;   // fluid cells whose links are wanted
-  bool reads_behind;           // links whose cell behind is solid are listed apart
+  const std::uint64_t* body;   // cells of the surface, with margins
+  const std::uint64_t* solid;  // solid cells, with margins
+  const std::uint64_t* open;   // fluid cells whose links are listed
+  bool reads_behind;           // list links whose cell behind is solid separately
 };
 
-/// How many links were listed: those whose cell behind does not matter, and those of single-cell gaps.
+/// The numbers of listed links: all but those of single-cell gaps (if told apart), and those.
 struct LinkCounts {
   std::uint32_t clear, single_cell;
 };
@@ -34,29 +33,29 @@ struct FrameRows {
   int z, planes, y0, y1;
 };
 
-/// The functions that each build for an instruction set has.
+/// The functions built for each instruction set.
 struct BitKernels {
-  /// Sets the bits of the cells inside a ball, or inside any part of a surface.
+  /// Set the bits of cells inside a ball, or inside any part of a surface.
   void (*mark_sphere)(const BitFrame&, const PointInFrame&, double radius, std::uint64_t* words);
   void (*mark_parts)(const BitFrame&, const PointInFrame&, const rigid::SurfaceView<double>&,
                      std::uint64_t* words);
-  /// Lists the links of some rows. Both lists need link_lanes of room more than they get.
+  /// Lists the links of rows. Both lists need room for link_lanes more than the links.
   LinkCounts (*list_links)(const BitFrame&, const FrameRows&, const LinkBits&, std::uint32_t* place,
                            std::uint32_t* single_cell);
-  /// Lists which of n links, at places that count from a cell of the block, have the cell behind outside of
-  /// the block, or behind that one a solid cell. Whole vectors of places are read; the list needs room for n.
+  /// Lists those of n links (places from `corner`) whose cell behind is outside the block or whose second one
+  /// is solid; returns their number. Reads whole vectors of places; the list needs room for n.
   std::uint32_t (*list_beyond)(const std::uint32_t* place, std::uint32_t n, lbm::Int3 corner,
                                const CellBits& solid, std::uint32_t* found);
-  /// Sets in `to` the cells next to one of a stream (with margins), along any c.
+  /// Sets in `to` all cells that have a neighbour along some c in a stream with margins.
   void (*widen)(const BitFrame&, const std::uint64_t* from, std::uint64_t* to);
-  /// Lists the cells x of some rows and the directions i of one half (c_i before its opposite) such that x
-  /// and x + c_i are of `ends` and at least one of them of `own` (streams with margins). Returns how many;
-  /// the list needs link_lanes of room more.
+  /// Lists cells x of rows and directions i of one half (c_i before its opposite) with x and x + c_i in
+  /// `ends` and one of them in `own` (streams with margins). Returns their number n; needs room for n +
+  /// link_lanes.
   std::uint32_t (*list_crossings)(const BitFrame&, const FrameRows&, const std::uint64_t* ends,
                                   const std::uint64_t* own, std::uint32_t* place);
 };
 SILT_BUILDS(BitKernels bit_kernels();)
-/// Returns the functions of the build that runs here.
+/// Returns the kernels for this CPU.
 inline const BitKernels& bit_kernels() {
   static const BitKernels kernels = SILT_CHOSEN(bit_kernels)();
   return kernels;

@@ -1,7 +1,6 @@
 #pragma once
-// A box of cells as one stream of bits: x runs fastest, rows `pitch` bits apart, planes a whole number of
-// words. A step along c is then a shift of the whole stream, and no cell of the box needs a case of its own
-// as long as nothing that is set lies at the box's border.
+// A box of cells as one stream of bits: x fastest, rows `pitch` bits apart, planes whole words apart. A step
+// along c shifts the whole stream, without special cases if all cells at the border of the box are unset.
 #include <algorithm>
 #include <cstdint>
 #include <vector>
@@ -12,10 +11,10 @@
 namespace silt::coupler {
 
 struct BitFrame {
-  lbm::Int3 low;   // cell of bit 0, block coordinates
+  lbm::Int3 low;   // cell of bit 0, in block coordinates
   lbm::Int3 size;  // cells
   int pitch = 0;   // 8, 16, 32 or a multiple of 64
-  int plane = 0;   // words a plane
+  int plane = 0;   // words per plane
 
   BitFrame() = default;
   BitFrame(lbm::Int3 corner, lbm::Int3 cells) : low(corner), size(cells) {
@@ -23,11 +22,11 @@ struct BitFrame {
     plane = (pitch * size.y + 63) / 64;
   }
   std::size_t words() const { return std::size_t(plane) * size.z; }
-  /// Zero words before a stream, so that it can be read one step along any c away; after it, for eight words
-  /// at a time, eight more.
+  /// Returns the number of zero words before a stream, so that it can be read one step along any c away;
+  /// eight more follow after it, for reads of eight words.
   int margin() const { return plane + pitch / 64 + 2; }
   std::size_t words_with_margins() const { return words() + 2 * margin() + 8; }
-  /// Bit of the first cell of row (y, z), block coordinates.
+  /// Returns the bit of the first cell of row (y, z), block coordinates.
   SILT_DEVICE std::size_t row(int y, int z) const {
     return std::size_t(z - low.z) * plane * 64 + std::size_t(y - low.y) * pitch;
   }
@@ -35,28 +34,28 @@ struct BitFrame {
     return c.x >= low.x && c.x < low.x + size.x && c.y >= low.y && c.y < low.y + size.y && c.z >= low.z &&
            c.z < low.z + size.z;
   }
-  /// The bits of a word that are of one row.
+  /// Returns a mask of the bits of one row in a word.
   std::uint64_t row_bits() const { return pitch >= 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << pitch) - 1; }
   bool operator==(const BitFrame& o) const { return low == o.low && size == o.size; }
 };
 
-/// The bits of a frame, with the margins.
+/// The bits of a frame, with margins.
 class BitWindow {
  public:
   const BitFrame& frame() const { return frame_; }
-  /// All zero.
+  /// Takes a frame and clears all bits.
   void reset(const BitFrame& frame) {
     frame_ = frame;
     bits_.assign(frame.words_with_margins(), 0);
   }
   std::uint64_t* words() { return bits_.data() + frame_.margin(); }
   const std::uint64_t* words() const { return bits_.data() + frame_.margin(); }
-  /// The cells of a row from the x-th one of the frame on, as many as fit a word.
+  /// Returns the cells of a row from the x-th cell of the frame on, as many as fit a word.
   std::uint64_t row(int x, int y, int z) const {
     const std::size_t bit = frame_.row(y, z) + x;
     return words()[bit >> 6] >> (bit & 63) & frame_.row_bits();
   }
-  /// 64 cells of a row from a cell on, which may lie a few before the row; beyond the row: anything.
+  /// Returns 64 cells of a row from a cell on, maybe before the row; bits beyond the row are undefined.
   std::uint64_t from(lbm::Int3 c) const { return from(frame_, words(), c); }
   SILT_DEVICE static std::uint64_t from(const BitFrame& frame, const std::uint64_t* words, lbm::Int3 c) {
     const std::ptrdiff_t bit = std::ptrdiff_t(frame.row(c.y, c.z)) + (c.x - frame.low.x);
@@ -68,7 +67,7 @@ class BitWindow {
     const std::size_t bit = frame_.row(c.y, c.z) + std::size_t(c.x - frame_.low.x);
     return words()[bit >> 6] >> (bit & 63) & 1;
   }
-  /// A hint that the bits will be asked for soon, of a small body all.
+  /// Prefetches the bits: all of them for a small body.
   void prefetch() const {
     constexpr std::size_t most = 256;
     for (std::size_t word = 0; word < std::min(bits_.size(), most); word += 8)
@@ -82,8 +81,8 @@ class BitWindow {
   std::vector<std::uint64_t> bits_;
 };
 
-/// Sets what row(x, y, z), 64 bits of cells from x on, has in a window; in rows of the block and of so many
-/// ghost layers, as far as the window has them.
+/// Sets the bits of row(x, y, z), 64 cells from x on, in a window, for rows of the block and of `layers`
+/// ghost layers that lie in the window.
 template <class Row>
 void fill_rows(BitWindow& window, lbm::Int3 block, int layers, Row&& row) {
   const BitFrame& f = window.frame();
@@ -96,15 +95,15 @@ void fill_rows(BitWindow& window, lbm::Int3 block, int layers, Row&& row) {
     }
 }
 
-/// Bits [from, to) of 64 that stand for cells from x on.
+/// Returns a word of cells from x on, with those in [from, to) set.
 SILT_DEVICE inline std::uint64_t cells_between(int x, int from, int to) {
   const int a = std::clamp(from - x, 0, 64), b = std::clamp(to - x, 0, 64);
   if (a >= b) return 0;
   return (~std::uint64_t{0} >> (64 - (b - a))) << a;
 }
 
-/// Returns the bits of 64 cells of a row of a block of n cells, from x on: set for those inside the block and
-/// no less than `reach` cells from its faces; or, for its `rim`, set for the others inside.
+/// Returns 64 cells of a row of a block of n cells, from x on: set are those at least `reach` cells from the
+/// faces, or, for the `rim`, the other cells of the block.
 SILT_DEVICE inline std::uint64_t cells_of_block(lbm::Int3 x, lbm::Int3 n, int reach, bool rim) {
   if (x.y < 0 || x.z < 0 || x.y >= n.y || x.z >= n.z) return 0;
   const bool side = x.y < reach || x.z < reach || x.y >= n.y - reach || x.z >= n.z - reach;

@@ -10,14 +10,14 @@ using lbm::Int3;
 
 namespace {
 
-/// Returns a key that the two links of a pair share, and no other link of a block of less than 2^18 cells a
-/// side; cells may lie outside the block.
+/// Returns a key common to the two links of a pair and unique in blocks below 2^18 cells per edge; cells may
+/// lie outside the block.
 std::uint64_t key_of(Int3 cell, int direction) {
   const auto part = [](int x) {
     const int shifted = x + (1 << 18);
     return std::uint64_t(shifted);
   };
-  const int pair = (direction - 1) / 2;  // opposite directions follow one another
+  const int pair = (direction - 1) / 2;  // opposites are neighbours
   return ((part(cell.z) << 19 | part(cell.y)) << 19 | part(cell.x)) << 4 | std::uint64_t(pair);
 }
 
@@ -68,7 +68,7 @@ void SingleCellGaps<T>::leave_to(lbm::DeviceLinks<T>& device) {
   links_.clear(), groups_.clear();
 }
 
-/// Fills the groups up with copies of their last links' values.
+/// Pads the groups with copies of the values of their last links.
 template <class T>
 void SingleCellGaps<T>::pad(std::vector<SurfaceLinks<T>>& surfaces,
                             DeviceArray<T> lbm::CutLinks<T>::*values) const {
@@ -78,8 +78,7 @@ void SingleCellGaps<T>::pad(std::vector<SurfaceLinks<T>>& surfaces,
   }
 }
 
-/// Each link takes the first free place of the table from that of its key on, unless the other one of its
-/// pair has been there before.
+/// Finds pairs with a hash table: a link takes the first free slot from its key on or finds its partner.
 template <class T>
 template <class F>
 void SingleCellGaps<T>::for_pairs(F&& f) {

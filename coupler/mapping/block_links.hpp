@@ -1,6 +1,6 @@
 #pragma once
-// The cut links of a block, surface by surface, in the order in which they are applied, with what a step sums
-// over them, and what links in gaps of a single cell know of the wall behind.
+// The cut links of a block, surface by surface, in the order of their application; their sums in a step; and
+// the walls behind links in single-cell gaps.
 #include <cstdint>
 #include <vector>
 
@@ -12,66 +12,65 @@
 
 namespace silt::coupler {
 
-/// One periodic image of a body, or a wall.
+/// The links of one periodic image of a body, or of a wall.
 template <class T>
 struct SurfaceLinks {
   lbm::CutLinks<T> links{};
   struct DeviceCopy {
-    DeviceArray<std::uint64_t> cells;  // BodyMask::bits, if it lists them
+    DeviceArray<std::uint64_t> cells;  // BodyMask::bits, if the device lists the links
     DeviceArray<lbm::LinkGroup> groups;
-    DeviceArray<lbm::DeviceSurface<T>> record;  // one
+    DeviceArray<lbm::DeviceSurface<T>> record;  // one element
     explicit DeviceCopy(std::pmr::memory_resource* m = std::pmr::new_delete_resource())
         : cells(m), groups(m), record(m) {}
-  } device{};                               // where a device has the links
+  } device{};                               // the links in memory of a device
   std::vector<std::uint32_t> gap_places{};  // of the links of `single_cell_gap`
-  lbm::ResistanceSums resistance{};         // of bodies that move; renewed with the links
-  // of the step under way:
-  std::size_t row = 0;  // of the BodySet
+  lbm::ResistanceSums resistance{};         // of movable bodies; updated with the links
+  // in the current step:
+  std::size_t row = 0;  // in the BodySet
   lbm::SurfaceMotion motion{};
   lbm::LinkSums sums{};
-  std::uint32_t left = 0;  // groups yet to be applied
-  bool finished = false;   // the body has been solved for
+  std::uint32_t left = 0;  // groups not yet applied
+  bool finished = false;   // the body is solved for
 };
 
-/// Links of `single_cell_gap` come in pairs, along i and against it from one cell, mostly of two surfaces; or
-/// a side of the domain is there instead. Gives each link what the formula wants of the wall on the other
-/// side.
+/// Pairs of `single_cell_gap` links: two links from one cell along i and against it, mostly of two surfaces;
+/// or a link and a side of the domain. Gives each link the distance and velocity of the wall behind.
 template <class T>
 class SingleCellGaps {
  public:
-  /// Finds the wall on the other side of all links; call when the links of the box were built.
+  /// Finds the wall behind all links. Call after the links of the block were built.
   void pair(const std::vector<SurfaceLinks<T>>&, const lbm::Domain&, const lbm::CellBox&);
-  /// Fills opposite_q and opposite_u of all links; call when the motions of a step are set, with the surfaces
-  /// as they were paired.
+  /// Sets opposite_q and opposite_u of all links. Call once the motions of a step are set; the surfaces must
+  /// be those that were paired.
   void set(std::vector<SurfaceLinks<T>>&) const;
-  /// Has a device fill them, from step to step.
+  /// Lets a device set them in each step.
   void leave_to(lbm::DeviceLinks<T>&);
 
  private:
   struct Link : lbm::OppositeLink<T> {
-    std::uint64_t key;         // of the pair
-    std::uint32_t own_number;  // of place and q
+    std::uint64_t key;         // common to the pair
+    std::uint32_t own_number;  // index in place and q
   };
   struct Group {
-    std::uint32_t surface, first, count;  // of opposite_q and opposite_u
+    std::uint32_t surface, first, count;  // range of opposite_q and opposite_u
   };
   template <class F>
-  void for_pairs(F&&);  // calls f with the numbers of the two links of each pair
+  void for_pairs(F&&);  // calls f with the indices of the links of each pair
   void pad(std::vector<SurfaceLinks<T>>&, DeviceArray<T> lbm::CutLinks<T>::*values) const;
 
   std::vector<Link> links_;
   std::vector<Group> groups_;
-  std::vector<std::uint32_t> table_;  // of links_, by key; 0: empty, else from 1 on
+  std::vector<std::uint32_t> table_;  // of indices in links_ plus 1, by key; 0: empty
 };
 
-/// Groups [begin, end) of an order.
+/// Groups [begin, end) of a list.
 struct GroupRange {
   std::uint32_t begin, end;
   bool empty() const { return begin == end; }
 };
 
-/// Surface k is mask k of the block. The processor applies groups in orders that suit its caches; a device
-/// all at once, and the orders are empty.
+/// The links of a block; surface k belongs to mask k. A CPU applies groups in the order of its caches. A
+/// device applies all at once, and the lists of groups are empty.
 template <class T>
 struct BlockLinks {
   explicit BlockLinks(Device device = Device::cpu) : at_once(device) {}
@@ -80,23 +79,23 @@ struct BlockLinks {
     std::uint32_t surface, number;
   };
   std::vector<SurfaceLinks<T>> surfaces;
-  std::vector<Group> inner;                          // groups in the order of the parts they wait for
-  std::vector<std::uint32_t> first_inner;            // of a part; the last one's end
-  std::vector<Group> rim;                            // that wait for the halo exchange, crossing ones last
-  std::size_t count = 0;                             // links
-  lbm::LinkSlots slots;                              // of the step under way
-  SingleCellGaps<T> gaps;                            // under schemes that know the opposite wall
-  const lbm::BeyondPair<T>* pairs_across = nullptr;  // of the step under way, under schemes that read beyond
-  lbm::DeviceLinks<T> at_once;                       // of all surfaces, where a device applies them
+  std::vector<Group> inner;                          // groups by the part of the pass they wait for
+  std::vector<std::uint32_t> first_inner;            // per part, and the end of the last
+  std::vector<Group> rim;                            // groups after the halo exchange, crossing ones last
+  std::size_t count = 0;                             // of links
+  lbm::LinkSlots slots;                              // of the current step
+  SingleCellGaps<T> gaps;                            // for schemes that use the opposite wall
+  const lbm::BeyondPair<T>* pairs_across = nullptr;  // of the current step, for schemes that read beyond
+  lbm::DeviceLinks<T> at_once;                       // all surfaces, for a device
 
-  /// The inner groups that wait for a part of the dense pass; all of them.
+  /// Return the inner groups that wait for a part of the dense pass, and all inner groups.
   GroupRange inner_after(int part) const {
     if (std::size_t(part) + 1 >= first_inner.size()) return {0, 0};
     return {first_inner[part], first_inner[part + 1]};
   }
   GroupRange all_inner() const { return {0, std::uint32_t(inner.size())}; }
-  /// Calls visit(surface, group, next) for groups of an order, from the one at `begin` to the one before
-  /// `end`. What they need is fetched ahead: first their surface, then where the group is, then its links.
+  /// Calls visit(surface, group, next) for groups [begin, end) of a list. Prefetches first the surface, then
+  /// the group and then its links.
   template <class Visit>
   void for_groups(const std::vector<Group>& order, std::size_t begin, std::size_t end, Visit&& visit) {
     const auto links_of = [&](const Group& g) -> const lbm::CutLinks<T>& {
@@ -119,7 +118,7 @@ struct BlockLinks {
           visit(surfaces[order[k].surface], group_of(order[k]), next);
         });
   }
-  /// Leaves the links to the passes of a device, if there is one; call when they were built or paired.
+  /// Passes the links to the device, if any. Call after they were built or paired.
   void leave_to_device() {
     if (at_once.device() == Device::cpu) return;
     at_once.clear();
@@ -127,7 +126,7 @@ struct BlockLinks {
     for (const SurfaceLinks<T>& surface : surfaces)
       at_once.add(surface.device.record.data(), surface.links.groups);
   }
-  /// Call when the motions of a step are set.
+  /// Call once the motions of a step are set.
   void begin_step() {
     gaps.set(surfaces);
     for (std::size_t k = 0; k < at_once.size(); ++k)
@@ -137,7 +136,7 @@ struct BlockLinks {
     if (at_once.size() > 0) at_once.apply(block, surfaces.front().links.fluid, slots, pairs_across, form);
     for (std::size_t k = 0; k < at_once.size(); ++k) surfaces[k].sums = at_once.sums(k);
   }
-  /// Fills inner, first_inner, rim and count; call when links were built.
+  /// Sets inner, first_inner, rim and count. Call after links were built.
   void order_groups(const lbm::PassOrder& sweep) {
     first_inner.assign(sweep.parts() + 2, 0), rim.clear(), count = 0;
     for (const auto& surface : surfaces)

@@ -26,16 +26,14 @@ struct Planes {
   int z, count;
 };
 
-/// Returns whether some fluid cell next to the body may lie within `rim` cells of the block's faces, or in
-/// another block.
+/// Returns whether links of the body may be within `rim` cells of the block's faces or in another block.
 bool touches_rim(const BitFrame& f, Int3 block, int rim) {
   for (int d = 0; d < 3; ++d)
     if (f.low[d] < rim - 1 || f.low[d] + f.size[d] > block[d] - (rim - 1)) return true;
   return false;
 }
 
-/// Lists the links of a body plane by plane, measures them and puts them into groups; what it needs for that
-/// is kept for the next one: no allocation once grown.
+/// Lists the links of a body plane by plane, measures and groups them. Keeps its memory for the next body.
 template <class T>
 class LinkWriter {
  public:
@@ -50,8 +48,8 @@ class LinkWriter {
         surface_(scheme, meshes, device),
         groups_(scheme) {}
 
-  /// The links' frame is set already. `radius` is that of a ball about the body, if its resistance is wanted;
-  /// else 0.
+  /// Builds the links of a body, whose frame is already set. `radius` is its bounding radius, or 0 if its
+  /// resistance is not needed.
   void body(const BodyMask& mask, const rigid::Shape& shape, const MappedMotion& mapped, double radius,
             SurfaceLinks<T>& surface) {
     mask_ = &mask, by_cells_.clear();
@@ -97,7 +95,7 @@ class LinkWriter {
     fill_rows(solid_, n, 1, [&](int x, int y, int z) { return map_.solid.from(x, y, z); });
     const bool at_rim = touches_rim(frame, n, reach_);
     find_open(at_rim);
-    constexpr int words_a_group = 16;  // of small bodies: enough links to be worth a group
+    constexpr int words_a_group = 16;  // for small bodies: links enough for a group
     const int step = std::clamp(words_a_group / frame.plane, 1, 1 << lbm::place_z_bits);
     for (int z = 1; z < frame.size.z - 1; z += step) {
       const Planes planes{z, std::min(step, frame.size.z - 1 - z)};
@@ -119,8 +117,7 @@ class LinkWriter {
     }
   }
 
-  /// Fluid cells inside the block, those at its rim apart: within a link's reach of ghost cells. Cells of
-  /// other blocks are in neither.
+  /// Finds the block's fluid cells; separates those at the rim, within a link's reach of ghost cells.
   void find_open(bool at_rim) {
     const BitFrame& frame = mask_->frame();
     const Int3 n = map_.box.size;
@@ -136,7 +133,7 @@ class LinkWriter {
       });
   }
 
-  /// A group for each strip of the dense pass.
+  /// Adds one group per strip of the dense pass.
   void inner_groups(Planes planes, std::size_t most) {
     const BitFrame& frame = mask_->frame();
     const int last = std::min(frame.low.z + planes.z + planes.count, map_.box.size.z - reach_) - 1;
@@ -150,7 +147,7 @@ class LinkWriter {
     }
   }
 
-  /// The links of the open cells in rows [y0, y1) of some planes; `most`: of one direction.
+  /// Adds the links of open cells in rows [y0, y1) of planes; `most` bounds their number per direction.
   void group(Planes planes, int y0, int y1, const BitWindow& open, std::size_t most, int ready) {
     const Int3 corner = mask_->frame().low + Int3{0, 0, planes.z};
     LinkList<T> list = groups_.list(corner, planes.count, ready, lbm::D3Q19::directions * most);
@@ -166,7 +163,7 @@ class LinkWriter {
     groups_.add(list, scheme_);
   }
 
-  /// Lists the links, those of single-cell gaps last. Returns how many are of none.
+  /// Lists the links, those of single-cell gaps last. Returns the number of the others.
   std::uint32_t classify(const FrameRows& rows, const BitWindow& open, std::size_t most, LinkList<T>& list) {
     const std::size_t room = lbm::D3Q19::directions * most + 3 * lbm::link_lanes;
     if (single_cell_.size() < room) single_cell_.resize(room);
@@ -178,8 +175,7 @@ class LinkWriter {
     return found.clear;
   }
 
-  /// Defers links whose cell behind is fluid, but which must not read beyond that cell, or cannot do so in
-  /// the block's memory.
+  /// Defers links whose second cell behind is solid, or whose cell behind is in another block.
   void defer_gaps_and_pairs(LinkList<T>& list) {
     beyond_.resize(std::max<std::size_t>(beyond_.size(), list.n));
     for (std::uint32_t m =
@@ -196,8 +192,7 @@ class LinkWriter {
     }
   }
 
-  /// Set bits of the planes [z0, z1) of the mask's frame, as far as there are such: no direction has more
-  /// links.
+  /// Returns the number of cells in planes [z0, z1) of the mask, which bounds the links per direction.
   std::size_t bits_in(int z0, int z1) const {
     const BitFrame& f = mask_->frame();
     const std::uint64_t* const w = mask_->bits.words();
@@ -211,19 +206,19 @@ class LinkWriter {
   const BlockMap& map_;
   const lbm::PassOrder& sweep_;
   WallScheme scheme_;
-  int reach_;  // of a link, in cells
+  int reach_;  // reach of a link in cells
   lbm::PlacesAcross<lbm::D3Q19> places_across_;
-  const BodyMask* mask_ = nullptr;  // of the body at work
+  const BodyMask* mask_ = nullptr;  // current body
   DeviceMapping<T>& device_;
   MeasuredSurface<T> surface_;
   CrossingLinks<T> crossings_;
   LinkGroups<T> groups_;
   BitWindow solid_, inner_, rim_;
   std::vector<std::uint32_t> single_cell_, beyond_;
-  std::vector<ListedGroup> by_cells_;  // of the body at work
+  std::vector<ListedGroup> by_cells_;  // of the current body
 };
 
-/// The cell that holds the reference point of an image, and where in it: canonical, whatever the block.
+/// Returns the cell that contains the reference point of an image, and the offset in it, equal in all blocks.
 lbm::SurfaceFrame surface_frame(const BlockMap& map, const BodyMask& mask, int link_reach) {
   lbm::SurfaceFrame frame{};
   double square = 0;

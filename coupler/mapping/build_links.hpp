@@ -1,6 +1,5 @@
 #pragma once
-// The cut links of a block, built from its map: for every fluid cell next to a body's cell, the distance of
-// the surface.
+// Builds the cut links of a block: from each fluid cell to neighbours in a body, with wall distances.
 #include "coupler/mapping/block_links.hpp"
 #include "coupler/mapping/device_mapping.hpp"
 #include "coupler/mapping/mesh_distances.hpp"
@@ -13,24 +12,23 @@
 
 namespace silt::coupler {
 
-/// The rules by which the links of a block are built: the coupling, the fluid that they stand in, and the
-/// pass they wait for.
+/// The context of a block's links: coupling, fluid, and the dense pass that groups wait for.
 template <class T>
 struct LinkRules {
   const CouplingSpec& coupling;
   const lbm::WallFluid<T>& fluid;
   const lbm::PassOrder& sweep;
-  MeshDistances* meshes = nullptr;     // whose memory serves from one mapping to the next; none: its own
-  DeviceMapping<T>* device = nullptr;  // of the device that the links are for; none: the cpu
+  MeshDistances* meshes = nullptr;     // reuses its memory between mappings; null: own memory
+  DeviceMapping<T>* device = nullptr;  // of the device for which links are built; null: CPU
 };
 
-/// Builds the links of the block's masks, surface by surface, with the resistance of free bodies under
-/// implicit coupling; those that the last mapping kept are kept, given the surfaces of the mapping before.
-/// Links whose formula would read the cell behind where that is not fluid (a single-cell gap) go into groups
-/// of `single_cell_gap`; those that would read beyond it where that is not fluid, into groups of
-/// lbm::two_cell_gap_scheme; those that would and whose cell behind is not of the block, into groups
-/// `across`, with pairs at the block's lbm::PlacesAcross.
-/// Crossing links (crossing_links.hpp) have groups `crossing`.
+/// Builds the links of the block's masks, surface by surface, and under implicit coupling the resistance of
+/// free bodies. Takes the surfaces of the last mapping and keeps links of masks marked as kept. Special
+/// groups:
+/// - `single_cell_gap`: the formula would read the cell behind, which is not fluid;
+/// - lbm::two_cell_gap_scheme: it would read the second cell behind, which is not fluid;
+/// - `across`: it would, but the cell behind is in another block; pairs are at the block's lbm::PlacesAcross;
+/// - `crossing`: crossing links (crossing_links.hpp).
 template <class T>
 void build_links(const BlockMap&, const rigid::World&, const rigid::BodySet&, const LinkRules<T>&,
                  std::vector<SurfaceLinks<T>>&);

@@ -42,7 +42,7 @@ void CrossingLinks<T>::list_candidates(int z) {
   for (std::uint32_t& place : begin_.place) place += lbm::link_place({0, 0, 1}, 0);
 }
 
-/// Sets the distances at which lines meet the surface; 1: they do not.
+/// Sets the distances at which lines meet the surface; 1 for lines that do not.
 template <class T>
 void CrossingLinks<T>::measure(Ends& ends, Int3 corner, const lbm::SurfaceFrame& frame,
                                const rigid::SurfaceView<T>& surface) const {

@@ -1,10 +1,10 @@
 #pragma once
-// Crossing links: between two fluid cells x and x + c_i on the two sides of an edge, whose straight line
-// passes through the body. They are cut at both ends (method-walls.md, "Edges").
+// Crossing links connect two fluid cells x and x + c_i on the two sides of an edge through the body, and are
+// cut at both ends (method-walls.md, "Edges").
 //
-// An end overwrites one slot that its other end reads, and no slot that any other crossing link reads, if
+// An end overwrites one slot that its other end reads, and no slot that other crossing links read, if
 // - only one side of a line through a cell is cut, and
-// - neither x nor x + c_i is next to a solid cell that is not of the body.
+// - neither x nor x + c_i is next to a solid cell of another body or wall.
 // Both ends are tested alike, so that two blocks agree on a link between them.
 #include <cstdint>
 #include <vector>
@@ -18,13 +18,12 @@ namespace silt::coupler {
 template <class T>
 class CrossingLinks {
  public:
-  static constexpr int planes = (1 << lbm::place_z_bits) - 2;  // listed at a time: a link ends one plane off
+  static constexpr int planes = (1 << lbm::place_z_bits) - 2;  // per list: a link may end one plane outside
 
-  /// Finds the cells of the block, and of its first ghost layer, where crossing links of a body may be.
+  /// Finds the cells of the block and its first ghost layer where crossing links of a body may end.
   void find_cells(const BlockMap&, const BodyMask&);
-  /// Lists the links that begin in planes [z, z + planes) of the mask's frame and end inside the block.
-  /// Places count from the frame's cell (0, 0, z - 1). First those both ends of which are inside, an end
-  /// beside the other.
+  /// Lists the ends, inside the block, of links that begin in planes [z, z + planes) of the mask's frame.
+  /// Places count from cell (0, 0, z - 1) of the frame. Links with both ends inside come first, as pairs.
   void list(int z, const lbm::SurfaceFrame&, const rigid::SurfaceView<T>&);
 
   const std::vector<std::uint32_t>& place() const { return place_; }
@@ -39,11 +38,11 @@ class CrossingLinks {
   void measure(Ends&, lbm::Int3 corner, const lbm::SurfaceFrame&, const rigid::SurfaceView<T>&) const;
 
   BitFrame frame_;
-  lbm::CellBox block_;                 // in its own coordinates
-  BitWindow fluid_, own_;              // cells, ghosts too; cells of the block
-  BitWindow others_, beside_others_;   // solid and not of the body; cells next to these
-  BitWindow near_;                     // where links may begin and end
-  Ends begin_, end_, before_, after_;  // of the line of a candidate: towards each other, away from each other
+  lbm::CellBox block_;                 // in block coordinates
+  BitWindow fluid_, own_;              // fluid cells, with ghosts; cells of the block
+  BitWindow others_, beside_others_;   // solid cells of other surfaces; their neighbours
+  BitWindow near_;                     // where links may begin or end
+  Ends begin_, end_, before_, after_;  // on a candidate's line: towards each other, away from each other
   std::vector<std::uint32_t> place_;
   std::vector<T> q_;
 };

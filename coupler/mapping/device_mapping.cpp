@@ -5,7 +5,7 @@
 
 namespace silt::coupler {
 
-/// Adds the words that have changed since a device got them, `before`; all words, if it has none.
+/// Adds the words that changed since the device received `before`, or all words if it is null.
 template <class T>
 void DeviceMapping<T>::add_words(std::uint64_t* to, const std::uint64_t* now, const std::uint64_t* before,
                                  std::size_t count) {
@@ -45,7 +45,7 @@ void DeviceMapping<T>::add(SurfaceLinks<T>& surface, const BodyMask& mask, const
   DeviceArray<std::uint64_t>& cells = surface.device.cells;
   const bool is_known = before && before->frame() == frame && cells.size() == words + 1;
   if (!is_known) cells.clear();
-  cells.resize(words + 1);  // the one after the last may be read
+  cells.resize(words + 1);  // the word after the last may be read
   add_words(cells.data(), mask.bits.words(), is_known ? before->bits.words() : nullptr, words);
   lbm::CutLinks<T>& links = surface.links;
   for (std::uint32_t k = 0; k < links.groups.size(); ++k) {

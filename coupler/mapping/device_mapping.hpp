@@ -1,7 +1,7 @@
 #pragma once
-// The links of bodies of a block that are mapped again, as passes of a device (device/for_each.hpp): their
-// lists by the cells that bodies cover, then wall distances, their rates and the resistance of bodies of
-// convex parts, a team a group of links. Of the cells the device is told those that have changed.
+// Builds the links of a block's bodies by passes of a device (device/for_each.hpp): lists links from the bits
+// of bodies, then sets wall distances, their rates, and the resistance of bodies with convex parts, one team
+// per group of links. Only bits that changed are sent to the device.
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -17,12 +17,12 @@ namespace silt::coupler {
 struct BlockMap;
 struct BodyMask;
 
-/// A distance changes by at most this in half of the steps that a body is mapped for: a line that grazes the
-/// surface may meet it at one time only.
+/// The largest change of a distance in half of the steps of a mapping: a line that grazes the surface may
+/// meet it only at one of the two times.
 inline constexpr double most_change = 0.25;
 
-/// The rate of a distance which is `middle` in the middle of these steps, and `last` so many steps later.
-/// Wall formulas amplify where a surface has come past a cell, q < 0: for a few steps they may.
+/// Returns the rate of a distance that is `middle` at the middle of a mapping and `last` after `steps` more.
+/// Wall formulas amplify if the surface passes the cell (q < 0): allowed for a few steps only.
 template <class T>
 SILT_DEVICE inline T rate_of(T middle, T last, double steps) {
   constexpr double few = 4;
@@ -31,16 +31,15 @@ SILT_DEVICE inline T rate_of(T middle, T last, double steps) {
   return std::clamp(last - middle, -most, most) * per_step;
 }
 
-/// A group whose links are all of a kind that the cells around them tell: those of the open cells of rows
-/// [y0, y1) of some planes of a mask's frame.
+/// A group whose links follow from the solid bits alone: of open cells in rows [y0, y1) of a mask.
 struct ListedGroup {
-  std::uint32_t number;  // of the surface's groups
+  std::uint32_t number;  // index in the surface's groups
   std::uint16_t y0, y1;
   std::uint8_t planes;
   bool rim;
 };
 
-/// A surface at a time: where its parts and planes begin, and its frame.
+/// A surface at one time: the ranges of its parts and planes, and its frame.
 struct SurfaceAtTime {
   std::uint32_t first_part, first_plane;
   int parts;
@@ -50,11 +49,11 @@ struct SurfaceAtTime {
 template <class T>
 struct SurfaceToMap {
   lbm::WallFluid<T> fluid;
-  SurfaceAtTime now, last;  // in the middle of the steps that it is mapped for, and in the last of them
-  double steps;             // between; 0: distances have no rates
-  T arm;                    // of the resistance (resistance_exponent); 0: nobody asks for it
+  SurfaceAtTime now, last;  // at the middle of the mapping's steps, and in the last of them
+  double steps;             // from now to last; 0: distances have no rates
+  T arm;                    // 2^-exponent of the resistance; 0: not needed
   BitFrame frame;
-  const std::uint64_t* cells;  // of the surface, in its frame
+  const std::uint64_t* cells;  // bits of the surface in `frame`
   std::uint32_t* place;
   T *q, *rate;
 };
@@ -63,28 +62,28 @@ struct GroupToMap {
   std::uint32_t surface, begin, count;
   lbm::Int3 corner;
   lbm::WallScheme scheme;
-  bool crossing;       // whose distances are known
-  ListedGroup listed;  // of no planes: its links are
+  bool crossing;       // its distances are given
+  ListedGroup listed;  // no planes: its links are given
 };
 
-/// A word of bits that has changed.
+/// A changed word of bits and its address.
 struct ChangedWord {
   std::uint64_t *at, bits;
 };
 
-/// What the processor has listed goes to an array, in words of 32 bits.
+/// A run of 32-bit words that the host has listed, to be copied to a device array.
 struct HostCopy {
   std::uint32_t* to;
   std::uint32_t first, count;
 };
 
-/// The passes read and write these arrays.
+/// The arrays of the passes.
 template <class T>
 struct LinksToMap {
   const GroupToMap* groups;
   std::size_t group_count;
   const SurfaceToMap<T>* surfaces;
-  lbm::ResistanceSums* resistance;  // of the surfaces
+  lbm::ResistanceSums* resistance;  // per surface
   const rigid::SurfacePart<T>* parts;
   const rigid::Plane<T>* planes;
   const ChangedWord* words;
@@ -94,12 +93,12 @@ struct LinksToMap {
   const std::uint32_t* told;
   const std::uint64_t* solid;  // CellBits of the block
   lbm::Int3 size;
-  int solid_words;  // of a row
+  int solid_words;  // per row
   lbm::WallScheme scheme;
   lbm::Components directions = lbm::components<lbm::D3Q19>;
 };
 
-/// The mapping of one block on its device, which is to have the block's links unless it is `cpu`.
+/// The mapping of one block by its device; does nothing for `cpu`.
 template <class T>
 class DeviceMapping {
  public:
@@ -107,13 +106,13 @@ class DeviceMapping {
   Device device() const { return device_; }
   bool has_links() const { return device_ != Device::cpu; }
 
-  /// Begins with the cells of the block.
+  /// Copies the block's solid bits to the device. Call first.
   void begin(const BlockMap&, lbm::WallScheme);
-  /// The links of the surface are wanted: the lists of some groups, and all distances. `before` is the mask
-  /// of which it had links, if it had any; `arm` that of SurfaceToMap.
+  /// Queues a surface: the link lists of the given groups, and all wall distances. `before` is the mask of
+  /// its last links, if any; `arm` is SurfaceToMap::arm.
   void add(SurfaceLinks<T>&, const BodyMask&, const BodyMask* before, std::span<const ListedGroup>,
            const rigid::SurfaceView<T>&, T arm);
-  /// These values go to an array in memory_of the device.
+  /// Queues a copy of values to an array in memory_of the device.
   template <class Value>
   void upload(std::span<const Value> values, Value* to) {
     static_assert(sizeof(Value) % sizeof(std::uint32_t) == 0);
@@ -124,9 +123,9 @@ class DeviceMapping {
         {reinterpret_cast<std::uint32_t*>(to), std::uint32_t(all.size()), std::uint32_t(count)});
     all.insert(all.end(), words, words + count);
   }
-  /// The rates of the surface added last are wanted as well, from how it will be after so many steps.
+  /// Queues the rates of the surface added last, from the surface and its frame after `steps` steps.
   void add_rates(const rigid::SurfaceView<T>&, const lbm::SurfaceFrame&, double steps);
-  /// Sets all that is wanted. The surfaces have stayed where they were.
+  /// Runs all that was queued. The surfaces must not have moved in memory.
   void run();
 
  private:

@@ -1,4 +1,4 @@
-// The passes of device_mapping.hpp, for the one file of each device other than `cpu` that includes this
+// The passes of device_mapping.hpp, for the one file per device other than `cpu` that includes this
 // (SILT_ISA, SILT_SCALAR).
 #include <algorithm>
 #include <cstring>
@@ -23,11 +23,11 @@ struct CopyTold {
   SILT_DEVICE void operator()(std::int64_t k, const Team& member) const {
     const HostCopy& run = all.runs[k];
     for (std::uint32_t n = std::uint32_t(member.lane); n < run.count; n += std::uint32_t(member.size))
-      memcpy(run.to + n, all.told + run.first + n, sizeof *run.to);  // which is of any type
+      memcpy(run.to + n, all.told + run.first + n, sizeof *run.to);  // of any type
   }
 };
 
-/// Lists the links of a group, direction by direction and row by row.
+/// Lists the links of a group by direction and row.
 template <class T>
 struct ListGroup {
   LinksToMap<T> all;
@@ -36,7 +36,7 @@ struct ListGroup {
     return CellBits::from(all.solid + CellBits::row(all.size, x.y, x.z, all.solid_words), x.x);
   }
   SILT_DEVICE std::uint64_t inside(lbm::Int3 x) const { return cells_of_block(x, all.size, 0, false); }
-  /// The open cells of 64 of a row, from x on, which have such a link along c.
+  /// Returns those of 64 open cells of a row, from x on, that have a link along c in this group.
   SILT_DEVICE std::uint64_t with_link(const SurfaceToMap<T>& surface, bool rim, lbm::Int3 x,
                                       lbm::Int3 c) const {
     std::uint64_t cells = cells_of_block(x, all.size, lbm::link_reach(all.scheme), rim);

@@ -1,5 +1,5 @@
 #pragma once
-// The links of a surface on their way into groups.
+// Sorts the links of a surface into groups.
 #include <algorithm>
 #include <cstdint>
 #include <vector>
@@ -11,12 +11,12 @@ namespace silt::coupler {
 
 using lbm::WallScheme;
 
-/// Links that were listed with one corner, and after the same part of the pass, at places that are free.
+/// Links listed with one corner that wait for the same part of the pass.
 template <class T>
 struct LinkList {
   lbm::Int3 corner;
   int ready;
-  std::uint32_t* place;  // with room for whole vectors
+  std::uint32_t* place;  // room for whole vectors
   T* q;
   std::uint32_t n = 0;
 
@@ -24,16 +24,16 @@ struct LinkList {
     --n;
     place[k] = place[n], q[k] = q[n];
   }
-  /// Fills the last vector up.
+  /// Pads the last vector.
   template <class Value>
   void pad(Value* values) const {
     std::fill(values + n, values + lbm::padded(n), values[n - 1]);
   }
 };
 
-/// Links that the scheme of a surface does not fit, or not from the memory of the block: those whose cell
-/// behind is not fluid; those whose second cell behind is not; those whose cell behind is of another block.
-/// They are few: those of planes that follow one another share a group.
+/// Links for which the surface's scheme cannot be used, or not from memory of the block: the cell behind is
+/// not fluid; the second cell behind is not fluid; the cell behind is in another block. They are few, so
+/// links of consecutive planes share a group.
 enum class GapKind { single_cell, two_cells, across, count };
 
 template <class T>
@@ -51,22 +51,22 @@ class LinkGroups {
     links_ = &links;
     links.groups.clear(), across_.clear(), used_ = gaps_ = 0;
   }
-  /// Begins a list, with room for so many links of so many planes.
+  /// Begins a list with room for `room` links in `planes` planes.
   LinkList<T> list(lbm::Int3 corner, int planes, int ready, std::size_t room) {
-    for (Deferred& deferred : deferred_[ready < 0])  // whose places cannot count so many planes
+    for (Deferred& deferred : deferred_[ready < 0])  // if its places cannot reach these planes
       if (corner.z + planes - deferred.corner.z > 1 << lbm::place_z_bits) end_deferred(deferred);
     return list(corner, ready, room);
   }
-  /// A link of a list goes into a group of the kind; `pair`: of CutLinks::across.
+  /// Adds link k of a list to the deferred group of a kind; `pair` is its index for CutLinks::across.
   void defer(GapKind kind, const LinkList<T>& list, std::uint32_t k, std::uint32_t pair = 0) {
     Deferred& to = deferred_[list.ready < 0][int(kind)];
-    if (to.place.empty()) to.corner = list.corner;  // no lower one comes later
+    if (to.place.empty()) to.corner = list.corner;  // later corners are not lower
     to.place.push_back(list.place[k] + lbm::link_place({0, 0, list.corner.z - to.corner.z}, 0));
     to.q.push_back(list.q[k]);
     if (kind == GapKind::across) to.pair.push_back(pair);
     to.ready = std::max(to.ready, list.ready);
   }
-  /// The list that was begun last becomes a group.
+  /// Makes a group of the list begun last.
   void add(const LinkList<T>& list, WallScheme scheme) {
     if (list.n == 0) return;
     list.pad(list.place), list.pad(list.q);
@@ -79,7 +79,7 @@ class LinkGroups {
     for (auto& kinds : deferred_)
       for (Deferred& deferred : kinds) end_deferred(deferred);
   }
-  /// Each link from both ends, with a scheme that reads no further than the cell behind, which is fluid.
+  /// Adds links with both ends cut, with a scheme that reads at most the cell behind, which is fluid.
   void add_crossing(const std::vector<std::uint32_t>& place, const std::vector<T>& q, lbm::Int3 corner) {
     if (place.empty()) return;
     add(copied(place, q, corner, -1), deferred_[0][int(GapKind::two_cells)].scheme);
@@ -91,8 +91,8 @@ class LinkGroups {
     links_->across.assign(across_.begin(), across_.end());
     links_->opposite_q.assign(gaps_, T(0)), links_->opposite_u.assign(gaps_, T(0));
   }
-  /// The places of some groups are left to a device, and the distances of all that are not crossing. It does
-  /// not fill its groups up, nor look at what does.
+  /// Leaves the places of the groups `by_cells` and all distances except of crossing links to a device, which
+  /// neither pads groups nor reads the padding.
   void end_for_device(std::span<const ListedGroup> by_cells, DeviceMapping<T>& device) {
     const auto room = [](auto& values, std::size_t count) { values.clear(), values.resize(count); };
     const auto tell = [&](const lbm::LinkGroup& g, const auto& from, auto& to) {
@@ -110,7 +110,7 @@ class LinkGroups {
     }
     if (!across_.empty()) device.upload(std::span<const std::uint32_t>(across_), links_->across.data());
   }
-  /// Returns the places of the links that are told of the opposite wall, group by group.
+  /// Returns the places of links that use the opposite wall, group by group.
   std::vector<std::uint32_t> gap_places() const {
     std::vector<std::uint32_t> all;
     if (!knows_opposite_) return all;
@@ -154,13 +154,13 @@ class LinkGroups {
   }
 
   bool knows_opposite_;
-  lbm::CutLinks<T>* links_ = nullptr;  // of the body at work
+  lbm::CutLinks<T>* links_ = nullptr;  // of the current body
   std::vector<std::uint32_t> place_;
   std::vector<T> q_;
   std::vector<std::uint32_t> across_;
   std::uint32_t used_ = 0;                     // of place_ and q_
-  std::uint32_t gaps_ = 0;                     // of the arrays for links of `single_cell_gap`
-  Deferred deferred_[2][int(GapKind::count)];  // inside, at the rim
+  std::uint32_t gaps_ = 0;                     // of opposite_q and opposite_u
+  Deferred deferred_[2][int(GapKind::count)];  // inner groups, groups at the rim
 };
 
 }  // namespace silt::coupler

@@ -25,13 +25,13 @@ CellBits wall_bits(const lbm::Domain& domain, const lbm::CellBox& box) {
   return bits;
 }
 
-/// Returns whether the fluid still sees the body as when the mask was made.
+/// Returns whether the mapping pose of a body is that of the mask.
 bool unchanged_since_mapping(const rigid::BodySet& bodies, std::size_t row, const BodyMask& mask) {
   const MappedMotion& now = coupling_of(bodies, row).mapped;
   return now.pose() == mask.pose && now.steps.first == mask.mapped;
 }
 
-/// Gives the mask those of its cells that no one has yet.
+/// Gives the mask those of its cells that no surface has yet.
 void take_cells(CellBits& solid, BodyMask& mask) {
   const BitFrame& f = mask.inside.frame();
   mask.bits = mask.inside;
@@ -86,8 +86,7 @@ bool MapBodies::changed() const {
   return std::any_of(blocks_.begin(), blocks_.end(), [](const BlockMap& b) { return b.changed; });
 }
 
-/// Every image of every body whose cells may lie in the block or its ghost layers, and every wall, by (id,
-/// shift).
+/// Finds all walls, and images of bodies that may cover cells of the block or its ghosts, by (id, shift).
 void MapBodies::find_images(const BlockMap& block, const rigid::BodySet& bodies) {
   found_.clear();
   for (std::size_t row = 0; row < bodies.first_wall(); ++row) add_images(block, bodies, row);
@@ -104,11 +103,11 @@ void MapBodies::find_images(const BlockMap& block, const rigid::BodySet& bodies)
   if (!std::is_sorted(found_.begin(), found_.end(), before)) std::sort(found_.begin(), found_.end(), before);
 }
 
-/// Adds the solid around a tube or in a hollow mesh, which has no end: the block is cut where periods of the
-/// domain meet, so that a cell is asked about at one place, whichever block holds it.
+/// Adds the endless solid around a tube or a hollow mesh. Cuts the block at periods of the domain, so that
+/// every block tests a cell at the same position.
 void MapBodies::add_endless(const BlockMap& block, const rigid::BodySet& bodies, std::size_t row) {
   struct Stretch {
-    int first, end, shift;  // cells of the block's ghost layers and between; where their period begins
+    int first, end, shift;  // cells of the block and its ghost layers; origin of their period
   };
   std::array<std::vector<Stretch>, 3> along;
   for (int d = 0; d < 3; ++d) {
@@ -135,10 +134,10 @@ void MapBodies::add_endless(const BlockMap& block, const rigid::BodySet& bodies,
 }
 
 void MapBodies::add_images(const BlockMap& block, const rigid::BodySet& bodies, std::size_t row) {
-  constexpr double rounding = 1e-6;  // cells: a centre that the box only touches may be inside
+  constexpr double rounding = 1e-6;  // cells: a centre on the box's face may be inside
   const rigid::BoundingBox box =
       rigid::bounding_box(world_.shapes[bodies.shape[row]], mapping_pose(bodies, row));
-  Int3 low, high, first, last;  // cells the box may cover, then the images that reach the block
+  Int3 low, high, first, last;  // cells of the box, then the range of images that reach the block
   for (int d = 0; d < 3; ++d) {
     low[d] = int(std::ceil(box.lower[d] - 0.5 - rounding));
     high[d] = int(std::floor(box.upper[d] - 0.5 + rounding));
@@ -164,7 +163,7 @@ void MapBodies::add_images(const BlockMap& block, const rigid::BodySet& bodies, 
       }
 }
 
-/// Row by row: where the line of cell centres is inside, in closed form, relative to the body's centre.
+/// Marks the cells of a shape, relative to the body's centre.
 void MapBodies::mark(const BlockMap& block, const rigid::Shape& shape, BodyMask& mask) {
   const BitFrame& frame = mask.inside.frame();
   const Vec3& x = mask.pose.position;
@@ -231,8 +230,7 @@ void MapBodies::map_block(BlockMap& block, const rigid::BodySet& bodies) {
   find_kept(block);
 }
 
-/// Marks the masks to keep: those that did not change and around which no cell changed that one of their
-/// links may read.
+/// Keeps masks that did not change and around which no cell changed that one of their links may read.
 void MapBodies::find_kept(BlockMap& block) {
   const Int3 size = block.box.size;
   const int words = block.solid.words();
@@ -261,15 +259,14 @@ bool MapBodies::changed_around(const BlockMap& block, BodyMask& mask) const {
   return false;
 }
 
-/// Returns the cells that links of the mask may read: within a link's reach behind the cells next to it. The
-/// frame of the mask reaches two cells beyond it already.
+/// Returns the frame of cells that links of the mask may read; the mask has two cells of them already.
 BitFrame MapBodies::near_frame(const BodyMask& mask) const {
   const int beyond = link_reach_ - 1;
   const Int3 b{beyond, beyond, beyond};
   return BitFrame(mask.frame().low - b, mask.frame().size + b + b);
 }
 
-/// Found when first asked for.
+/// Computes the cells on first use.
 const BitWindow& MapBodies::near_cells(const BlockMap& block, BodyMask& mask) const {
   if (mask.near.frame().words() > 0) return mask.near;
   const BitFrame f = near_frame(mask);

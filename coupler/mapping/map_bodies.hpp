@@ -1,7 +1,7 @@
 #pragma once
 // Object mapping: a cell is solid if its centre is inside a body (the paper, section IV) or a curved wall.
-// Where bodies overlap, the lower id has the cell. Depends on nothing but the poses, so every rank that sees
-// a cell agrees on it.
+// Where bodies overlap, the cell belongs to the lower id. The map depends on poses alone, equally on all
+// ranks.
 #include <span>
 
 #include "coupler/mapping/placed_mesh.hpp"
@@ -15,14 +15,13 @@ namespace silt::coupler {
 
 class MapBodies {
  public:
-  /// link_reach: of the wall scheme (lbm::link_reach); masks are kept if links would be.
+  /// `link_reach` is lbm::link_reach of the wall scheme: masks whose links would not change are kept.
   MapBodies(const lbm::Domain&, const rigid::World&, std::span<const lbm::CellBox> blocks, int link_reach);
 
-  /// Maps every held body at its mapping pose. A block in which no such pose changed keeps its map: `changed`
-  /// is false there and `before` equals `solid`.
+  /// Maps every body known here at its mapping pose. A block in which no pose changed keeps its map: then
+  /// `changed` is false and `before` equals `solid`.
   void operator()(const rigid::BodySet&);
-  /// Takes the place of mapping for coarser cells, which no surface is near: a block lies in a wall as a
-  /// whole, or in none.
+  /// Maps walls for coarser cells instead, near which no surface lies: each block is all solid or all fluid.
   void map_walls(const rigid::BodySet&);
   /// Returns whether the last mapping changed some block.
   bool changed() const;
@@ -43,7 +42,7 @@ class MapBodies {
   void add_endless(const BlockMap&, const rigid::BodySet&, std::size_t row);
   bool nothing_changed(const BlockMap&, const rigid::BodySet&) const;
   void find_kept(BlockMap&);
-  /// Returns whether a cell changed sides that the links of the mask may read.
+  /// Returns whether a cell that links of the mask may read turned solid or fluid.
   bool changed_around(const BlockMap&, BodyMask&) const;
   BitFrame near_frame(const BodyMask&) const;
   const BitWindow& near_cells(const BlockMap&, BodyMask&) const;
@@ -53,8 +52,8 @@ class MapBodies {
   const rigid::World& world_;
   int link_reach_;
   std::vector<BlockMap> blocks_;
-  std::vector<Image> found_;             // in the block at work
-  rigid::SurfaceParts<double> surface_;  // of the body at work
+  std::vector<Image> found_;             // in the current block
+  rigid::SurfaceParts<double> surface_;  // of the current body
   PlacedMeshes meshes_;
 };
 

@@ -15,34 +15,34 @@ using rigid::Vec3;
 
 namespace {
 
-constexpr double rounding = 1e-9;    // relative: of a way of so many whole steps
-constexpr double held_share = 0.15;  // of the tolerance, where distances are held until the next mapping
+constexpr double rounding = 1e-9;    // relative, for ways of whole numbers of steps
+constexpr double held_share = 0.15;  // of the tolerance, where distances are not updated
 constexpr double unforeseen =
     1.1;  // of the tolerance: a body that speeds up may leave its foreseen place so far
 
-/// The most steps for which a body is mapped if distances follow it: a body so slow that it would keep within
-/// the tolerance for longer will soon be at rest, and is mapped where it is.
+/// Most steps between mappings of a body whose distances are updated: a slower body will soon be at rest, and
+/// is mapped at its present pose.
 constexpr double most_following = 81;
 
-/// The largest one that is not above.
+/// Returns the largest power of three that does not exceed `most`.
 std::int64_t power_of_three(double most) {
   std::int64_t power = 1;
   while (3 * static_cast<double>(power) <= most) power *= 3;
   return power;
 }
 
-/// Steps on whose way nothing as fast as that is further than the tolerance from the middle.
+/// Returns the number of steps at this speed whose ends are within the tolerance of their middle.
 double steps_within(double tolerance, double speed) {
   constexpr double most = 1e6;
   return speed * most <= 2 * tolerance ? most : std::floor((1 + rounding) * 2 * tolerance / speed);
 }
 
-/// |q - q'| of two unit quaternions is half the angle between them, or that of q and -q'.
+/// Returns the angle: |q - q'| of two unit quaternions, or |q + q'|, is half of it.
 double angle_between(const Quat& a, const Quat& b) {
   return 2 * std::min((a.coeffs() - b.coeffs()).norm(), (a.coeffs() + b.coeffs()).norm());
 }
 
-/// Moves the pose from the first of the steps it serves to the middle of them.
+/// Moves the pose to the middle of the steps that it serves.
 MappedMotion mapped_ahead(MappedMotion m) {
   m.set_pose(m.pose_after(m.middle() - static_cast<double>(m.steps.first)));
   return m;
@@ -56,7 +56,7 @@ void renew_mapping_poses(rigid::BodySet& bodies, const rigid::World& world, cons
   const bool links_follow = lbm::follows_distance(coupling.wall_scheme);
   for (std::size_t row = 0; row < bodies.first_wall(); ++row) {
     const rigid::Shape& shape = world.shapes[bodies.shape[row]];
-    // a ball looks the same however it has turned
+    // rotation does not change a ball
     const bool is_ball = std::holds_alternative<rigid::Sphere>(shape);
     const double radius = is_ball ? 0 : world.bounding_radii[bodies.shape[row]];
     const Vec3 v = bodies.velocity[row], w = is_ball ? Vec3(0, 0, 0) : bodies.angular_velocity[row];

@@ -1,7 +1,7 @@
 #pragma once
-// The poses at which the fluid sees bodies and walls: ahead, at the middle of the way on which a surface
-// stays within a tolerance, so that on the mean the fluid sees it where it is (method-coupling.md, "Object
-// mapping"). Bodies are mapped in common steps, every 1, 3, 9, ... of them.
+// The poses at which the fluid sees bodies and walls. A surface is mapped ahead, at the middle of the way on
+// which it stays within a tolerance, so that its mean position is right (method-coupling.md, "Object
+// mapping"). Bodies are mapped at common steps: all, every 3rd, every 9th, ...
 #include <cstdint>
 
 #include "coupler/spec/coupling_spec.hpp"
@@ -11,16 +11,16 @@
 
 namespace silt::coupler {
 
-/// Gives bodies a new mapped motion at the first steps of intervals of 3^k steps, the longest on which they
-/// stay within the tolerance (cells, of any point of the surface); in between, if they are further than a
-/// sixth of it from where they were foreseen. Where distances do not follow, 0.15 of it is the tolerance.
-/// `step`: how many were done. Only the state decides: every holder of a body does the same.
+/// Maps bodies anew at the first step of intervals of 3^k steps, the longest in which no point of the surface
+/// moves further than the tolerance (cells), or earlier if they are off their foreseen pose by more than a
+/// sixth of it. 0.15 of the tolerance applies where distances are not updated between mappings. `step` is the
+/// number of steps done. All holders of a body get the same result, which depends on its state alone.
 void renew_mapping_poses(rigid::BodySet&, const rigid::World&, const CouplingSpec&, std::int64_t step);
 
-/// When and where a wall that moves is mapped: a function of the step alone, as its pose is.
+/// Times and poses at which a moving wall is mapped, a function of the step alone like its pose.
 class WallMapping {
  public:
-  /// Keeps a reference to the wall. tolerance: CouplingSpec::remap_tolerance; distances do not follow.
+  /// Refers to the wall. `tolerance` is CouplingSpec::remap_tolerance; distances are not updated in between.
   WallMapping(const rigid::MeshWallSpec&, double tolerance);
   /// Returns the pose at which the fluid sees the wall in a step.
   rigid::Pose pose(std::int64_t step) const;

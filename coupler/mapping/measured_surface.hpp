@@ -1,6 +1,6 @@
 #pragma once
-// A surface that answers at what distance links meet it, and how that changes while it moves on from where it
-// was mapped: in the steps until it is mapped again its links follow it, to first order.
+// Measures the distances at which links meet a surface, and their rates while the surface moves: until the
+// next mapping the distances follow it to first order.
 #include "coupler/exchange/coupling_state.hpp"
 #include "coupler/mapping/device_mapping.hpp"
 #include "coupler/mapping/link_groups.hpp"
@@ -14,7 +14,7 @@ namespace silt::coupler {
 template <class T>
 class MeasuredSurface {
  public:
-  /// Distances to bodies of convex parts are left to `device` if that is to have the links.
+  /// Leaves distances to bodies with convex parts to `device` if links are built there.
   MeasuredSurface(WallScheme scheme, MeshDistances& mesh, DeviceMapping<T>& device)
       : follows_(lbm::follows_distance(scheme)), mesh_(mesh), device_(device) {}
 
@@ -46,7 +46,7 @@ class MeasuredSurface {
       distance_kernel<T, T>()(links, *frame_, parts_.view(), T(0), list.q);
   }
   bool leaves_to_device() const { return device_.has_links() && (!follows_ || way_ == Way::parts); }
-  /// Has the links of the surface listed and measured, and what follows from them.
+  /// Queues the surface for the device: its listed groups, distances, rates and resistance.
   void leave_to_device(SurfaceLinks<T>& surface, const BodyMask& mask, const BodyMask* before,
                        std::span<const ListedGroup> by_cells, const rigid::Shape& shape,
                        const MappedMotion& mapped, T arm) {
@@ -58,9 +58,9 @@ class MeasuredSurface {
     device_.add_rates(parts_.view(), frame_after(surface.links.frame, mapped, steps), steps);
   }
 
-  /// Sets the rates of links, built in the middle of the body's steps, by their distances in the last of
-  /// these; of none if it is at rest or mapped for one step. Crossing links keep their distances: whether
-  /// there is one at all depends on them.
+  /// Sets the rates of links, which were built for the middle of the mapping's steps, from their distances in
+  /// the last step; no rates if the body is at rest or mapped for one step. Crossing links keep their
+  /// distances, on which their existence depends.
   void set_rates(lbm::CutLinks<T>& links, const rigid::Shape& shape, const MappedMotion& mapped) {
     links.rate.clear();
     const double steps = steps_with_rates(links, mapped);
@@ -85,7 +85,7 @@ class MeasuredSurface {
 
  private:
   enum class Way { parts, tube, mesh };
-  /// The steps from the middle of those that links are built for to the last one; 0 if distances stay.
+  /// Returns the steps from the middle of a mapping's steps to the last; 0 if distances do not change.
   static double steps_with_rates(const lbm::CutLinks<T>& links, const MappedMotion& mapped) {
     const double steps = static_cast<double>(mapped.steps.end - 1) - mapped.middle();
     return mapped.is_at_rest() || links.q.empty() || !(steps > 0) ? 0 : steps;
@@ -100,7 +100,7 @@ class MeasuredSurface {
   DeviceMapping<T>& device_;
   Way way_ = Way::parts;
   rigid::SurfaceParts<T> parts_;
-  rigid::SurfaceParts<double> tube_;  // in double: it may be far longer than anything else is wide
+  rigid::SurfaceParts<double> tube_;  // in double, as it may be very long
   const lbm::SurfaceFrame* frame_ = nullptr;
 };
 

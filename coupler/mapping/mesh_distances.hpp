@@ -1,5 +1,5 @@
 #pragma once
-// Wall distances of the links that a mesh cuts, found triangle by triangle.
+// Wall distances of links to a mesh, found triangle by triangle.
 #include <cstdint>
 #include <vector>
 
@@ -11,13 +11,13 @@ namespace silt::coupler {
 
 class MeshDistances {
  public:
-  /// Keeps a reference to the meshes.
+  /// Refers to the meshes.
   explicit MeshDistances(PlacedMeshes& placed) : placed_(placed) {}
   /// Finds the distances of all links from fluid cells of the block to cells of the mask.
   void find(const rigid::Mesh&, const BlockMap&, const BodyMask&);
-  /// Sets those of links at places that count from a cell of the block: where they first meet a triangle, in
-  /// links. A link that meets none, as an end of it is within rounding of the surface, is cut in the ratio of
-  /// the distances of its ends.
+  /// Sets the distances q at which links, at places that count from `corner`, first meet a triangle. A link
+  /// that meets none, since one of its ends is within rounding of the surface, is cut in the ratio of the
+  /// distances of its ends.
   template <class T>
   void set(lbm::Int3 corner, const std::uint32_t* place, std::size_t count, T* q);
 
@@ -30,9 +30,9 @@ class MeshDistances {
   const rigid::Mesh* mesh_ = nullptr;
   const BlockMap* map_ = nullptr;
   const BodyMask* mask_ = nullptr;
-  BitWindow near_, fluid_;             // near_: fluid cells of the block next to cells of the mask
-  std::vector<std::uint32_t> before_;  // how many of them come before each word
-  std::vector<std::uint32_t> least_;   // of every direction of each of them, in units
+  BitWindow near_, fluid_;             // near_: fluid cells of the block with a neighbour in the mask
+  std::vector<std::uint32_t> before_;  // number of cells of near_ before each word
+  std::vector<std::uint32_t> least_;   // per direction and cell of near_, in units
   std::vector<std::uint32_t> looked_up_;
 };
 

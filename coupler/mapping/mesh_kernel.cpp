@@ -1,4 +1,4 @@
-// Built once an instruction set.
+// Built once per instruction set.
 #include <algorithm>
 #include <bit>
 #include <cstring>
@@ -71,7 +71,7 @@ bool within(const BitFrame& frame, Int3 x) {
 }
 
 void cut_links(const TriangleView& view, Int3 low, const LinkDistances& links) {
-  constexpr std::int64_t rounding = 4;  // units: a crossing so near a lattice point is at it
+  constexpr std::int64_t rounding = 4;  // units: closer crossings are at the lattice point
   const Int3 last = low + links.frame.size - Int3{1, 1, 1};
   const auto cut = [&](auto direction, Int3 line, std::int64_t w) {
     for (std::int64_t k = (w - rounding) >> cell_bits; k <= (w + rounding) >> cell_bits; ++k) {

@@ -1,9 +1,9 @@
 #pragma once
-// The places where triangles meet lines of lattice points: planes of lattice points cut triangles into
-// segments, whose ends are rounded to whole units and are the same for both triangles at an edge, so that the
-// segments of a closed surface form closed polygons, which meet lines an even number of times. Doubles hold
-// every number exactly, so the result depends on neither blocks nor ranks nor instruction sets. Only
-// *_kernel.cpp files, which are built once an instruction set (SILT_ISA), include this file.
+// Intersections of triangles with lines of lattice points. Planes of lattice points cut triangles into
+// segments, whose ends are rounded to whole units and are equal for both triangles at an edge: the segments
+// of a closed surface form closed polygons, which meet every line an even number of times. Doubles hold all
+// numbers exactly, so results do not depend on blocks, ranks or instruction sets. Only for *_kernel.cpp
+// files, which are built once per instruction set (SILT_ISA).
 #include <algorithm>
 #include <bit>
 #include <cstdint>
@@ -19,14 +19,14 @@ using Doubles = VectorOf<double>::type;
 using Longs = VectorOf<std::int64_t>::type;
 inline constexpr int double_lanes = int(sizeof(Doubles) / sizeof(double));
 inline constexpr double one_cell = double(cell_units);  // in units
-inline constexpr double rounder = 0x1.8p52;             // a sum with it is a whole number
+inline constexpr double rounder = 0x1.8p52;             // adding it rounds to a whole number
 
-/// Rounds a double, or several, to a whole number below 2^51.
+/// Rounds numbers to whole numbers below 2^51.
 template <class Number>
 Number rounded(Number x) {
   return (x + rounder) - rounder;
 }
-/// The last lattice point before x, which is whole; in units.
+/// Returns the last lattice point before x, a whole number of units.
 inline Doubles lattice_point_before(Doubles x) {
   constexpr std::int64_t fraction = cell_units - 1;
   return std::bit_cast<Doubles>(std::bit_cast<Longs>(x - 1 + rounder) & ~fraction) - rounder;
@@ -35,9 +35,8 @@ inline std::int64_t cell_of(double lattice_point) {
   return std::int64_t(lattice_point) >> cell_bits;
 }
 
-/// The lines along one of a half of the directions c, known where code is made: through the lattice points
-/// whose coordinate `across` is that along another axis plus a whole number, where c runs up or down that
-/// axis or not at all.
+/// The lines along direction c of one half of the directions, a compile-time constant. Along a line, the
+/// coordinate `across` is `slope` (-1, 0, 1) times that of `along` plus a whole number.
 template <int number_>
 struct Direction {
   static constexpr int number = number_, forward = 2 * number + 1, backward = forward + 1;
@@ -50,8 +49,8 @@ struct Direction {
   static_assert(c[along] == 1 && c[plane] == 0 && lbm::D3Q19::c[backward][along] == -1);
 };
 
-/// Calls use(Direction<number>()) for those whose lines are looked for in planes across an axis: one along an
-/// axis, two between axes.
+/// Calls use(Direction<number>()) for the directions whose lines are searched in planes across an axis: one
+/// along an axis, two diagonals.
 template <int axis, class Use>
 [[gnu::always_inline]] inline void for_directions_in_plane(Use&& use) {
   constexpr int number = (axis + 1) % 3, diagonal = 3 + 2 * (2 - axis);
@@ -60,13 +59,13 @@ template <int axis, class Use>
   use(Direction<number>()), use(Direction<diagonal>()), use(Direction<diagonal + 1>());
 }
 
-/// Segments side by side, in a plane each: both ends, in units.
+/// Segments in lanes, each in one plane: both ends, in units.
 struct Segments {
   Doubles end[2][3];
-  unsigned used;  // lanes
+  unsigned used;  // mask of lanes
 };
 
-/// Triangles side by side, cut by planes across an axis.
+/// Triangles in lanes, cut by planes across an axis.
 template <int axis>
 class SlicedTriangles {
  public:
@@ -93,8 +92,7 @@ class SlicedTriangles {
   static Doubles least(Doubles a, Doubles b) { return a < b ? a : b; }
   static Doubles largest(Doubles a, Doubles b) { return a > b ? a : b; }
 
-  /// Cuts from the corner that is alone on its side of the plane to both others; a corner on the plane is
-  /// below it.
+  /// Cuts the edges at the corner that is alone on its side of the plane; corners on it count as below.
   [[gnu::always_inline]] Segments cut(Doubles plane, unsigned used) const {
     const Doubles(&z)[3] = x_[axis];
     const Longs above[] = {z[0] > plane, z[1] > plane, z[2] > plane};
@@ -122,11 +120,11 @@ class SlicedTriangles {
   }
 
   unsigned lanes_;
-  Doubles x_[3][3];  // of each coordinate that of three corners
+  Doubles x_[3][3];  // coordinates, each of three corners
 };
 
-/// Calls visit(direction, x, w) for the lines along a direction that segments meet and that may pass cells
-/// from first to last: a cell of the line, that with 0 along it, and where along it, in units.
+/// Calls visit(direction, x, w) for the lines along a direction that the segments meet between cells first
+/// and last: x is the line's cell with coordinate 0 along it, w the position along it in units.
 template <class Along, class Visit>
 [[gnu::always_inline]] inline void meet_lines(const Segments& segments, Along direction, lbm::Int3 first,
                                               lbm::Int3 last, const Visit& visit) {

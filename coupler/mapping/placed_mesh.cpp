@@ -7,11 +7,11 @@ namespace silt::coupler {
 using lbm::Int3;
 using rigid::Vec3;
 
-/// A triangle meets a plane unless its corners lie between the same two, none of them at one.
+/// A triangle meets no plane if its corners lie strictly between the same two planes.
 template <class Number>
 void SortedByPlanes::sort(std::span<const rigid::TriangleMesh::Triangle> triangles,
                           const std::vector<Corner>& corners, std::size_t count, Number&& number) {
-  constexpr std::size_t part = 1024;  // triangles
+  constexpr std::size_t part = 1024;  // triangles per part
   constexpr std::uint64_t of_x = Corner::of_x, of_y = of_x << Corner::field, of_z = of_y << Corner::field;
   lists_.resize(std::max(lists_.size(), 4 * (count + 1)));
   parts_.clear();
@@ -44,7 +44,7 @@ void PlacedMesh::place(const rigid::TriangleMesh& mesh, const rigid::Pose& pose)
   const Eigen::Matrix<double, 3, 3, Eigen::RowMajor> turn = pose.orientation.toRotationMatrix();
   mesh_kernels().place_corners(mesh.vertices().data()->data(), corner_.size(), turn.data(),
                                pose.position.data(), corner_.data());
-  if (2 * mesh.radius() >= Corner::distinct)  // lattice points look alike: every triangle is looked at
+  if (2 * mesh.radius() >= Corner::distinct)  // lattice points are ambiguous: use all triangles
     for (Corner& corner : corner_) corner.between |= Corner::is_whole;
 }
 
@@ -69,7 +69,7 @@ TriangleView PlacedMesh::near(const Vec3& low, const Vec3& high) {
     return view(of_all_);
   }
   const rigid::Mat3 to_body = pose_.orientation.toRotationMatrix().transpose();
-  const Vec3 slack = Vec3::Constant(1e-3);  // cells: of rounding to units and of the turned box
+  const Vec3 slack = Vec3::Constant(1e-3);  // cells, for rounding to units and the rotated box
   const Vec3 middle = to_body * (0.5 * (low + high) - pose_.position);
   const Vec3 half = to_body.cwiseAbs() * (0.5 * (high - low) + slack);
   near_.clear();
@@ -80,20 +80,20 @@ TriangleView PlacedMesh::near(const Vec3& low, const Vec3& high) {
 
 namespace {
 
-/// Bit k of the result: whether an odd number of bits up to k is set.
+/// Returns a word whose bit k tells whether an odd number of bits up to k is set.
 std::uint64_t parity_up_to(std::uint64_t bits) {
   for (int shift = 1; shift < 64; shift *= 2) bits ^= bits << shift;
   return bits;
 }
 
-/// Turns the bits of cells where rows change sides into the bits of cells that are inside.
+/// Turns bits where rows change sides into bits of cells inside.
 void fill(BitWindow& window, bool hollow) {
   const BitFrame& f = window.frame();
   const std::uint64_t width = f.row_bits();
   for (int z = 2; z < f.size.z - 2; ++z)
     for (int y = 2; y < f.size.y - 2; ++y) {
       const std::size_t row = f.row(f.low.y + y, f.low.z + z);
-      std::uint64_t before = 0;  // all ones: inside at the end of the last word
+      std::uint64_t before = 0;  // all ones: the last word ended inside
       for (int x = 0; x < f.pitch; x += 64) {
         std::uint64_t& word = window.words()[(row + x) >> 6];
         const int at = int(row & 63);
@@ -109,7 +109,7 @@ void fill(BitWindow& window, bool hollow) {
 
 void PlacedMesh::mark(bool hollow, Int3 low, BitWindow& window) {
   const BitFrame& f = window.frame();
-  const double before_rows = std::min<double>(box().lower[0], low.x);  // what is before a row matters
+  const double before_rows = std::min<double>(box().lower[0], low.x);  // triangles before a row count, too
   const Vec3 first(before_rows, low.y, low.z), last(low.x + f.size.x, low.y + f.size.y, low.z + f.size.z);
   mesh_kernels().mark_changes(near(first, last), f, low, window.words());
   fill(window, hollow);

@@ -9,10 +9,10 @@
 
 namespace silt::coupler {
 
-/// Triangles by the planes of lattice points that they meet.
+/// Triangles sorted by the planes of lattice points that they meet.
 class SortedByPlanes {
  public:
-  /// number(k): of the k-th triangle of `count`.
+  /// number(k) returns the index of the k-th of `count` triangles.
   template <class Number>
   void sort(std::span<const rigid::TriangleMesh::Triangle>, const std::vector<Corner>&, std::size_t count,
             Number&& number);
@@ -23,31 +23,31 @@ class SortedByPlanes {
   std::vector<TrianglesByPlanes> parts_;
 };
 
-/// Its corners are rounded to whole units: the same in every block.
+/// Corners are rounded to whole units, equally in every block.
 class PlacedMesh {
  public:
-  /// Keeps a reference to the mesh.
+  /// Refers to the mesh.
   void place(const rigid::TriangleMesh&, const rigid::Pose&);
   /// Returns the bounding box in cells.
   rigid::BoundingBox box() const;
-  /// Triangles whose boxes overlap a box of cells (an image of the domain's), and perhaps some near it, valid
-  /// up to the next call.
+  /// Returns at least the triangles whose boxes overlap a box of cells (in an image of the domain); valid
+  /// until the next call.
   TriangleView near(const rigid::Vec3& low, const rigid::Vec3& high);
-  /// Sets the bits of the cells whose centres are inside, or outside if it is hollow, all but two at either
-  /// end of the window; `low`: cell of its bit 0 in the coordinates of the mesh's image. A row changes sides
-  /// wherever it crosses a triangle, in whatever order these come.
+  /// Sets the bits of cells whose centres are inside, or outside a hollow mesh, without the outer two at
+  /// either end of the window; `low` is the cell of its bit 0 in the coordinates of the image. A row changes
+  /// sides at each triangle it crosses, in any order.
   void mark(bool hollow, lbm::Int3 low, BitWindow&);
 
  private:
   const rigid::TriangleMesh* mesh_ = nullptr;
   rigid::Pose pose_;
   std::vector<Corner> corner_;
-  std::vector<std::uint32_t> near_;  // numbers of triangles
+  std::vector<std::uint32_t> near_;  // indices of triangles
   SortedByPlanes of_all_, of_near_;
   bool all_sorted_ = false;  // at this pose
 };
 
-/// The meshes that a rank maps, each where it was placed last.
+/// The meshes of a rank at their last poses.
 class PlacedMeshes {
  public:
   PlacedMesh& at(const rigid::TriangleMesh& mesh, const rigid::Pose& pose) {

@@ -15,8 +15,7 @@ using lbm::Int3;
 
 namespace {
 
-/// Calls f(cell) for every cell inside the block that a mask has and `other`, the block's solid cells or
-/// those before, has not.
+/// Calls f(cell) for the block's cells that are in a mask but not in `other` (solid cells, now or before).
 template <class F>
 void for_cells_lost(const BlockMap& map, const BodyMask& mask, const CellBits& other, F&& f) {
   const Int3 size = other.size();
@@ -35,7 +34,7 @@ void for_cells_lost(const BlockMap& map, const BodyMask& mask, const CellBits& o
     }
 }
 
-/// Returns moments of neighbours that other ranks hold, in the order in which the uncovered cells ask.
+/// Returns the moments of neighbours on other ranks, in the order of the uncovered cells.
 template <class T>
 std::vector<lbm::Moments> remote_moments(lbm::Fluid<T>& fluid, const std::vector<BlockMap>& maps,
                                          const ChangedCells& cells) {
@@ -77,8 +76,8 @@ void list_uncovered(lbm::Fluid<T>& fluid, const std::vector<BlockMap>& maps, con
   const lbm::Domain& domain = fluid.domain();
   const int rank = parallel::rank_of(fluid.comm());
   all.cells.host().clear(), all.told.host().clear();
-  std::vector<std::uint8_t> is_remote;  // of those elsewhere
-  std::vector<lbm::LocalCell> local;    // the others
+  std::vector<std::uint8_t> is_remote;  // of neighbours in other blocks
+  std::vector<lbm::LocalCell> local;    // those on this rank
   for (const CoveredCell& u : changed.uncovered) {
     const BlockMap& map = maps[u.block];
     UncoveredCell cell;
@@ -168,7 +167,7 @@ template void refill(lbm::Fluid<double>&, const std::vector<BlockMap>&, const Ch
 
 namespace {
 
-/// The cells of a block, ghosts too, that changed sides.
+/// Returns bits of cells that turned solid or fluid, with ghost cells.
 auto changed_bits(const BlockMap& map) {
   return [&map](int y, int z, int k) { return map.before.at(y, z)[k] ^ map.solid.at(y, z)[k]; };
 }
@@ -179,8 +178,8 @@ class PassOn {
   PassOn(lbm::Fluid<T>& fluid, const std::vector<BlockMap>& maps)
       : fluid_(fluid), maps_(maps), domain_(fluid.domain()), rank_(parallel::rank_of(fluid.comm())) {}
 
-  /// Shares the mass of a cell out to its neighbours that were fluid and still are, alike but for the last
-  /// quanta. Returns what is left, if there are none.
+  /// Divides the mass of a cell evenly, but for the last quanta, among neighbours that were and are fluid.
+  /// Returns the mass if there are none.
   std::int64_t share(const CoveredCell& c, std::int64_t mass) {
     const BlockMap& map = maps_[c.block];
     int neighbours[lbm::D3Q19::directions], count = 0;
@@ -195,7 +194,7 @@ class PassOn {
     return 0;
   }
 
-  /// Fetches what the cells of other ranks share out; returns it all.
+  /// Receives the shares from cells of other ranks; returns all shares.
   PassedMass finish() {
     if (domain_.ranks() > 1) take_from_others();
     return std::move(all_);

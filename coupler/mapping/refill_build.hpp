@@ -1,4 +1,4 @@
-// The pass of refill_cell.hpp, for the one file of each device that includes this (SILT_ISA).
+// The pass of refill_cell.hpp, for the one file per device that includes this (SILT_ISA).
 #include "coupler/mapping/refill_cell.hpp"
 #include "device/for_each.hpp"
 

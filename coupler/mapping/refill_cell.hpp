@@ -1,5 +1,5 @@
 #pragma once
-// The pass that finds what cells hold when a body has left them.
+// The pass that sets the populations of cells that a body has left.
 #include <array>
 #include <cstdint>
 
@@ -9,14 +9,14 @@
 
 namespace silt::coupler {
 
-/// An uncovered cell with its neighbours that were fluid and still are, by direction, and those of them that
-/// lie in another block, whose moments are given one after the other.
+/// An uncovered cell: its neighbours that were and are fluid, as bits by direction, and those in other
+/// blocks, whose moments are in `told` from first_told on.
 struct UncoveredCell {
   std::uint32_t neighbours = 0, elsewhere = 0, first_told = 0;
-  double momentum[3] = {};  // of the body there, without the half force
+  double momentum[3] = {};  // of the surface there, less half the force
 };
 
-/// The means over neighbours: of density, and of their momentum flux off equilibrium, sum c c (g - g_eq).
+/// Means over neighbours of the density and of the flux of momentum off equilibrium, sum c c (g - g_eq).
 class NeighbourMeans {
  public:
   double density = 0, stress[6] = {};
@@ -46,7 +46,7 @@ class NeighbourMeans {
   int count_ = 0;
 };
 
-/// Sets what arrives at uncovered cells; none of them is another's neighbour.
+/// Sets the populations that arrive at uncovered cells; no uncovered cell is read for another.
 template <class T>
 struct RefillCells {
   lbm::ListedCells<T> listed;

@@ -1,7 +1,7 @@
 #pragma once
-// Values that belong to pairs of a cell which changed sides and a neighbour of it on another rank: they go
-// from the neighbour's rank to the cell's (moments) or the other way (mass; refill.hpp).
-// Both ends find the pairs from their own maps, ghost cells included.
+// Exchanges values of pairs of a cell that turned solid or fluid and a neighbour on another rank: moments go
+// to the rank of the cell, masses to that of the neighbour (refill.hpp). Both ends find the pairs in their
+// maps.
 #include <mpi.h>
 
 #include <algorithm>
@@ -16,7 +16,7 @@
 
 namespace silt::coupler {
 
-/// Calls visit(cell) for the ghost cells of a block of which bits(y, z, k) has the bit in word k of the row.
+/// Calls visit(cell) for the ghost cells of a block whose bit is set in bits(y, z, k), word k of a row.
 template <class Bits, class Visit>
 void for_ghosts(const BlockMap& map, Bits&& bits, Visit&& visit) {
   if (!map.changed) return;
@@ -29,22 +29,22 @@ void for_ghosts(const BlockMap& map, Bits&& bits, Visit&& visit) {
           });
 }
 
-/// The pairs for each rank, in an order that both ends know: of the cells that changed sides, and of the
-/// directions from these to their neighbours. A value is a struct of doubles.
+/// The pairs with each rank, ordered by changed cell and direction to the neighbour, as the other end orders
+/// them. A value is a struct of doubles.
 template <class Value>
 class SharedNeighbours {
  public:
   explicit SharedNeighbours(const lbm::Domain& domain) : domain_(domain) {}
 
-  /// The next value is that of a cell (global, not wrapped) and its neighbour along c_k, shared with a rank.
+  /// Adds the pair of a cell (global, not wrapped) and its neighbour along c_k; the next value belongs to it.
   void add(int rank, lbm::Int3 cell, int k) {
     const lbm::Int3 g = domain_.wrapped(cell), n = domain_.cells();
     pairs_.push_back({rank, (std::int64_t(g.z) * n.y + g.y) * n.x + g.x, k, std::uint32_t(pairs_.size())});
   }
   std::size_t size() const { return pairs_.size(); }
 
-  /// Collective over the ranks of neighbouring blocks: sends a value for each of these pairs, and returns
-  /// those of the pairs `wanted`.
+  /// Sends the values of these pairs and returns those of the pairs `wanted`. Collective over the ranks of
+  /// neighbouring blocks.
   std::vector<Value> exchange(MPI_Comm comm, int tag, std::span<const Value> values,
                               SharedNeighbours& wanted) {
     std::sort(pairs_.begin(), pairs_.end());
@@ -63,9 +63,9 @@ class SharedNeighbours {
  private:
   struct Pair {
     int rank;
-    std::int64_t cell;  // as the domain counts
+    std::int64_t cell;  // index in the domain
     int direction;
-    std::uint32_t place;  // among all
+    std::uint32_t place;  // index of the value
     bool operator<(const Pair& other) const {
       return std::tie(rank, cell, direction) < std::tie(other.rank, other.cell, other.direction);
     }

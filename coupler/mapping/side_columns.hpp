@@ -1,6 +1,5 @@
 #pragma once
-// The solid cells near a block's two faces across x, as bits along y: rows along x hold few cells a word
-// there.
+// The solid cells near a block's two faces across x as bits along y: rows along x have few per word.
 #include <cstdint>
 #include <vector>
 
@@ -8,7 +7,7 @@
 
 namespace silt::coupler {
 
-/// Columns of bits at cells x within CellBits::ghosts of a face, on either side of it.
+/// Columns of bits of the cells within CellBits::ghosts of a face, on either side.
 class SideColumns {
  public:
   explicit SideColumns(const CellBits& solid) { reset(solid); }
@@ -26,8 +25,8 @@ class SideColumns {
           }
         }
   }
-  /// 64 cells of a column of `solid` from cell y on, the bits of the last reset; beyond the column: anything.
-  /// Columns far from the faces, which corners of blocks that are not in line ask for, are put together here.
+  /// Returns 64 cells of a column of `solid` from y on, as of the last reset; bits beyond the column are
+  /// undefined. Collects columns far from the faces, at corners of blocks that are not aligned, from `solid`.
   std::uint64_t from(const CellBits& solid, int x, int y, int z) const {
     const int side = x >= ghosts ? 1 : 0, column = x - side * size_.x + ghosts, bit = y + ghosts;
     if (column < 0) return put_together(solid, x, y, z);
@@ -50,7 +49,7 @@ class SideColumns {
   }
 
   lbm::Int3 size_;
-  int words_ = 0;  // of a column, and one that may be read
+  int words_ = 0;  // per column, with one more to read
   std::vector<std::uint64_t> bits_;
 };
 

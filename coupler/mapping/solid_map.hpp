@@ -1,5 +1,5 @@
 #pragma once
-// The solid cells of a block, and the bodies that make them so, each with the bits of its own.
+// The solid cells of a block, and the bodies that cover them, each with its own bits.
 #include <algorithm>
 #include <cstdint>
 #include <memory_resource>
@@ -17,32 +17,31 @@ namespace silt::coupler {
 
 using lbm::for_cells;
 
-/// One periodic image of a body in a block: the cells whose centres are inside it. The windows reach two
-/// cells beyond what the body can cover in the block and its ghost layers.
+/// The cells of a block whose centres are inside one periodic image of a body. Windows reach two cells beyond
+/// the cells that the body can cover in the block and its ghost layers.
 struct BodyMask {
   rigid::BodyId id = 0;
-  std::size_t row = 0;      // in the BodySet, this step
-  lbm::Int3 shift;          // the image: cells added to the canonical position (multiples of the domain)
+  std::size_t row = 0;      // in the BodySet, in this step
+  lbm::Int3 shift;          // image: cells added to the canonical position (multiples of the domain)
   rigid::Pose pose;         // canonical
   std::int64_t mapped = 0;  // MappedMotion::steps.first
   BitWindow inside;         // centre inside the body
-  BitWindow bits;           // the same less what walls and lower ids have
-  bool any = false;         // in bits
-  bool hollow = false;      // all around a tube or in a hollow mesh, wherever the block has cells
-  BitWindow near;           // the cells that its links may ask for; empty until that is needed
-  int before = -1;          // index in masks_before of the same image; -1: it is new
-  bool kept = false;        // neither its cells nor others around it have changed sides, nor has it moved
+  BitWindow bits;           // of `inside`, those not of walls or lower ids
+  bool any = false;         // any bit set in `bits`
+  bool hollow = false;      // solid around a tube or hollow mesh
+  BitWindow near;           // cells that its links may read; empty until needed
+  int before = -1;          // index of the same image in masks_before; -1: new
+  bool kept = false;        // neither it nor its links need an update
 
   const BitFrame& frame() const { return bits.frame(); }
-  /// A cell's centre from the centre of mass of this image; `cell` global and unwrapped (lower corner +
-  /// local).
+  /// Returns the vector from this image's centre of mass to a cell's centre (global, not wrapped).
   rigid::Vec3 arm(lbm::Int3 cell) const {
     return {(cell.x - shift.x + 0.5) - pose.position[0], (cell.y - shift.y + 0.5) - pose.position[1],
             (cell.z - shift.z + 0.5) - pose.position[2]};
   }
 };
 
-/// Calls visit(k) for masks, whose bits are fetched ahead.
+/// Calls visit(k) for each mask, with its bits prefetched.
 template <class Visit>
 void for_masks(const std::vector<BodyMask>& masks, Visit&& visit) {
   for_ahead(
@@ -53,12 +52,12 @@ void for_masks(const std::vector<BodyMask>& masks, Visit&& visit) {
 /// The map of one block.
 struct BlockMap {
   lbm::CellBox box;
-  CellBits walls, solid, before;              // ghosts beyond walls; walls and bodies; the same a step ago
+  CellBits walls, solid, before;              // walls with ghosts; walls and bodies; the latter one step ago
   std::vector<BodyMask> masks, masks_before;  // by (id, shift)
   bool changed = false;                       // in the last mapping
-  std::vector<std::uint8_t> changed_rows;     // in the last mapping that changed the block; see row_changed
+  std::vector<std::uint8_t> changed_rows;     // in the last mapping with a change; see row_changed()
 
-  /// Returns whether a cell of the row, which may be a row of ghost cells, has changed sides.
+  /// Returns whether a cell of a row, which may be of ghost cells, turned solid or fluid.
   bool row_changed(int y, int z) const {
     constexpr int ghosts = CellBits::ghosts;
     return changed_rows[std::size_t(z + ghosts) * (box.size.y + 2 * ghosts) + (y + ghosts)];
@@ -85,8 +84,8 @@ void for_fluid_cells(std::span<const BlockMap> maps, Visit&& visit) {
     });
 }
 
-/// Calls visit(runs) for runs of at most so many fluid cells along x inside a block, of whole rows without a
-/// solid cell for several at a time; the runs lie in this memory.
+/// Calls visit(runs) for runs of at most most_cells fluid cells along x in a block; rows without a solid cell
+/// are joined. The runs are in `memory`.
 template <class Visit>
 void for_fluid_runs(const BlockMap& map, int most_cells, std::pmr::memory_resource* memory, Visit&& visit) {
   constexpr std::size_t at_once = 2048;
@@ -96,7 +95,7 @@ void for_fluid_runs(const BlockMap& map, int most_cells, std::pmr::memory_resour
     if (runs.size() == at_once) visit(runs), runs.clear();
   };
   const lbm::Int3 size = map.box.size;
-  const auto next = [&](lbm::Int3 x, bool solid) {  // such cell of the row, or its end
+  const auto next = [&](lbm::Int3 x, bool solid) {  // next solid or fluid cell of the row, or its end
     for (; x.x < size.x; x.x += 64) {
       const std::uint64_t cells = map.solid.from(x.x, x.y, x.z) ^ (solid ? 0 : ~std::uint64_t{0});
       if (cells) return std::min(x.x + __builtin_ctzll(cells), size.x);

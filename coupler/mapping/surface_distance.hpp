@@ -1,10 +1,9 @@
 #pragma once
-// The distance along links, in units of a link, to the first part of a surface that they enter; and for
-// kernels how it is found, for a vector of links at a time or for one (SILT_SCALAR).
+// The distance along links, in units of a link, to the first part of a surface that they enter; its
+// computation for kernels for a vector of links, or for one (SILT_SCALAR).
 //
-// Beside its convex edges the surface is moved outwards, by a lip (method-walls.md, "Edges"): where a line
-// meets a face s < 1 cells from the nearest edge, the wall distance is less by what `under_lip` says, divided
-// by |n.c|, n the face's normal.
+// Beside convex edges the surface is moved outwards by a lip (method-walls.md, "Edges"): within a cell of an
+// edge under_lip() reduces wall distances by a height over |n.c|, n the normal of the face.
 #include "cpu/isa.hpp"
 #include "lbm/walls/cut_links.hpp"
 #include "rigid/shapes/surface_kinds.hpp"
@@ -14,20 +13,19 @@
 
 namespace silt::coupler {
 
-/// Links whose wall distances are wanted, whole vectors of them: places that count from a cell.
+/// Links to measure, in whole vectors; places count from `corner`.
 struct PlacedLinks {
   const std::uint32_t* place;
   int padded;
   lbm::Int3 corner;
 };
-/// Sets the wall distances of links, with the lip of bodies of one part (under_lip). They are found up to
-/// `past` before and after the link, in units of it, of a surface that has moved past one of the link's ends;
-/// 1 + past for a line that does not meet it there.
+/// Sets wall distances q, with the lip of bodies of one part (under_lip). For a surface that has moved past
+/// an end of a link, distances range from -past to 1 + past, in links; 1 + past if the line misses it.
 template <class Real, class T>
 using SurfaceDistances = void (*)(const PlacedLinks&, const lbm::SurfaceFrame&,
                                   const rigid::SurfaceView<Real>&, Real past, T* q);
 SILT_BUILDS(template <class Real, class T> SurfaceDistances<Real, T> surface_distances();)
-/// The build that runs here.
+/// Returns the kernel for this CPU.
 template <class Real, class T>
 SurfaceDistances<Real, T> distance_kernel() {
   return SILT_CHOSEN(surface_distances<Real, T>)();
@@ -41,8 +39,8 @@ namespace silt::coupler::SILT_ISA {
 using rigid::SurfaceKind, rigid::SurfacePart, rigid::SurfaceView;
 using rigid::SILT_ISA::IntervalLanes, rigid::SILT_ISA::LineLanes, rigid::SILT_ISA::with_kind;
 
-/// Returns where lines enter, within [-past, 1 + past]; 1 + past where they do not. A line whose interval has
-/// its middle at or before 0 misses the convex part, which lies behind it.
+/// Returns where lines enter, within [-past, 1 + past]; 1 + past if they do not. An interval whose middle is
+/// at or before 0 belongs to a part behind the cell, which the link misses.
 template <class T>
 SILT_DEVICE auto first_inside(const IntervalLanes<T>& i, T past) {
   using V = typename IntervalLanes<T>::V;
@@ -50,14 +48,14 @@ SILT_DEVICE auto first_inside(const IntervalLanes<T>& i, T past) {
   return V(t < -past ? V{} - past : t > end ? end : t);
 }
 
-/// Returns where lines from the hole of a tube leave it, within [0, 1].
+/// Returns where lines leave the hole of a tube, within [0, 1].
 template <class T>
 SILT_DEVICE auto last_inside(const IntervalLanes<T>& i) {
   using V = typename IntervalLanes<T>::V;
   return V(i.leave > T(0) ? i.leave > T(1) ? V{} + T(1) : i.leave : V{});
 }
 
-/// Returns the distance of links to one part.
+/// Returns the distance along links to one part.
 template <SurfaceKind kind, class T>
 SILT_DEVICE auto distance_to(const LineLanes<T, kind>& lines, const SurfacePart<T>& part,
                              const rigid::Plane<T>* planes, T past) {
@@ -68,8 +66,8 @@ SILT_DEVICE auto distance_to(const LineLanes<T, kind>& lines, const SurfacePart<
     return first_inside(inside, past);
 }
 
-/// Returns the distance to the nearest part. Each lane leaves out parts beyond its own line, so its result
-/// does not depend on the other lanes.
+/// Returns the distance to the nearest part. Each lane ignores parts beyond its line, so results do not
+/// depend on other lanes.
 template <class T>
 SILT_DEVICE auto distance_to_any(const lbm::SILT_ISA::Places<T>& at, const SurfaceView<T>& surface, T past) {
   auto nearest = typename IntervalLanes<T>::V{} + (T(1) + past);
@@ -84,11 +82,10 @@ SILT_DEVICE auto distance_to_any(const lbm::SILT_ISA::Places<T>& at, const Surfa
   return nearest;
 }
 
-/// Cells by which the surface is moved half a cell from an edge; least wall distance that this leaves; least
-/// |n.c| that is divided by.
+/// Height of the lip in cells, half a cell from an edge; least wall distance under it; least |n.c|.
 inline constexpr double lip_height = 0.22, least_under_lip = 0.01, least_lip_slope = 0.3;
 
-/// Wall distances with the lip of the part that lines meet at them; 1: they may not.
+/// Returns wall distances reduced by the lip of the part that lines meet; lines with q = 1 may meet none.
 template <SurfaceKind kind, class T>
 SILT_DEVICE typename Lanes<T>::Real under_lip(const typename Lanes<T>::Real& q,
                                               const LineLanes<T, kind>& lines, const SurfacePart<T>& part,

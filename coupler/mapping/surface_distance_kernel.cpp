@@ -1,11 +1,11 @@
-// Built once an instruction set.
+// Built once per instruction set.
 #include "coupler/mapping/surface_distance.hpp"
 
 namespace silt::coupler::SILT_ISA {
 
 namespace {
 
-/// Sets the distance of each link, in units of it, to the first part of the surface that it enters.
+/// Sets the distance of each link, in links, to the first part of the surface that it enters.
 template <class Real, class T>
 void set_distances(const PlacedLinks& links, const lbm::SurfaceFrame& frame, const SurfaceView<Real>& surface,
                    Real past, T* q) {

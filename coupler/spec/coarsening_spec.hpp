@@ -1,5 +1,5 @@
 #pragma once
-// Where cells are fine, and how many levels of coarser ones there are.
+// Where cells are fine, and the number of coarser levels.
 #include <array>
 #include <cstdint>
 #include <vector>
@@ -8,10 +8,10 @@
 
 namespace silt::coupler {
 
-/// Cells are refined and coarsened before steps that are multiples of this, and at no other time.
+/// Cells are refined and coarsened only before steps that are multiples of this.
 inline constexpr std::int64_t regrid_interval = 16;
 
-/// A box in which no cell is of a higher level.
+/// A box without cells above a level.
 struct FineBox {
   rigid::BoundingBox box{rigid::Vec3::Zero(), rigid::Vec3::Zero()};
   int level = 0;
@@ -21,11 +21,11 @@ struct FineBox {
 struct CoarseningSpec {
   static constexpr int most_levels = 4;
   static_assert(regrid_interval % (1 << most_levels) == 0);
-  int levels = 1;       // besides the finest, 0
-  double distance = 0;  // cells: from bodies and curved walls up to which cells are finest
+  int levels = 1;       // number of coarser levels
+  double distance = 0;  // cells, from bodies and curved walls, within which cells are finest
   std::vector<FineBox> fine;
 
-  /// Finest cells, and steps, of which sizes of the domain and intervals of a run are whole multiples.
+  /// Returns the divisor of domain sizes (finest cells) and run intervals (steps).
   int stride() const { return 1 << levels; }
 };
 

@@ -1,7 +1,6 @@
 #pragma once
-// Random numbers that are a function of a number: whoever asks, wherever, gets the same (Salmon, Moraes,
-// Dror, Shaw, SC11). The standard fixes the numbers of its engines, but not those of its distributions: so
-// the mapping is our own.
+// Random numbers as a function of a key, equal on every rank (Salmon, Moraes, Dror, Shaw, SC11). The C++
+// standard specifies its engines but not its distributions, so these are our own.
 #include <cmath>
 #include <cstdint>
 #include <numbers>
@@ -18,7 +17,7 @@ constexpr std::uint64_t mixed(std::uint64_t x) {
   return x ^ x >> 31;
 }
 
-/// The sequence SplitMix64 that begins at a key.
+/// The sequence of SplitMix64 from a key on.
 class CounterRandom {
  public:
   explicit CounterRandom(std::uint64_t key) : state_(key) {}
@@ -28,7 +27,7 @@ class CounterRandom {
     const double x = uniform(), y = uniform(), z = uniform();
     return {x, y, z};
   }
-  /// Uniform over all orientations (Shoemake 1992, Graphics Gems III, p. 124).
+  /// Returns an orientation uniform over all rotations (Shoemake 1992, Graphics Gems III, p. 124).
   rigid::Quat orientation() {
     const double u = uniform(), a = 2 * std::numbers::pi * uniform(), b = 2 * std::numbers::pi * uniform();
     const double r = std::sqrt(1 - u), s = std::sqrt(u);

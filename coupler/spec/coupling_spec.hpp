@@ -19,11 +19,11 @@ struct CouplingSpec {
   WallScheme wall_scheme = WallScheme::multireflection;
   TimeCoupling time = TimeCoupling::implicit_;
   ForceForm force = ForceForm::galilean;
-  /// A surface may be this far, in cells, from where its cells were found; mapping/mapping_poses.hpp. At most
-  /// 0.4: holders of a body that is more than 1/2 from there might not know of it (exchange/holders.hpp).
+  /// The distance in cells that a surface may move before it is mapped again (mapping/mapping_poses.hpp). At
+  /// most 0.4: ranks may not know of a body more than 1/2 from where it was mapped (exchange/holders.hpp).
   double remap_tolerance = 0.1;
   bool lubrication = true;         // between close smooth surfaces; needs the resolver sffd
-  double lubrication_min_gap = 0;  // where it stops growing; 0: Lubrication::relative_least_gap
+  double lubrication_min_gap = 0;  // cells, below which it is constant; 0: Lubrication::relative_least_gap
 };
 
 }  // namespace silt::coupler

@@ -1,6 +1,5 @@
 #pragma once
-// The parameters of a flow with bodies in it: its domain, the fluid and the coupling, in lattice units (cell
-// = step = reference density = 1).
+// A flow with bodies: domain, fluid and coupling, in lattice units (cell = step = reference density = 1).
 #include <array>
 #include <optional>
 
@@ -26,17 +25,17 @@ struct FlowSpec {
   double volume() const { return 1. * cells[0] * cells[1] * cells[2]; }  // in cells
 };
 
-/// Returns the domain as bodies see it.
+/// Returns the extent of the domain for bodies.
 rigid::Extent extent_of(const FlowSpec&);
 rigid::BoundingBox box_of(const FlowSpec&);
-/// Returns its sides as the fluid sees them.
+/// Returns the sides of the domain for the fluid.
 std::array<lbm::SideCondition, 6> sides_of(const FlowSpec&);
 
-/// Returns the shortest of the displacements between a point and the periodic images of another.
+/// Returns the shortest displacement between a point and the periodic images of another.
 rigid::Vec3 nearest_image(rigid::Vec3 displacement, const rigid::Extent&);
 
-/// Returns how many finest cells there must be, in every step, between a surface and the nearest coarser
-/// cell: what links read beyond it, up to where it is mapped ahead, and the two cells that a border fills.
+/// Returns the number of finest cells needed between a surface and the nearest coarser cell in every step:
+/// the reach of links, the distance mapped ahead, and the two cells filled at a border.
 int least_margin(const CouplingSpec&);
 
 }  // namespace silt::coupler

@@ -7,8 +7,7 @@
 
 namespace silt::coupler {
 
-/// The names of an enum's values, stated once: the case reader, its messages, the derived table and the
-/// report all read the same table.
+/// The names of an enum's values, defined once for case reader, messages, derived table and report.
 template <class Enum, std::size_t count>
 struct NameTable {
   std::array<std::string_view, count> names;  // in the order of the enumerators
@@ -22,7 +21,7 @@ template <class Enum, class... Names>
 constexpr NameTable<Enum, sizeof...(Names)> names_of(Names... names) {
   return {{names...}};
 }
-/// Makes a table of the names of rows, one a value.
+/// Makes a table of the names of rows, one row per value.
 template <class Enum, class Row, std::size_t count>
 constexpr NameTable<Enum, count> names_of(const std::array<Row, count>& rows) {
   NameTable<Enum, count> table;

@@ -1,5 +1,5 @@
 #pragma once
-// The sides of the domain: what fluid and bodies meet there.
+// The sides of the domain, for fluid and bodies.
 #include <array>
 #include <string_view>
 
@@ -15,13 +15,13 @@ inline constexpr auto side_names = names_of<Side>("x-low", "x-high", "y-low", "y
 
 enum class BoundaryKind { periodic, no_slip, moving, free_slip, velocity_inlet, pressure_outlet };
 
-/// A kind of side.
+/// The properties of a kind of side.
 struct BoundaryTraits {
   std::string_view name;
-  lbm::SideKind fluid;    // what populations meet
-  bool is_wall = false;   // holds the fluid, and bodies that touch it, at its velocity
-  bool is_inlet = false;  // wants an outlet elsewhere
-  bool has_velocity = false, has_density = false;  // keys of a case
+  lbm::SideKind fluid;                             // SideKind of the fluid
+  bool is_wall = false;                            // moves fluid and touching bodies at its velocity
+  bool is_inlet = false;                           // needs an outlet elsewhere
+  bool has_velocity = false, has_density = false;  // keys in a case
 };
 /// The kinds in the order of the enumerators.
 inline constexpr auto boundary_kinds = std::to_array<BoundaryTraits>({
@@ -49,7 +49,7 @@ struct BoundarySpec {
   rigid::Vec3 velocity_at(double time) const { return over_time.at(time) * velocity; }
   double largest_speed() const { return over_time.most() * velocity.norm(); }
   bool stops_bodies() const { return !is_periodic() && solid_for_bodies; }
-  /// Bodies beyond it are taken out.
+  /// Returns whether bodies that pass the side are removed.
   bool removes_bodies() const { return !is_periodic() && !solid_for_bodies; }
 };
 

@@ -1,15 +1,15 @@
 #pragma once
-// The populations of one block of cells and its ghost layer, streamed in place (method.md, equations 1 and
-// 8): an array of deviations for each direction of a lattice, x running fastest.
+// The populations of one block of cells and its ghost layer, streamed in place by the AA pattern (method.md,
+// equations 1 and 8): one array of deviations from rest per direction, x fastest.
 //
-// A slot (x, i) is element i of cell x. Between two steps every population is arriving somewhere; where it is
-// stored depends on the parity of the steps done so far:
+// Slot (x, i) is element i of cell x. Where the population that arrives at x along i is stored between two
+// steps depends on the parity of the steps done so far:
 //
 //     parity    population i arriving at x      population i leaving x (= arriving at x + c_i)
 //     settled   slot (x, i)                     slot (x + c_i, i)
 //     crossed   slot (x - c_i, opposite i)      slot (x, opposite i)
 //
-// `arriving` and `leaving` are the only places that know this; everything outside the kernel uses them.
+// Code outside the kernel finds a slot with `arriving` and `leaving` alone.
 #include <algorithm>
 #include <cstdint>
 #include <memory>
@@ -27,7 +27,7 @@ inline Parity flipped(Parity p) {
   return p == Parity::settled ? Parity::crossed : Parity::settled;
 }
 
-/// Calls visit(g, j) for every ghost slot of a block: g local to the block, g - c_j inside it.
+/// Calls visit(g, j) for every ghost slot: g is a ghost cell local to the block, g - c_j is inside.
 template <class Lattice, class Visit>
 void for_ghost_slots(Int3 size, Visit&& visit) {
   for (int j = 1; j < Lattice::directions; ++j) {
@@ -48,8 +48,8 @@ struct RowRange {
   int y0, y1, z0, z1;
 };
 
-/// A population that leaves a row at its end goes to the row's other end, or back from a wall, whose motion
-/// adds something. Slots are relative to the row's first cell.
+/// A population that leaves a row at its end moves to the other end of the row, or returns from a wall, which
+/// adds `addend` by its motion. The slots are offsets from those of the row's first cell.
 template <class T>
 struct RowEnd {
   std::ptrdiff_t from, to;
@@ -62,10 +62,10 @@ class Block {
  public:
   static constexpr int directions = Lattice::directions;
 
-  /// A row is one cell longer than the block, a plane one row: no direction crosses out on both sides, so the
-  /// ghost after a row is also the one before the next. On the processor rows are not padded: a gap in a row
-  /// costs the bandwidth of the cache lines it breaks, and more. On a graphics processor, whose threads read
-  /// 32 elements together, rows begin at multiples of so many.
+  /// Allocates zeros. A row has one element more than the block has cells, and a plane one row more: no
+  /// direction crosses out of the block on both sides, so the ghost after one row is the ghost before the
+  /// next. Rows are not padded on a CPU, where a gap costs the bandwidth of a cache line or more. On a GPU,
+  /// whose threads read 32 elements together, each row begins at a multiple of 32 elements.
   explicit Block(const CellBox& box, Device device = Device::cpu) : box_(box) {
     constexpr int line = 64 / sizeof(T), page = 4096 / sizeof(T), together = 32;  // elements
     row_ = box.size.x + 1;
@@ -82,8 +82,8 @@ class Block {
       memory_ = zeroed<T>(std::size_t(direction_) * directions);
     first_ = memory_.get();
   }
-  /// The block of a part of another one's box, in that one's array: the slot of a ghost cell is then that of
-  /// the cell which the array has there.
+  /// Makes a block of a part of another block's box that shares the other block's array. The slot of a ghost
+  /// cell is then the slot of the cell at that place in the array.
   Block(const Block& whole, const CellBox& box)
       : box_(box),
         row_(whole.row_),
@@ -97,7 +97,7 @@ class Block {
   const CellBox& box() const { return box_; }
   Int3 size() const { return box_.size; }
   bool shares_array(const Block& other) const { return memory_ == other.memory_; }
-  /// Of the populations.
+  /// Returns the size of the array of populations.
   std::size_t bytes() const { return std::size_t(direction_) * directions * sizeof(T); }
 
   /// The element offset of a cell (ghosts: -1 and size) within a direction, and of a step along c_i.
@@ -111,14 +111,14 @@ class Block {
   std::ptrdiff_t row_stride() const { return row_; }
   std::ptrdiff_t plane_stride() const { return plane_; }
 
-  /// Slot (cell 0, i): add a cell's offset. Valid for every cell of the block and every ghost cell that
-  /// something crosses into along i; no other ghost cell has a slot. A direction's array begins with the
-  /// first.
+  /// Returns slot (cell 0, i), to which callers add the offset of a cell. Valid for every cell of the block
+  /// and for the ghost cells that a population enters along i; no other ghost cell has a slot. The array of
+  /// direction i begins with the first such slot.
   std::ptrdiff_t slot(int i) const {
     return direction_ * i -
            cell(std::min(Lattice::c[i].x, 0), std::min(Lattice::c[i].y, 0), std::min(Lattice::c[i].z, 0));
   }
-  /// The middle of the slots, from which offsets fit 32 bits.
+  /// Returns the slot in the middle of the array, from which all offsets fit 32 bits.
   std::ptrdiff_t middle() const { return slot(directions / 2); }
   std::ptrdiff_t arriving(int i, Parity p) const {
     return p == Parity::settled ? slot(i) : slot(opposite(i)) - step(i);
@@ -126,18 +126,18 @@ class Block {
   std::ptrdiff_t leaving(int i, Parity p) const {
     return p == Parity::settled ? slot(i) + step(i) : slot(opposite(i));
   }
-  /// The excess of cells, by their offsets: null until it is held.
+  /// Returns the excess of the cells, indexed by their offsets; null before the first hold_excess().
   ExcessQuanta<T>* excess() { return excess_.get(); }
   const ExcessQuanta<T>* excess() const { return excess_.get(); }
-  /// So many have a place there: all of the block.
+  /// Returns the number of elements of excess(): up to the last cell of the block.
   std::size_t excess_cells() const {
     return std::size_t(cell(box_.size.x, box_.size.y - 1, box_.size.z - 1));
   }
   /// Returns whether cells of a row may have an excess.
   bool has_excess(int y, int z) const { return excess_ && excess_rows_[y + box_.size.y * z]; }
-  /// In which they give up their bulk stress with it.
+  /// Returns the share of their bulk stress that cells with an excess give up together with it.
   T stress_share() const { return stress_share_; }
-  /// Cells with links are all in rows [y0, y1) of planes [z0, z1), and in those of other such calls.
+  /// Declares that cells in rows [y0, y1) of planes [z0, z1) may have links. Calls add up.
   void hold_excess(const RowRange& rows, T stress_share, Device device = Device::cpu) {
     stress_share_ = stress_share;
     if (!excess_) {
@@ -152,16 +152,16 @@ class Block {
       for (int y = std::max(rows.y0, 0); y < std::min(rows.y1, box_.size.y); ++y)
         excess_rows_[y + box_.size.y * z] |= has_links;
   }
-  /// No cell has links any more. What they have left is there until the next pass, and may be until the next
-  /// call of this.
+  /// Declares that no cell has links any more. Excess that is left stays until the next pass; rows may have
+  /// it until the next call of this function.
   void hold_no_more_excess() {
     for (std::uint8_t& row : excess_rows_) row = row & has_links ? had_links : 0;
   }
   T* data() { return first_; }
   const T* data() const { return first_; }
 
-  /// The dense pass moves these by itself at the ends of each row, while they are in cache: the part of the
-  /// ghost layer (halo.hpp) that a row exchanges with itself or a wall, by the parity the pass begins with.
+  /// Returns the ghost slots (halo.hpp) that each row exchanges with itself or a wall, by the parity at the
+  /// start of a pass. The dense pass moves their populations at the row's ends while they are cached.
   const std::vector<RowEnd<T>>& row_ends(Parity p) const { return row_ends_[int(p)]; }
   void add_row_end(Parity p, const RowEnd<T>& end) { row_ends_[int(p)].push_back(end); }
   void clear_row_ends() {
@@ -176,7 +176,7 @@ class Block {
   std::shared_ptr<ExcessQuanta<T>[]> excess_;
   T stress_share_ = 0;
   static constexpr std::uint8_t has_links = 1, had_links = 2;
-  std::vector<std::uint8_t> excess_rows_;  // y fastest: what of these holds for cells of the row
+  std::vector<std::uint8_t> excess_rows_;  // y fastest: has_links, had_links or 0
   std::vector<RowEnd<T>> row_ends_[2];
 };
 

@@ -1,14 +1,14 @@
 #pragma once
-// A box of cells is cut into smaller ones by a plane, then each part by a plane of its own, and so on. The
-// boxes that are left, the leaves, are numbered one part after the other, the lower part's first. A node of
-// this binary tree is a plane; they are kept in preorder, 12 bytes each:
+// The cut of a box of cells into leaves: a plane cuts the box in two, other planes cut each part, and so on.
+// Leaves are numbered part by part, those of the lower part first. The planes are the nodes of a binary tree,
+// stored in preorder with 12 bytes each:
 //
 //     node k: a part with n leaves;   its lower part with m leaves: node k + 1;   the upper one: node k + m
 //
-// The leaf of a cell, and the leaves near a box, are found by descending the tree.
+// The leaf of a cell and the leaves near a box are found by descending the tree.
 //
-// Leaves may have a kind: the rank that has them and the level of their cells, whose edges are 2^level. Then
-// each rank has a tree of its own part of the box and those near it; any other part is a leaf of no level.
+// Leaves may have a kind: their rank, and the level of their cells, whose edges are 2^level. Each rank then
+// has a tree of its own part of the box and those near it; any other part is a leaf of level `far`.
 #include <memory>
 #include <span>
 #include <vector>
@@ -17,7 +17,7 @@
 
 namespace silt::lbm {
 
-/// A plane across an axis: cells below `position` along it are of the lower part.
+/// A plane across an axis: cells whose coordinate is below `position` belong to the lower part.
 struct Cut {
   std::int32_t axis, position, lower_leaves;
   bool operator==(const Cut&) const = default;
@@ -26,8 +26,8 @@ struct Cut {
 struct LeafKind {
   static constexpr int far = -1;
   std::int32_t rank;
-  std::int32_t level = 0;  // far: a part that this rank does not know
-  std::int32_t place = 0;  // among the leaves of the same rank and level; the tree counts them
+  std::int32_t level = 0;  // far: a part whose cells this rank does not know
+  std::int32_t place = 0;  // among the leaves of this rank and level; set by the tree
   bool operator==(const LeafKind&) const = default;
 };
 
@@ -38,10 +38,10 @@ class CutTree {
     CellBox box;
   };
 
-  /// The box of cells from 0 on, in one leaf.
+  /// Makes one leaf of the box of cells [0, cells).
   explicit CutTree(Int3 cells) : CutTree(cells, {}) {}
-  /// The nodes in preorder, the kinds of the leaves if they have any. std::invalid_argument for planes that
-  /// do not cut their part in two, and for leaves that do not consist of whole cells of their level.
+  /// Takes the nodes in preorder, and the kinds of the leaves or none. Throws std::invalid_argument if a
+  /// plane does not cut its part in two, or if a leaf does not consist of whole cells of its level.
   CutTree(Int3 cells, std::vector<Cut> nodes, std::vector<LeafKind> kinds = {});
 
   Int3 cells() const { return cells_; }
@@ -54,7 +54,7 @@ class CutTree {
   }
   Leaf leaf(int index) const;
   Leaf leaf_at(Int3 cell) const;
-  /// Calls visit(leaf) for every leaf that has a cell of this box, in order.
+  /// Calls visit(leaf) for every leaf that overlaps the box, in the order of leaves.
   template <class Visit>
   void for_leaves_meeting(const CellBox& box, Visit&& visit) const {
     visit_below(whole(), box, visit);
@@ -78,7 +78,7 @@ class CutTree {
   }
 
   Int3 cells_;
-  std::shared_ptr<const std::vector<Cut>> nodes_;  // one table, however many copies
+  std::shared_ptr<const std::vector<Cut>> nodes_;  // shared by all copies
   std::shared_ptr<const std::vector<LeafKind>> kinds_;
 };
 

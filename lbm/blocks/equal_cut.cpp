@@ -9,7 +9,7 @@ namespace silt::lbm {
 
 namespace {
 
-/// Leaves of this edge that fit along an axis; one where it is thinner.
+/// Returns the number of leaves of this edge that fit along an axis, at least one.
 std::int64_t fitting(int cells, int edge) {
   return std::max(1, cells / edge);
 }
@@ -47,12 +47,12 @@ void cut_equally(const CellBox& box, int leaves, std::vector<Cut>& nodes) {
   cut_equally(above, room.upper_leaves, nodes);
 }
 
-/// The first cell of block k out of so many along an axis.
+/// Returns the first cell of block k, where an axis of `cells` cells has `blocks` blocks.
 int first_cell(int cells, int blocks, int k) {
   return int(std::int64_t(cells) * k / blocks);
 }
 
-/// Cuts a part of a grid of boxes, which has the boxes from `first` on.
+/// Cuts a part of a grid of boxes: `count` boxes from `first` on.
 void cut_grid(Int3 cells, Int3 boxes, Int3 first, Int3 count, std::vector<Cut>& nodes) {
   const auto begin = [&](int d) { return first_cell(cells[d], boxes[d], first[d]); };
   const auto length = [&](int d) { return first_cell(cells[d], boxes[d], first[d] + count[d]) - begin(d); };
@@ -75,7 +75,7 @@ void cut_grid(Int3 cells, Int3 boxes, Int3 first, Int3 count, std::vector<Cut>& 
 CutRoom::Range CutRoom::along(int axis, Int3 size) const {
   const std::int64_t along = fitting(size[axis], edge);
   if (along < 2) return {1, 0};
-  const std::int64_t layer = fitting(size, edge) / along;  // leaves beside one another across the axis
+  const std::int64_t layer = fitting(size, edge) / along;  // leaves per layer across the axis
   const auto layers = [&](int leaves) { return int((leaves + layer - 1) / layer); };
   return {layers(lower_leaves) * edge, size[axis] - layers(upper_leaves) * edge};
 }
@@ -91,7 +91,7 @@ CutRoom room_to_cut(Int3 size, int leaves, int edge) {
 }
 
 double cost_of_face(int axis) {
-  constexpr double cost[] = {2, 1.01, 1};  // of two edges alike the last
+  constexpr double cost[] = {2, 1.01, 1};  // slightly different, so that ties favour the last axis
   return cost[axis];
 }
 

@@ -1,16 +1,16 @@
 #pragma once
-// Trees of cuts that look at nothing but the size of the box, and the room that any cut has to leave.
+// Cuts of a box by its size alone, and the room that every cut must leave for leaves.
 #include "lbm/blocks/cut_tree.hpp"
 
 namespace silt::lbm {
 
-/// A part of so many cells may be cut into two with so many leaves each, across any of some axes. `edge` is
-/// the least edge of a leaf; along an axis where the part is thinner than that it is not cut.
+/// The ways to cut a part in two, with these numbers of leaves below and above the plane. `edge` is the least
+/// edge of a leaf in cells; an axis along which the part is thinner than two leaves is not cut.
 struct CutRoom {
   int lower_leaves, upper_leaves, edge;
 
-  /// The positions, first to last from the lower end of the part, at which a plane leaves both parts the room
-  /// for their leaves: none if last < first.
+  /// The positions of a plane, in cells from the lower end of the part, that leave both parts room for their
+  /// leaves; none if last < first.
   struct Range {
     int first, last;
     bool empty() const { return last < first; }
@@ -18,19 +18,19 @@ struct CutRoom {
   Range along(int axis, Int3 size) const;
 };
 
-/// Half of the leaves below and half above, or as near to that as there is room: for leaves of that edge, or
-/// of the largest that fits. std::invalid_argument for fewer than 2 cells.
+/// Returns the cut of a part with the most even numbers of leaves, at most half of them below, for leaves of
+/// this edge or the largest that fits. Throws std::invalid_argument where that is below 2 cells.
 inline constexpr int usual_edge = 8;
 CutRoom room_to_cut(Int3 size, int leaves, int edge = usual_edge);
 
-/// Returns what a cut across an axis costs, per cell of its face: across x double, as short rows are slow.
+/// Returns the relative cost of a cell of a face across an axis: 2 across x, since short rows are slow.
 double cost_of_face(int axis);
 
-/// Makes so many leaves of about the same size, cut across the longest edge, and x last.
-/// std::invalid_argument where leaves would have fewer than 2 cells an edge.
+/// Makes `leaves` leaves of about equal size; cuts across the longest edge, and across x last. Throws
+/// std::invalid_argument if a leaf would have an edge below 2 cells.
 CutTree equal_cut(Int3 cells, int leaves);
 
-/// Makes a grid of leaves of about so many cells along each axis; their number is rounded up.
+/// Makes a grid of leaves with about leaf_cells cells along each axis; rounds their number up.
 CutTree grid_cut(Int3 cells, Int3 leaf_cells);
 
 }  // namespace silt::lbm

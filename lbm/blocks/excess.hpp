@@ -1,8 +1,7 @@
 #pragma once
-// The excess of a cell: what its cut links gave it beyond the mass that the motion of their walls carries
-// (method.md, equation 9a). A wall passes that mass and nothing else, so the cell gives the excess up when it
-// collides next. Several links, of several surfaces, add to the excess of one cell, in any order: it is a
-// whole number of quanta.
+// The excess of a cell: the mass that its cut links gave it beyond the mass that the motion of the walls
+// carries (method.md, equation 9a). A wall passes only the latter, so the cell gives up the excess at its
+// next collision. Several links add to a cell's excess in any order: it is a whole number of quanta.
 #include <cstdint>
 #include <type_traits>
 
@@ -11,25 +10,25 @@
 
 namespace silt::lbm {
 
-/// In single precision an excess is below 1/2, in double below 2^13; a link adds less than 1/4, or 2.
+/// Excess in quanta, below 1/2 in single precision and 2^13 in double; a link adds less than 1/4, or 2.
 template <class T>
 using ExcessQuanta = std::conditional_t<sizeof(T) == 4, std::int32_t, std::int64_t>;
 template <class T>
 inline constexpr double excess_quantum = sizeof(T) == 4 ? 0x1p-32 : 0x1p-50;
 
-/// What the populations that arrive at a cell give up. V: a number, or a vector of cells.
+/// The amounts that the populations arriving at a cell give up. V is a number or a vector of cells.
 template <class V>
 struct GivenUp {
-  V rest, axis, diagonal;  // by each population that rests, or moves along an axis or a diagonal
+  V rest, axis, diagonal;  // by the population at rest, each along an axis, each along a diagonal
   SILT_DEVICE V left(int i, const V& g) const { return g - (i == 0 ? rest : i < 7 ? axis : diagonal); }
 };
 
-/// Returns what the trace of the second moments of populations g(i) is off its equilibrium, without a force.
+/// Returns the trace of the second moments of g(i) less that of the equilibrium without a force.
 template <class V, class Populations>
 SILT_DEVICE inline V bulk_stress(Populations&& g) {
   V off = -g(0), momentum[3]{};
   for_directions<D3Q19, 1>([&](auto i) __attribute__((always_inline)) {
-    if constexpr (i() % 2 == 1) {  // opposite ones follow each other
+    if constexpr (i() % 2 == 1) {  // opposites are neighbours
       const V a = g(i()), b = g(i() + 1), difference = a - b;
       if (i() >= 7) off += a + b;
       constexpr Int3 v = D3Q19::c[i()];
@@ -43,9 +42,9 @@ SILT_DEVICE inline V bulk_stress(Populations&& g) {
   return off;
 }
 
-/// Returns what cells with an excess take from the populations g(i) that arrive at them: three quarters of it
-/// from the one that rests, the rest from all by their weights; and a share
-/// (CollisionSpec::bulk_stress_given_up) of the bulk stress that is left then. Without an excess this is 0.
+/// Returns the amounts that cells give up of the populations g(i) that arrive: three quarters of the excess
+/// from the population at rest, the rest from all by their weights, and then a share
+/// (CollisionSpec::bulk_stress_given_up) of the bulk stress that is left. Returns zero without an excess.
 template <class T, class V, class Populations>
 SILT_DEVICE inline GivenUp<V> given_up(const V& quanta, T stress_share, Populations&& g) {
   const V excess = quanta * T(excess_quantum<T>);
@@ -58,7 +57,7 @@ SILT_DEVICE inline GivenUp<V> given_up(const V& quanta, T stress_share, Populati
   return all;
 }
 
-/// Takes a cell's excess from the populations g(i) that arrive at it.
+/// Subtracts a cell's excess from the populations g(i) that arrive at it, and sets it to zero.
 template <class T, class Populations>
 SILT_DEVICE inline void take_excess(ExcessQuanta<T>& excess, T stress_share, Populations&& g) {
   if (excess == 0) return;

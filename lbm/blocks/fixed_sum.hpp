@@ -1,5 +1,5 @@
 #pragma once
-// Sums of vectors of terms in fixed point, so that their order does not matter.
+// Sums of vectors of terms in fixed point, which do not depend on the order of the terms.
 #include <bit>
 #include <cstdint>
 
@@ -8,7 +8,7 @@
 
 namespace silt::lbm::SILT_ISA {
 
-/// Adds n terms at a time, each rounded to a whole number of quanta; a term is below 2^50 quanta.
+/// Adds n terms at a time, rounded to whole quanta; the absolute value of a term must be below 2^50 quanta.
 template <class T, double quantum = 1.0, int n = Lanes<T>::count>
 class FixedSum {
  public:
@@ -16,7 +16,7 @@ class FixedSum {
 
   [[gnu::always_inline]] SILT_DEVICE void add(const Real& x) { sum_ += rounded(x); }
   [[gnu::always_inline]] SILT_DEVICE void subtract(const Real& x) { sum_ -= rounded(x); }
-  /// `terms` is the number of added terms less that of subtracted ones.
+  /// Returns the sum in quanta; `terms` is the number of terms added less the number of terms subtracted.
   SILT_DEVICE std::int64_t total(std::uint64_t terms) const {
     std::uint64_t all = 0;
 #if defined(SILT_SCALAR)
@@ -28,7 +28,7 @@ class FixedSum {
   }
 
  private:
-  // as wide as a register: compilers take wider ones apart
+  // as wide as a register, since compilers split wider vectors
 #if defined(SILT_SCALAR)
   static constexpr bool fills_register = false;
 #else
@@ -42,7 +42,7 @@ class FixedSum {
 #else
   static constexpr bool converts = false;
 #endif
-  /// x + magic has the whole quanta of x in its low mantissa bits; the bits of magic are taken off the total.
+  /// The low mantissa bits of x + magic are x in whole quanta; total() subtracts the bits of magic.
   static constexpr double magic = 0x1.8p52 * quantum;
   static constexpr auto offset = converts ? std::uint64_t{0} : std::bit_cast<std::uint64_t>(magic);
 

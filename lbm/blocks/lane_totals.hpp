@@ -1,5 +1,5 @@
 #pragma once
-// The totals of cells (CellTotals), in vectors of cells; in plain numbers for builds for a device.
+// The totals of cells (CellTotals) in vectors of cells, or in single numbers in builds for a device.
 #include <bit>
 #include <limits>
 
@@ -11,11 +11,11 @@
 
 namespace silt::lbm::SILT_ISA {
 
-/// Totals of which each of n lanes has its own: a cell's in its own precision, their sums in quanta.
+/// Totals of n lanes. Values of a cell are in the precision of its populations, sums in quanta.
 template <class T, int n>
 class LaneTotals {
  public:
-  /// Adds the cells from k on; the first `seen` of them have been added before, and add nothing.
+  /// Adds n cells from k on. The first `seen` of them were added before and add nothing to the sums.
   template <bool some_seen>
   [[gnu::always_inline]] SILT_DEVICE void add(const T* const (&g)[D3Q19::directions], std::ptrdiff_t k,
                                               const T (&half_force)[3], int seen = 0) {
@@ -26,7 +26,7 @@ class LaneTotals {
     for (int i = 0; i < D3Q19::directions; ++i) prefetch_to_read(g[i] + k + prefetch_bytes / sizeof(T));
 #endif
     for_directions<D3Q19, 1>([&](auto i) __attribute__((always_inline)) {
-      if constexpr (i() % 2 == 1) {  // opposite ones follow each other
+      if constexpr (i() % 2 == 1) {  // opposites are neighbours
         const V along = load<V>(g[i()] + k), against = load<V>(g[i() + 1] + k), difference = along - against;
         deviation += along + against;
         constexpr Int3 v = D3Q19::c[i()];
@@ -52,14 +52,14 @@ class LaneTotals {
     for (int d = 0; d < 3; ++d) momentum_[d].add(momentum[d]);
 #pragma GCC unroll 2
     for (int part = 0; part < parts; ++part) {
-      constexpr double large = 0x1.8p52 * CellTotals::energy_quantum;  // a sum with it is in whole quanta
+      constexpr double large = 0x1.8p52 * CellTotals::energy_quantum;  // adding it rounds to whole quanta
       const W energy = 0.5 * wide(square, part);
       energy_.add(energy);
       energy_rest_.add(energy - ((energy + large) - large));
     }
   }
 
-  /// Adds the totals to t; `cells` counts those that were seen before, too.
+  /// Adds the totals to t; `cells` counts all cells added, with those that were seen before.
   SILT_DEVICE void give(std::ptrdiff_t cells, CellTotals& t) const {
     const std::uint64_t terms = std::uint64_t(cells);
     t.mass += mass_.total(terms), t.mass_square += mass_square_.total(terms);
@@ -81,7 +81,7 @@ class LaneTotals {
   }
 
  private:
-  static constexpr int parts = n > 1 ? int(sizeof(double) / sizeof(T)) : 1;  // that fill a vector of doubles
+  static constexpr int parts = n > 1 ? int(sizeof(double) / sizeof(T)) : 1;  // of V, each a vector of doubles
   using V = typename VectorOf<T, n>::type;
   using W = typename VectorOf<double, n / parts>::type;
 
@@ -89,7 +89,7 @@ class LaneTotals {
 #if defined(SILT_SCALAR)
     return v;
 #else
-#if defined(SILT_ISA_avx512)  // the compiler converts halves of a vector and joins them
+#if defined(SILT_ISA_avx512)  // the compiler would convert halves of a vector and join them
     if constexpr (parts == 2) {
       struct Halves {
         __m256 half[2];
@@ -117,7 +117,7 @@ class LaneTotals {
   FixedSum<T, CellTotals::momentum_quantum, n> momentum_[3];
   FixedSum<double, CellTotals::energy_quantum, n / parts> energy_;
   FixedSum<double, CellTotals::energy_rest_quantum, n / parts> energy_rest_;
-  V numbers_{};  // numbers if all are
+  V numbers_{};  // finite if all values are
   V square_ = V{} - 1, most_ = V{} + std::numeric_limits<T>::lowest(),
     least_ = V{} + std::numeric_limits<T>::max();
 };

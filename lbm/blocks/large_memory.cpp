@@ -20,7 +20,7 @@ void* mapped(std::size_t bytes) {
 
 void* zeroed_memory(std::size_t bytes) {
   if (bytes < large_page) return mapped(bytes);
-  // A large page begins at a multiple of its size: memory before the first and behind the last is given back.
+  // A large page begins at a multiple of its size; memory before the first and after the last is unmapped.
   char* const from = static_cast<char*>(mapped(bytes + large_page));
   const std::size_t before = (large_page - reinterpret_cast<std::uintptr_t>(from) % large_page) % large_page;
   char* const p = from + before;
@@ -29,7 +29,7 @@ void* zeroed_memory(std::size_t bytes) {
   if (before) munmap(from, before);
   if (from + bytes + large_page > end) munmap(end, std::size_t(from + bytes + large_page - end));
 #if defined(MADV_HUGEPAGE)
-  // A wish: without large pages it is the same memory. What does not fill the last one stays on small pages.
+  // Only advice: without large pages the memory is the same. The rest behind the last one keeps small pages.
   madvise(p, bytes / large_page * large_page, MADV_HUGEPAGE);
 #endif
   return p;

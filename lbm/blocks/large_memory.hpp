@@ -1,6 +1,6 @@
 #pragma once
-// Memory for populations. Nineteen arrays are read and written at once, each on pages of its own; on large
-// pages the machine looks fewer of them up, and what lies together there lies together in the memory's rows.
+// Memory for populations. A pass reads and writes nineteen arrays at once, each on pages of its own. Large
+// pages need fewer page-table look-ups and keep neighbouring elements in one DRAM row.
 #include <cstddef>
 #include <memory>
 #include <type_traits>
@@ -14,8 +14,8 @@ struct FreeMemory {
 template <class T>
 using LargeMemory = std::unique_ptr<T[], FreeMemory>;
 
-/// Allocates zeros from the start of a page on, on large pages as far as they are filled and the system has
-/// them. What is never written takes no memory: a block without fluid. Throws std::bad_alloc.
+/// Allocates zeros that begin at a page, on large pages where they fill one and the system has any. Pages
+/// that are never written take no memory, e.g. in a block without fluid. Throws std::bad_alloc.
 void* zeroed_memory(std::size_t bytes);
 
 template <class T>

@@ -1,7 +1,7 @@
 #pragma once
-// Cells and boxes of them, and lattices: the vectors c_i along which populations go in a step, and their
-// weights w_i. Direction 0 rests; 2k+1 and 2k+2 are opposite: a pair. What moves or lists populations
-// (blocks, ghost layers, borders of levels, cut links) takes the lattice as a type.
+// Cells, boxes of cells, and lattices: the vectors c_i along which populations move in a step, and their
+// weights w_i. Direction 0 is at rest; 2k+1 and 2k+2 are opposite and form a pair. Blocks, ghost layers,
+// borders of levels and cut links take the lattice as a template parameter.
 #include <algorithm>
 #include <array>
 #include <cstddef>
@@ -35,7 +35,7 @@ inline CellBox grown(CellBox box, int by) {
   return {box.lower - Int3{by, by, by}, box.size + Int3{2 * by, 2 * by, 2 * by}};
 }
 
-/// Returns the cells that both have.
+/// Returns the cells in both boxes.
 inline CellBox overlap(const CellBox& a, const CellBox& b) {
   CellBox both;
   for (int d = 0; d < 3; ++d) {
@@ -53,7 +53,7 @@ void for_cells(Int3 low, Int3 high, Visit&& visit) {
       for (int x = low.x; x < high.x; ++x) visit(Int3{x, y, z});
 }
 
-/// The direction against i.
+/// Returns the direction opposite to i.
 inline constexpr int opposite(int i) {
   return i == 0 ? 0 : ((i - 1) ^ 1) + 1;
 }
@@ -87,7 +87,7 @@ struct D3Q19 {
   static constexpr double sound_speed_squared = 1.0 / 3;
 };
 
-/// Returns the direction whose vector this is, or -1.
+/// Returns the direction with this vector, or -1.
 template <class Lattice>
 constexpr int direction_of(Int3 v) {
   for (int i = 0; i < Lattice::directions; ++i)
@@ -95,8 +95,8 @@ constexpr int direction_of(Int3 v) {
   return -1;
 }
 
-/// Calls f with the directions from `first` on, as constants of the type: the tables of directions exist only
-/// for the compiler where code is for a graphics processor.
+/// Calls f(std::integral_constant) for each direction from `first` on. Device code cannot index the tables of
+/// directions at run time, only at compile time.
 template <class Lattice, int first, class F>
 SILT_DEVICE [[gnu::always_inline]] inline void for_directions(F&& f) {
   [&]<int... k>(std::integer_sequence<int, k...>) __attribute__((always_inline)) {
@@ -105,7 +105,7 @@ SILT_DEVICE [[gnu::always_inline]] inline void for_directions(F&& f) {
   (std::make_integer_sequence<int, Lattice::directions - first>());
 }
 
-/// What every lattice must hold: sum w = 1, sum w c = 0, sum w c c = c_s^2, and opposites follow each other.
+/// Returns whether a lattice meets sum w = 1, sum w c = 0, sum w c c = c_s^2 I, and opposites are neighbours.
 template <class Lattice>
 constexpr bool is_isotropic() {
   const auto is = [](double a, double b) { return a - b < 1e-15 && b - a < 1e-15; };

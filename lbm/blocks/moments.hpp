@@ -1,5 +1,5 @@
 #pragma once
-// The moments of the populations that arrive at a cell, those of the cells of a row, and their totals.
+// Moments of the populations that arrive at a cell or at the cells of a row, and their totals over cells.
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -12,19 +12,19 @@
 
 namespace silt::lbm {
 
-/// Deviations from density 1 at rest.
+/// Moments of the deviations from density 1 at rest, lattice units.
 struct Moments {
   double density_deviation = 0;
   double momentum[3] = {};  // sum c g, without the half force
   double flux[6] = {};      // sum c c g: xx yy zz xy xz yz
 };
 
-/// The velocity that goes with moments: momentum and half the body force (incompressible, density 1).
+/// Returns the velocity of a cell in lattice units: momentum plus half the body force (density 1).
 SILT_DEVICE inline std::array<double, 3> velocity_of(const Moments& m, const std::array<double, 3>& force) {
   return {m.momentum[0] + 0.5 * force[0], m.momentum[1] + 0.5 * force[1], m.momentum[2] + 0.5 * force[2]};
 }
 
-/// Returns the equilibrium along c_i of weight w_i (method.md, equation 2) of density deviation and momentum.
+/// Returns the equilibrium of weight w_i along c_i (method.md, equation 2), lattice units.
 SILT_DEVICE inline double equilibrium(Int3 c, double weight, double rho, const double (&j)[3]) {
   const double cj = c.x * j[0] + c.y * j[1] + c.z * j[2];
   return weight * (rho + 3 * cj + 4.5 * cj * cj - 1.5 * (j[0] * j[0] + j[1] * j[1] + j[2] * j[2]));
@@ -33,46 +33,45 @@ inline double equilibrium(int i, double density_deviation, const double momentum
   return equilibrium(D3Q19::c[i], D3Q19::w(i), density_deviation, {momentum[0], momentum[1], momentum[2]});
 }
 
-/// The quantum of sums of mass in lattice units.
+/// The quantum of sums of mass, lattice units.
 inline constexpr double mass_quantum = 0x1p-40;
 SILT_DEVICE inline std::int64_t mass_quanta(const Moments& m) {
   return std::llrint(m.density_deviation / mass_quantum);
 }
 
-/// The sums over cells, in whole quanta, so that they depend on no order, and the extremes: mass (of the
-/// deviations of density) and of their squares, momentum (without the half force) and kinetic energy (with
-/// it).
+/// Sums over cells in whole quanta, independent of the order of the cells, and extremes: mass (of the density
+/// deviations), its square, momentum (without the half force) and kinetic energy (with it), in lattice units.
 struct CellTotals {
   static constexpr double momentum_quantum = 0x1p-48, energy_quantum = 0x1p-47, energy_rest_quantum = 0x1p-96;
   static constexpr double square_quantum = 0x1p-46;
-  static constexpr int most_cells = 1 << 14;  // at a time: the sums fit 64 bits
+  static constexpr int most_cells = 1 << 14;  // per call: their sums fit 64 bits
   static constexpr double no_flow_is_so_fast = 1, no_fluid_is_so_dense = 2;
 
   std::int64_t mass = 0, mass_square = 0, momentum[3] = {};
-  std::int64_t energy = 0, energy_rest = 0;  // what whole quanta leave of a cell is in finer ones
-  double speed_squared = -1;                 // the largest
+  std::int64_t energy = 0, energy_rest = 0;  // energy_rest: the remainder of energy, in finer quanta
+  double speed_squared = -1;                 // the maximum
   double least_deviation = std::numeric_limits<double>::max(), most_deviation = -least_deviation;
-  bool sound = true;  // false: a cell is not a number or beyond the limits, and the sums mean nothing
+  bool sound = true;  // false: a cell is not a number or beyond the limits, and the sums are invalid
 };
 
-/// Cells of a block that follow each other along x, from the first on, and as many in the rows after theirs.
+/// `cells` cells of a block along x from `first` on, and as many in each of the `rows` rows after.
 struct LocalRows {
   Int3 first;
   int cells = 0, rows = 1;
 };
-/// Cells that follow each other along x, and rows of them so far apart in memory.
+/// `cells` cells along x, in `rows` rows that are `stride` elements apart in memory.
 struct CellRows {
   int cells, rows = 1;
   std::ptrdiff_t stride = 0;
 };
 
-/// The kernels of rows of cells (moments_kernel.cpp): g[i][k] is population i that arrives at the k-th cell.
+/// The kernels for rows of cells (moments_kernel.cpp); g[i][k] is population i that arrives at the k-th cell.
 template <class T>
 struct MomentsKernels {
   /// Writes moment j of the k-th cell to moments[j * stride + k], in the order of MomentArrays.
   void (*sum)(const T* const (&g)[D3Q19::directions], std::ptrdiff_t cells, std::ptrdiff_t stride,
               double* moments);
-  /// Returns the totals of cells under a body force. A cell's are rounded as its populations are stored.
+  /// Returns the totals of cells under a body force, in the precision of the populations for each cell.
   CellTotals (*total)(const T* const (&g)[D3Q19::directions], const CellRows&,
                       const std::array<double, 3>& force);
 };
@@ -83,7 +82,7 @@ const MomentsKernels<T>& moments_kernels() {
   return kernels;
 }
 
-/// The moments of the cells of a box, x fastest: an array a moment, for vectors of cells.
+/// The moments of the cells of a box, x fastest, one array per moment so that vectors of cells can be summed.
 class MomentArrays {
  public:
   Moments operator[](std::int64_t cell) const;
@@ -91,7 +90,7 @@ class MomentArrays {
     cells_ = cells;
     values_.resize(std::size_t(count * cells));
   }
-  /// Takes the moments of cells that follow each other: g[i][k] is population i that arrives at the k-th.
+  /// Sets the moments of cells from index `first` on; g[i][k] is population i that arrives at the k-th.
   template <class T>
   void sum(const T* const (&g)[D3Q19::directions], std::int64_t first, int cells) {
     moments_kernels<T>().sum(g, cells, cells_, values_.data() + first);
@@ -99,12 +98,12 @@ class MomentArrays {
 
  private:
   static constexpr int count = 10;
-  std::vector<double> values_;  // of each moment in turn
+  std::vector<double> values_;  // one array per moment
   std::int64_t cells_ = 0;
 };
 
-/// The moments of cells [first, last) along x of a block's rows, for those who go from row to row: a row is
-/// summed when the first of its cells is asked for. `Source` has moments(block, box of cells, MomentArrays&).
+/// The moments of cells [first, last) along x of a block's rows, for callers that go row by row: a row is
+/// summed when its first cell is read. `Source` has moments(block, box of cells, MomentArrays&).
 template <class Source>
 class MomentsByRow {
  public:
@@ -119,15 +118,15 @@ class MomentsByRow {
  private:
   const Source& source_;
   int block_, first_, last_;
-  Int3 begin_{-1, -1, -1};  // of the row at hand
+  Int3 begin_{-1, -1, -1};  // of the current row
   MomentArrays row_;
 };
 
-/// Returns the moments of one cell with the populations g(i), which is called with constants.
+/// Returns the moments of one cell; calls g with an integral_constant per direction for its population.
 template <class Populations>
 [[gnu::always_inline]] SILT_DEVICE inline Moments moments_of(Populations&& g) {
   Moments m;
-  const auto add = [](double& sum, int factor, double value) {  // factor: -1, 0, 1, known to the compiler
+  const auto add = [](double& sum, int factor, double value) {  // factor: -1, 0 or 1, a constant
     if (factor) sum += factor * value;
   };
   for_directions<D3Q19, 0>([&](auto i) __attribute__((always_inline)) {
@@ -146,13 +145,13 @@ template <class Populations>
   });
   return m;
 }
-/// g[i][k] is the population i that arrives at the cell.
+/// Returns the moments of cell k, where g[i][k] is the population i that arrives there.
 template <class T>
 [[gnu::always_inline]] SILT_DEVICE inline Moments moments_of(const T* const (&g)[D3Q19::directions],
                                                              std::ptrdiff_t k) {
   return moments_of([&](auto i) { return g[i()][k]; });
 }
-/// As they are when the cell has given up its excess.
+/// Returns the moments of cell k after it has given up its excess.
 template <class T>
 SILT_DEVICE inline Moments moments_of(const T* const (&g)[D3Q19::directions], std::ptrdiff_t k,
                                       ExcessQuanta<T> excess, T stress_share) {

@@ -1,4 +1,4 @@
-// Built once an instruction set: the moments of a row of cells, and their totals.
+// The moments of a row of cells, and their totals. Built once per instruction set.
 #include "lbm/blocks/lane_totals.hpp"
 
 namespace silt::lbm::SILT_ISA {

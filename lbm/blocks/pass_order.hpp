@@ -1,11 +1,10 @@
 #pragma once
-// The order of the dense pass. First the shell collides, the rows at faces beyond which another rank is, so
-// that what that rank waits for is on its way during the rest. Then strips of rows, and plane after plane
-// within a strip, so that three planes of a strip stay in cache for what follows close behind. A part is a
-// strip of one plane.
+// The order of the dense pass. The shell collides first, i.e. the rows at faces beyond which another rank is,
+// so that messages to that rank travel during the rest. Strips of rows follow, plane after plane within a
+// strip, so that three planes of a strip stay in cache. A part is one plane of a strip.
 //
-//     z |  3 | 7 |     parts of a block of 4 planes and two strips, without a shell; once 2 is done, the
-//       |  2 | 6 |     cells of 1 whose neighbours are all in the strip have nothing left to wait for
+//     z |  3 | 7 |     parts of a block of 4 planes and two strips, without a shell; after part 2 the cells
+//       |  2 | 6 |     of part 1 whose neighbours are all in the strip are complete
 //       |  1 | 5 |
 //       |  0 | 4 |
 //        --------- y
@@ -17,14 +16,14 @@
 
 namespace silt::lbm {
 
-/// Faces of a block, low and high, whose rows make the shell. (Across x every row has a cell at the face.)
+/// Faces of a block, low and high, whose rows form the shell; none across x, as every row touches those.
 struct ShellFaces {
   bool y[2] = {}, z[2] = {};
 };
 
 class PassOrder {
  public:
-  /// Three planes of a strip may have so many bytes of populations: more than the second-level cache of most
+  /// The largest size of the populations of three planes of a strip: more than the second-level cache of most
   /// machines, since short strips cost the dense pass more than they save.
   static constexpr std::size_t cached_bytes = 2560 << 10;
 
@@ -51,17 +50,17 @@ class PassOrder {
   }
   RowRange inner() const { return inner_; }
   int parts() const { return (all_.y1 + rows_ - 1) / rows_ * all_.z1; }
-  /// The part of a row; -1 for one of the shell, which comes before all parts.
+  /// Returns the part of a row; -1 for a row of the shell, which comes before all parts.
   int part_of(int y, int z) const { return in_shell(y, z) ? -1 : y / rows_ * all_.z1 + z; }
-  /// The rows of a part; none where all of it is in the shell.
+  /// Returns the rows of a part; an empty range if all of it is in the shell.
   RowRange rows_of(int part) const {
     const int strip = part / all_.z1, z = part % all_.z1;
     const int y0 = std::max(strip * rows_, inner_.y0), y1 = std::min((strip + 1) * rows_, inner_.y1);
     return {y0, in_shell(y0, z) ? y0 : y1, z, z + 1};
   }
-  /// The first row whose cells, with all up to `reach` away, have not collided after the same part as row y.
+  /// Returns the first row above y for which ready() returns a later part, faces of the block aside.
   int next_row(int y, int reach) const { return ((y + reach) / rows_ + 1) * rows_ - reach; }
-  /// The part after which a cell further than `reach` inside and all up to so far away have collided.
+  /// Returns the part after which a cell inside by more than `reach` and all within `reach` have collided.
   int ready(int y, int z, int reach) const {
     return part_of(std::min(y + reach, inner_.y1 - 1), std::min(z + reach, inner_.z1 - 1));
   }

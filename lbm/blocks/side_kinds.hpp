@@ -1,13 +1,13 @@
 #pragma once
-// The kinds of side of the domain, and what outlets return for populations that leave through them.
+// The kinds of side of the domain, and the populations that outlets return.
 #include <array>
 
 #include "cpu/device_code.hpp"
 
 namespace silt::lbm {
 
-/// What a population meets: its periodic image; a wall, with a velocity (halfway bounce-back: no-slip, a
-/// moving wall and a velocity inlet alike); a mirror; or, from `pressure` on, one of the outlets.
+/// What lies at a side: the periodic image; a wall with a velocity (halfway bounce-back: no-slip and moving
+/// walls and velocity inlets); a mirror; or, from `pressure` on, an outlet.
 enum class SideKind { periodic, bounce, free_slip, pressure };
 constexpr bool is_outlet(SideKind kind) {
   return kind >= SideKind::pressure;
@@ -16,22 +16,22 @@ constexpr bool is_outlet(SideKind kind) {
 /// One side of the domain.
 struct SideCondition {
   SideKind kind = SideKind::periodic;
-  std::array<double, 3> velocity{};  // of a wall
+  std::array<double, 3> velocity{};  // of a wall or inlet, lattice units
   double density_deviation = 0;      // of an outlet of given pressure
-  bool varies = false;               // the velocity, over time
-  /// Returns whether fluid passes, on a side across this axis.
+  bool varies = false;               // whether the velocity changes over time
+  /// Returns whether fluid passes through a side across this axis.
   bool is_open(int axis) const {
     return is_outlet(kind) || (kind == SideKind::bounce && velocity[axis] != 0);
   }
 };
 
-/// A population that left a cell of velocity u along c_j, for which an outlet returns one along -c_j.
+/// A population that left a cell of velocity u along c_j through an outlet, which returns one along -c_j.
 struct LeftThroughOutlet {
   double value, twice_weight;  // 2 w_j
   double along, square;        // c_j.u, 3/2 u.u
 };
 
-/// Given pressure, by anti bounce-back.
+/// An outlet of given pressure, by anti bounce-back.
 struct PressureOutlet {
   double density_deviation;
   SILT_DEVICE double operator()(const LeftThroughOutlet& left) const {
@@ -40,7 +40,7 @@ struct PressureOutlet {
   }
 };
 
-/// Calls f with what a side returns, if it is an outlet.
+/// Calls f with the outlet of a side (e.g. PressureOutlet); does nothing if the side is no outlet.
 template <class F>
 void with_outlet(const SideCondition& side, F&& f) {
   switch (side.kind) {

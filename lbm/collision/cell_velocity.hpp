@@ -1,12 +1,12 @@
 #pragma once
-// The velocity of a vector of cells that is about to collide. For *_kernel.cpp files only (SILT_ISA).
+// Velocity of a vector of cells before its collision. Only for *_kernel.cpp files (SILT_ISA).
 #include "cpu/device_code.hpp"
 #include "lbm/blocks/lattice.hpp"
 #include "lbm/collision/collision_model.hpp"
 
 namespace silt::lbm::SILT_ISA {
 
-/// Sets the velocity from the differences along and against each pair's first direction, and half the force.
+/// Sets the velocity from each pair's difference (along less against its first direction) and half the force.
 template <bool source, class V, class T>
 [[gnu::always_inline]] SILT_DEVICE inline void set_velocity(const V (&difference)[D3Q19::pairs],
                                                             const CollisionRates<T>& r, V& ux, V& uy, V& uz) {

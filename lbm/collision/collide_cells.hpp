@@ -1,9 +1,9 @@
 #pragma once
-// A collision of cells in place, for all builds: a vector of cells at a time, or one (SILT_SCALAR).
+// Collides cells in place: a vector of cells at a time, or one cell (SILT_SCALAR).
 //
-// The populations of a pair i, opposite i that arrive at a cell lie in two slots A and B; what leaves along i
-// goes to B and what leaves against it to A. The parity decides nothing but A and B, so one pass serves the
-// even and the odd step.
+// The populations that arrive at a cell along pair i, opposite i are in slots A and B; the one that leaves
+// along i goes to B, the one against it to A. Parity only decides where A and B are: one pass serves all
+// steps.
 #include <type_traits>
 
 #include "cpu/lanes.hpp"
@@ -18,7 +18,7 @@
 namespace silt::lbm::SILT_ISA {
 
 template <class T>
-struct Slots {  // A and B of each pair, and the resting populations; a cell is Block::cell elements further
+struct Slots {  // slots A, B of each pair and the rest's, of cell 0: add Block::cell for others
   T* a[D3Q19::pairs];
   T* b[D3Q19::pairs];
   T* rest;
@@ -38,7 +38,7 @@ struct AllLanes {
   }
 };
 
-/// Fetches ahead of use: the hardware's own streams are too few for nineteen arrays.
+/// Prefetches populations: hardware prefetchers follow too few streams for nineteen arrays.
 struct Prefetch {
 #if defined(SILT_SCALAR)
   template <class T>
@@ -52,7 +52,7 @@ struct Prefetch {
 #endif
 };
 
-/// What cells give up first of all (excess.hpp): here nothing.
+/// The amounts that cells without an excess give up (excess.hpp): none.
 struct NothingGivenUp {
   template <class V>
   SILT_DEVICE const V& left(int, const V& g) const {
@@ -60,8 +60,7 @@ struct NothingGivenUp {
   }
 };
 
-/// Collides the cells from x on, as many as a vector has. Slots of lanes that are no cells keep what they
-/// hold: no other lane of the vector has them.
+/// Collides the vector of cells from x on. Slots of lanes outside the row keep their values.
 template <class Model, bool source, class V, class T, class Keep, class Watch, class Given = NothingGivenUp>
 [[gnu::always_inline]] SILT_DEVICE inline void collide(const Slots<T>& slots, std::ptrdiff_t x,
                                                        const CollisionRates<T>& r, const Keep& keep,
@@ -92,7 +91,7 @@ template <class Model, bool source, class V, class T, class Keep, class Watch, c
   Model::template collide<source>(sum, difference, r, set_rest, set_pair, see);
 }
 
-/// Returns f(model) for the model of these rates.
+/// Calls f(model) with the collision model of the rates.
 template <class T, class F>
 auto with_model(const CollisionRates<T>& rates, F&& f) {
   switch (rates.model) {

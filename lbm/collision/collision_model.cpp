@@ -8,7 +8,7 @@ namespace silt::lbm {
 
 namespace {
 
-/// The nearest multiple of 2^-(digits + 2).
+/// Rounds a rate to the nearest multiple of 2^-(digits + 2).
 template <class T>
 T on_grid(double rate) {
   const int bits = std::numeric_limits<T>::digits + 2;

@@ -1,5 +1,5 @@
 #pragma once
-// The collision models by name, and what a run chooses: the model, its rates and the force on the fluid.
+// The collision models by name, and the choices of a run: the model, its rates and the force on the fluid.
 #include <algorithm>
 #include <array>
 #include <cstdint>
@@ -7,23 +7,21 @@
 
 namespace silt::lbm {
 
-/// `trt` relaxes the even half of each pair of populations with 1/tau and the odd half so that (tau -
-/// 1/2)(tau_odd - 1/2) = magic (Ginzburg, Verhaeghe, d'Humieres 2008); `bgk` relaxes both with 1/tau.
-/// `regularised` relaxes the stress with 1/tau, third moments as trt does but no slower than it may, and
-/// replaces all else but mass and momentum (method.md, equations 24 to 27): for flows that the others do not
-/// bear.
+/// `trt` relaxes the even half of each pair with 1/tau and the odd half such that (tau - 1/2)(tau_odd - 1/2)
+/// = magic (Ginzburg, Verhaeghe, d'Humieres 2008). `bgk` relaxes both with 1/tau. `regularised` relaxes the
+/// stress with 1/tau and third moments as trt does but no slower than is stable, and replaces all others but
+/// mass and momentum (method.md, equations 24 to 27), for flows unstable with the others.
 enum class Collision : std::uint8_t { trt, bgk, regularised };
 
-/// The relaxation of the odd half of a pair: by `magic`, as the even half, or by `magic` where that is
-/// stable.
+/// How the odd half of a pair relaxes: by `magic`, as the even half, or by `magic` if that is stable.
 enum class OddRate : std::uint8_t { by_magic, as_even, by_magic_if_stable };
 
 struct CollisionModel {
   std::string_view name;
   OddRate odd;
-  double lasts_to;  // u / nu of a cell up to which five small scenes last (scripts/bench stability)
+  double lasts_to;  // largest stable u / nu of a cell in five small scenes (scripts/bench stability)
   constexpr bool has_magic() const { return odd != OddRate::as_even; }
-  /// Returns whether `smagorinsky` counts.
+  /// Returns whether the model uses `smagorinsky`.
   constexpr bool has_eddies() const { return odd == OddRate::by_magic_if_stable; }
 };
 /// The models in the order of the enumerators.
@@ -37,15 +35,15 @@ constexpr const CollisionModel& model_of(Collision collision) {
 
 struct CollisionSpec {
   double relaxation_time = 1;
-  double magic = 1.0 / 6;  // ignored by models without one
+  double magic = 1.0 / 6;  // ignored by models without it
   Collision model = Collision::trt;
-  std::array<double, 3> force{};  // acceleration of the fluid, uniform
-  double smagorinsky = 0;         // constant of the least viscosity of a cell (method.md, equation 28)
+  std::array<double, 3> force{};  // uniform acceleration of the fluid
+  double smagorinsky = 0;         // Smagorinsky constant of eddies (method.md, equation 28)
 
   constexpr double excess() const { return relaxation_time - 0.5; }
-  /// The share in which `regularised` relaxes third and fourth moments as trt does (method.md, equation 26).
+  /// Returns the share to which `regularised` relaxes high moments like trt (method.md, equation 26).
   constexpr double ghosts_as_trt() const { return std::clamp((excess() - 0.05) / 0.05, 0.0, 1.0); }
-  /// Returns tau_odd by `magic`, as far as that is stable.
+  /// Returns tau_odd from `magic`, limited to what is stable.
   constexpr double stable_odd_relaxation_time() const {
     return 1 + std::min(magic / excess() - 0.5, 0.0) +
            ghosts_as_trt() * std::max(magic / excess() - 0.5, 0.0);
@@ -61,30 +59,30 @@ struct CollisionSpec {
     }
     __builtin_unreachable();
   }
-  /// The share in which cells at walls give up their bulk stress with their excess (method.md, equation 9b).
+  /// Returns the share of bulk stress that cells at walls give up with their excess (method.md, equation 9b).
   constexpr double bulk_stress_given_up() const {
     return std::clamp((0.53 - relaxation_time) / 0.01, 0.0, 1.0);
   }
-  /// (tau - 1/2)(tau_odd - 1/2).
+  /// Returns (tau - 1/2)(tau_odd - 1/2).
   constexpr double magic_in_effect() const {
     return model_of(model).odd == OddRate::by_magic ? magic : excess() * (odd_relaxation_time() - 0.5);
   }
 };
 
-/// The numbers are those of a diagonal direction (w = 1/36); along an axis they are twice that, at rest
-/// twelve times. Rounding a rate must not make or destroy mass or momentum, step after step the same way:
-/// density and momentum are multiples of a number so small that what is kept of the populations is exact.
+/// Rates for a diagonal direction (w = 1/36): twice these along an axis, twelve times at rest. So that
+/// rounding neither makes nor destroys mass or momentum steadily, the rates of density and momentum are
+/// multiples of a number so small that the kept fractions of populations are exact.
 template <class T>
 struct CollisionRates {
   Collision model;
-  T density;   // omega_even/36, of rho
-  T square;    // omega_even/24, of u_d u_d: a third of it in an even half, and less of it in all of them
-  T momentum;  // omega_odd/12, of u
+  T density;                               // omega_even/36, of rho
+  T square;                                // omega_even/24, of u_d u_d, for the even half
+  T momentum;                              // omega_odd/12, of u
   T keep_even, keep_even_twice, keep_odd;  // (1 - omega)/2
   T half_force[3], even_force[3], odd_force[3];
   T keep_third,
       keep_fourth;    // of regularised: what is left of moments beyond those that follow from the stress
-  T resolved_square;  // half the square of the stress off equilibrium up to which no eddy is more viscous
+  T resolved_square;  // half the squared stress off equilibrium above which eddies add viscosity
   T eddy;             // 9 C^2; 0: none
 
   /// Throws std::invalid_argument for a relaxation time of 1/2 or less.

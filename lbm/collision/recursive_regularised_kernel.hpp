@@ -1,6 +1,6 @@
 #pragma once
-// The model regularised, a vector of cells at a time (method.md, equations 24 to 28). Only for *_kernel.cpp
-// files, which are built once an instruction set (SILT_ISA).
+// The model `regularised` for a vector of cells (method.md, equations 24 to 28). Only for *_kernel.cpp files,
+// which are built once per instruction set (SILT_ISA).
 #include <cmath>
 #include <cstddef>
 #include <type_traits>
@@ -21,11 +21,11 @@ template <class V>
   }
 }
 
-/// ghosts: third and fourth moments keep something of their own; else they follow from the stress.
+/// ghosts: third and fourth moments keep a part of their own; otherwise they follow from the stress.
 template <bool ghosts>
 struct RecursiveRegularised {
-  /// Collides as TwoRelaxationTimes does: the same arguments. What is rounded on the way enters what leaves
-  /// with both signs, so that mass and momentum are kept as sums are.
+  /// Collides with the arguments of TwoRelaxationTimes::collide. Rounding errors enter the populations with
+  /// both signs, so that mass and momentum are conserved as sums.
   template <bool source, class V, class T, class SetRest, class SetPair, class See>
   [[gnu::always_inline]] SILT_DEVICE static void collide(const V (&sum)[D3Q19::pairs + 1],
                                                          const V (&difference)[D3Q19::pairs],
@@ -37,7 +37,7 @@ struct RecursiveRegularised {
     V ux, uy, uz;
     set_velocity<source>(difference, r, ux, uy, uz);
 
-    // second moments, less those of the equilibrium, of the stress without its trace
+    // second moments of the traceless stress, less those of the equilibrium
     const V mxx = s[0] + (in_xy + in_xz), myy = s[1] + (in_xy + in_yz), mzz = s[2] + (in_xz + in_yz);
     const V mean = T(1. / 3) * (mxx + (myy + mzz));
     const V sxx = ux * ux, syy = uy * uy, szz = uz * uz;
@@ -47,7 +47,7 @@ struct RecursiveRegularised {
     const V nxx = (mxx - mean) - (sxx - third), nyy = (myy - mean) - (syy - third);
     const V nxy = (s[3] - s[4]) - ux * uy, nxz = (s[5] - s[6]) - ux * uz, nyz = (s[7] - s[8]) - uy * uz;
 
-    // fourth moments, a quarter of what is kept of their part beyond the stress
+    // a quarter of the kept part of fourth moments beyond the stress
     V gxy{}, gxz{}, gyz{};
     if constexpr (ghosts) {
       const T quarter = T(0.25) * r.keep_fourth;
@@ -57,7 +57,7 @@ struct RecursiveRegularised {
       gyz = quarter * (in_yz + (T(0.5) * mxx + offset));
     }
 
-    // what they are after the collision, of all the stress
+    // second moments of the whole stress after the collision
     const V keep = share_kept(r, nxx, nyy, nxy, nxz, nyz);
     V axx = sxx + keep * nxx, ayy = syy + keep * nyy;
     V axy = ux * uy + keep * nxy, axz = ux * uz + keep * nxz, ayz = uy * uz + keep * nyz;
@@ -78,7 +78,7 @@ struct RecursiveRegularised {
     }
     const V azz = trace - (axx + ayy);
 
-    // third moments, a quarter of each: what follows from the stress, then what is kept of the rest
+    // a quarter of each third moment: the part that follows from the stress, then the kept part of the rest
     const T kept = ghosts ? r.keep_third : T(0), lost = T(1) - kept;
     const V shift = keep - kept;
     const V exx = T(0.25) * (shift * nxx - lost * sxx), eyy = T(0.25) * (shift * nyy - lost * syy),
@@ -129,8 +129,8 @@ struct RecursiveRegularised {
   }
 
  private:
-  /// Returns the share of the stress off equilibrium that the collision leaves, 1 - 1/tau, or less where the
-  /// stress is that of an eddy which the lattice does not resolve.
+  /// Returns the fraction of stress off equilibrium that the collision keeps: 1 - 1/tau, or less where the
+  /// stress is that of an unresolved eddy.
   template <class V, class T>
   [[gnu::always_inline]] SILT_DEVICE static V share_kept(const CollisionRates<T>& r, const V& nxx,
                                                          const V& nyy, const V& nxy, const V& nxz,

@@ -1,4 +1,4 @@
-// The dense pass, built once an instruction set (SILT_ISA). A cell takes 19 reads and 19 writes a step.
+// The dense pass, built once per instruction set (SILT_ISA): 19 reads and 19 writes per cell and step.
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -10,7 +10,7 @@
 namespace silt::lbm::SILT_ISA {
 namespace {
 
-/// The lanes of a vector that are cells: the first `cells`.
+/// Masks the lanes of a vector beyond the first `cells`.
 template <class V, class T>
 struct FirstLanes {
   static constexpr int count = sizeof(V) / sizeof(T);
@@ -22,11 +22,10 @@ struct FirstLanes {
   }
   V operator()(const V& inner, const V& outer) const { return inside ? inner : outer; }
 };
-/// Notes the cells that are too fast, or whose speed is not a number. Where there is none, which is as good
-/// as always, it takes a comparison and a branch.
+/// Records cells that are too fast or whose speed is not a number, at the cost of a comparison and a branch.
 template <class V, class T>
 struct Watch {
-  T limit, scale;  // of the model's squares; what they are times the speeds'
+  T limit, scale;  // of the squares from the model; the squares over squared speeds
   std::vector<FastCell>& found;
   template <class Keep>
   [[gnu::always_inline]] void see(const V& square, std::ptrdiff_t x, const Keep& keep) {
@@ -49,7 +48,7 @@ inline void close_row(T* first, const std::vector<RowEnd<T>>& ends) {
   for (const RowEnd<T>& end : ends) first[end.to] = end.wall ? first[end.from] + end.addend : first[end.from];
 }
 
-/// All rows of a pass need these values; each run of planes has a copy, which its loop keeps at hand.
+/// Values for all rows of a pass; each run of planes takes a copy, which its loop keeps in registers.
 template <class T>
 struct Pass {
   Block<T>& block;
@@ -62,14 +61,14 @@ struct Pass {
 template <class T>
 using QuantaLanes = typename VectorOf<ExcessQuanta<T>, vector_bytes / int(sizeof(T))>::type;
 
-/// The populations of a cell give up its excess.
+/// Subtracts the excess of a cell from its populations.
 template <class T>
 void take_excess_of_cell(const Slots<T>& slots, std::ptrdiff_t cell, Block<T>& block) {
   take_excess<T>(block.excess()[cell], block.stress_share(),
                  [&](int i) -> T& { return slots.arriving(i)[cell]; });
 }
 
-/// Those of all cells do.
+/// Does so for all cells of a block.
 template <class T>
 void take_excess_of_block(Block<T>& block, Parity parity) {
   using V = typename VectorOf<T>::type;
@@ -92,8 +91,8 @@ void take_excess_of_block(Block<T>& block, Parity parity) {
     }
 }
 
-/// Collides the whole vectors from x to end of a row that has cells with excess, and takes that of the cells
-/// up to `row_end`. A function of its own: in the loop over rows it would take registers.
+/// Collides whole vectors from x to `end` of a row with excess, and takes the excess of the cells up to
+/// `row_end`. Kept out of the loop over rows, where it would take registers.
 template <class Model, bool source, class T, class Watch>
 [[gnu::noinline]] void collide_with_excess(const Pass<T>& pass, std::ptrdiff_t x, std::ptrdiff_t end,
                                            std::ptrdiff_t row_end, Watch& watch) {
@@ -113,7 +112,7 @@ template <class Model, bool source, class T, class Watch>
   for (; x < row_end; ++x) take_excess_of_cell(pass.slots, x, pass.block);
 }
 
-/// `watch` sees the cells' squares and where they are; `linked`: cells of the block have links.
+/// `watch` receives the cells' squared speeds and offsets; `linked`: cells of the block may have links.
 template <class Model, bool source, bool linked, class T, class Watch>
 [[gnu::noinline]] void row_range(const Pass<T> pass, RowRange range, Watch& watch) {
   using V = typename VectorOf<T>::type;
@@ -131,7 +130,7 @@ template <class Model, bool source, bool linked, class T, class Watch>
     }
 }
 
-/// Planes apart from each other: to see anything takes registers.
+/// Separates watched planes from the others, since watching takes registers.
 template <class Model, bool source, bool linked, class T>
 void planes(Block<T>& block, Parity parity, const CollisionRates<T>& rates, RowRange range,
             const WatchedPlanes& watched) {

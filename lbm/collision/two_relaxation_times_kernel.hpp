@@ -1,15 +1,15 @@
 #pragma once
-// The models trt and bgk, a vector of cells at a time (method.md, equations 3 to 7). Only for *_kernel.cpp
-// files, which are built once an instruction set (SILT_ISA).
+// The models trt and bgk for a vector of cells (method.md, equations 3 to 7). Only for *_kernel.cpp files,
+// which are built once per instruction set (SILT_ISA).
 #include "lbm/collision/cell_velocity.hpp"
 
 namespace silt::lbm::SILT_ISA {
 
 struct TwoRelaxationTimes {
-  /// Collides cells of which `sum` and `difference` are what arrives along and against the first direction of
-  /// each pair; the last sum is what rests. Calls set_rest(what rests afterwards) and set_pair(k, p, q): p +
-  /// q leaves along the first direction of pair k, p - q against it, and see(the squares of the speeds that
-  /// the cells had, times square_scale).
+  /// Collides cells, given for each pair the sum and difference of the populations that arrive along and
+  /// against its first direction; the last sum is the population at rest. Calls set_rest(population at rest
+  /// after the collision), set_pair(k, p, q), where p + q leaves along the first direction of pair k and p -
+  /// q against it, and see(squares of the cells' speeds times square_scale).
   template <bool source, class V, class T, class SetRest, class SetPair, class See>
   [[gnu::always_inline]] SILT_DEVICE static void collide(const V (&sum)[D3Q19::pairs + 1],
                                                          const V (&difference)[D3Q19::pairs],
@@ -64,7 +64,7 @@ struct TwoRelaxationTimes {
     relax(7, syz + yz, qy + qz);
     relax(8, syz - yz, qy - qz);
   }
-  /// A force adds to the squares what it does in a step.
+  /// Returns the factor of the squared speeds that see() receives.
   template <class T>
   SILT_DEVICE static T square_scale(const CollisionRates<T>& r) {
     return r.square;

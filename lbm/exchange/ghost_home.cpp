@@ -13,7 +13,7 @@ Home home_of(const Domain& domain, Int3 g, int j) {
     const SideKind kind = domain.side(d, upper).kind;
     if (kind == SideKind::bounce) return {HomeKind::bounce, g - Lattice::c[j], opposite(j), 2 * d + upper};
     if (is_outlet(kind)) outlet = {HomeKind::outlet, g - Lattice::c[j], opposite(j), 2 * d + upper};
-    if (kind == SideKind::free_slip) {  // the mirror image of cell and direction
+    if (kind == SideKind::free_slip) {  // mirrors cell and direction
       cell[d] = upper ? 2 * domain.cells()[d] - 1 - cell[d] : -1 - cell[d];
       direction[d] = -direction[d];
     }

@@ -1,6 +1,6 @@
 #pragma once
-// The homes of populations that leave a block: a cell across its face, through a periodic image or as in a
-// mirror, or their own cell, from a wall or an outlet; and the way of a packet of a population from fine cell
+// Finds the home of a population that leaves a block: a cell across the face, through periodic sides and
+// mirrors, or its own cell if a wall or an outlet returns it. Follows packets of populations from fine cell
 // to fine cell (method-fluid.md, "Levels").
 #include <array>
 
@@ -14,18 +14,18 @@ struct Home {
   HomeKind kind;
   Int3 cell;  // global
   int direction;
-  int side = -1;  // of the domain, for bounce and outlet
+  int side = -1;  // index of the side of the domain, for bounce and outlet
 };
 
-/// Returns the home of the population that left along j into the ghost cell g (global, unwrapped).
+/// Returns the home of the population that left along j into ghost cell g (global, before periodic wrapping).
 template <class Lattice>
 Home home_of(const Domain& domain, Int3 g, int j);
 
-/// Returns what moving walls add to the population that left along j and meets these sides.
+/// Returns the amount that the motion of walls adds to a population that left along j and meets these sides.
 template <class Lattice>
 double wall_addend(const Domain& domain, Int3 sides, int j);
 
-/// Fine cells have coordinates of their own level, so a coarse cell has those of twice its own and the next.
+/// Returns corner k of a coarse cell: its fine cells are at 2 x + corner(k), x being its coordinates.
 constexpr Int3 corner(int k) {
   return {k & 1, k >> 1 & 1, k >> 2 & 1};
 }
@@ -36,18 +36,18 @@ constexpr Int3 halved(Int3 x) {
 struct Flight {
   Int3 cell;
   int direction;
-  double addend = 0;       // by walls that it met
-  double by_force = 0;     // what the force adds on the way
-  bool by_outlet = false;  // it met one
+  double addend = 0;       // by walls on the way
+  double by_force = 0;     // by the force on the way
+  bool by_outlet = false;  // an outlet returned it
 };
 
 template <class Lattice>
 Flight one_step(const Domain& fine, Flight);
-/// Every way can be gone back, walls and images included.
+/// The inverse of one_step(): every way can be reversed, through walls and periodic images too.
 template <class Lattice>
 Flight step_back(const Domain& fine, Flight);
 
-/// Leaves finds those of cells that lie near one another.
+/// Looks up the leaf of a cell; keeps recent leaves, so that cells near one another are found quickly.
 class Leaves {
  public:
   explicit Leaves(const Domain& domain) : domain_(domain) {}

@@ -12,7 +12,7 @@ namespace {
 
 enum class RowEndKind { lists, round, wall };
 
-/// A row of a block may go round to its other end or meet a wall by itself; else there are lists for its end.
+/// How the end of a row is served: by lists, by the row itself (it spans a periodic axis), or by a wall.
 RowEndKind row_end_kind(const Domain& domain, const CellBox& box, bool upper) {
   const int cells = domain.cells().x;
   if (domain.periodic(0)) return box.size.x == cells ? RowEndKind::round : RowEndKind::lists;
@@ -20,15 +20,15 @@ RowEndKind row_end_kind(const Domain& domain, const CellBox& box, bool upper) {
   return at_side && domain.side(0, upper).kind == SideKind::bounce ? RowEndKind::wall : RowEndKind::lists;
 }
 
-/// Returns whether the dense pass moves this ghost slot (g local to the block) for good. At a wall it moves
-/// slots as the face does; edges that need another move are listed, and put right after the pass.
+/// Returns whether the dense pass gives this ghost slot (g local to the block) its final value. At a wall it
+/// treats all slots of a face alike; slots at edges that differ are listed and corrected after the pass.
 template <class Lattice>
 bool is_row_end(const Domain& domain, const CellBox& box, Int3 g, int j) {
   if (g.x >= 0 && g.x < box.size.x) return false;
   const RowEndKind kind = row_end_kind(domain, box, g.x > 0);
   if (kind == RowEndKind::wall) {
     const Int3 met = domain.walls_met(box.lower + g);
-    bool varies = false;  // at an edge: what is alike now need not be so later
+    bool varies = false;  // at an edge: addends that are equal now may differ later
     for (int d = 0; d < 3; ++d) varies |= met[d] != 0 && domain.side(d, met[d] > 0).varies;
     if (varies && met != Int3{Lattice::c[j].x, 0, 0}) return false;
     return wall_addend<Lattice>(domain, met, j) == wall_addend<Lattice>(domain, {Lattice::c[j].x, 0, 0}, j);
@@ -37,8 +37,8 @@ bool is_row_end(const Domain& domain, const CellBox& box, Int3 g, int j) {
   return kind == RowEndKind::round && own_row;
 }
 
-/// Gives the block its row ends. An even pass has just written the homes of its row, an odd one the ghost
-/// slots that its row's last cell sends to.
+/// Sets the row ends of a block. An even pass has just written the homes of a row, an odd pass the ghost
+/// slots into which the last cell of the row sends.
 template <class T, class Lattice>
 void add_row_ends(const Domain& domain, Block<T, Lattice>& block) {
   const int nx = block.size().x;
@@ -71,14 +71,14 @@ struct Halo<T, Lattice>::Builder {
   std::span<const Block> blocks;
   std::span<const PassOrder> orders;
   std::map<std::pair<int, int>, std::vector<std::pair<std::uint32_t, OutletLink>>> outlets = {};
-  BlockPlace home_block{-1, {}, -1};  // of the last home: rows stay in one block; maybe of another level
+  BlockPlace home_block{-1, {}, -1};  // of the last home: a row stays in one block, maybe of another level
   const BlockPlace& block_at(Int3 cell) {
     if (!home_block.box.contains(cell)) home_block = domain.block_at(cell);
     return home_block;
   }
 
   bool sides_vary = std::ranges::any_of(domain.sides(), &SideCondition::varies);
-  bool along_y = false;  // slots at a face across x follow one another along y
+  bool along_y = false;  // the slots of a face across x are consecutive along y
 
   SlotRun slot(int local_block, Int3 cell, int i) const {
     const Block& b = blocks[local_block];
@@ -96,7 +96,7 @@ struct Halo<T, Lattice>::Builder {
       return;
     }
     const BlockPlace& home_place = block_at(home.cell);
-    if (!domain.is_of_level(home_place)) return;  // it crosses a border (level_border.hpp)
+    if (!domain.is_of_level(home_place)) return;  // level_border.hpp serves it
     const int there = domain.local_index(home_place, rank);
     const Int3 cell = home.cell - home_place.box.lower;
     if (here >= 0 && there >= 0) {
@@ -111,7 +111,7 @@ struct Halo<T, Lattice>::Builder {
       add_peer(place.rank, orders[there], cell).sent(place.rank).add(slot(there, cell, home.direction));
   }
 
-  /// Slots that the shell does not write leave late.
+  /// Messages whose slots are written outside the shell leave after the pass.
   SlotExchange<T>& add_peer(int other, const PassOrder& order, Int3 writer) {
     if (!order.in_shell(writer.y, writer.z)) halo.slots_.hold_back(other);
     return halo.slots_;

@@ -1,17 +1,16 @@
 #pragma once
-// The ghost layer. A population that crosses out of a block along c_j has its slot (g, j) in a ghost cell g;
-// its home is a slot of another block, of the same block through a periodic image, or, at a wall, the slot
-// into which the wall turns it. One map from ghost slots to home slots therefore carries neighbours, periodic
-// images and walls:
+// The ghost layer. A population that leaves a block along c_j has its slot (g, j) in a ghost cell g. Its home
+// is a slot of another block, of the same block through a periodic image, or, at a wall, the slot of the
+// reflected population. One map from ghost slots to homes thus serves neighbours, periodic images and walls:
 //     after an even pass (crossed parity) ghost slots are filled from their homes,
 //     after an odd pass (settled parity) they are returned to them.
-// Only crossing populations move: 5 a face cell, 1 an edge cell, one message per neighbouring rank and pass.
-// What a row exchanges with itself (a block that spans a periodic x axis) or with a wall across x touches two
-// cache lines a population; the dense pass moves it row by row (Block::row_ends).
+// Only populations that cross move: 5 per face cell, 1 per edge cell, one message per neighbour rank and
+// pass. The exchange of a row with itself (a block that spans a periodic x axis) or with a wall across x
+// touches two cache lines per population; the dense pass does it row by row (Block::row_ends).
 //
-// A message may leave before the pass is done, once the rows that write it are: what crosses out is written
-// by the collision of the cell it leaves alone. Nor does a cut link of the inside change it: the slot it
-// writes holds what comes back to its cell, or is to, and that crosses no face.
+// A message may leave before the pass ends, once the rows that write it have collided: only the collision of
+// a cell writes the populations that leave it. Cut links of inner cells do not change it, since they write
+// populations that return to their cells and cross no face.
 #include <mpi.h>
 
 #include <array>
@@ -33,27 +32,27 @@ class Halo {
   using Block = lbm::Block<T, Lattice>;
 
  public:
-  /// `blocks` are the local ones, in the order of domain.blocks_of(rank), `orders` those of their passes;
-  /// gives the blocks their row ends. `force` is the uniform acceleration.
+  /// Takes the local blocks in the order of domain.blocks_of(rank), and the orders of their passes; sets the
+  /// row ends of the blocks. `force` is the uniform acceleration.
   Halo(const Domain&, MPI_Comm, std::span<Block> blocks, std::span<const PassOrder> orders,
        const std::array<double, 3>& force, Device);
-  /// Call when the shells have collided: sends the messages that they alone write. `parity` is that after the
-  /// pass.
+  /// Sends the messages that the shells alone write. Call after the shells have collided; `parity` is the
+  /// parity after the pass.
   void start(Parity parity);
   void progress() { slots_.progress(); }
-  /// Call when the pass is done. Nothing moves into an idle block: cut links cover every way into it.
+  /// Completes the exchange after a pass. Idle blocks receive nothing: cut links cover every way into them.
   void exchange(std::span<Block> blocks, std::span<const char> idle, Parity parity);
   void set_force(const std::array<double, 3>& force) { force_ = force; }
-  /// Takes the velocities that the sides of the domain have now.
+  /// Recomputes the addends of walls from the present velocities of the domain's sides.
   void take_side_velocities(const Domain&, std::span<Block> blocks);
-  /// message_bytes counts as that of SlotExchange does.
+  /// Returns the bytes sent per exchange (see SlotExchange::message_bytes).
   std::size_t message_bytes(bool early_alone = false) const { return slots_.message_bytes(early_alone); }
 
  private:
   struct Walls {  // bounces
     SlotPairs pairs;
-    Mirror<T> addends;                           // of each pair, by the wall's motion
-    std::vector<std::pair<Int3, int>> met = {};  // the sides that it meets along a direction
+    Mirror<T> addends;                           // of each pair, from the motion of the wall
+    std::vector<std::pair<Int3, int>> met = {};  // the sides that a pair meets, and its direction
   };
   struct Outlet {
     int block;
@@ -67,9 +66,9 @@ class Halo {
 
   std::array<double, 3> force_;
   Device device_;
-  SlotExchange<T> slots_;     // from homes to ghosts; an array is a block
-  Mirror<const T*> sources_;  // the blocks
-  Mirror<T*> targets_;        // those that are not idle
+  SlotExchange<T> slots_;     // from homes to ghost slots; one array per block
+  Mirror<const T*> sources_;  // of all blocks
+  Mirror<T*> targets_;        // of blocks that are not idle
   std::vector<char> idle_;
   Walls walls_;
   std::vector<Outlet> outlets_;

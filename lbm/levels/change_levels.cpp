@@ -1,4 +1,4 @@
-// Cells that were refined or coarsened are given what they hold on their new level.
+// Sets the populations of cells that were refined or coarsened.
 #include <algorithm>
 #include <map>
 #include <tuple>
@@ -11,14 +11,13 @@ namespace silt::lbm {
 
 namespace {
 
-/// Cells of a level in the place of cells of another level, on the same rank. The box is in the coarser
-/// cells.
+/// Cells that change their level on a rank; the box is in the coarser cells.
 struct Changed {
   CellBox box;
-  int rank, from_block, to_block;  // local ones, of that rank
+  int rank, from_block, to_block;  // indices on that rank
 };
 
-/// Lists the changed cells of this rank and of its neighbours: coarser cells beside theirs may be its own.
+/// Lists the changed cells of all ranks known here: other ranks need this rank's cells beside theirs.
 std::vector<Changed> changed_cells(const Domain& from, const Domain& to, int rank) {
   std::vector<Changed> all;
   const Domain& coarser = from.level() > to.level() ? from : to;
@@ -42,7 +41,7 @@ std::vector<Changed> changed_cells(const Domain& from, const Domain& to, int ran
   return all;
 }
 
-/// A part off equilibrium is proportional to the length of a step and to its relaxation time.
+/// The factors of populations off equilibrium, proportional to the time step and to relaxation times.
 struct Scales {
   double even, odd;
   Scales(const CollisionSpec& from, const CollisionSpec& to, double steps)
@@ -50,7 +49,7 @@ struct Scales {
         odd(to.odd_relaxation_time() / from.odd_relaxation_time() * steps) {}
 };
 
-/// Turns populations of one lattice into those of another with the same density, velocity and gradients.
+/// Converts populations of one level to another with the same density, velocity and velocity gradients.
 void rescale(double (&g)[D3Q19::directions], const CollisionSpec& from, const CollisionSpec& to,
              const Scales& scale) {
   double rho = 0, u[3] = {from.force[0] / 2, from.force[1] / 2, from.force[2] / 2}, off[D3Q19::directions];
@@ -78,7 +77,7 @@ class Change {
         scales_(from.spec(), to.spec(),
                 from.domain().level() > to.domain().level() ? 1. / ratio_ : double(ratio_)) {}
 
-  /// A new coarse cell has the mean of what arrived in its place.
+  /// Sets new coarse cells to the mean of the populations that arrived in their place.
   void coarsen() {
     for (const Changed& part : changed_) {
       if (part.rank != rank_) continue;
@@ -95,8 +94,7 @@ class Change {
     }
   }
 
-  /// New fine cells have what arrived in the coarse one, plus its slope between the cells beside the coarse
-  /// one.
+  /// Sets new fine cells by linear interpolation between the coarse cell and its neighbours.
   void refine() {
     fetch();
     for (const Changed& part : changed_) {
@@ -140,10 +138,10 @@ class Change {
     for (int i = 0; i < D3Q19::directions; ++i) to_.arriving(block, cell, i) = T(g[i]);
   }
 
-  /// The coarse cells that change, and those beside them.
+  /// Fetches the populations of coarse cells that change, and of their face neighbours.
   void fetch() {
     const Domain& domain = from_.domain();
-    std::map<std::pair<int, int>, std::map<Key, BlockPlace>> needs;  // by who needs and who has them
+    std::map<std::pair<int, int>, std::map<Key, BlockPlace>> needs;  // by rank that needs, rank that owns
     for (const Changed& part : changed_)
       for_cells(grown(part.box, 1).lower, part.box.lower + part.box.size + Int3{1, 1, 1}, [&](Int3 x) {
         int outside = 0;
@@ -189,7 +187,7 @@ class Change {
   std::vector<Changed> changed_;
   int ratio_;
   Scales scales_;
-  std::map<Key, std::vector<T>> values_;  // what arrives in coarse cells
+  std::map<Key, std::vector<T>> values_;  // populations that arrive in coarse cells
 };
 
 }  // namespace

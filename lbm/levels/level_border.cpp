@@ -9,7 +9,7 @@ namespace silt::lbm {
 
 namespace {
 
-/// Brings what others have of the arrays of a table, and what is copied from one of them to another.
+/// Fetches values of other ranks into the arrays of a table, and copies between arrays of this rank.
 template <class T>
 void fetch(SlotExchange<T>& slots, std::span<T* const> arrays) {
   slots.start(arrays);
@@ -21,7 +21,7 @@ std::size_t arrays_of(const Field& fluid) {
   return fluid.blocks().size() * Field::Lattice::directions;
 }
 
-/// The arrays of all directions of the blocks: what left by a parity, what arrives; and more.
+/// Sets a table of arrays per block and direction: what left by `parity`, then what arrives; then `more`.
 template <class T, class Field>
 void set_table(std::pmr::vector<T*>& arrays, Field& fluid, Parity parity, std::array<T*, 2> more) {
   for (auto& block : fluid.blocks())

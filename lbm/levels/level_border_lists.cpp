@@ -1,4 +1,4 @@
-// The lists of a border: which packet goes where is found by following each of them.
+// Makes the lists of a border between levels by following each packet to its end.
 #include <algorithm>
 #include <map>
 #include <set>
@@ -17,7 +17,7 @@ struct LevelBorder<Field>::Builder {
   int rank;
   Leaves leaves{fine}, coarse_leaves{coarse};
 
-  /// The row of coarse cells at hand: so many from x on along an axis.
+  /// The current row: `length` coarse cells from x on along `axis`.
   Int3 x{};
   int axis = 0;
   std::uint32_t length = 0;
@@ -28,13 +28,13 @@ struct LevelBorder<Field>::Builder {
   };
   std::uint32_t coarse_next = 0, fine_next[2] = {}, carried = 0, sums = 0;
 
-  /// A population that leaves a fine cell at rest has that much more than a coarse cell would have sent, and
-  /// one that arrives lacks as much; a packet that passes a place without a collision lacks twice as much.
+  /// A population that leaves a fine cell at rest has this much more than from a coarse cell, one that
+  /// arrives lacks as much, and a packet that passes a cell without a collision lacks twice as much.
   double by_force(int j) const { return border.fine_.half_push(j); }
   bool is_fine(Int3 cell) { return leaves.level(cell) == fine.level(); }
   bool is_coarse(Int3 cell) { return leaves.level(cell) == coarse.level(); }
 
-  /// Returns populations of cells of this rank; coarse cells are as many apart as those of the row.
+  /// Returns populations of cells of this rank, one (or every second fine one) per coarse cell of the row.
   Row own_row(const Field& fluid, Leaves& of, Int3 cell, int direction) const {
     const BlockPlace& place = of.at(cell);
     const int b = fluid.domain().local_index(place, rank);
@@ -45,7 +45,7 @@ struct LevelBorder<Field>::Builder {
             fluid.domain().level() == coarse.level() ? stride : 2 * stride};
   }
   SlotRun run_of(const Row& row) const { return {row.array, std::uint32_t(row.first), row.step, length}; }
-  /// The row from which a rank reads what another, or itself, has; lists the message.
+  /// Returns the row that rank `user` reads populations of any rank from; lists the message, if any.
   Row fetched(SlotExchange<T>& slots, const Field& fluid, Leaves& of, int user, Int3 cell, int direction,
               std::uint32_t& next, std::uint32_t table, bool returned = false) {
     const int owner = of.at(cell).rank;
@@ -71,8 +71,7 @@ struct LevelBorder<Field>::Builder {
                    std::uint32_t(2 * border.fine_.blocks().size() * Lattice::directions + sub_step));
   }
 
-  /// The part of a block after which some rows of fine cells have collided; none if they are of several
-  /// blocks.
+  /// The part of a block after which all fine cells of some rows are done; none for several blocks.
   struct Part {
     Builder& builder;
     int block = -1, part = 0;
@@ -96,7 +95,7 @@ struct LevelBorder<Field>::Builder {
     }
   };
 
-  /// The packets of what left the coarse cell y along j that enter fine cells.
+  /// Returns those packets of the population that left coarse cell y along j that enter fine cells.
   std::vector<Entry> entries_of(Int3 y, int j) {
     std::vector<Entry> entries;
     for (int k = 0; k < 8; ++k) {
@@ -111,8 +110,8 @@ struct LevelBorder<Field>::Builder {
     }
     return entries;
   }
-  /// A slope is the rows above and below a coarse cell y along axis d, of what left along j, and what to
-  /// multiply their difference with for the change of a fourth of a cell.
+  /// The rows above and below coarse cell y along axis d of the population that left along j; `factor` times
+  /// their difference is the change over a quarter of a cell.
   struct Slope {
     Row above, below;
     T factor;
@@ -124,7 +123,7 @@ struct LevelBorder<Field>::Builder {
     const auto has = [&](Int3 cell) {
       return coarse.inside(cell) && coarse.is_of_level(coarse_leaves.at(cell));
     };
-    constexpr double factors[] = {0, 1. / 4, 1. / 8};  // by how many of them there are
+    constexpr double factors[] = {0, 1. / 4, 1. / 8};  // by the number of neighbours
     const bool above = has(up), below = has(down);
     if (!above) up = y;
     if (!below) down = y;
@@ -134,7 +133,7 @@ struct LevelBorder<Field>::Builder {
   static bool goes_on(const Row& row, const Row& next) {
     return row.array == next.array && row.first + 1 == next.first && row.step == next.step;
   }
-  /// Adds a packet to an explosion, or a source to a coalescence: one element, or the second of a pair.
+  /// Appends a packet or a source, or pairs it with the last one if it is the next element along x.
   static void add(std::pmr::vector<Packet>& packets, std::uint8_t& count, const Packet& one) {
     if (count > 0 && !packets.back().paired && one.corner == (packets.back().corner | 1) &&
         one.corner != packets.back().corner && one.addend == packets.back().addend &&
@@ -194,7 +193,7 @@ struct LevelBorder<Field>::Builder {
     }
   }
 
-  /// Lists what arrived along j in the row before its collision; returns its place on the rank of the user.
+  /// Lists the populations that arrive along j in the row before collision; returns their place at the user.
   std::int32_t before_row(int user, int j) {
     const int owner = coarse_leaves.at(x).rank;
     const SlotRun to{
@@ -240,7 +239,7 @@ struct LevelBorder<Field>::Builder {
     if (packets.size() + by_outlet != (from_coarse ? entered.size() : 8))
       throw std::logic_error("packets are lost or made at a border between levels");
 
-    if (from_coarse && length > 1) {  // what is beside the other cell may differ along the row
+    if (from_coarse && length > 1) {  // the surroundings of the source cell may differ along the row
       const auto [first, whole] = std::pair(x, length);
       for (length = 1; x[axis] < first[axis] + int(whole); ++x[axis]) add_coalescence(j);
       x = first, length = whole;
@@ -279,8 +278,7 @@ struct LevelBorder<Field>::Builder {
     sums += length;
   }
 
-  /// A passing packet left a fine cell in the first step, is in the coarse cell x, and enters a fine one in
-  /// the second.
+  /// Lists packets that leave a fine cell in the first step and enter one in the second, through cell x.
   void add_passing(int j) {
     for (int k = 0; k < 8; ++k) {
       const Flight middle{x + x + corner(k), j};
@@ -301,13 +299,12 @@ struct LevelBorder<Field>::Builder {
     }
   }
 
-  /// The levels around a cell: whether a fine one is among them, and how many cells from it on, along the
-  /// axis at hand, have the same leaves around them.
+  /// The levels around a coarse cell, and the number of cells along `axis` from it on with the same.
   struct Surroundings {
     bool any_fine = false, any_outside = false, any_far = false;
     bool fine[3][3][3] = {};  // by z, y, x
     int alike = 1 << 30;
-    /// Returns whether what moves along j may meet fine cells.
+    /// Returns whether a population that moves along j may enter fine cells.
     bool may_meet(int j) const {
       bool found = any_outside;
       for (int k = 1; k < 8; ++k) {
@@ -337,7 +334,7 @@ struct LevelBorder<Field>::Builder {
     return s;
   }
 
-  /// Cuts the cells of a box, some of which may have fine cells beside them, into rows that do alike.
+  /// Cuts the cells of a box, which may touch fine cells, into rows with the same leaves around them.
   void add_rows(const CellBox& box) {
     axis = box.size.x > 1 ? 0 : 1;
     const Int3 end = box.lower + box.size;
@@ -347,7 +344,7 @@ struct LevelBorder<Field>::Builder {
       for (x = first; x[axis] < end[axis]; x[axis] += int(length)) {
         const Surroundings s = around(x);
         length = std::uint32_t(std::min(s.alike, end[axis] - x[axis]));
-        if (!s.any_fine || s.any_far) continue;  // far: it has nothing to do with this rank
+        if (!s.any_fine || s.any_far) continue;  // far: does not concern this rank
         for (int j = 1; j < Lattice::directions; ++j) {
           const bool enters = s.may_meet(j), comes = s.may_meet(opposite(j));
           if (enters) add_explosion(j);
@@ -361,7 +358,7 @@ struct LevelBorder<Field>::Builder {
   void build() {
     for (int b = 0; b < int(border.fine_.blocks().size()); ++b)
       border.ready_.emplace_back(border.fine_.is_in_parts() ? border.fine_.pass_order(b).parts() : 0);
-    std::set<int> near;  // blocks whose cells may matter to this rank's, in an order on which ranks agree
+    std::set<int> near;  // blocks that may concern this rank, in an order common to all ranks
     const auto add_near = [&](const CellBox& box) {
       for (const int b : coarse.blocks_meeting(grown(box, 2))) near.insert(b);
     };
@@ -369,7 +366,7 @@ struct LevelBorder<Field>::Builder {
     for (const BlockPlace& mine : fine.blocks_of(rank))
       add_near({halved(mine.box.lower), halved(mine.box.size)});
     for (const int b : near) {
-      CellBox inner = coarse.block(b).box;      // without the faces that have been looked at
+      CellBox inner = coarse.block(b).box;      // less the faces already examined
       for (const int k : {4, 5, 2, 3, 0, 1}) {  // low and high across z, y, x
         const int d = k / 2, high = k % 2;
         CellBox face = inner;

@@ -7,8 +7,8 @@ namespace silt::lbm {
 
 namespace {
 
-/// Returns the boxes, clipped, that make cells of a part finer than `level`, which boxes that cover it lower
-/// first.
+/// Returns the boxes, clipped to the part, that demand cells finer than `level`; boxes that cover the whole
+/// part lower `level` first.
 std::vector<LevelBox> that_refine(const CellBox& part, std::span<const LevelBox> boxes, int& level) {
   std::vector<LevelBox> inside;
   for (const LevelBox& b : boxes) {
@@ -27,10 +27,10 @@ struct Plane {
   double worth = 0;
 };
 
-/// Returns the best plane through faces of boxes: most of their faces lie on it, and it cuts few boxes.
+/// Returns the plane through faces of boxes with the largest ratio of faces on it to cells cut by it.
 Plane best_plane(const CellBox& part, std::span<const LevelBox> boxes) {
   Plane best;
-  for (int d = 2; d >= 0; --d) {  // of two planes alike the last axis: rows are long
+  for (int d = 2; d >= 0; --d) {  // ties favour the last axis, for long rows
     const int n = part.size[d];
     std::vector<std::int64_t> cut_cells(n + 1, 0), face_cells(n + 1, 0);
     for (const LevelBox& b : boxes) {
@@ -48,7 +48,7 @@ Plane best_plane(const CellBox& part, std::span<const LevelBox> boxes) {
   return best;
 }
 
-/// Appends the nodes and leaves of a part, of this level outside of the boxes.
+/// Appends the nodes and leaves of a part, of this level outside the boxes.
 void cut(const CellBox& part, std::span<const LevelBox> boxes, int level, LevelCut& result) {
   const std::vector<LevelBox> inside = that_refine(part, boxes, level);
   if (inside.empty()) return result.levels.push_back(level);
@@ -63,13 +63,13 @@ void cut(const CellBox& part, std::span<const LevelBox> boxes, int level, LevelC
   const std::size_t middle = result.levels.size();
   cut(upper, inside, level, result);
   result.nodes[node].lower_leaves = int(middle - first);
-  if (result.levels.size() == first + 2 && result.levels[first] == result.levels[middle]) {  // as one
+  if (result.levels.size() == first + 2 && result.levels[first] == result.levels[middle]) {  // one leaf
     result.nodes.pop_back();
     result.levels.pop_back();
   }
 }
 
-/// Puts the cuts of ranks in the place of leaves.
+/// Replaces leaves of the tree of parts by the cuts of ranks.
 class Grafting {
  public:
   Grafting(const CutTree& parts, const std::map<int, LevelCut>& cuts) : parts_(parts), cuts_(cuts) {
@@ -78,7 +78,7 @@ class Grafting {
   CutTree tree() && { return {parts_.cells(), std::move(nodes_), std::move(kinds_)}; }
 
  private:
-  /// Appends what becomes of a node of the tree of parts with these leaves.
+  /// Appends the subtree of a node of the tree of parts; `leaves` is its number of leaves.
   void add(int node, int rank, int leaves) {
     if (leaves == 1) return add_part(rank);
     const Cut& cut = parts_.nodes()[node];

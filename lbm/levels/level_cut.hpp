@@ -1,12 +1,12 @@
 #pragma once
-// How a box of cells is cut into leaves of one level each, from boxes that say where cells have to be fine.
+// Cuts a box of cells into leaves of one level each, given boxes in which cells must be fine.
 #include <map>
 
 #include "lbm/blocks/cut_tree.hpp"
 
 namespace silt::lbm {
 
-/// Cells in the box are of this level or of a finer one.
+/// Demands cells of this level or a finer one in a box.
 struct LevelBox {
   CellBox box;
   std::int32_t level;
@@ -18,12 +18,12 @@ struct LevelCut {
   std::vector<std::int32_t> levels;
 };
 
-/// Cuts a part of the finest cells so that each leaf is of one level: of a cell the least of the boxes that
-/// it is in, `coarsest` outside of all. Boxes may overlap and stick out. Leaves are few, not fewest: seven of
-/// a box in the middle. The same boxes give the same leaves.
+/// Cuts a part (in finest cells) into leaves of one level: the finest level of the boxes over a cell,
+/// `coarsest` outside them. Boxes may overlap and reach beyond the part. Leaves are few but not the fewest
+/// (seven for a box in the middle), and depend on the boxes alone.
 LevelCut level_cut(const CellBox& part, std::span<const LevelBox>, int coarsest);
 
-/// Returns the view of a rank: a tree of one leaf a rank, far but for the parts of some ranks, which are cut.
+/// Returns a rank's view: each rank's part is a leaf of level `far`, unless `cuts` resolves it.
 CutTree view_of(const CutTree& parts, const std::map<int, LevelCut>& cuts);
 
 }  // namespace silt::lbm

@@ -6,8 +6,8 @@ CollisionSpec coarser(CollisionSpec spec, int levels) {
   const double factor = 1 << levels;
   spec.relaxation_time = 0.5 + (spec.relaxation_time - 0.5) / factor;
   for (double& f : spec.force) f *= factor;
-  // A border sends waves of the lattice's length, and at low viscosity `magic` damps their odd half too
-  // little for a stream that carries them to and fro: here no wall of a body asks for it.
+  // A border emits waves of the cell width. At low viscosity `magic` damps their odd half too little in a
+  // flow that carries them to and fro; no wall of a body on these levels needs `magic`.
   if (spec.model == Collision::trt && levels > 0)
     spec.magic = spec.excess() * (spec.stable_odd_relaxation_time() - 0.5);
   return spec;

@@ -1,6 +1,6 @@
 #pragma once
-// Coarser cells around the finest: a fluid each level, whose cells are twice as wide and whose steps take
-// twice as long as those of the next finer one, and the borders between them.
+// Coarser levels around the finest cells: each level is a fluid with cells twice as wide and steps twice as
+// long as the next finer one. Also holds the borders between them.
 #include <memory>
 #include <vector>
 
@@ -9,33 +9,33 @@
 
 namespace silt::lbm {
 
-/// Returns the fluid on a lattice so many levels coarser: velocities and pressures keep their numbers.
+/// Returns the spec of the fluid `levels` levels coarser: velocities and pressures keep their values.
 CollisionSpec coarser(CollisionSpec, int levels);
 
 template <class T>
 class Levels {
  public:
-  /// The tree of cuts of the finest fluid has leaves of so many coarser levels; all begin at rest. Refers to
-  /// it.
+  /// Takes the finest fluid, whose tree of cuts has leaves of this number of coarser levels. All fluids start
+  /// at rest. Refers to `finest`.
   Levels(Fluid<T>& finest, int coarser_levels);
 
   int count() const { return int(coarser_.size()) + 1; }
   Fluid<T>& fluid(int level) { return level == 0 ? finest_ : *coarser_[level - 1]; }
   const Fluid<T>& fluid(int level) const { return level == 0 ? finest_ : *coarser_[level - 1]; }
 
-  /// Counts in finest steps.
+  /// Sets the number of passes done, in finest steps.
   void set_passes(std::int64_t done);
 
-  /// Call before the pass of the finest fluid. A level whose step begins now collides, coarser levels first:
-  /// what it sends the next finer one is then there for the two steps that this one takes meanwhile.
+  /// Call before the pass of the finest fluid. Collides each level whose step begins now, coarser levels
+  /// first, so that a level's packets are ready for the two steps that the next finer level takes meanwhile.
   void begin_step();
-  /// Call when a part of a block of the finest fluid has collided, if you collide it by parts.
+  /// Call after a part of a block of the finest fluid has collided, if it collides by parts.
   void after_part(int block, int part) {
     if (!borders_.empty()) borders_[0].after_part(block, part);
   }
-  /// The pass of the finest fluid, for who does nothing in between.
+  /// Does the pass of the finest fluid, for callers with no other work in it.
   void stream_collide() { pass_over(0); }
-  /// Returns the seconds that passes of the coarser levels have taken on this rank, by level.
+  /// Returns the wall time in seconds that passes of each level have taken on this rank.
   const std::vector<double>& seconds() const { return seconds_; }
   void set_seconds(std::vector<double> seconds) { seconds_ = std::move(seconds); }
   /// Call after the exchange of the finest fluid.
@@ -53,8 +53,8 @@ class Levels {
   std::vector<double> seconds_;
 };
 
-/// Collective, between steps of the coarsest: gives the cells of `to` what those of `from` hold, two cuts of
-/// one domain. Cells may be of another level there, by one.
+/// Copies the state of `from` to `to`, which have two cuts of one domain; a cell may change its level by one.
+/// Collective, between steps of the coarsest level.
 template <class T>
 void move_populations(const Levels<T>& from, Levels<T>& to);
 

@@ -8,9 +8,8 @@ namespace silt::lbm {
 
 namespace {
 
-/// Calls visit(rank, run) for the cells that local blocks of one cut share with blocks of ranks in the other,
-/// in an order that both ends of a message find, however either cuts them. A part of the other that is not
-/// known has cells of the same levels.
+/// Calls visit(rank, run) for the cells that local blocks of one cut share with blocks of the other, in an
+/// order common to both ends of a message. Unknown parts have cells of the same levels.
 template <class Field, class Visit>
 void for_shared_cells(const Field& here, const Domain& there, Visit&& visit) {
   struct Row {
@@ -40,7 +39,7 @@ void for_shared_cells(const Field& here, const Domain& there, Visit&& visit) {
   }
 }
 
-/// Returns the populations that arrive along i, from cell 0 of each block on.
+/// Returns the arrays of populations that arrive along i, from cell 0 of each block on.
 template <class T, class F>
 std::vector<T*> arriving(F& fluid, int i) {
   std::vector<T*> arrays;

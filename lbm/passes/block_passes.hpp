@@ -1,6 +1,6 @@
 #pragma once
-// The passes over all cells of a block, a cell at a time: collisions, the excess that is given up, totals.
-// For builds for a device (SILT_ISA, SILT_SCALAR).
+// The passes over all cells of a block, cell by cell: collision, giving up excess, totals. For builds for a
+// device (SILT_ISA, SILT_SCALAR).
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -28,7 +28,7 @@ struct CellsOfRows {
   SILT_DEVICE std::ptrdiff_t row_at(int k) const { return row_at(k % ny, k / ny); }
 };
 
-/// Fast cells in the order in which they are found; beyond `room` they are counted alone.
+/// Fast cells in the order found; beyond `room` they are only counted.
 struct FastList {
   static constexpr unsigned room = 4096;
   FastInBlock cells[room];
@@ -54,7 +54,7 @@ struct NoWatch {
   SILT_DEVICE void see(const T&, std::ptrdiff_t, const Keep&) const {}
 };
 
-/// One plane in each period is watched, from the first such one on.
+/// The watched planes, one per period from `first` on.
 struct WatchedInTurn {
   static constexpr int period = WatchedPlanes::period;
   int first, planes;
@@ -112,7 +112,7 @@ struct CloseRows {
   T* data;
   CellsOfRows cells;
   int count = 0;
-  RowEnd<T> ends[10];  // five populations cross out at either end
+  RowEnd<T> ends[10];  // five populations leave at each end
   SILT_DEVICE void operator()(int k, int row) const {
     const RowEnd<T> end = ends[k];
     T* const first = data + cells.row_at(row);
@@ -168,7 +168,7 @@ inline std::vector<FastInBlock> take_fast_cells() {
 
 template <class T>
 struct TotalRows {
-  const T* g[D3Q19::directions];  // what arrives at the first cell of the block
+  const T* g[D3Q19::directions];  // populations that arrive at cell 0 of the block
   std::ptrdiff_t row, plane;
   T half_force[3];
   const LocalRows* rows;

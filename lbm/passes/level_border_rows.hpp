@@ -1,7 +1,7 @@
 #pragma once
-// Populations cross a border between levels by rows of coarse cells whose surroundings are the same leaves of
-// the tree of cuts (level_border.hpp). These are the lists of rows, and the steps for some elements of a row.
-// The processor does all of a row at once, a device one element.
+// How populations cross a border between levels (level_border.hpp): lists of rows of coarse cells that have
+// the same leaves of the tree of cuts around them, and the steps of the exchange for a range of a row. A CPU
+// handles a whole row at once, a device one element per thread.
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -17,68 +17,68 @@ struct BorderLists;
 
 template <class T>
 struct BorderRows {
-  /// Elements of an array of a table, one for each coarse cell of a row. The tables of a fluid have the
-  /// arrays of all directions of its blocks, block * directions + i: those of what left, then of what
-  /// arrives; then what was fetched from other ranks.
+  /// Elements of an array of a table, one per coarse cell of a row. The table of a fluid has arrays of the
+  /// populations that left, one per block and direction (block * directions + i), then of those that arrive,
+  /// then those fetched from other ranks.
   struct Row {
     std::uint32_t array = 0;
     std::int32_t first = 0, step = 0;
   };
-  /// Packets are the values that leave a row of coarse cells along one direction: rows beside one another.
+  /// The packets that leave a row of coarse cells along one direction, stored in `carried` row after row.
   struct Carried {
-    std::uint32_t length, first;  // first: in carried
+    std::uint32_t length, first;  // first: index in carried
     Row value;
-    std::array<Row, 3> above, below;  // beside it along each axis; itself where no coarse cell is
-    std::array<T, 3> slope;           // times their difference: the change to a packet's place
-    std::int32_t before;  // in coarse_before, what had arrived in the first cell; -1: does not count
+    std::array<Row, 3> above, below;  // neighbours along each axis; the row itself where none is coarse
+    std::array<T, 3> slope;           // times above - below: change from the centre to a packet
+    std::int32_t before;              // index in coarse_before of arrivals before collision; -1: not used
   };
   static constexpr int carried_rows =
-      5;  // populations of the first step, of the second; changes along x, y, z
-  /// An explosion is that of coarse populations of one direction that left a row of cells, into fine cells.
+      5;  // values in the first and in the second step; changes along x, y and z
+  /// Moves coarse populations of one direction that left a row of cells into fine cells.
   struct Explosion {
     std::uint32_t length, carried;
-    std::uint32_t first[2];   // of its packets, by sub-step
-    std::uint8_t packets[2];  // how many
+    std::uint32_t first[2];   // packet, by sub-step
+    std::uint8_t packets[2];  // number of packets
   };
   struct Packet {
     Row to;
-    T addend;             // by walls that it met, and the force
+    T addend;             // from walls on the way, and the force
     std::uint8_t corner;  // bit d for the upper half along axis d
-    bool paired = false;  // the next element is for the other corner along x
+    bool paired = false;  // the next element receives the other corner along x
   };
-  /// A coalescence is what arrives along one direction in a row of coarse cells.
+  /// Sums the packets that arrive along one direction in a row of coarse cells.
   struct Coalescence {
     std::uint32_t length;
     Row to;
-    std::uint32_t sum;  // in sums, of the first sub-step's
+    std::uint32_t sum;  // index in sums, kept between sub-steps
     T addend;
-    std::uint32_t first[2], first_taken;  // of its sources, by sub-step
-    std::uint8_t from_coarse;             // packets of the eight
-    std::uint8_t sources[2], taken;       // how many
+    std::uint32_t first[2], first_taken;  // source, by sub-step
+    std::uint8_t from_coarse;             // number of the eight packets that come from the coarse cell
+    std::uint8_t sources[2], taken;       // numbers of them
   };
-  struct Source {  // in fine cells
+  struct Source {  // a row of fine cells
     Row from;
-    bool paired = false;  // the next element is one more
+    bool paired = false;  // the next element is a source, too
   };
-  /// Taken is the difference of packets that entered fine cells from the value in the middle of their cell.
+  /// The difference between packets that entered fine cells and the value at the centre of their coarse cell.
   struct Taken {
     Row above, below;
     T factor;
   };
-  /// Packets that pass between two fine cells.
+  /// A packet that passes between two fine cells, through a coarse one.
   struct Passing {
     std::uint32_t length;
     Row from, to;
-    std::uint32_t kept;  // in sums
+    std::uint32_t kept;  // index in sums
     T addend;
   };
 
-  /// The tables, and arrays of this border.
+  /// The tables of both fluids, and the arrays of this border.
   T *const *fine_left, *const *fine_arriving, *const *coarse_left, *const *coarse_arriving;
   const T* coarse_before;
   T *carried, *sums;
   int sub_step;
-  /// The entries that are passed to the functions below refer to these rows.
+  /// The lists to which the entries passed to the functions below refer.
   const Packet* packets;
   const Source* sources;
   const Taken* taken;
@@ -87,7 +87,7 @@ struct BorderRows {
     taken = lists.taken.data();
   }
 
-  /// Calls f(n, element) for elements of a row.
+  /// Calls f(n, element) for elements [begin, end) of a row.
   template <class F>
   [[gnu::always_inline]] SILT_DEVICE static void for_row(T* const* table, const Row& row,
                                                          std::ptrdiff_t begin, std::ptrdiff_t end, F&& f) {
@@ -100,7 +100,7 @@ struct BorderRows {
       for (std::ptrdiff_t n = begin; n < end; ++n) f(n, first[n * step]);
     }
   }
-  /// Calls f(n, element, the next one), which are pairs beside one another if the row is along x.
+  /// Calls f(n, element, next element): the two fine cells side by side along x.
   template <class F>
   [[gnu::always_inline]] SILT_DEVICE static void for_pairs(T* const* table, const Row& row,
                                                            std::ptrdiff_t begin, std::ptrdiff_t end, F&& f) {
@@ -114,8 +114,8 @@ struct BorderRows {
     }
   }
 
-  /// A packet carries the population of its cell in its corner, with a fourth less of what collision has just
-  /// added in the first step and a fourth more in the second, as if a fourth of a step later or earlier.
+  /// Sets the packets of a row: the coarse population extrapolated to a corner, minus (first step) or plus
+  /// (second) a quarter of the change by the last collision, i.e. a quarter of a step later or earlier.
   SILT_DEVICE void carry(const Carried& c, std::ptrdiff_t begin, std::ptrdiff_t end) const {
     T* row[carried_rows];
     for (int k = 0; k < carried_rows; ++k) row[k] = carried + c.first + k * c.length;
@@ -156,7 +156,7 @@ struct BorderRows {
     }
   }
 
-  /// Adds up what arrives; changes nothing else.
+  /// Adds the packets of a sub-step to the sums; changes no population.
   SILT_DEVICE void add_up(const Coalescence& c, std::ptrdiff_t begin, std::ptrdiff_t end) const {
     T* const sum = sums + c.sum;
     if (sub_step == 0)
@@ -180,7 +180,7 @@ struct BorderRows {
       for_row(coarse_left, t.below, begin, end, [&](auto n, T v) { sum[n] += t.factor * v; });
     }
   }
-  /// Gives coarse cells what was added up in both sub-steps.
+  /// Writes the sums of both sub-steps to the coarse cells.
   SILT_DEVICE void coalesce(const Coalescence& c, std::ptrdiff_t begin, std::ptrdiff_t end) const {
     if (sub_step == 0) return;
     const T* const sum = sums + c.sum;
@@ -196,7 +196,7 @@ struct BorderRows {
   }
 };
 
-/// Lists of a border, in memory that a device reaches; packets of one explosion follow those of another.
+/// The lists of a border, in memory that a device reaches; the packets of an explosion are consecutive.
 template <class T>
 struct BorderLists {
   template <class Entry>

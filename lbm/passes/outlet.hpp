@@ -1,6 +1,5 @@
 #pragma once
-// Outlets return populations for those that leave through them (side_kinds.hpp), a cell at a time, on any
-// device.
+// Computes the populations that outlets return (side_kinds.hpp), cell by cell, on any device.
 #include <cstddef>
 #include <cstdint>
 #include <utility>
@@ -13,11 +12,11 @@
 namespace silt::lbm {
 
 struct OutletLink {
-  std::uint32_t ghost, home;  // slots: what left goes to one, what returns to the other
+  std::uint32_t ghost, home;  // slots of the population that left, and of the one that returns
   std::int8_t x, y, z;        // its direction
   bool is_diagonal;
 };
-/// A cell (its Block::slot(0)) and its links.
+/// A cell, by its Block::slot(0), and the range of its links.
 struct OutletCell {
   std::uint32_t cell, first, last;
 };
@@ -25,21 +24,21 @@ struct OutletCell {
 template <class T>
 struct OutletCells {
   T* slots;
-  std::ptrdiff_t left[D3Q19::directions];  // what left along i is so far from the cell's slot
+  std::ptrdiff_t left[D3Q19::directions];  // slot of the population that left along i, relative to slot(0)
   double half_force[3];
-  bool fill;  // ghosts, else homes
+  bool fill;  // write ghost slots; else homes
   const OutletCell* cells;
   const OutletLink* links;
   std::size_t count;
 };
 
-/// `Outlet` is one of side_kinds.hpp.
+/// `Outlet` is an outlet of side_kinds.hpp.
 template <class T, class Outlet>
 struct ReturnFromOutlet {
   OutletCells<T> of;
   Outlet returned;
 
-  static constexpr int ahead = 16;  // the cells of a cache line
+  static constexpr int ahead = 16;  // cells per cache line
   void fetch(std::int64_t k) const {
     for (int i = 1; i < D3Q19::directions; ++i) prefetch_to_read(of.slots + of.left[i] + of.cells[k].cell);
   }

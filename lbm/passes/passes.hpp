@@ -1,6 +1,6 @@
 #pragma once
-// The passes of the fluid, as the build for each device has them: the dense pass, slots that move, outlets,
-// borders between levels, single cells and totals. All builds give the same bits.
+// The passes of the fluid, as built for each device: dense pass, moving slots, outlets, borders between
+// levels, single cells and totals. All builds give the same bits.
 #include <span>
 #include <vector>
 
@@ -13,9 +13,8 @@
 
 namespace silt::lbm {
 
-/// Single cells of the blocks of a fluid: where a cell's populations are counted from, and its block; for
-/// each block, where those arriving at a cell are, how far the next cell along c_i is, and the excess of cell
-/// 0, whose populations are counted from `data`.
+/// Single cells of a fluid: the block of each, and its `data` plus the offset of the cell. Per block: where
+/// the populations arriving at a cell are, the steps along c_i, and the excess of the cell at `data`.
 template <class T>
 struct ListedCells {
   struct Cell {
@@ -39,31 +38,31 @@ struct FastInBlock {
   FastCell at;
 };
 
-/// Most passes of a device other than `cpu` return before they are done.
+/// Most passes return before they are done on a device other than `cpu`.
 template <class T>
 struct Passes {
   /// Collides and streams the rows of block b. Examines every WatchedPlanes::period-th plane from
   /// `first_watched` on.
   void (*stream_collide)(int b, Block<T>&, Parity, const CollisionRates<T>&, RowRange, int first_watched);
-  /// Returns the fast cells found since the last call, in any order, once all passes are done.
+  /// Returns the fast cells found since the last call, in any order; waits for all passes.
   std::vector<FastInBlock> (*take_fast_cells)();
-  /// Returns when all passes are done: the processor may then read what they wrote.
+  /// Returns when all passes are done and the CPU may read the results.
   void (*wait)();
-  /// Moves slots and adds addends[k] to the values of the k-th pair, if there are any.
+  /// Copies slots; adds addends[k] to the values of the k-th pair if there are addends.
   void (*move_slots)(const SlotPairs&, std::span<const T> addends, SlotArrays<const T> sources,
                      SlotArrays<T> targets, bool back);
   void (*return_from_outlet)(const OutletCells<T>&, const SideCondition&);
-  /// Serves a border between levels: after its coarse cells have collided, and after a pass of its fine ones.
+  /// The two halves of the exchange at a border between levels: after a coarse pass, and after a fine pass.
   void (*carry_packets)(const BorderRows<T>&, std::span<const typename BorderRows<T>::Carried>);
   void (*cross_border)(const BorderRows<T>&, const BorderLists<T>&,
                        std::span<const typename BorderRows<T>::Passing>);
-  /// Gathers the moments of single cells, or their density deviations alone; the other pointer is null.
+  /// Writes the moments of single cells, or only their density deviations; the other pointer is null.
   void (*gather_moments)(const ListedCells<T>&, Moments*, double* densities);
-  /// Gives single cells these masses (quanta), of which a cell may get several.
+  /// Adds masses (quanta) to single cells, which may be listed repeatedly.
   void (*give_masses)(const ListedCells<T>&, const std::int64_t*);
-  /// All cells of a block give up their excess, as they do when they collide.
+  /// Subtracts the excess of all cells of a block from their populations, as a collision does.
   void (*take_excess)(Block<T>&, Parity);
-  /// Sums up the cells of rows of a block.
+  /// Computes the totals of rows of a block.
   void (*total_rows)(const Block<T>&, Parity, std::span<const LocalRows>, const std::array<double, 3>& force,
                      CellTotals*);
 };

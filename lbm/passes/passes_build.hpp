@@ -1,6 +1,5 @@
-// The passes of passes.hpp, for the one file of each device that includes this (SILT_ISA, SILT_SCALAR) and
-// has those over all cells of a block: vectors of them on the processor, one at a time elsewhere
-// (block_passes.hpp).
+// The passes of passes.hpp, for the one file per device that includes this (SILT_ISA, SILT_SCALAR). That file
+// has the passes over all cells of a block: vector kernels on the CPU, else block_passes.hpp.
 #include "cpu/prefetch.hpp"
 #include "device/for_each.hpp"
 #include "lbm/passes/passes.hpp"
@@ -38,7 +37,7 @@ struct MoveSlots {
   }
 };
 
-/// These do a step of BorderRows with a part of a row at a border. (nvcc takes no pointer to a member.)
+/// Function objects for the steps of BorderRows, since nvcc takes no pointer to a member.
 struct Carry {
   SILT_DEVICE void operator()(const auto& rows, const auto&... part) const { rows.carry(part...); }
 };
@@ -55,7 +54,7 @@ struct Pass {
   SILT_DEVICE void operator()(const auto& rows, const auto&... part) const { rows.pass(part...); }
 };
 
-/// A team does a row, whose elements its members do in turn.
+/// A team of threads handles a row, its members take the elements in turn.
 template <class Act, class T, class Entry>
 struct OverRows {
   BorderRows<T> rows;
@@ -110,7 +109,7 @@ void carry_packets(const BorderRows<T>& rows, std::span<const typename BorderRow
   over_rows<Carry>(rows, carried);
 }
 
-/// Nothing that arrives is given before all is added up: it may lie where something else left.
+/// Adds up everything that arrives before it writes: a target may be the source of another sum.
 template <class T>
 void cross_border(const BorderRows<T>& all, const BorderLists<T>& lists,
                   std::span<const typename BorderRows<T>::Passing> passing) {

@@ -1,4 +1,4 @@
-// The passes on the processor: those over all cells of a block by its vector kernels, row by row.
+// The passes on the CPU; those over all cells of a block use its vector kernels, row by row.
 #define SILT_ISA cpu
 #define SILT_SCALAR
 #define SILT_AT_ONCE
@@ -9,12 +9,12 @@
 
 namespace silt::lbm::SILT_ISA {
 
-std::vector<FastInBlock> fast_list;  // since they were taken
+std::vector<FastInBlock> fast_list;  // since the last take_fast_cells()
 
 template <class T>
 void stream_collide(int b, Block<T>& block, Parity parity, const CollisionRates<T>& rates, RowRange range,
                     int first_watched) {
-  static std::vector<FastCell> found;  // in these rows
+  static std::vector<FastCell> found;  // of these rows
   found.clear();
   lbm::stream_collide(block, parity, rates, range, {first_watched, found});
   for (const FastCell& fast : found) fast_list.push_back({b, fast});

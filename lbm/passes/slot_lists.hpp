@@ -1,6 +1,6 @@
 #pragma once
-// Lists of slots of arrays, in runs, and of slots to which the values of others go. The arrays are named when
-// values move, so that one list serves every array laid out alike.
+// Lists of slots in runs, and pairs of slots between which values are copied. The arrays are given at the
+// copy, so that one list serves all arrays of the same layout.
 #include <cstddef>
 #include <cstdint>
 #include <memory_resource>
@@ -17,14 +17,14 @@ struct SlotRun {
   std::int32_t stride = 1;
   std::uint32_t length = 1;
 
-  /// Returns whether `next` follows at this stride, which it has too.
+  /// Returns whether `next` continues this run with the same stride.
   bool goes_on_with(const SlotRun& next) const {
     return array == next.array && stride == next.stride &&
            first + std::int64_t{stride} * length == std::int64_t{next.first};
   }
 };
 
-/// The arrays that values come from or go to: a table of them, or one array for all.
+/// The arrays that values are copied from or to: a table of arrays, or one array for all.
 template <class T>
 struct SlotArrays {
   T* const* table = nullptr;
@@ -32,7 +32,7 @@ struct SlotArrays {
   SILT_DEVICE T* operator[](std::uint32_t array) const { return table ? table[array] : only; }
 };
 
-/// Slots and where the value of each goes.
+/// Pairs of runs of slots, source and target.
 class SlotPairs {
  public:
   struct Pair {
@@ -40,7 +40,7 @@ class SlotPairs {
   };
   explicit SlotPairs(Device device = Device::cpu) : list_(device) {}
 
-  /// Returns whether they have joined the last pair of runs.
+  /// Adds a pair of runs; returns whether it was joined to the last pair.
   bool add(const SlotRun& from, const SlotRun& to, bool may_join = true) {
     std::pmr::vector<Pair>& all = list_.host();
     may_join &= !all.empty() && all.back().from.goes_on_with(from) && all.back().to.goes_on_with(to);
@@ -52,7 +52,7 @@ class SlotPairs {
   }
   void clear() { list_.host().clear(); }
   const std::pmr::vector<Pair>& pairs() const { return list_.host(); }
-  /// Call before values move, when pairs were added or cleared.
+  /// Copies the list to the device. Call after a change, before values are copied.
   void send() { list_.send(); }
   const Pair* device() const { return list_.device(); }
 
@@ -60,7 +60,7 @@ class SlotPairs {
   Mirror<Pair> list_;
 };
 
-/// Slots in the order in which they were added, and their places in a message.
+/// Runs of slots in the order in which they were added, which is their order in a message.
 class SlotList {
  public:
   explicit SlotList(Device device = Device::cpu) : pairs_(device) {}
@@ -69,7 +69,7 @@ class SlotList {
     slots_ += run.length;
   }
   void clear() { pairs_.clear(), slots_ = 0; }
-  /// Pairs of a slot and its place in an array of them all.
+  /// Returns pairs of a slot and its place in the message.
   const SlotPairs& places() const { return pairs_; }
   void send() { pairs_.send(); }
   std::size_t slots() const { return slots_; }

@@ -1,17 +1,17 @@
 #pragma once
-// Cut links: a link from a fluid cell x along c_i is cut where it meets a solid surface at x + q c_i, q in
-// (0, 1]. The dense kernel ignores them; this sparse pass then overwrites what the surface returns
-// (wall_formula.hpp). One link owns the two slots it uses, so the order of links cannot matter. But a link
-// may be cut at both ends, each of which writes what the other one reads (a group `crossing`): these groups
-// come last, for other links may read there, and the two ends are beside one another, in one vector of links.
+// Cut links. A link from fluid cell x along c_i is cut where it meets a solid surface at x + q c_i, q in (0,
+// 1]. The dense kernel ignores cut links; this sparse pass then writes the populations that the surface
+// returns (wall_formula.hpp). A link alone uses its two slots, so the order of links does not matter, except
+// for links cut at both ends (groups `crossing`), whose ends write what the other end reads. These groups
+// come last, since other links read there too, and the two ends lie side by side in one vector of links.
 //
-// All links of a group are of one scheme: where x - c_i is not fluid a link is put into a group of
+// All links of a group have one scheme; a link whose cell x - c_i is not fluid belongs to a group of
 // `single_cell_gap`, which does not read there.
 //
-// A group is what is applied at a time: links of a surface, of all directions, whose fluid cells lie in one
-// plane, or in a few if these are small. It may be applied once its cells and their neighbours have collided:
-// inner groups as soon as the dense pass is done with part `ready` (pass_order.hpp), while the populations
-// are still in cache; groups at the rim of the block, which touch ghost cells, after the halo exchange.
+// A group is applied at once: links of one surface, in all directions, whose fluid cells lie in one plane, or
+// in a few planes if these are small. Inner groups follow the dense pass as soon as their cells and
+// neighbours have collided (part `ready`, pass_order.hpp), while the populations are cached. Groups at the
+// rim of the block, which touch ghost cells, follow the halo exchange.
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -28,14 +28,14 @@
 
 namespace silt::lbm {
 
-/// Groups are padded to a multiple of this with copies of their last link (which then is written twice, with
-/// the same value, and counted once).
+/// Groups are padded to a multiple of this with copies of their last link, which is written twice with the
+/// same value but counted once.
 inline constexpr int link_lanes = 16;
 constexpr std::uint32_t padded(std::uint32_t links) {
   return (links + link_lanes - 1) / link_lanes * link_lanes;
 }
 
-/// The place of a link packs where its fluid cell is, counted from its group's corner, and its direction.
+/// Packs the fluid cell of a link, counted from the corner of its group, and its direction into 32 bits.
 inline constexpr int place_x_bits = 12, place_y_bits = 12, place_z_bits = 3;
 inline constexpr int place_z_shift = place_x_bits + place_y_bits,
                      place_direction_shift = place_z_shift + place_z_bits;
@@ -60,41 +60,39 @@ inline constexpr int place_direction(std::uint32_t p) {
 }
 
 struct LinkGroup {
-  std::uint32_t begin, count;  // of the arrays of CutLinks
+  std::uint32_t begin, count;  // in the arrays of CutLinks
   WallScheme scheme;
-  Int3 corner;                     // cell of the block that places count from (may lie outside of it)
-  std::int32_t ready;              // last part of the dense pass that the links read or write; -1: at the rim
-  std::uint32_t opposite = 0;      // under `single_cell_gap`: first in CutLinks::opposite_q and opposite_u
+  Int3 corner;                     // origin of the places in the block (may lie outside it)
+  std::int32_t ready;              // last part of the dense pass whose cells the links use; -1: at the rim
+  std::uint32_t opposite = 0;      // for `single_cell_gap`: first index in opposite_q and opposite_u
   bool across = false;             // x - c_i lies in another block, or beyond a period: see CutLinks::across
-  std::uint32_t across_begin = 0;  // first in CutLinks::across
-  bool crossing = false;           // cut at both ends: applied after all others, see above
+  std::uint32_t across_begin = 0;  // first index in CutLinks::across
+  bool crossing = false;           // cut at both ends: applied after all others
 };
 
-/// The frame of a surface is fixed to its reference point: the centre of block cell `cell` is at `offset`
-/// from it.
+/// The frame of a surface's reference point, from which the centre of block cell `cell` is at `offset`.
 struct SurfaceFrame {
   Int3 cell;
   double offset[3];
-  double reach;  // no link's cell is further away
+  double reach;  // largest distance of a link's cell from the reference point
   bool whole;    // all links of the surface are inner groups of this block
 };
 
-/// The links of one surface in one block. A structure of arrays: 4 + sizeof(T) bytes a link, of a surface
-/// that moves 4 + 2 sizeof(T).
+/// The links of one surface in one block: 4 + sizeof(T) bytes per link, 4 + 2 sizeof(T) if the surface moves.
 template <class T>
 struct CutLinks {
-  WallFluid<T> fluid;  // that the links stand in
+  WallFluid<T> fluid;  // the fluid at the links
   SurfaceFrame frame;
   std::vector<LinkGroup> groups;
-  DeviceArray<std::uint32_t> place;       // of whole groups, padded
-  DeviceArray<T> q;                       // at a time that `age` counts from
-  DeviceArray<T> rate;                    // of q, a step; empty: of none
-  T age = 0;                              // steps since then; may be negative
-  DeviceArray<T> opposite_q, opposite_u;  // OppositeWall of the links of `single_cell_gap`; empty: of none
-  /// The index of its pair in the block's PairsAcross, for each link of groups `across`, padded as they are.
+  DeviceArray<std::uint32_t> place;       // of all groups, padded
+  DeviceArray<T> q;                       // wall distance when `age` was 0
+  DeviceArray<T> rate;                    // change of q per step; empty: all zero
+  T age = 0;                              // steps since q was measured; may be negative
+  DeviceArray<T> opposite_q, opposite_u;  // OppositeWall of `single_cell_gap` links; empty: unknown
+  /// For each link of groups `across`, padded: the index of its pair in the block's PairsAcross.
   DeviceArray<std::uint32_t> across;
 
-  /// Returns a surface without links in a memory that a device may reach.
+  /// Returns a surface without links whose arrays are in this memory, e.g. of a device.
   static CutLinks in(std::pmr::memory_resource* memory) {
     using Values = DeviceArray<T>;
     using Places = DeviceArray<std::uint32_t>;
@@ -110,7 +108,7 @@ struct CutLinks {
             Places(memory)};
   }
 
-  /// A hint that a group will be wanted soon.
+  /// Prefetches the arrays of a group.
   void prefetch(const LinkGroup& g) const {
     constexpr std::uint32_t line = 16;  // places
     for (std::uint32_t l = 0; l < g.count; l += line) {
@@ -122,13 +120,13 @@ struct CutLinks {
   }
 };
 
-/// The two populations that pass between x - c_i and x - 2 c_i: f*_opp(x - c_i) and f*_i(x - 2 c_i).
+/// The two populations that move between x - c_i and x - 2 c_i: f*_opp(x - c_i) and f*_i(x - 2 c_i).
 template <class T>
 struct BeyondPair {
   T away, toward;
 };
 
-/// Components of the directions, two bits each: one look-up for the three.
+/// The components of the directions, two bits each, so that one look-up gives all three.
 struct Components {
   std::int32_t packed[32] = {};
 };
@@ -142,19 +140,19 @@ constexpr Components components_of() {
 template <class Lattice>
 inline constexpr Components components = components_of<Lattice>();
 
-/// The populations of a link along i lie at these slots, by direction, from its cell at Block::middle(). What
-/// passes further away from the surface lies as many steps behind, at either parity: f*_i(x - c_i) at out -
-/// step, f*_i(x - 2 c_i) at out - 2 step, f*_opp(x) at back - step, f*_opp(x - c_i) at back - 2 step.
+/// The slots of a link's populations, by its direction i, relative to Block::middle() plus the offset of its
+/// cell. Those further from the surface are found at either parity by steps: f*_i(x - c_i) at out - step,
+/// f*_i(x - 2 c_i) at out - 2 step, f*_opp(x) at back - step, f*_opp(x - c_i) at back - 2 step.
 struct LinkSlots {
   std::int32_t out[32] = {};         // f*_i(x)
-  std::int32_t back[32] = {};        // f_opp(x, t + 1): what the surface returns
-  std::int32_t step[32] = {};        // from a cell to the next along c_i
-  std::int32_t components[32] = {};  // silt::lbm::components, where a device finds them
+  std::int32_t back[32] = {};        // f_opp(x, t + 1), which the surface returns
+  std::int32_t step[32] = {};        // offset of x + c_i from x
+  std::int32_t components[32] = {};  // silt::lbm::components, in memory of the device
 };
-/// Offsets of 32 bits reach over 9 directions of a block.
+/// The largest block for which 32-bit offsets reach 9 directions from the middle.
 inline constexpr std::int64_t most_cells_with_links = 220'000'000;
-/// The slots at `parity`, which is the block's after the pass. Throws std::invalid_argument for a block too
-/// large for offsets of 32 bits.
+/// Returns the slots at `parity`, that of the block after the pass. Throws std::invalid_argument for a block
+/// too large for 32-bit offsets.
 template <class T, class Lattice>
 LinkSlots link_slots(const Block<T, Lattice>& block, Parity parity) {
   const std::ptrdiff_t furthest =
@@ -172,62 +170,59 @@ LinkSlots link_slots(const Block<T, Lattice>& block, Parity parity) {
   return s;
 }
 
-/// A surface moves as a rigid body: velocity of its reference point in cells a step, angular velocity in
-/// radians a step.
+/// The motion of a surface as a rigid body: velocity of its reference point in cells per step, angular
+/// velocity in radians per step.
 struct SurfaceMotion {
   double v[3] = {}, omega[3] = {};
-  std::int64_t mass_by_link = 0;  // that each link gives its cell besides, in quanta of excess.hpp
+  std::int64_t mass_by_link = 0;  // that each link also adds to its cell, in quanta of excess.hpp
 };
 
-/// The largest |f* + f_opp| for which no term leaves its range (method.md, equation 22).
+/// Returns the largest |f* + f_opp| whose terms stay in range (method.md, equation 22).
 inline double largest_exchange(double reach, const SurfaceMotion& m) {
   double u = 0;
   for (int k = 0; k < 3; ++k) u += std::fabs(m.v[k]) + reach * std::fabs(m.omega[k]);
   return 32 / ((1 + reach) * (1 + u));
 }
 
-/// Sums are in fixed point, so that they do not depend on the order or the partition of links (method.md,
-/// equation 22). This is the quantum of force and torque in lattice units.
+/// The quantum of force and torque in lattice units. Sums are in fixed point, so that they do not depend on
+/// the order or partition of links (method.md, equation 22).
 inline constexpr double link_quantum = 0x1p-44;
 
 /// The sums of the momentum exchange on one surface in one step (method.md, equation 22).
 struct LinkSums {
   std::int64_t force[3] = {}, torque[3] = {};
-  std::int64_t invalid = 0;  // not 0: a term might have been out of range, or was not a number
+  std::int64_t invalid = 0;  // not 0: a term may be out of range or not a number
 };
 
-/// The resistance of a surface, H = sum 6 w J J^T with J = [c, r x c], is how force and torque fall with its
-/// velocity (method.md, equation 23). Upper triangle, rows vx vy vz wx wy wz, in quanta of resistance_quantum
-/// for the first three rows and columns, and 2^exponent times that for each of the others: 2^exponent is no
-/// less than |r x c|. In single precision the terms of 64 links fit 32 bits.
-/// Beside it the push, sum 6 w J, in the same quanta: the mass that the links take from the fluid where the
-/// surface moves by (v, omega) is its product with them.
+/// The resistance of a surface, H = sum 6 w J J^T with J = [c, r x c]: the decrease of force and torque with
+/// its velocity (method.md, equation 23). Upper triangle, rows vx vy vz wx wy wz; in quanta of
+/// resistance_quantum for the first three rows and columns, times 2^exponent >= |r x c| for each of the
+/// others. In single precision the terms of 64 links fit 32 bits. `push` is sum 6 w J in the same quanta: its
+/// product with the velocity (v, omega) is the mass that the links take from the fluid.
 struct ResistanceSums {
   std::int64_t h[21] = {}, push[6] = {};
 };
 template <class T>
 inline constexpr double resistance_quantum = sizeof(T) == 4 ? 0x1p-24 : 0x1p-44;
-/// The exponent of a surface no cell of which is further than `radius` from its reference point.
+/// Returns the exponent for a surface whose cells are within `radius` of its reference point.
 inline int resistance_exponent(double radius) {
   int e = 0;
   while (double(1 << e) < 1.5 * (radius + 2)) ++e;
   return e;
 }
 
-/// The group that the next call is for, of the same block: where its populations are is found in the
-/// meantime, and they are fetched if they are far.
+/// The group of the next call, in the same block: looked up, and prefetched if far, in the meantime.
 template <class T>
 struct NextGroup {
   const CutLinks<T>* links = nullptr;
   const LinkGroup* group = nullptr;
 };
 
-/// The slots of the populations of links that come next: a call lists them for the next group, and the call
-/// for that group finds them (link_fetch.hpp).
+/// The slots of the next links: a call lists those of the next group in advance (link_fetch.hpp).
 struct ListedLinks {
-  static constexpr int most = 128, most_rows = D3Q19::directions + 2;  // links of a window; slots of a link
-  const LinkGroup* group = nullptr;                                    // to which the links belong
-  int count = 0, rows = 0, half = 0;  // links; slots of one; where they are listed
+  static constexpr int most = 128, most_rows = D3Q19::directions + 2;  // links of a window; slots per link
+  const LinkGroup* group = nullptr;                                    // of the listed links
+  int count = 0, rows = 0, half = 0;  // number of links; slots per link; array in use
   alignas(64) std::int32_t slot[2][most * most_rows];
 };
 
@@ -239,12 +234,12 @@ struct GroupInBlock {
   const CutLinks<T>& links;
   const LinkGroup& group;  // of the links
   NextGroup<T> next = {};
-  const BeyondPair<T>* pairs_across = nullptr;  // of the block, for a group `across`
-  ListedLinks* listed = nullptr;                // the same one for calls that name one another as the next
-  bool far = false;  // its populations are not at hand: they are fetched ahead of use
+  const BeyondPair<T>* pairs_across = nullptr;  // of the block, for groups `across`
+  ListedLinks* listed = nullptr;                // shared by calls that name each other as next
+  bool far = false;                             // populations are not cached: prefetch them
 };
 
-/// The kernels of links, as each build has them (cut_links_kernel.cpp, link_resistance_kernel.cpp).
+/// The link kernels of each build (cut_links_kernel.cpp, link_resistance_kernel.cpp).
 template <class T>
 struct LinkKernels {
   void (*apply)(const GroupInBlock<T>&, const SurfaceMotion&, ForceForm, LinkSums&);
@@ -259,21 +254,21 @@ const LinkKernels<T>& link_kernels() {
   return kernels;
 }
 
-/// Writes what the surface returns along the group's links, adds to the excess of their cells (excess.hpp),
-/// and to force and torque.
+/// Writes the populations that the surface returns along a group's links; adds to the excess of their cells
+/// (excess.hpp), and to the sums of force and torque.
 template <class T>
 void apply_cut_links(const GroupInBlock<T>& at, const SurfaceMotion& motion, ForceForm form, LinkSums& sums) {
   link_kernels<T>().apply(at, motion, form, sums);
 }
 
-/// Changes what was returned as if the surface had moved faster by `increment`.
+/// Corrects the returned populations as if the surface had moved faster by `increment`.
 template <class T>
 void correct_cut_links(const GroupInBlock<T>& at, const SurfaceMotion& increment) {
   link_kernels<T>().correct(at, increment);
 }
 
-/// The resistance of all links of a surface, which depends on geometry only. `exponent` is that of the
-/// surface (resistance_exponent).
+/// Returns the resistance of all links of a surface, which depends on geometry alone, for an exponent from
+/// resistance_exponent().
 template <class T>
 ResistanceSums resistance_of(const CutLinks<T>& links, int exponent) {
   return SILT_CHOSEN(resistance<T>)()(links, exponent);

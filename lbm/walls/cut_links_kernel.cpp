@@ -1,5 +1,5 @@
-// The pass over cut links, built once an instruction set. A vector of links at a time: place, gather,
-// formula, scatter, sums, all in registers (groups are padded to whole vectors).
+// The pass over cut links, built once per instruction set. Handles a vector of links at a time in registers:
+// place, gather, formula, scatter, sums (groups are padded to whole vectors).
 #include <algorithm>
 #include <cmath>
 
@@ -12,13 +12,13 @@ namespace {
 template <class T>
 using LinkRows = typename LinkFetch<T>::Rows;
 
-/// A vector of links, with its slots by rows from that of the group's corner on.
+/// A vector of links; slots count from that of the group's corner.
 template <WallScheme scheme, class T>
 struct LinksAt {
   using L = Lanes<T>;
   using V = typename L::Real;
   const GroupInBlock<T>& here;
-  const T* data;  // of the group's corner, as the excess
+  const T* data;  // at the group's corner, as `excess`
   ExcessQuanta<T>* excess;
   int l;
   LinkRows<T> rows;
@@ -26,7 +26,7 @@ struct LinksAt {
   V q;
 
   V operator()(int row) const { return L::gather(data, rows[row]); }
-  /// The pair beyond lies in the block or, by its index, among the block's pairs across.
+  /// Reads the pair beyond from the block, or from its pairs across.
   BeyondPair<V> beyond() const {
     const LinkGroup& group = here.group;
     if (!group.across) return {(*this)(away_row), (*this)(toward_row)};
@@ -42,7 +42,7 @@ struct LinksAt {
     return {load<V>(here.links.opposite_q.data() + here.group.opposite + l),
             load<V>(here.links.opposite_u.data() + here.group.opposite + l)};
   }
-  /// Lane by lane: links of several directions, side by side in a vector, share cells.
+  /// Adds lane by lane, since links of several directions in one vector may share a cell.
   [[gnu::always_inline]] void give(const ExcessLanes<T>& given) const {
     ExcessQuanta<T> of[L::count];
     store(of, given);

@@ -51,7 +51,7 @@ LinkPass<T> DeviceLinks<T>::pass_over(Block<T>& block, const LinkSlots& slots) {
           false};
 }
 
-/// Lists the groups of all surfaces and what links in gaps are told, if that has changed.
+/// Lists the groups of all surfaces, and sends the OppositeLinks, if either has changed.
 template <class T>
 void DeviceLinks<T>::list_groups() {
   if (is_listed_) return;
@@ -73,7 +73,7 @@ void DeviceLinks<T>::apply(Block<T>& block, const WallFluid<T>& fluid, const Lin
   list_groups();
   passes().set_opposites({opposites_.device(), opposites_.size()}, pass);
   passes().apply(groups_, pass);
-  // after all others, for these read what crossing links write
+  // last, since other links read what crossing links write
   if (has_crossings_) passes().apply_crossing(groups_, pass);
   sums_.fetch();
   wait(device_);

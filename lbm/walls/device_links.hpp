@@ -1,6 +1,6 @@
 #pragma once
-// The cut links of a block as a device applies them: all groups of the block in one list, a team a group, and
-// what a step sets and sums of each surface.
+// The cut links of a block for a device: all groups of the block in one list, one team of threads per group,
+// and the input and sums of each surface in a step.
 #include <cstdint>
 #include <span>
 
@@ -9,8 +9,7 @@
 
 namespace silt::lbm {
 
-/// A surface as passes find it until its links are made again: the frame, groups and arrays of CutLinks. An
-/// array that is empty is a null pointer.
+/// A surface until its links are built again: frame, groups and arrays of CutLinks (null if empty).
 template <class T>
 struct DeviceSurface {
   SurfaceFrame frame;
@@ -34,27 +33,27 @@ DeviceSurface<T> device_surface(CutLinks<T>& links, const LinkGroup* groups) {
           first(links.opposite_u)};
 }
 
-/// A surface in the step under way.
+/// A surface in the current step.
 template <class T>
 struct SurfaceStep {
   const DeviceSurface<T>* surface;
-  SurfaceMotion motion;  // of a correction: the increment
-  double limit;          // of what passes along a link
+  SurfaceMotion motion;  // in a correction: the increment
+  double limit;          // of the populations on a link (largest_exchange)
   T age;
-  bool open;  // the pass is for its links
+  bool open;  // include its links in this pass
 };
 
 struct GroupOfSurface {
   std::uint32_t surface, number;
 };
 
-/// A link of `single_cell_gap`, whose OppositeWall is at `place`, and the wall on its other side: a side of
-/// the domain; or a surface, whose link `number` comes from there; or both, and then the wall is where the
-/// side is and moves as the surface does; or none.
+/// A `single_cell_gap` link, whose OppositeWall is at index `place`, and the wall behind it: a side of the
+/// domain; a surface, whose link `number` points the other way; both (the position of the side, the motion of
+/// the surface); or none.
 template <class T>
 struct OppositeLink {
   std::uint32_t surface, place;
-  std::int32_t other;  // surface; -1: none
+  std::int32_t other;  // index of the opposite surface; -1: none
   std::uint32_t number;
   Int3 cell;
   std::int8_t direction;
@@ -62,8 +61,7 @@ struct OppositeLink {
   T side_velocity;
 };
 
-/// The velocity of a rigid surface along c, at the cell of a link: along c it is the same where the link
-/// meets it.
+/// Returns the velocity of a rigid surface along c at the cell of a link; along c it equals that at the wall.
 SILT_DEVICE inline double velocity_along(const SurfaceFrame& frame, const SurfaceMotion& m, Int3 cell,
                                          Int3 c) {
   const Int3 from_frame = cell - frame.cell;
@@ -77,7 +75,7 @@ SILT_DEVICE inline double velocity_along(const SurfaceFrame& frame, const Surfac
   return sum;
 }
 
-/// Sets the OppositeWall of a link in the step under way; `surface_at` finds a SurfaceInGap.
+/// A surface as set_opposite() uses it to set the OppositeWall of a link in the current step.
 template <class T>
 struct SurfaceInGap {
   const SurfaceFrame& frame;
@@ -102,31 +100,29 @@ struct LinkPass;
 template <class T>
 struct LinkPasses;
 
-/// Without surfaces nothing is done.
+/// The surfaces and links of a block on a device. Without surfaces its functions do nothing.
 template <class T>
 class DeviceLinks {
  public:
   explicit DeviceLinks(Device device) : device_(device) {}
   Device device() const { return device_; }
 
-  /// The links are those of surfaces added from now on, one after the other, which lie in memory_of the
-  /// device and stay there.
+  /// Removes all surfaces. Those added next must stay in memory_of the device.
   void clear();
   void add(const DeviceSurface<T>*, std::span<const LinkGroup>);
   void add(const OppositeLink<T>& link) { opposites_.host().push_back(link); }
-  std::size_t size() const { return surfaces_.size(); }  // surfaces
+  std::size_t size() const { return surfaces_.size(); }  // number of surfaces
 
-  /// Begins a step: surface k moves so, no cell of its links is further than `reach` from its reference
-  /// point, and its distances have this age.
+  /// Sets the motion of surface k in the next step, the largest distance of its links' cells from its
+  /// reference point, and the age of its wall distances.
   void set_motion(std::size_t k, const SurfaceMotion&, double reach, T age);
-  /// Writes what the surfaces return along all links, adds to the excess of their cells, and sums force
-  /// and torque.
+  /// Writes the populations that links return, adds to their cells' excess, sums force and torque.
   void apply(Block<T>&, const WallFluid<T>&, const LinkSlots&, const BeyondPair<T>* pairs_across, ForceForm);
   const LinkSums& sums(std::size_t k) const { return sums_.host()[k]; }
 
-  /// Surface k moved faster by an increment than it was said to; none did until this is called.
+  /// Sets the increment of surface k for correct(); surfaces without one are not corrected.
   void set_increment(std::size_t k, const SurfaceMotion&);
-  /// Changes what these surfaces returned.
+  /// Corrects the populations that these surfaces returned.
   void correct(Block<T>&, const LinkSlots&);
 
  private:
@@ -136,8 +132,8 @@ class DeviceLinks {
 
   Device device_;
   Mirror<SurfaceStep<T>> surfaces_{device_};
-  Mirror<LinkSums> sums_{device_};                          // of the surfaces
-  Mirror<std::uint32_t> first_group_{device_};              // of each surface, among those of all
+  Mirror<LinkSums> sums_{device_};                          // per surface
+  Mirror<std::uint32_t> first_group_{device_};              // per surface, among all groups
   DeviceArray<GroupOfSurface> groups_{memory_of(device_)};  // of all surfaces
   std::uint32_t group_count_ = 0;
   bool is_listed_ = false, has_crossings_ = false;

@@ -1,18 +1,17 @@
 #pragma once
-// The exchange between the fluid and a surface along cut links, and its sums: a vector of links at a time, or
-// one (SILT_SCALAR). Where the populations of links are is a matter of who reads them.
+// The exchange between fluid and surface along cut links, and its sums: for a vector of links, or one
+// (SILT_SCALAR). Template parameters `Read` and `Links` read the populations.
 #include "lbm/blocks/excess.hpp"
 #include "lbm/blocks/fixed_sum.hpp"
 #include "lbm/walls/link_places.hpp"
 
 namespace silt::lbm::SILT_ISA {
 
-/// The populations of a link, in the order in which their slots are listed, and its cell; the pair beyond
-/// only where it is read from the block, and under `single_cell_gap` all that leaves the cell instead of what
-/// follows `out`.
+/// The rows in which slots of a link and its cell are listed. The pair beyond is listed only if it is read
+/// from the block. For `single_cell_gap` all populations that leave the cell follow out_row.
 enum LinkRow { back_row, cell_row, out_row, behind_row, against_row, away_row, toward_row };
 
-/// The slots that a link reads behind its cell, by those of its own.
+/// The slots that a link reads behind its cell, from those of its own populations.
 template <class Whole>
 struct SlotsBehind {
   Whole behind, against, away, toward;
@@ -20,7 +19,7 @@ struct SlotsBehind {
       : behind(out - step), against(back - step), away(back - 2 * step), toward(out - 2 * step) {}
 };
 
-/// The velocity of a rigid surface at an arm.
+/// The velocity of a rigid surface at an arm r from its reference point.
 template <class T>
 struct Motion {
   using V = typename Lanes<T>::Real;
@@ -36,7 +35,7 @@ struct Motion {
   SILT_DEVICE V z(const V& x, const V& y) const { return v[2] + (o[0] * y - o[1] * x); }
 };
 
-/// c_i.u of the links' cells, from what left them.
+/// Returns c_i.u of the cells of links, from the populations that left the cells.
 template <class T, class Read>
 SILT_DEVICE typename Lanes<T>::Real velocity_along(const Read& read, const WallFluid<T>& fluid,
                                                    const Places<T>& at) {
@@ -52,14 +51,14 @@ SILT_DEVICE typename Lanes<T>::Real velocity_along(const Read& read, const WallF
   return at.along(momentum[0], momentum[1], momentum[2]);
 }
 
-/// A vector of links sends `out` to the surface; `back` is what comes back (method.md, equations 9 and 15),
-/// and `excess` is what they give beyond the motion of the surface (9a).
+/// Populations of a vector of links: `out` goes to the surface, `back` returns (method.md, equations 9 and
+/// 15); `excess` is the mass given beyond the motion of the surface (9a).
 template <class T>
 struct Exchange {
   typename Lanes<T>::Real out, back, excess;
 };
 
-/// The excess of a vector of links in quanta: whole numbers as wide as T.
+/// The excess of a vector of links in quanta: integers as wide as T.
 template <class T>
 using ExcessLanes = typename VectorOf<ExcessQuanta<T>, Lanes<T>::count>::type;
 template <class T>
@@ -72,7 +71,7 @@ SILT_DEVICE ExcessLanes<T> excess_quanta(const typename Lanes<T>::Real& x) {
     constexpr T most = T(0x1p30);
     V y = x * T(1 / excess_quantum<T>);
     y += y > V{} ? V{} + T(0.5) : V{} - T(0.5);
-    y = y < V{} + most ? y : V{} + most;  // what is not a number, too
+    y = y < V{} + most ? y : V{} + most;  // not a number is clamped, too
     y = y > V{} - most ? y : V{} - most;
 #if defined(SILT_SCALAR)
     return ExcessQuanta<T>(y);
@@ -109,21 +108,21 @@ SILT_DEVICE Exchange<T> exchange(const Read& read, const WallFluid<T>& fluid, co
   return {out, back, (back - out) + at.weight6() * cu};
 }
 
-/// Returns what comes back along links, which returned `before`, if the surface moves faster by `u`, by which
-/// the links pass the mass of this motion and nothing else (method.md, equation 23).
+/// Returns the population that replaces `before`, which a link returned, if the surface moves faster by `u`.
+/// The added mass is that of the motion alone (method.md, equation 23).
 template <class T, class V = typename Lanes<T>::Real>
 SILT_DEVICE V corrected(const V& before, const Places<T>& at, const Motion<T>& u) {
   return before -
          at.weight6() * at.along(u.x(at.r[1], at.r[2]), u.y(at.r[2], at.r[0]), u.z(at.r[0], at.r[1]));
 }
 
-/// The sums of one group, kept in registers.
+/// The sums of force and torque over a group, in registers.
 template <class T>
 class GroupSums {
  public:
   using L = Lanes<T>;
   using V = typename L::Real;
-  /// `galilean`: 1 or 0; `limit`: of |f* + f_opp|.
+  /// `galilean` is 1 or 0 (ForceForm); `limit` bounds |f* + f_opp|.
   SILT_DEVICE GroupSums(T galilean, T limit) : galilean_(galilean * T(1 / link_quantum)), limit_(limit) {}
 
   SILT_DEVICE void add(const Exchange<T>& e, const typename L::Mask& counted, const Places<T>& at,
@@ -141,7 +140,7 @@ class GroupSums {
     terms_ += L::count;
     good_ &= L::magnitude(in) + L::magnitude(returned) < limit_;
   }
-  /// Calls add(term, sum) for force and torque; in_range() says whether the terms can be relied on.
+  /// Calls add(term, sum) for force and torque. The terms are valid if in_range().
   template <class Sums, class Add>
   SILT_DEVICE void add_to(Sums& sums, const Add& add) const {
     for (int d = 0; d < 3; ++d) {
@@ -158,8 +157,7 @@ class GroupSums {
   typename L::Mask good_ = V{} == V{};
 };
 
-/// The links of a group in a step: how their surface moves, the fluid that they stand in, what each of them
-/// gives its cell besides (SurfaceMotion), and their sums.
+/// The constants of a group's links in a step (surface motion, fluid, mass by each link), and their sums.
 template <class T>
 struct GroupStep {
   Motion<T> u;
@@ -172,7 +170,7 @@ struct GroupStep {
         besides(ExcessLanes<T>{} + ExcessQuanta<T>(m.mass_by_link)),
         sums(galilean ? T(1) : T(0), T(limit)) {}
 
-  /// Returns what comes back along a vector of links; adds to the excess of their cells and to the sums.
+  /// Returns the populations that links return; adds to the excess of their cells and to the sums.
   template <WallScheme scheme, class Links>
   [[gnu::always_inline]] SILT_DEVICE typename Lanes<T>::Real apply(const Links& links,
                                                                    const typename Lanes<T>::Mask& counted) {

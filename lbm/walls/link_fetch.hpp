@@ -1,7 +1,7 @@
 #pragma once
-// The slots of the populations of links, listed one window of vectors ahead of use: the next window of a
-// group and, at its end, the first window of the next group. Populations that are not in cache are fetched
-// meanwhile; otherwise waiting would take most of the time of such links.
+// Lists the slots of links one window of vectors ahead of use: the next window of a group and, at its end,
+// the first window of the next group. Prefetches populations that are not cached, since links would otherwise
+// spend most of their time waiting for memory.
 #include <algorithm>
 
 #include "cpu/prefetch.hpp"
@@ -9,7 +9,7 @@
 
 namespace silt::lbm::SILT_ISA {
 
-/// A kernel needs of a link either all that a scheme reads and writes, or only what the surface returns.
+/// The slots that a kernel needs of a link: all that a scheme reads and writes, or only that of the result.
 enum class Wanted { all, returned };
 
 template <class T>
@@ -29,8 +29,8 @@ class LinkFetch {
     if (listed_.group != &here.group) list(present_, 0);
   }
 
-  /// The slots of the vector of links from l on, which comes next, counted from the slot of the group's
-  /// corner, row by row.
+  /// The slots of a vector of links, row by row, counted from the slot of the group's corner. at() must be
+  /// called for successive vectors.
   class Rows {
    public:
     explicit Rows(const std::int32_t* first) : first_(first) {}
@@ -45,7 +45,7 @@ class LinkFetch {
     if (fetches_) fetch(in_window);
     return Rows(present_slots_ + in_window * present_rows_);
   }
-  /// Call after the last; `l` is past it.
+  /// Call after the last vector; `l` is the index after it.
   void finish(int l) {
     for (int k = l % window; fetches_ && k > 0 && k < listed_.count; k += L::count) fetch(k);
   }
@@ -54,7 +54,7 @@ class LinkFetch {
   static constexpr int window = 8 * L::count;
   static_assert(window <= ListedLinks::most);
 
-  /// Takes up what was listed ahead and lists what follows.
+  /// Makes the window listed ahead the present one, and lists the next.
   void turn(int l) {
     present_slots_ = listed_.slot[listed_.half], present_rows_ = listed_.rows;
     listed_.half = 1 - listed_.half;
@@ -106,8 +106,7 @@ class LinkFetch {
     }
   }
 
-  /// Prefetches the listed vector at k with its padding lanes: testing which lanes are links would take
-  /// longer.
+  /// Prefetches the listed vector at k with its padding lanes: testing lanes would take longer.
   void fetch(int k) const {
     if (k >= listed_.count) return;
     const Rows rows(listed_.slot[listed_.half] + k * listed_.rows);
@@ -129,8 +128,8 @@ class LinkFetch {
   Wanted wanted_;
   bool fetches_;
   ListedLinks& listed_;
-  const T* corner_ = nullptr;                // of what is listed ahead
-  const ExcessQuanta<T>* excess_ = nullptr;  // of the same
+  const T* corner_ = nullptr;                // of the window listed ahead
+  const ExcessQuanta<T>* excess_ = nullptr;  // of the same window
   const std::int32_t* present_slots_ = nullptr;
   int present_rows_ = 0;
 };

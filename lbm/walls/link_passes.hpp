@@ -1,17 +1,17 @@
 #pragma once
-// The passes over the links of a block on a device (DeviceLinks), as each device's build has them.
+// The passes over the links of a block (DeviceLinks), as built for each device.
 #include <span>
 
 #include "lbm/walls/device_links.hpp"
 
 namespace silt::lbm {
 
-/// The passes over groups read and write these. Places count from the corner of a group.
+/// The data of a pass over groups.
 template <class T>
 struct LinkPass {
-  T* data;  // the block's cell 0 at Block::middle()
+  T* data;  // cell 0 of the block at Block::middle()
   std::int32_t row, plane;
-  ExcessQuanta<T>* excess;  // of the block's cell 0
+  ExcessQuanta<T>* excess;  // of cell 0 of the block
   const LinkSlots* slots;
   WallFluid<T> fluid;
   const SurfaceStep<T>* surfaces;

@@ -1,4 +1,4 @@
-// The passes of link_passes.hpp, for the one file of each device that includes this (SILT_ISA, SILT_SCALAR).
+// The passes of link_passes.hpp, for the one file per device that includes this (SILT_ISA, SILT_SCALAR).
 #include "device/for_each.hpp"
 #include "lbm/walls/link_exchange.hpp"
 #include "lbm/walls/link_passes.hpp"
@@ -43,7 +43,7 @@ struct LinkAt {
   int l;
   Places<T> at;
   T q;
-  std::int32_t back;  // the slot that the surface returns to
+  std::int32_t back;  // the slot that the surface writes
 
   SILT_DEVICE LinkAt(const LinksOfGroup<T>& links, int l)
       : links(links),
@@ -74,8 +74,7 @@ struct LinkAt {
   SILT_DEVICE void give(ExcessQuanta<T> given) const { add_to(links.excess[at.cell], given); }
 };
 
-/// Applies the links of a group that are a member's, so many together: all of these are read before one is
-/// written.
+/// Applies a member's share of a group, `together` links at a time: reads them all before it writes.
 template <WallScheme scheme, int together, class T>
 SILT_DEVICE void apply_group(const LinksOfGroup<T>& links, const Team& member) {
   GroupStep<T> step(links.step.motion, links.pass.fluid, links.pass.galilean, links.step.limit);
@@ -116,7 +115,7 @@ struct ListGroups {
   }
 };
 
-/// The two ends of crossing links are beside one another in their groups.
+/// The two ends of a crossing link are neighbours in their group.
 template <class T, bool crossing>
 struct ApplyLinks {
   LinkPass<T> pass;

@@ -1,5 +1,5 @@
 #pragma once
-// The places of a vector of links (cut_links.hpp), decoded.
+// Decodes the places of a vector of links (cut_links.hpp).
 #include "cpu/lanes.hpp"
 #include "lbm/walls/cut_links.hpp"
 
@@ -10,12 +10,12 @@ SILT_DEVICE Whole component(const Whole& packed, int d) {
   return packed << (30 - 2 * d) >> 30;
 }
 
-/// The origin that a group's places count from.
+/// The origin of the places of a group.
 template <class T>
 struct PlaceOrigin {
-  std::int32_t row = 0, plane = 0;   // elements between rows and planes of cells
-  Int3 corner;                       // of the group, from the cell of the surface's reference point
-  T offset[3];                       // of that cell's centre from the reference point
+  std::int32_t row = 0, plane = 0;   // offsets between rows and planes of cells
+  Int3 corner;                       // of the group, relative to cell `frame.cell`
+  T offset[3];                       // from the reference point to the centre of that cell
   const std::int32_t (&packed)[32];  // Components::packed
   SILT_DEVICE PlaceOrigin(Int3 corner, const SurfaceFrame& frame, const std::int32_t (&packed)[32])
       : corner(corner - frame.cell),
@@ -31,7 +31,7 @@ struct PlaceOrigin {
 #endif
 };
 
-/// The wall distances of a group in the step under way.
+/// The wall distances of a group in the current step.
 template <class T>
 class WallDistances {
  public:
@@ -40,7 +40,7 @@ class WallDistances {
   WallDistances(const CutLinks<T>& links, const LinkGroup& group)
       : WallDistances(links.q.data() + group.begin,
                       links.rate.empty() ? nullptr : links.rate.data() + group.begin, links.age) {}
-  /// Returns the distances of the vector of links from l on.
+  /// Returns the wall distances of the vector of links from l on.
   SILT_DEVICE V at(int l) const {
     const V q = load<V>(q_ + l);
     return rate_ ? q + age_ * load<V>(rate_ + l) : q;
@@ -70,12 +70,12 @@ struct Places {
     const auto packed = L::look_up(origin.packed, direction);
     for (int d = 0; d < 3; ++d) c[d] = L::real(component(packed, d));
   }
-  /// The slots at the links' cells where a population of each lies.
+  /// Returns the slot of one population per link, from a table by direction.
   SILT_DEVICE typename L::Whole slots(const std::int32_t (&table)[32]) const {
     return L::look_up(table, direction) + cell;
   }
   SILT_DEVICE V along(const V& x, const V& y, const V& z) const { return c[0] * x + c[1] * y + c[2] * z; }
-  /// 6 w of the directions; the first six are the axes.
+  /// Returns 6 w of the directions, of which the first six are along axes.
   SILT_DEVICE V weight6() const {
     return L::mask(direction > 6) ? V{} + T(6 * D3Q19::w(7)) : V{} + T(6 * D3Q19::w(1));
   }

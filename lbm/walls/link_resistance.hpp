@@ -1,14 +1,14 @@
 #pragma once
-// The part of links in the resistance of their surface (method.md, equation 23): a vector of links at a time,
-// or one (SILT_SCALAR).
+// Adds the contribution of links to the resistance of a surface (method.md, equation 23): a vector of links
+// at a time, or one (SILT_SCALAR).
 #include "lbm/walls/link_places.hpp"
 
 namespace silt::lbm::SILT_ISA {
 
 inline constexpr int resistance_entries = 21, push_entries = 6;
 
-/// Calls add(e, terms) for the entries of 6 w J J^T, then those of 6 w J (ResistanceSums), in quanta; arms
-/// are in units of 1 / `arm`.
+/// Calls add(e, terms) for the entries of 6 w J J^T and then of 6 w J (ResistanceSums), in quanta; arms are
+/// multiplied by `arm`.
 template <class T, class Add, class V = typename Lanes<T>::Real>
 [[gnu::always_inline]] SILT_DEVICE inline void add_resistance(const Places<T>& at,
                                                               const typename Lanes<T>::Mask& counted, T arm,

@@ -1,4 +1,4 @@
-// Built once an instruction set: the resistance of a surface against its links.
+// Built once per instruction set: the resistance of a surface from its links.
 #include <algorithm>
 #include <cmath>
 #include <type_traits>
@@ -13,13 +13,13 @@ constexpr int entries = resistance_entries + push_entries;
 template <class T>
 using Entries = typename Lanes<T>::Quanta[entries];
 
-/// Adds the resistance of a group. In single precision its terms have 32 bits.
+/// Adds the resistance of a group; in single precision terms are summed in 32 bits.
 template <class T>
 void add_group(const CutLinks<T>& links, const LinkGroup& group, int exponent, Entries<T>& sums) {
   using L = Lanes<T>;
   using V = typename L::Real;
   using Terms = std::conditional_t<sizeof(T) == 4, typename L::Whole, typename L::Quanta>;
-  constexpr int chunk = 64 * L::count;  // links whose terms may be summed, 64 a lane
+  constexpr int chunk = 64 * L::count;  // links whose terms fit the sums, 64 per lane
   const PlaceOrigin<T> origin(group.corner, links.frame);
   const std::uint32_t* const place = links.place.data() + group.begin;
   const int count = int(group.count);

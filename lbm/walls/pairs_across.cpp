@@ -6,7 +6,7 @@ namespace silt::lbm {
 
 namespace {
 
-/// Returns the first of the two arrays of a block in which exchange() finds pairs along a direction.
+/// Returns the first of the two arrays of a block from which exchange() copies pairs along a direction.
 template <class Lattice>
 std::uint32_t source(int block, int direction) {
   return 2 * std::uint32_t(block * Lattice::directions + direction);
@@ -19,14 +19,14 @@ struct PairsAcross<T, Lattice>::Builder {
   PairsAcross& pairs;
   const Domain& domain;
   std::span<const Block> blocks;
-  BlockPlace behind_block{-1, {}, -1};  // of the last cell behind: rows stay in one block
+  BlockPlace behind_block{-1, {}, -1};  // of the last cell behind, as rows stay in one block
   struct Entry {
     int block, behind_block, direction, axis;
-    Int3 x, behind;  // in these blocks
+    Int3 x, behind;  // local to these blocks
   };
   Entry last{-1, -1, 0, 0, {}, {}};
 
-  /// Returns whether a pair is the next of a line: both ends of a message have the same lines.
+  /// Returns whether a pair continues the last line. Both ends of a message find the same lines.
   bool goes_on(const Entry& one) const {
     const Int3 along = one.axis == 0 ? Int3{0, 1, 0} : Int3{1, 0, 0};
     return one.block == last.block && one.behind_block == last.behind_block &&
@@ -34,7 +34,7 @@ struct PairsAcross<T, Lattice>::Builder {
            one.behind == last.behind + along;
   }
 
-  /// The pair of the link that comes from the ghost cell g, against j.
+  /// Adds the pair of the link that comes from ghost cell g, against j.
   void add(const BlockPlace& place, const PlacesAcross<Lattice>& places, Int3 g, int j) {
     const Int3 x = g - Lattice::c[j], behind = domain.wrapped(place.box.lower + g);
     const int i = opposite(j), axis = PlacesAcross<Lattice>::axis_of(x, i, place.box.size);

@@ -1,11 +1,9 @@
 #pragma once
-// A link from x along c_i may read what passes between x - c_i and x - 2 c_i (BeyondPair). Where x - c_i is a
-// cell of another block, or of the same one through a period, that block has the pair, in slots of its own or
-// of its ghost layer; this brings it. No slot of a pair is overwritten between the halo exchange and the next
-// pass: where a ghost slot was returned to its home, it keeps what was sent.
-//
-// Which pairs are read follows from the solid cells on either side of a face, which both ranks know: nothing
-// is asked for, and only these pairs move.
+// A link from x along c_i may read the populations between x - c_i and x - 2 c_i (BeyondPair). If x - c_i is
+// a cell of another block, or of the same block through a period, that block holds the pair in its own slots
+// or those of its ghost layer, and PairsAcross copies it. No such slot is overwritten between the halo
+// exchange and the next pass: a ghost slot that was returned to its home keeps its value. Both ranks know the
+// solid cells on either side of a face, from which the pairs to copy follow without requests.
 #include <mpi.h>
 
 #include <array>
@@ -20,8 +18,8 @@
 
 namespace silt::lbm {
 
-/// The places of a block's pairs across (PairsAcross): one for each cell x and direction i with x - c_i
-/// outside the block. Faces of the block are counted whole, so some places are of no cell.
+/// The indices of a block's pairs across: one for each cell x and direction i with x - c_i outside the block.
+/// Faces are counted whole, so some indices are unused.
 template <class Lattice>
 class PlacesAcross {
  public:
@@ -33,20 +31,20 @@ class PlacesAcross {
           count_ += std::uint32_t(size_[(d + 1) % 3]) * std::uint32_t(size_[(d + 2) % 3]);
       }
   }
-  /// The last axis along which a link of a cell enters a block.
+  /// Returns the last axis along which the link of a cell enters the block.
   static int axis_of(Int3 cell, int direction, Int3 block_size) {
     int d = 2;
     while (Lattice::c[direction][d] == 0 || cell[d] != (Lattice::c[direction][d] > 0 ? 0 : block_size[d] - 1))
       --d;
     return d;
   }
-  /// The cell lies in the block, the one behind it outside.
+  /// Returns the index of a pair; the cell must lie in the block, the cell behind it outside.
   std::uint32_t operator()(Int3 cell, int direction) const {
     const int d = axis_of(cell, direction, size_);
     const int e = d == 0 ? 1 : 0, f = d == 2 ? 1 : 2;  // along the face, in the order of cells in memory
     return first_[direction][d] + std::uint32_t(cell[f]) * std::uint32_t(size_[e]) + std::uint32_t(cell[e]);
   }
-  /// All places are less than this.
+  /// Returns the number of indices.
   std::uint32_t count() const { return count_; }
 
  private:
@@ -56,40 +54,38 @@ class PlacesAcross {
   std::uint32_t count_ = 0;
 };
 
-/// The pairs of cells x and directions i with x - c_i outside their block, brought from where x - c_i is. A
-/// pair whose x - c_i is beyond a side of the domain that is not periodic does not exist; it stays 0.
+/// Holds copies of the pairs of cells x and directions i with x - c_i outside their block. A pair whose x -
+/// c_i is beyond a side of the domain that is not periodic stays 0.
 template <class T, class Lattice = D3Q19>
 class PairsAcross {
   using Block = lbm::Block<T, Lattice>;
 
  public:
-  /// `blocks` are the local ones, in the order of domain.blocks_of(rank). All pairs come until some are
-  /// chosen.
+  /// Takes the local blocks as in domain.blocks_of(rank). Copies all pairs until choose() is called.
   PairsAcross(const Domain&, MPI_Comm, std::span<const Block> blocks, Device = Device::cpu);
-  /// Restricts the exchange to the pairs of cut links: of fluid cells x with x + c_i solid; other pairs hold
-  /// no value. solid(block, cell, axis) returns 64 cells of a local block along x or y as bits, from `cell`
-  /// on, for cells up to two beyond its faces. Each rank calls this function when one of these cells of its
-  /// blocks has changed. Two ranks must agree on the same cells, for the lengths of their messages follow
-  /// from them.
+  /// Restricts the exchange to pairs that cut links read: those of fluid cells x with x + c_i solid. Others
+  /// hold no value. solid(block, cell, axis) returns the solid bits of 64 cells of a local block along x or y
+  /// from `cell` on, for cells up to two beyond its faces. Call when one of these cells has changed on this
+  /// rank. Two ranks must agree on these bits, which determine the lengths of their messages.
   template <class Solid>
   void choose(Solid&& solid);
-  /// Call after the halo exchange, with the parity of the blocks then. Pairs of an idle block mean nothing.
+  /// Copies the pairs, after the halo exchange, with the blocks' parity. Pairs of idle blocks are invalid.
   void exchange(std::span<const Block> blocks, Parity);
-  /// The pairs of a local block lie in the order of its PlacesAcross.
+  /// Returns the pairs of a local block, indexed by its PlacesAcross.
   const BeyondPair<T>* of(int block) const { return pairs_[block].data(); }
-  /// The bytes that this rank sends in one exchange.
+  /// Returns the bytes that this rank sends per exchange.
   std::size_t message_bytes() const { return slots_.message_bytes(); }
 
  private:
-  /// Cells x one after the other, along x or along y, whose links along a direction may read a pair: of a
-  /// local block or, as another rank's that reads here, beyond its faces.
+  /// Consecutive cells x, along x or y, whose links in a direction may read a pair: of a local block or, if
+  /// another rank reads from this one, beyond its faces.
   struct Line {
     int block, direction;
     Int3 first;
     bool along_y;
     std::uint32_t length;
     int from_rank, to_rank;
-    SlotRun from, to;  // that of the first pair which is read here; where it goes, if that is here
+    SlotRun from, to;  // source of the first pair if it is local; target if it is local
   };
   struct Builder;
 
@@ -98,10 +94,10 @@ class PairsAcross {
 
   int rank_;
   Device device_;
-  std::vector<std::pmr::vector<BeyondPair<T>>> pairs_;  // of the blocks
+  std::vector<std::pmr::vector<BeyondPair<T>>> pairs_;  // per block
   std::vector<Line> lines_;
   SlotExchange<T> slots_;
-  Mirror<const T*> sources_;  // of the exchange under way
+  Mirror<const T*> sources_;  // of the current exchange
   Mirror<T*> targets_;
 };
 

@@ -1,10 +1,10 @@
 #pragma once
-// The population that a cut link returns (method.md, equation 9) follows one formula for every scheme,
+// The population that a cut link returns (method.md, equation 9). One formula serves all schemes,
 //     f_opp(x, t+1) = a f*_i(x) + b f*_i(x - c_i) + c f*_opp(x) + d f*_opp(x - c_i) + g f*_i(x - 2 c_i)
 //                     - k c_i.u_w + e c_i.F,
-// its coefficients functions of the wall distance q and the rates of the collision. x is the fluid cell, the
-// surface is at x + q c_i, u_w its velocity there, F the acceleration of the fluid, * after collision.
-// V is a population's type T or a vector of it.
+// with coefficients that depend on the wall distance q and the collision rates. x is the fluid cell, x + q
+// c_i the wall, u_w the velocity there, F the acceleration of the fluid; * means after collision. V is a
+// number of type T or a vector of them.
 #include <algorithm>
 #include <type_traits>
 #include <utility>
@@ -15,7 +15,7 @@
 
 namespace silt::lbm {
 
-/// Calls f with the scheme as a constant of the type.
+/// Calls f with the scheme as an integral_constant.
 template <class F>
 SILT_DEVICE void with_scheme(WallScheme scheme, F&& f) {
   using enum WallScheme;
@@ -33,9 +33,9 @@ SILT_DEVICE void with_scheme(WallScheme scheme, F&& f) {
   }
 }
 
-/// The properties of the fluid that a scheme needs: magic, 1 / (tau - 1/2), the shares of `multireflection`
-/// and of other curvature terms that are stable, the share of `parabolic` in the rest of `multireflection`,
-/// and the acceleration of the fluid.
+/// The properties of the fluid that schemes use: magic, 1 / (tau - 1/2), the stable shares of
+/// `multireflection` and of other curvature terms, the share of `parabolic` in the remainder of
+/// `multireflection`, and the acceleration.
 template <class T>
 struct WallFluid {
   T magic = T(1.0 / 6), inverse_rate = T(2), share = T(1), curved = T(1), parabolic = T(0);
@@ -51,7 +51,7 @@ struct WallFluid {
   SILT_DEVICE bool has_force() const { return force[0] != 0 || force[1] != 0 || force[2] != 0; }
 };
 
-/// e follows from the others (equation 11); d and g are of the schemes that read beyond.
+/// The coefficients; e follows from the others (equation 11). Only schemes that read beyond use d and g.
 template <class V>
 struct LinkCoefficients {
   V a, b, c, k, d{}, g{};
@@ -59,13 +59,13 @@ struct LinkCoefficients {
 
 /// T / q^2 of `parabolic` (equation 14).
 inline constexpr double parabola = 0.625;
-/// Least T - magic of interpolated schemes, over 1/2 + q (equation 14).
+/// The least T - magic of interpolated schemes, divided by 1/2 + q (equation 14).
 inline constexpr double least_excess = 0.0005;
-/// Least distance of `single_cell_gap`: under bounce-back (1/2) a cell shut in on all sides would keep its
-/// momentum for ever; so it loses 2 % a step.
+/// The least distance of `single_cell_gap`: with 1/2 (bounce-back) a cell enclosed on all sides would keep
+/// its momentum for ever; with this it loses 2 % per step.
 inline constexpr double least_gap_distance = 1 / 1.98;
 
-/// The coefficients of the scheme that holds equation 12 with T = magic + excess and reads on both sides of
+/// Returns the coefficients of the scheme with T = magic + excess (equation 12) that reads on both sides of
 /// the cell (equation 13).
 template <class V, class T>
 constexpr LinkCoefficients<V> central(V q, V excess, V weight6, const WallFluid<T>& fluid) {
@@ -73,23 +73,22 @@ constexpr LinkCoefficients<V> central(V q, V excess, V weight6, const WallFluid<
   return {(q + T(0.5) - g) * s, T(1) - T(2) * q * s, (q - T(0.5) + g) * s, weight6 * s};
 }
 
-/// T - magic of `parabolic` with this share of what it has beyond magic (equation 14); with none that of
-/// `cli`.
+/// Returns T - magic of `parabolic` with a share of its excess over magic (equation 14); 0: of `cli`.
 template <class V, class T>
 constexpr V parabolic_excess(V q, T share, const WallFluid<T>& fluid) {
   const V least = T(least_excess) * (T(0.5) + q), wanted = share * (T(parabola) * q * q - fluid.magic);
   return wanted > least ? wanted : least;
 }
 
-/// The coefficients that hold the parabola along the link, in the share that is stable; the rest is `cli` or
-/// `parabolic` (equations 19 to 20b).
+/// Returns coefficients that are exact for a parabola along the link, in the share that is stable; the
+/// remainder is `cli` or `parabolic` (equations 19 to 20b).
 template <class V, class T>
 constexpr LinkCoefficients<V> multireflection(V q, V weight6, const WallFluid<T>& fluid) {
   const T share = fluid.share, rest = T(1) - share, odd = T(2) * fluid.magic * fluid.inverse_rate;
   const V m = share / ((T(1) + q) * (T(1) + q)), first = m * (T(1) - T(2) * q - T(2) * q * q),
           second = m * q * q, further = m * odd;
   const V k = T(2) * m * weight6, away = -second - further, toward = second - further;
-  if (!(rest > T(0)))  // for all links or for none
+  if (!(rest > T(0)))  // the same for all links
     return {V{} + share, first + further, further - first, k, away, toward};
   const LinkCoefficients<V> linear = central(q, parabolic_excess(q, fluid.parabolic, fluid), weight6, fluid);
   return {share + rest * linear.a,
@@ -100,21 +99,20 @@ constexpr LinkCoefficients<V> multireflection(V q, V weight6, const WallFluid<T>
           toward};
 }
 
-/// The surface that a link's opposite hits, when that is cut too: its distance (0: not known) and c_i.u
-/// there.
+/// The wall that the opposite of a link hits: its distance (0: unknown) and its c_i.u.
 template <class V>
 struct OppositeWall {
   V q{}, u{};
 };
 
-/// The distance that `single_cell_gap` uses: a surface nearer than half-way is taken to be there.
+/// Returns the distance that `single_cell_gap` uses: the wall is at least about half a link away.
 template <class T, class V>
 constexpr V gap_distance(V q) {
   return q < T(least_gap_distance) ? V{} + T(least_gap_distance) : q;
 }
 
-/// Returns the difference between the velocity half-way and its linear interpolation, for a cell between two
-/// walls (equation 16). `u` and `u_w` are the velocities of the cell and of the link's wall along c_i.
+/// Returns the velocity half-way less its linear interpolation, for a cell between two walls (equation 16).
+/// `u` and `u_w` are the velocities of the cell and of the link's wall along c_i.
 template <class V, class T>
 constexpr V gap_curvature(V q, V u, V u_w, const OppositeWall<V>& opposite, const WallFluid<T>& fluid) {
   const V none{}, h = gap_distance<T>(q), p = gap_distance<T>(opposite.q);
@@ -123,8 +121,7 @@ constexpr V gap_curvature(V q, V u, V u_w, const OppositeWall<V>& opposite, cons
   return opposite.q > none ? (share > none ? -share * second : none) : none;
 }
 
-/// The coefficients of a scheme. `weight6` is 6 w_i. Cheap enough for the inner loop: one division, no
-/// branch.
+/// Returns the coefficients of a scheme; `weight6` is 6 w_i. Takes one division and no branch.
 template <WallScheme scheme, class V, class T>
 constexpr LinkCoefficients<V> coefficients(V q, V weight6, const WallFluid<T>& fluid) {
   const V none{}, one = none + T(1);
@@ -142,7 +139,7 @@ constexpr LinkCoefficients<V> coefficients(V q, V weight6, const WallFluid<T>& f
   }
 }
 
-/// Returns whether the coefficients of all schemes use only populations that the scheme reads.
+/// Returns whether every scheme has nonzero coefficients only for populations that it reads.
 constexpr bool schemes_read_what_they_use() {
   const auto reads = [](auto scheme, double q) {
     const LinkCoefficients<double> s = coefficients<scheme()>(q, 1.0, WallFluid<double>());

@@ -1,4 +1,4 @@
-// [[bodies]], [[fill]] and [[outflow]]; what may be wrong with bodies that come and go.
+// [[bodies]], [[fill]] and [[outflow]], with checks of bodies that arrive and leave.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -17,7 +17,7 @@ using rigid::Vec3;
 
 constexpr std::tuple shape_name_keys{
     HandKey{"shape", "string", "", required, "the name of one of [[shapes]]"}};
-/// These keys are those of entries of [[bodies]] and of [[fill]].
+/// The keys common to entries of [[bodies]] and [[fill]].
 constexpr std::tuple entry_keys{
     HandKey{"material", "string", "", "\"default\"", "one that [[material_pairs]] names"},
     HandKey{"name", "string", "", "the shape's",
@@ -86,7 +86,7 @@ constexpr std::tuple fill_keys{
 constexpr std::tuple outflow_keys{
     Key{"box", &OutflowSpec::box, Corners{}, "where bodies are taken out: two corners", required}};
 
-// Entries of one name make one kind, of one shape; without a name it is the shape's.
+// Entries of one name form a kind of one shape; the default name is the shape's.
 int read_kind(TableReader& table, int shape, Case& setup) {
   const std::string fallback = setup.shape_names.empty() ? "body" : setup.shape_names[shape];
   const std::string name = table.string("name").value_or(fallback);
@@ -94,7 +94,7 @@ int read_kind(TableReader& table, int shape, Case& setup) {
   const int kind = static_cast<int>(found - setup.kind_names.begin());
   if (found == setup.kind_names.end()) {
     if (constexpr std::size_t most = 4000;
-        setup.kind_names.size() == most)  // as many as a table of bodies.h5 has
+        setup.kind_names.size() == most)  // the limit of a table of bodies.h5
       table.fail("name", "there are more than {} names of bodies; give several the same one", most);
     setup.kind_names.push_back(name);
     setup.kind_shapes.push_back(shape);
@@ -160,13 +160,13 @@ std::vector<Vec3> read_positions(TableReader& table) {
   return x ? std::vector{*x} : std::vector<Vec3>{};
 }
 
-/// The point of a shape, from its centre of mass, that positions of bodies name.
+/// Returns the point of a shape that positions refer to, from its centre of mass.
 Vec3 read_origin(TableReader& table, int shape, const Case& setup) {
   const bool centre = table.choice("origin", {"shape", "centre"}) == "centre";
   return centre || setup.shapes.empty() ? Vec3(Vec3::Zero()) : setup.shape_origins[shape];
 }
 
-/// Reads the axes that a free body is locked along and about, all of a kind alike.
+/// Reads the axes along and about which a free body is locked; equal for all bodies of a kind.
 void read_locked(TableReader& table, BodySpec& body, const Case& setup,
                  std::map<int, rigid::LockedAxes>& locks_of_kinds) {
   static const std::vector<std::string> axes{"x", "y", "z", "rotation x", "rotation y", "rotation z"};
@@ -188,7 +188,7 @@ void read_locked(TableReader& table, BodySpec& body, const Case& setup,
       unfit("angular_velocity turns the body about a locked axis", "make that component 0");
 }
 
-/// A name; or a table of a motion over time, in which bodies of a kind do not differ.
+/// Reads a name, or a table of a motion over time, which is common to the bodies of a kind.
 void read_body_motion(TableReader& table, BodySpec& body, Case& setup) {
   const Node* const node = table.find("motion");
   if (!node || node->kind != Node::Kind::table) {
@@ -218,7 +218,7 @@ using Sizes = std::vector<std::vector<SizeShare>>;
 Sizes read_given_bodies(TableReader& root, Case& setup) {
   Sizes sizes;
   int entry = 0;
-  std::map<int, rigid::LockedAxes> locks;  // of kinds
+  std::map<int, rigid::LockedAxes> locks;  // by kind
   for (TableReader& table : root.tables("bodies")) {
     BodySpec body;
     body.entry = entry++;
@@ -259,7 +259,7 @@ Sizes read_given_bodies(TableReader& root, Case& setup) {
   return sizes;
 }
 
-/// Refuses what does not go together.
+/// Rejects contradictory keys.
 void judge_fill(TableReader& table, const FillSpec& fill) {
   if (!is_at_random(fill) && table.has("diameter"))
     table.fail("diameter", "{} is for bodies at random places, but {} is \"{}\"; remove one of the two",
@@ -288,8 +288,7 @@ void check_outflow(const Case& setup, Diagnostics& findings, std::size_t index) 
           is, i, shown_box(setup, fill.box));
 }
 
-/// The step by which a ball that keeps its velocity is wholly beyond a side, and which; infinite if it never
-/// is.
+/// The side that a ball of constant velocity leaves through, and the step; infinite if it never leaves.
 struct WayOut {
   double step = std::numeric_limits<double>::infinity();
   int side = 0;
@@ -306,7 +305,7 @@ WayOut way_out(const Case& setup, const BodySpec& body) {
   return first;
 }
 
-/// Sizes of a fill that are a good part of its mass, but so few of its bodies that there is none.
+/// Warns of sizes of a fill with a notable share of the mass but less than one body.
 void check_sizes(const Case& setup, Diagnostics& findings, std::size_t index) {
   constexpr double good_part = 0.02;
   const FillSpec& fill = setup.fills[index];
@@ -329,7 +328,7 @@ void check_sizes(const Case& setup, Diagnostics& findings, std::size_t index) {
                    shown(rounded_up(1 / rarest)));
 }
 
-/// Bodies of prescribed motion that the case itself moves out of the domain: one message an entry.
+/// Reports bodies of prescribed motion that leave the domain, with one message per entry.
 void check_prescribed(const Case& setup, Diagnostics& findings) {
   int said_of = -1;
   for (const BodySpec& body : setup.bodies) {

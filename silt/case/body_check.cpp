@@ -1,5 +1,4 @@
-// Judges what bodies are, but not where the given ones are: their densities and sizes, whether the backend
-// can answer for their shapes, and the boxes of fills.
+// Checks bodies, but not the places of given ones: densities, sizes, shapes of the backend, boxes of fills.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -15,11 +14,11 @@
 namespace silt {
 namespace {
 
-constexpr double most_density = 1e9;                             // times the fluid's
-constexpr double low_ratio = 0.02, high_ratio = 50;              // of a body's density and the fluid's
-constexpr double lightest_fluid = 0.05, heaviest_fluid = 20000;  // kg/m3: from hydrogen to mercury
+constexpr double most_density = 1e9;                             // relative to the fluid
+constexpr double low_ratio = 0.02, high_ratio = 50;              // of body to fluid density
+constexpr double lightest_fluid = 0.05, heaviest_fluid = 20000;  // kg/m3: hydrogen to mercury
 
-/// ": if bodies[0].density is in g/cm3, write 1120 (kg/m3)", or "".
+/// Returns ": if bodies[0].density is in g/cm3, write 1120 (kg/m3)", or "".
 std::string meant(const Case& setup, const std::string& key, double density) {
   const std::string slip = density_slip(setup, key, density);
   return slip.empty() ? "" : ": " + slip;
@@ -30,7 +29,7 @@ void warn_of_no_solid(const Case& setup, Diagnostics& findings, const std::strin
                    heaviest_solid, meant(setup, key, found));
 }
 
-/// Compares a density with the fluid's; the lightest that explicit coupling bears depends on the shape.
+/// Checks the density relative to the fluid; the limit of explicit coupling depends on the shape.
 void check_ratio(const Case& setup, Diagnostics& findings, const std::string& key, const Entry& body) {
   const double density = body.density, found = setup.units.physical(density, dimension::density);
   if (density < low_ratio || density > high_ratio)
@@ -65,16 +64,15 @@ void check_density(const Case& setup, Diagnostics& findings, const Entry& body) 
 }
 
 constexpr double fewest_cells_across = 6;    // at 5 the drag of a dilute array is off by about 1 %
-constexpr double fewest_cells_seen = 1;      // below, a body may lie between the centres of cells
-constexpr double speck = 1e-3, dust = 1e-6;  // of the domain's length and volume
-constexpr double millimetres = 1000;         // in a metre
+constexpr double fewest_cells_seen = 1;      // a smaller body may lie between cell centres
+constexpr double speck = 1e-3, dust = 1e-6;  // relative to the domain's length and volume
+constexpr double millimetres = 1000;         // per metre
 
 double longest(const Case& setup) {
   return *std::ranges::max_element(setup.cells);
 }
 
-/// "; is it in millimetres? in m it is 0.004", where that would be a body that the domain and the lattice can
-/// have.
+/// Returns "; is it in millimetres? in m it is 0.004" if that would be a valid body in the domain.
 std::string in_metres(const Case& setup, double across) {
   const double smaller = across / millimetres;
   if (!setup.units.si || smaller > longest(setup) || (setup.fluid && smaller < fewest_cells_seen)) return "";
@@ -147,7 +145,7 @@ void check_room(const Case& setup, Diagnostics& findings, const Entry& body) {
                      in_metres(setup, length));
 }
 
-// The use of a shape: how many bodies have it, and whether any of them moves freely.
+// The use of a shape: the number of bodies, and whether any is free.
 struct Use {
   std::int64_t count = 0;
   bool free = false;
@@ -162,13 +160,13 @@ std::vector<Use> uses_of(const Case& setup) {
   for (const FillSpec& fill : setup.fills)
     for (const FillSize& size : fill.sizes) {
       uses[size.shape].count +=
-          fill.count > 0 && fill.every == 0 ? fill.count : 2;  // of sites there are many
+          fill.count > 0 && fill.every == 0 ? fill.count : 2;  // 2: several sites or arrivals
       uses[size.shape].free = true;
     }
   return uses;
 }
 
-// Every pair that can meet must have an answer.
+// Checks that the backend supports every pair that can meet.
 void check_backend(const Case& setup, Diagnostics& findings) {
   const auto backend = adapters::make_backend(setup.contacts.backend);
   const std::vector<Use> uses = uses_of(setup);
@@ -198,9 +196,9 @@ void check_backend(const Case& setup, Diagnostics& findings) {
   }
 }
 
-/// A fill whose bounding spheres are more than the densest packing of its box needs no try.
+/// Rejects a fill whose bounding spheres exceed the densest packing of its box.
 void check_fill(const Case& setup, Diagnostics& findings, std::size_t index) {
-  constexpr double sampling = 1.1;  // what walls leave is no less exact
+  constexpr double sampling = 1.1;  // accuracy of the space that walls leave
   const double densest = std::numbers::pi / std::sqrt(18);
   const FillSpec& fill = setup.fills[index];
   const std::string key = fmt::format("fill[{}]", index);

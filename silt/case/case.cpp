@@ -35,7 +35,7 @@ Place Case::place(std::string path) const {
 
 std::vector<Entry> entries_of(const Case& setup) {
   std::vector<Entry> entries;
-  std::map<int, std::size_t> places;  // by the number of an entry of [[bodies]]
+  std::map<int, std::size_t> places;  // by entry of [[bodies]]
   setup.for_each_given([&](const BodySpec& body, std::uint64_t count) {
     const auto [place, is_new] = places.try_emplace(body.entry, entries.size());
     if (is_new)

@@ -1,7 +1,7 @@
 #pragma once
-// A case as data: everything case.toml says, already in lattice units (cell = step = reference density = 1),
-// with the conversions kept in `units` for what goes back out. case_file reads it (through adapters/toml),
-// case_check judges it. Sections that are needed alone have headers of their own.
+// A case as data: everything case.toml says, in lattice units (cell = step = reference density = 1); `units`
+// keeps the conversions for output. case_file reads it (through adapters/toml), case_check checks it.
+// Sections that are used alone have their own headers.
 #include <algorithm>
 #include <array>
 #include <cstdint>
@@ -33,28 +33,28 @@ namespace silt {
 
 inline constexpr auto motion_names = coupler::names_of<rigid::Motion>("free", "fixed", "prescribed");
 
-/// The bodies of an entry of [[bodies]] or [[fill]] have this in common.
+/// The properties common to the bodies of an entry of [[bodies]] or [[fill]].
 struct EntrySpec {
   int shape = 0, material = 0;
   int kind = 0;                                // index into Case::kind_names
   double density = 1;                          // relative to the fluid's (lattice)
-  rigid::Vec3 velocity = rigid::Vec3::Zero();  // of the bodies when they are placed
+  rigid::Vec3 velocity = rigid::Vec3::Zero();  // initial velocity
 };
 
 struct BodySpec : EntrySpec {
-  int entry = -1;           // which [[bodies]] entry gave it; -1: a [[fill]]
-  std::uint64_t point = 0;  // of a file of positions, from 1 on; 0: the case says where it is
+  int entry = -1;           // its [[bodies]] entry; -1: a [[fill]]
+  std::uint64_t point = 0;  // of a file of positions, from 1 on; 0: placed by the case
   rigid::Motion motion = rigid::Motion::free;
   rigid::LockedAxes locked = 0;
-  rigid::Pose pose;   // of the centre of mass
-  bool unit = false;  // the orientation is of length 1 as it stands, to the last bit: as a file has it
-  rigid::Vec3 origin = rigid::Vec3::Zero();  // the point that a position of the case places, from the centre
+  rigid::Pose pose;                          // of the centre of mass
+  bool unit = false;                         // the orientation is exactly of unit length, as read from a file
+  rigid::Vec3 origin = rigid::Vec3::Zero();  // of the shape, from the centre of mass; `position` places it
   rigid::Vec3 angular_velocity = rigid::Vec3::Zero();
 
   rigid::Vec3 given_position() const { return pose.to_world(origin); }
 };
 
-/// Bodies of one [[bodies]] entry whose positions stand in a file.
+/// The bodies of one [[bodies]] entry with positions in a file.
 struct FiledBodies {
   BodySpec alike;                     // but for what the file says; velocities that it says: the largest
   std::optional<rigid::Pose> placed;  // of the file as a whole
@@ -66,25 +66,25 @@ enum class Arrangement { random, simple_cubic, hexagonal };
 inline constexpr auto arrangement_names =
     coupler::names_of<Arrangement>("random", "simple-cubic", "hexagonal");
 
-/// A size of a fill's bodies.
+/// A size of bodies in a fill.
 struct FillSize {
   int shape;     // index into Case::shapes
-  double up_to;  // share of the bodies, by number, that have this size or a smaller one
+  double up_to;  // cumulative share of bodies, by number, up to this size
 };
 
-struct FillSpec : EntrySpec {   // the shape is that of the largest
-  std::vector<FillSize> sizes;  // smallest first; one where all bodies are alike
-  std::int64_t count = 0;       // 0: as many as there are sites for, not at random
-  double gap = 0;               // least distance between bounding spheres' surfaces and to walls
+struct FillSpec : EntrySpec {   // the shape is that of the largest size
+  std::vector<FillSize> sizes;  // ascending; one if all bodies are alike
+  std::int64_t count = 0;       // 0: all sites of an ordered arrangement
+  double gap = 0;               // least distance between bounding spheres and to walls
   Arrangement arrangement = Arrangement::random;
-  double spacing = 0;    // of sites, not at random; 0: the least
-  double shift = 0;      // furthest that a body is moved from its site
-  bool aligned = false;  // else turned at random
+  double spacing = 0;    // of sites; 0: the least
+  double shift = 0;      // largest displacement from a site
+  bool aligned = false;  // else random orientations
   rigid::BoundingBox box{rigid::Vec3::Zero(), rigid::Vec3::Zero()};
   std::uint64_t seed = 1;
-  std::int64_t every = 0;  // steps between two applications; 0: at the start only
+  std::int64_t every = 0;  // steps between applications; 0: at the start only
 
-  /// Says whether the fill is applied again before the step that follows so many.
+  /// Returns whether the fill is applied again before step `steps_done + 1`.
   bool applies_after(std::int64_t steps_done) const {
     return every > 0 && steps_done > 0 && steps_done % every == 0;
   }
@@ -100,18 +100,18 @@ struct OutflowSpec {
   rigid::BoundingBox box{rigid::Vec3::Zero(), rigid::Vec3::Zero()};
 };
 
-/// The run begins with the end of another one.
+/// Starts the run from the end of another.
 struct StartSpec {
-  std::string from;  // a folder of results, or a checkpoint; from the folder of the case
+  std::string from;  // a folder of results or a checkpoint, relative to the case
 };
 
 // The sides of the domain and the curved walls in it: domain.boundary and [[walls]].
 
 /// A wall of triangles from a file.
 struct MeshWall : rigid::MeshWallSpec {
-  std::string file, contents;  // contents: "1280 triangles in 1 shell", and what was mended
-  std::string table;           // of its motion; "" without one
-  int table_headings = 0;      // its lines of headings
+  std::string file, contents;  // contents: "1280 triangles in 1 shell", and repairs
+  std::string table;           // of its motion; "": none
+  int table_headings = 0;      // number of heading lines
 };
 
 /// A curved wall of the domain, for fluid and bodies alike.
@@ -121,22 +121,22 @@ struct CurvedWall {
 
   const rigid::TubeWallSpec* tube() const { return std::get_if<rigid::TubeWallSpec>(&surface); }
   const MeshWall* mesh() const { return std::get_if<MeshWall>(&surface); }
-  /// Says whether its surface moves, as prescribed; that of a tube slides along itself.
+  /// Returns whether its surface moves as prescribed; that of a tube slides along itself.
   bool moves() const {
     return std::visit([](const auto& wall) { return wall.moves(); }, surface);
   }
-  /// Velocities of the origin of its frame.
+  /// Returns the velocities at the origin of its frame.
   rigid::PrescribedMotion::Velocity velocity_at(double time) const {
     return std::visit([&](const auto& wall) { return wall.velocity_at(time); }, surface);
   }
-  /// Returns the axis about which it turns; of a mesh where it is at the start.
+  /// Returns the axis of rotation; of a mesh at the start.
   rigid::Vec3 axis() const {
     return std::visit([](const auto& wall) { return wall.axis; }, surface);
   }
   rigid::Vec3 point_of_axis() const { return mesh() ? mesh()->start.position : tube()->point; }
 };
 
-/// The table [contacts] says how bodies collide.
+/// The table [contacts]: how bodies collide.
 struct ContactSpec {
   std::string backend = "auto", resolver = "sffd";
   rigid::ResolverSettings resolver_settings;
@@ -145,9 +145,9 @@ struct ContactSpec {
 };
 
 struct Case : coupler::FlowSpec {
-  // text: case.toml as read, then each file and each --set as a comment, for provenance
+  // text: case.toml as read, then files and --set arguments as comments, for provenance
   std::string title, text;
-  std::vector<std::string> files;      // that the case names: AttachedFile::fingerprint of each, in its order
+  std::vector<std::string> files;      // AttachedFile::fingerprint of each named file, in order
   std::vector<std::string> overrides;  // the --set arguments
   std::filesystem::path directory;
   Units units;
@@ -157,10 +157,10 @@ struct Case : coupler::FlowSpec {
   rigid::OverTime gravity_over_time;
   rigid::Vec3 gravity_at(double time) const { return gravity_over_time.at(time) * gravity; }
 
-  // material 0 is "default": of walls, and of bodies that name none
+  // material 0 is "default": that of walls, and of bodies that name none
   std::vector<std::string> shape_names, material_names;
-  rigid::ShapeList shapes;                 // each about its centre of mass
-  std::vector<rigid::Vec3> shape_origins;  // where the origin is that the case gives each about, in its frame
+  rigid::ShapeList shapes;                      // each about its centre of mass
+  std::vector<rigid::Vec3> shape_origins;       // origins of the case, in the frames of the shapes
   std::vector<rigid::Material> pair_materials;  // material_names.size()^2
   std::vector<BodySpec> bodies;
   std::vector<FiledBodies> filed;
@@ -169,28 +169,27 @@ struct Case : coupler::FlowSpec {
   std::vector<FillSpec> fills;
   std::vector<OutflowSpec> outflows;
   std::vector<coupler::SpringSpec> springs;
-  std::vector<CurvedWall> walls;  // besides the sides of the domain
-  // names of the [[bodies]] and [[fill]] entries ("light spheres", by default the shape's name); entries of
-  // one name make one kind, and have one shape
+  std::vector<CurvedWall> walls;  // other than the sides of the domain
+  // names of [[bodies]] and [[fill]] entries ("light spheres", by default the shape's name); entries of one
+  // name form a kind and have one shape
   std::vector<std::string> kind_names;
   std::vector<int> kind_shapes;
-  std::vector<rigid::LockedAxes> kind_locks;            // of the bodies of a kind; empty: none has any
-  std::map<int, rigid::PrescribedMotion> kind_motions;  // of kinds whose bodies move by a function of time
+  std::vector<rigid::LockedAxes> kind_locks;            // per kind; empty: no kind has any
+  std::map<int, rigid::PrescribedMotion> kind_motions;  // of kinds with a prescribed motion
 
   std::int64_t steps = 0;
   std::optional<SteadySpec> steady;
-  std::int64_t balance_every = 0;  // steps between two looks at how the work is shared; 0: none
+  std::int64_t balance_every = 0;  // steps between checks of load balance; 0: none
   OutputSpec output;
   std::vector<QuantitySpec> quantities;
-  std::vector<Diagnostic> warnings;     // of its readers
-  std::map<std::string, Place> places;  // of every key, by its path: "fluid.density", "bodies[2].position"
-  /// Returns the place of a key; if it is not in the file, that of the table that would hold it.
+  std::vector<Diagnostic> warnings;     // from reading
+  std::map<std::string, Place> places;  // of every key by its path: "fluid.density", "bodies[2].position"
+  /// Returns the place of a key or, if it is not in the file, of the table to which it belongs.
   Place place(std::string path) const;
   bool has_bodies() const {
     return !bodies.empty() || !filed.empty() || !fills.empty() || !continued.empty();
   }
-  /// Calls f(body, count) for every given body, and once for all of a file, of which the position is not
-  /// known.
+  /// Calls f(body, count) for every given body, and once for those of a file, without a position.
   template <class F>
   void for_each_given(F&& f) const {
     for (const BodySpec& body : bodies) f(body, std::uint64_t{1});
@@ -208,7 +207,7 @@ struct Case : coupler::FlowSpec {
   bool bodies_come() const {
     return std::ranges::any_of(fills, [](const FillSpec& fill) { return fill.every > 0; });
   }
-  bool has_sizes() const {  // bodies of one kind that differ in size
+  bool has_sizes() const {  // within a kind
     return std::ranges::any_of(fills, [](const FillSpec& fill) { return fill.sizes.size() > 1; });
   }
   bool bodies_leave() const {
@@ -217,36 +216,35 @@ struct Case : coupler::FlowSpec {
   bool has_lubrication() const {
     return fluid && coupling.lubrication && rigid::resolver_model(contacts.resolver).lubricates;
   }
-  /// Something besides the sides of the domain bounds the fluid.
+  /// Returns whether bodies or curved walls bound the fluid.
   bool has_surfaces() const { return has_bodies() || !walls.empty(); }
 };
 
-/// An entry of [[bodies]] or [[fill]] as a whole.
+/// An entry of [[bodies]] or [[fill]] as a whole; each size of a fill is an entry.
 struct Entry : EntrySpec {
   std::string key;  // "bodies[2]", "fill[0]"
   rigid::Motion motion = rigid::Motion::free;
   rigid::Vec3 angular_velocity = rigid::Vec3::Zero();
-  std::uint64_t count = 0;  // 0: as many as a fill has sites for
+  std::uint64_t count = 0;  // 0: all sites of a fill
 
-  bool smallest = true, largest = true;  // of the sizes of its fill, each of which is an entry
+  bool smallest = true, largest = true;  // among the sizes of its fill
 
   bool is_free() const { return motion == rigid::Motion::free; }
   bool moves() const { return velocity.norm() + angular_velocity.norm() > 0; }
 };
 std::vector<Entry> entries_of(const Case&);
 
-/// Returns the boxes in which bodies may come in while the run goes on.
+/// Returns the boxes in which bodies may arrive during the run.
 std::vector<rigid::BoundingBox> entrances_of(const Case&);
 
-/// Puts a body where the case says it is: its `origin` at a point. Where that is in the domain, the centre of
-/// mass is too along the periodic axes, a whole number of periods away.
+/// Places the `origin` of a body at a point. If this is in the domain, the centre of mass is, too, along
+/// periodic axes (shifted by whole periods).
 void put_at(BodySpec&, const rigid::Vec3& point, const rigid::Extent&);
 
-/// Returns the largest speed that a case gives anything: sides, bodies, the fluid at the start; lattice
-/// units.
+/// Returns the largest speed of sides, bodies and initial fluid in a case, in lattice units.
 double fastest_given(const Case&);
 
-/// Returns the cell Reynolds number u / nu at that speed.
+/// Returns the cell Reynolds number u / nu at this speed.
 double cell_reynolds(const Case&);
 
 /// Returns the path of the key that says how viscous the fluid is; whether that is a viscosity.
@@ -257,10 +255,10 @@ bool gives_viscosity(const Case&);
 /// step.
 double measured_reynolds(lbm::Collision);
 
-/// Resolves `fluid.collision = "auto"`: trt, the cheapest, up to what was measured, regularised above.
+/// Resolves `fluid.collision = "auto"`: trt, the cheapest, up to its measured limit, regularised above.
 void choose_collision(Case&);
 
-/// Returns why the case has its collision model: "given", or what "auto" compared.
+/// Returns why the case has its collision model: "given", or the comparison of "auto".
 std::string collision_reason(const Case&);
 
 }  // namespace silt

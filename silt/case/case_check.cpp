@@ -67,8 +67,8 @@ void Diagnostics::add(Diagnostic::Severity severity, const std::string& key, con
 
 namespace {
 
-// A body that moves further in a sub-step than contacts reach ahead may be seen only when it overlaps
-// another, and one that moves much further, not at all.
+// A body that moves further in a sub-step than contacts look ahead may be found only when it overlaps
+// another; one that moves much further may be missed.
 void check_margin(const Case& setup, Diagnostics& findings, const std::string& key, double speed, int shape) {
   const double step = speed / setup.contacts.substeps, limit = MotionLimits(setup).of(shape);
   if (!setup.fluid && !(speed <= limit))
@@ -94,13 +94,13 @@ void check_speeds(const Case& setup, Diagnostics& findings) {
   }
 }
 
-constexpr double digit_rounding = 1e-9;  // of what two digits give already
+constexpr double digit_rounding = 1e-9;  // relative to two digits
 
 double second_digit(double x) {
   return std::pow(10, std::floor(std::log10(x)) - 1);
 }
 
-/// The key by which a case gives the length of a step.
+/// Returns the key by which a case sets the time step.
 std::string time_step_key(const Case& setup) {
   for (const char* key : {"units.relaxation_time", "units.max_velocity"})
     if (setup.places.count(key)) return key;
@@ -160,7 +160,7 @@ std::string time_step_cure(const Case& setup, double factor) {
   if (key == "units.relaxation_time")
     return fmt::format("use {} = {:.12g}", key, 0.5 + rounded_down(factor * excess));
   const double step = rounded_down(factor * old);
-  constexpr double target = 0.05;  // cells a step: what units.max_velocity becomes
+  constexpr double target = 0.05;  // cells per step, that of units.max_velocity
   const double value = key == "units.max_velocity" ? rounded_up(target * setup.units.cell_size / step) : step;
   constexpr double small = 1e-3;  // three digits of the sum do not show it
   const double then = excess * step / old;

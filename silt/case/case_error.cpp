@@ -29,17 +29,16 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
   return d[a.size()][b.size()];
 }
 
-/// Says whether one name contains the other, or both are short and of one stem, such as "body" and "bodies",
-/// far as they are from each other as a whole.
+/// Returns whether one name contains the other, or both are short with one stem: "body", "bodies".
 bool are_kin(std::string_view a, std::string_view b) {
-  constexpr std::size_t stem = 3;  // letters: shorter pieces say nothing
+  constexpr std::size_t stem = 3;  // letters: shorter parts are not significant
   const bool contain = a.find(b) != a.npos || b.find(a) != b.npos;
   const bool begin_alike = a.substr(0, stem) == b.substr(0, stem);
   return (contain && std::min(a.size(), b.size()) >= stem) ||
          (begin_alike && std::max(a.size(), b.size()) <= 2 * stem);
 }
 
-/// What papers and other programs call a key, where no letters tell; its value, if that is another one.
+/// A symbol for a key in papers and other programs; its value, if the key has another.
 struct Symbol {
   std::string_view written, key, value;
 };
@@ -56,7 +55,7 @@ constexpr Symbol symbols[] = {{"nu", "kinematic_viscosity", ""},
                               {"dx", "cell_size", ""},
                               {"dt", "time_step", ""}};
 
-/// Returns the symbol for one of the names that is written so, or null.
+/// Returns the symbol of one of the names that is written so, or null.
 const Symbol* symbol_for(std::string_view written, std::span<const std::string> names) {
   const auto found = std::ranges::find_if(symbols, [&](const Symbol& symbol) {
     return symbol.written == written && std::ranges::count(names, symbol.key) > 0;

@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Opens a file beside the case.
+/// Opens a file in the directory of the case.
 std::ifstream opened(const fs::path& directory, const fs::path& relative) {
   if (relative.is_absolute() || std::ranges::count(relative, fs::path("..")))
     throw std::invalid_argument(
@@ -33,15 +33,14 @@ std::ifstream opened(const fs::path& directory, const fs::path& relative) {
     throw std::invalid_argument("its name has a line break or another control character in it: rename it");
   std::ifstream stream;
   std::error_code ignored;
-  if (fs::is_regular_file(directory / relative, ignored))  // to open anything else could wait forever
+  if (fs::is_regular_file(directory / relative, ignored))  // opening anything else could block
     stream.open(directory / relative, std::ios::binary);
   if (!stream.is_open())
     throw std::invalid_argument("there is no such file in the directory of the case, or it cannot be read");
   return stream;
 }
 
-/// Reads a file, which may not lead out of the directory, to its end; keeps its bytes if they are wanted.
-/// std::invalid_argument says what is wrong with it.
+/// Reads a file of the directory and keeps its bytes if wanted. Throws std::invalid_argument.
 AttachedFile read_attached(const fs::path& directory, const std::string& name, const fs::path& path,
                            bool keep) {
   std::ifstream stream = opened(directory, path);
@@ -60,7 +59,7 @@ AttachedFile read_attached(const fs::path& directory, const std::string& name, c
   return file;
 }
 
-/// Looks at positions without keeping them; errors alike.
+/// Summarises a file of positions. Throws likewise.
 AttachedFile look_at_positions(const fs::path& directory, const std::string& name) {
   const PositionFile positions = position_file(name);
   AttachedFile file = read_attached(directory, name, positions.file, false);
@@ -73,7 +72,7 @@ AttachedFile look_at_positions(const fs::path& directory, const std::string& nam
   return file;
 }
 
-// Directories with a case.toml beside the one asked for, or below the place it was asked from.
+// Directories with a case.toml beside the requested one, or below the current one.
 std::vector<std::string> cases_near(const fs::path& directory) {
   std::vector<std::string> names;
   std::error_code ignored;
@@ -86,7 +85,7 @@ std::vector<std::string> cases_near(const fs::path& directory) {
 
 std::string text_of(const fs::path& directory, const fs::path& file) {
   std::error_code ignored;
-  if (fs::is_regular_file(file, ignored))  // to open anything else could wait forever
+  if (fs::is_regular_file(file, ignored))  // opening anything else could block
     if (std::ifstream stream(file, std::ios::binary); stream)
       return {std::istreambuf_iterator<char>(stream), {}};
   const auto names = cases_near(directory);
@@ -96,7 +95,7 @@ std::string text_of(const fs::path& directory, const fs::path& file) {
                   names.empty() ? "" : suggestion(directory.filename().string(), names)));
 }
 
-/// Fields tell solid cells from fluid where there are any, asked for or not.
+/// Adds `solid` to fields, requested or not, if the case has solid cells.
 void add_masks(Case& setup) {
   if (!setup.has_surfaces()) return;
   const auto add = [](FieldsSpec& fields) {
@@ -147,7 +146,7 @@ constexpr std::tuple top_keys{
 
 void read_sections(TableReader reader, Case& setup) {
   read_keys(reader, setup, top_keys);
-  if (constexpr std::size_t longest = 1000; setup.title.size() > longest)  // results carry it
+  if (constexpr std::size_t longest = 1000; setup.title.size() > longest)  // results contain it
     reader.fail("title", "title has {} bytes; at most {} are allowed", setup.title.size(), longest);
   read_domain(reader, setup);
   read_fluid(reader, setup);
@@ -222,8 +221,8 @@ void find_idle_sections(const Case&, Diagnostics& findings) {
 
 namespace {
 
-/// Returns the index of a name in a list; reports "unknown <what> '<name>'; did you mean ..." and gives -1 if
-/// it is not there.
+/// Returns the index of a name in a list; if it is missing, reports "unknown <what> '<name>'; did you mean
+/// ..." and returns -1.
 int index_of(TableReader& reader, std::string_view key, const std::string& name,
              const std::vector<std::string>& names, std::string_view what) {
   const auto found = std::ranges::find(names, name);

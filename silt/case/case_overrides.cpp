@@ -13,7 +13,7 @@ namespace {
 
 using adapters::Node;
 
-// A string may be written without quotes if it cannot be anything else.
+// A string may be written without quotes if it has no other meaning.
 bool is_bare_string(const std::string& text) {
   if (text.empty() || text == "true" || text == "false" || text == "inf" || text == "nan") return false;
   return std::isalpha(static_cast<unsigned char>(text[0])) && std::ranges::all_of(text, [](unsigned char c) {
@@ -66,7 +66,7 @@ Node* descend(Node& node, const std::string& step, const Place& place) {
   return &node.children.back();
 }
 
-/// Of keys that say the same thing in different ways, "one of two", the one that is set replaces the others.
+/// Removes the alternatives ("one of two") of a key that is set.
 void remove_alternatives(Node& root, const std::vector<std::string>& steps) {
   const auto sections = case_keys();
   const auto section = std::ranges::find(sections, steps[0], &KeySection::path);
@@ -81,7 +81,7 @@ void remove_alternatives(Node& root, const std::vector<std::string>& steps) {
                 [&](const Node& child) { return child.key != steps[1] && is_one_of(child.key); });
 }
 
-/// The child of a table or list that a step names; CaseError if there is none.
+/// Returns the child of a table or list that a step names. Throws CaseError if there is none.
 Node* child_at(Node& node, const std::string& step, const Place& place) {
   if (node.kind == Node::Kind::array) return element(node, step, place);
   if (Node* child = node.find(step)) return child;
@@ -121,13 +121,13 @@ void apply_override(Node& root, const std::string& argument) {
   remove_alternatives(root, steps);
 }
 
-/// Returns the key that an argument of --set or --unset is about; the length of a run has two.
+/// Returns the key of an argument of --set or --unset; run.steps and run.time count as one.
 std::string key_of(const std::string& argument) {
   const std::string key = argument.substr(0, argument.find('='));
   return key == "run.time" ? "run.steps" : key;
 }
 
-/// Says whether a table may change when a run continues.
+/// Returns whether a resumed run may change a table.
 bool may_change(const std::string& table) {
   return table == "run" || table == "output" || table == "quantities";
 }
@@ -150,7 +150,7 @@ std::vector<ValueInFile> values_of(const std::string& text, const std::string& f
   return values;
 }
 
-/// Returns a line of a text without the blanks around it.
+/// Returns a line of a text, trimmed.
 std::string line_at(const std::string& text, int number) {
   std::istringstream stream(text);
   std::string line;
@@ -175,7 +175,7 @@ void require_same_values(const CaseOrigin& origin, const CaseSource& source) {
                               i < before.size() ? line_at(origin.text, before[i].line) : ""));
 }
 
-/// The files that the case names, too, must be those of the run.
+/// Requires that files named by the case are those of the earlier run.
 void require_same_files(const CaseOrigin& origin, const Case& now) {
   for (std::size_t i = 0; i < now.files.size(); ++i) {
     if (i < origin.files.size() && origin.files[i] == now.files[i]) continue;

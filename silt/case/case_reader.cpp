@@ -17,7 +17,7 @@ std::string found(const Node& node) {
   return written(node);
 }
 
-/// Returns what a key for gravity in another place or form is to be instead.
+/// Returns the replacement for a key of gravity in another place or form.
 std::string gravity_from(const Node& node) {
   std::string value = "[x, y, z]";
   if (node.numbers(3)) value = written(node);
@@ -29,7 +29,7 @@ bool is_gravity(const Node& node) {
   return node.key == "gravity" || node.key == "g";
 }
 
-/// Returns a path without indices: entries of an array have the path of the array.
+/// Returns the path of a child without indices: entries have the path of their array.
 std::string path_of_child(const Node& node, const std::string& path, const Node& child) {
   if (node.kind == Node::Kind::array) return path;
   return path.empty() ? child.key : path + "." + child.key;
@@ -168,9 +168,9 @@ std::optional<rigid::BoundingBox> TableReader::box(std::string_view key, bool ma
   return {};
 }
 
-/// Returns an integer, also one that is written as 1e3.
+/// Returns an integer, which may be written as 1e3.
 static std::optional<std::int64_t> whole_number(const Node& node) {
-  constexpr double exact = 0x1p53;  // beyond, not every integer is a number
+  constexpr double exact = 0x1p53;  // beyond it, not all integers are doubles
   if (node.kind == Node::Kind::integer) return node.integer;
   const bool is_whole = node.kind == Node::Kind::floating && std::fabs(node.floating) <= exact &&
                         node.floating == std::trunc(node.floating);

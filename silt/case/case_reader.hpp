@@ -1,8 +1,8 @@
 #pragma once
-// Typed access to the tables of a case file that keeps account of who read what: every key asked for becomes
-// a known key of its table, and a key that nobody asked for is an error. Nothing here throws; errors are
-// collected. Below, tables of keys: one reader fills a spec by them, and says what is wrong with a key or
-// missing; the page cases/README.md, `silt keys` and the completion of the shell have the same rows.
+// Typed access to the tables of a case file. Every key that a reader asks for becomes a known key of its
+// table; a key that none asks for is an error. Errors are collected, nothing is thrown. Below are tables of
+// keys: one reader fills a spec from such a table and reports wrong or missing keys; cases/README.md, `silt
+// keys` and the completion of the shell have the same rows.
 #include <fmt/format.h>
 
 #include <initializer_list>
@@ -21,7 +21,7 @@ namespace silt {
 
 using adapters::Node;
 
-/// An interval of the numbers that a key may have.
+/// The allowed values of a key.
 struct Range {
   double low = -std::numeric_limits<double>::infinity(), high = std::numeric_limits<double>::infinity();
   bool low_allowed = true, high_allowed = true;
@@ -42,28 +42,28 @@ inline constexpr Range between(double low, double high) {
 }
 }  // namespace range
 
-/// Holds what the readers of all sections share.
+/// The data shared by the readers of all sections.
 struct ReadContext {
   std::string file;
-  CaseSource* source = nullptr;    // of the files that the case names
-  std::vector<std::string> files;  // that the case names: AttachedFile::fingerprint of each, in its order
+  CaseSource* source = nullptr;    // of files that the case names
+  std::vector<std::string> files;  // AttachedFile::fingerprint of each, in order
   Units units;
-  bool units_known = true;  // else nothing that depends on a scale is judged
+  bool units_known = true;  // else values with scales are not checked
   std::vector<Diagnostic> errors, warnings;
   std::map<const Node*, std::vector<std::string>>
-      known_keys;                       // of each table, in the order they were asked for
-  std::set<const Node*> unjudged;       // tables whose unread keys are no errors
-  std::map<std::string, Place> places;  // of each key found, by its path
+      known_keys;                       // of each table, in the order in which readers asked for them
+  std::set<const Node*> unjudged;       // tables with keys that may be unknown
+  std::map<std::string, Place> places;  // of each key found, by path
 
   template <class... T>
   void fail(const Place& place, fmt::format_string<T...> text, T&&... values) {
     errors.push_back({Diagnostic::Severity::error, place, fmt::format(text, std::forward<T>(values)...)});
   }
-  /// Reports an error for every key below the table that no reader asked for.
+  /// Reports an error for every key below the table that no reader requested.
   void report_unread(const Node& table, const std::string& path);
 };
 
-/// Reads one table (or the absence of one: then every key is absent).
+/// Reads one table, or an absent one without keys.
 class TableReader {
  public:
   TableReader(ReadContext&, const Node* table, std::string path, Place);
@@ -73,19 +73,19 @@ class TableReader {
   std::string path(std::string_view key) const;  // "fluid.density"
   ReadContext& context() const { return *context_; }
 
-  /// Marks the key as known; nullptr if it is not there.
+  /// Returns the node of a key, or nullptr; makes the key known.
   const Node* find(std::string_view key);
   bool has(std::string_view key) { return find(key) != nullptr; }
-  Place place(std::string_view key) const;  // of the key, or of the table if it is not there
+  Place place(std::string_view key) const;  // of the key, or of the table if absent
 
-  /// Returns the number as it stands; none if absent, of another type, not finite or out of range (reported).
+  /// Returns a number as written; none if absent, or if not a finite number in range (reported).
   std::optional<double> number(std::string_view key, const Range&);
-  /// Returns the number in lattice units; it stands, as does its range, in the units of the case.
+  /// Returns a number in lattice units; number and range are in units of the case.
   std::optional<double> quantity(std::string_view key, Dimension, const Range&);
   std::optional<rigid::Vec3> vector(std::string_view key, Dimension = dimension::none);
-  /// Returns a box by its lower and upper corner, which are equal along an axis only if it may be flat.
+  /// Returns a box from its lower and upper corner, which may be equal along an axis only if it may be flat.
   std::optional<rigid::BoundingBox> box(std::string_view key, bool may_be_flat = false);
-  /// Returns a list of points in lattice units; none (reported) if one is wrong or their number is.
+  /// Returns a list of points in lattice units; empty (reported) if a point or their number is wrong.
   std::vector<rigid::Vec3> points(std::string_view key, std::size_t least, std::size_t most,
                                   std::string_view must);
   std::optional<std::int64_t> integer(std::string_view key, std::int64_t low,
@@ -93,9 +93,9 @@ class TableReader {
                                       std::string_view unit = "");
   std::optional<bool> boolean(std::string_view key);
   std::optional<std::string> string(std::string_view key);
-  /// Returns a string out of a list; the nearest is named if it is another.
+  /// Returns a string of a list; otherwise reports an error with the nearest one.
   std::optional<std::string> choice(std::string_view key, const std::vector<std::string>& allowed);
-  /// Returns the value of an enum by its name.
+  /// Returns an enumerator by its name.
   template <class Enum, std::size_t count>
   std::optional<Enum> choice(std::string_view key, const coupler::NameTable<Enum, count>& table) {
     const auto name = choice(key, table.list());
@@ -107,10 +107,10 @@ class TableReader {
   TableReader table(std::string_view key);
   std::vector<TableReader> tables(std::string_view key);  // of an array of tables
 
-  /// Leaves open what the other keys mean (under an unknown type): none of them is called unknown.
+  /// Accepts unknown keys, e.g. below an unknown type.
   void judge_no_keys() { context_->unjudged.insert(table_); }
 
-  /// Reports a key that must be there and is not; `what` says what it stands for.
+  /// Reports a missing key; `what` describes it.
   void need(std::string_view key, std::string_view what);
   /// Reports "fluid.density is -1; it must be above 0".
   void refuse(std::string_view key, std::string_view must);
@@ -123,20 +123,19 @@ class TableReader {
     context_->warnings.push_back(
         {Diagnostic::Severity::warning, place(key), fmt::format(text, std::forward<T>(values)...)});
   }
-  /// Returns a text with the paths of a key and of this table in the place of {key} and {table}.
+  /// Replaces {key} and {table} in a text by their paths.
   std::string filled(std::string_view text, std::string_view key) const;
-  /// Reports each of the keys that is given: the text, filled, says why it may not be.
+  /// Reports each of the keys that is given; the text, filled, says why it is not allowed.
   void refuse_given(std::initializer_list<const char*> keys, std::string_view text);
-  /// Warns of a key that is there and does nothing; `why` says what switches it off.
+  /// Warns of a key without effect; `why` says what switches it off.
   void idle(std::string_view key, std::string_view why) {
     if (has(key)) warn(key, "{} has no effect: {}", path(key), why);
   }
-  /// Requires that exactly one (or, unless required, at most one) of the keys is given; returns the one, or
-  /// "".
+  /// Requires that exactly one of the keys (or, unless required, at most one) is given; returns it, or "".
   std::string one_of(std::initializer_list<const char*> keys, bool required, std::string_view what);
 
  private:
-  /// Returns an array of three numbers; none (reported under the given name) otherwise.
+  /// Returns an array of three numbers, or none (reported with `path`).
   std::optional<rigid::Vec3> vector(const Node&, const std::string& path);
 
   ReadContext* context_;
@@ -145,19 +144,19 @@ class TableReader {
   Place place_;
 };
 
-// The keys of a section of a case as a table, a row a key: the member of a spec that it fills, what it may
-// be, what it means, its default, and when it does nothing, may not or must be given.
+// The keys of a section as a table, one row per key: member of a spec, allowed values, meaning, default, and
+// when it has no effect, is not allowed or is required.
 
-inline constexpr const char* required = "–";  // in the place of a default: the key must be given
+inline constexpr const char* required = "–";  // as a default: the key is required
 
-/// Returns the unit in SI as the page writes it: "m²/s", "1" of a number.
+/// Returns an SI unit as on the page: "m²/s", or "1" of a number.
 std::string unit_on_page(Dimension);
 
-// A kind of value knows how it is read, what the page says of it, and how a default is written.
+// A kind of value defines how it is read, its description on the page, and how a default is written.
 struct Number {
   Dimension dimension = dimension::none;
   Range range = range::any;
-  const char* unit = nullptr;  // where the dimension does not say it
+  const char* unit = nullptr;  // if the dimension does not give it
   auto read(TableReader& table, const char* key) const { return table.quantity(key, dimension, range); }
   std::string type() const { return "number"; }
   std::string unit_text() const { return unit ? unit : unit_on_page(dimension); }
@@ -170,7 +169,7 @@ struct Vector {
   std::string unit_text() const { return unit_on_page(dimension); }
   static std::string text(const rigid::Vec3& x) { return x.isZero(0) ? "0" : "given"; }
 };
-/// A box by two corners.
+/// A box, by two corners.
 struct Corners {
   auto read(TableReader& table, const char* key) const { return table.box(key); }
   std::string type() const { return "[[x, y, z], [x, y, z]]"; }
@@ -203,20 +202,20 @@ struct Choice {
 };
 
 enum class If { idle, refused, needed };
-/// What a key asks of the others of its table, once they are read: where it holds of the spec, the key does
-/// nothing, may not be given, or must be. The text names the remedy; {key} and {table} in it are paths.
+/// The dependence of a key on the rest of its table: if `holds` is true for the spec, the key has no effect,
+/// is not allowed, or is required. The text gives the remedy; {key} and {table} stand for paths.
 template <class Test>
 struct Rule {
   If means;
   Test holds;
   const char* text = "";
 };
-/// The same of the whole case: where it holds, the key does nothing.
+/// The same for the whole case: if true, the key has no effect.
 struct IdleInCase {
   bool (*in)(const Case&);
   const char* text;
 };
-/// Holds where a member is 0.
+/// Is true if a member is 0.
 template <class Spec, class Member>
 constexpr auto is_zero(Member Spec::*member) {
   return [member](const Spec& spec) { return spec.*member == 0. * (spec.*member); };
@@ -229,12 +228,12 @@ struct Key {
   Member Spec::*member;
   Kind kind;
   const char* meaning;
-  const char* fallback = nullptr;  // null: what the member is in a spec that nobody has filled
+  const char* fallback = nullptr;  // null: the member's value in a new spec
   First rule = {};
   Second second_rule = {};
 };
 
-/// A key that its section reads by hand.
+/// A key that its section reads by other code.
 template <class First = NoRule, class Second = NoRule>
 struct HandKey {
   const char *name, *type, *unit, *fallback, *meaning;
@@ -242,7 +241,7 @@ struct HandKey {
   Second second_rule = {};
 };
 
-/// Returns a spec that nobody has filled.
+/// Returns a new spec.
 template <class Spec>
 const Spec& blank_of() {
   static const Spec blank;
@@ -264,7 +263,7 @@ KeyText text_of(const HandKey<Rules...>& key) {
   return {key.name, key.type, key.unit, key.fallback, key.meaning};
 }
 
-/// Reports a key that must be there and is not.
+/// Reports a required key that is missing.
 template <class AnyKey>
 void require(TableReader& table, const AnyKey& key) {
   if (key.fallback && std::string_view(key.fallback) == required) table.need(key.name, key.meaning);
@@ -289,8 +288,8 @@ void judge_key(TableReader& table, const Spec& spec, const AnyKey& key, const An
   }
 }
 
-/// Fills a spec with what a table has of its keys, and judges them by their rules; those read by hand become
-/// known, and are reported if they are missing.
+/// Fills a spec from a table of keys and checks their rules. Keys read by other code become known, and are
+/// reported if missing.
 template <class Spec, class... Keys>
 void read_keys(TableReader& table, Spec& spec, const std::tuple<Keys...>& keys) {
   if (!table.present()) return;
@@ -299,7 +298,7 @@ void read_keys(TableReader& table, Spec& spec, const std::tuple<Keys...>& keys) 
   std::apply([&](const auto&... key) { (judge_key(table, spec, key, key.second_rule), ...); }, keys);
 }
 
-/// Returns the rows of the tables of keys that a section has, one after the other.
+/// Returns the rows of the key tables of a section.
 template <class... Tables>
 KeySection section_of(const char* path, const Tables&... tables) {
   KeySection section{path, {}};

@@ -1,4 +1,4 @@
-// [coarsening], and what of a case does not go with it.
+// [coarsening], and its conflicts with the rest of a case.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -46,8 +46,8 @@ std::string cells_text(const Case& setup, double n) {
                         : shown(n) + " cells";
 }
 
-/// Refuses a number of steps that is no whole multiple of the stride, by default that of the coarsest cells;
-/// `unit`: of what the key says, in steps.
+/// Rejects a number of steps that is not a multiple of the stride (default: of the coarsest cells); `unit` is
+/// the unit of the key in steps.
 void require_whole(Diagnostics& findings, const std::string& key, std::int64_t steps, double unit = 1,
                    std::int64_t stride = 0) {
   const coupler::CoarseningSpec& spec = *findings.setup.coarsening;
@@ -125,7 +125,7 @@ void check_fine_boxes(Diagnostics& findings) {
   }
 }
 
-/// The distance should be about that in which the flow around a body changes, at most half its diameter.
+/// Checks that the distance is about the scale of the flow around a body, at most half its diameter.
 void check_layers(Diagnostics& findings) {
   const Case& setup = findings.setup;
   const double nu = setup.fluid->kinematic_viscosity, distance = setup.coarsening->distance;

@@ -1,4 +1,4 @@
-// [contacts] and [[material_pairs]]: how bodies touch, and what may be wrong with it.
+// [contacts] and [[material_pairs]], with their checks.
 
 #include <algorithm>
 #include <numbers>
@@ -56,7 +56,7 @@ constexpr std::tuple between_keys{
     HandKey{"between", "[\"a\", \"b\"]", "", required,
             "two materials, as bodies and walls call theirs; \"default\" is that of all others"}};
 
-/// One of those that this build has; of one that it was configured without that is said.
+/// Reads the name of an engine; reports one that this build lacks.
 std::optional<std::string> read_engine(TableReader& table, const char* key,
                                        const std::vector<std::string_view>& names) {
   const Node* node = table.find(key);
@@ -67,7 +67,7 @@ std::optional<std::string> read_engine(TableReader& table, const char* key,
   return {};
 }
 
-/// Reads what a material of a pair, or of all, says.
+/// Reads the material of one pair or of all.
 void read_material(TableReader& table, rigid::Material& material, const ContactSpec& contacts) {
   read_keys(table, material, material_keys);
   for (const auto& [key, value] : {std::pair{"rolling_friction", material.rolling_friction},
@@ -82,7 +82,7 @@ void read_material(TableReader& table, rigid::Material& material, const ContactS
   }
 }
 
-/// Returns the names of two materials; none (reported) where there are others.
+/// Returns the names of two materials; empty (reported) for anything else.
 std::vector<std::string> read_between(TableReader& pair) {
   rigid::Material unused;
   read_keys(pair, unused, between_keys);
@@ -97,7 +97,7 @@ std::size_t index_of_material(const Case& setup, const std::string& name) {
   return std::size_t(std::ranges::find(setup.material_names, name) - setup.material_names.begin());
 }
 
-/// The materials are those that pairs name, in their order after "default".
+/// Collects the materials that pairs name, in order after "default".
 void read_materials(TableReader& root, const rigid::Material& standard, Case& setup) {
   setup.material_names = {"default"};
   std::vector<TableReader> pairs = root.tables("material_pairs");
@@ -122,10 +122,10 @@ void read_materials(TableReader& root, const rigid::Material& standard, Case& se
   }
 }
 
-/// Pairs that lose nothing collide one after the other, where no fluid takes part: all at once, one of three
-/// bodies that meet in a step may be only stopped.
+/// Resolves collisions without dissipation one after the other if there is no fluid: solved together, one of
+/// three bodies that meet in a step may merely be stopped.
 void collide_without_loss(Case& setup) {
-  constexpr int enough = 1000;  // a cluster comes to rest before
+  constexpr int enough = 1000;  // a cluster comes to rest earlier
   const bool some =
       std::ranges::any_of(setup.pair_materials, [](const rigid::Material& m) { return m.restitution == 1; });
   if (!some || setup.fluid || !rigid::resolver_model(setup.contacts.resolver).has_impact_phase) return;
@@ -133,7 +133,7 @@ void collide_without_loss(Case& setup) {
   setup.contacts.resolver_settings.least_impact_restitution = 1;
 }
 
-/// Refuses keys that the resolver does not know.
+/// Rejects keys that the resolver does not have.
 void require_resolver(TableReader& table, const ContactSpec& contacts) {
   const rigid::ResolverModel& resolver = rigid::resolver_model(contacts.resolver);
   const int impact_sweeps = contacts.resolver_settings.impact_sweeps;
@@ -148,11 +148,11 @@ void require_resolver(TableReader& table, const ContactSpec& contacts) {
                                      contacts.resolver));
 }
 
-constexpr double most_friction = 5;    // of dry matter it is up to about 1
+constexpr double most_friction = 5;    // of dry matter: up to about 1
 constexpr double steepest_angle = 89;  // degrees
 constexpr double usual_margin = 1;     // cells
 
-/// The key that gives a coefficient, of all pairs or of one, if there is but one.
+/// Returns the key of a coefficient, that of all pairs or that of the only one.
 std::string coefficient_key(const Case& setup, const std::string& name) {
   std::vector<std::string> keys;
   for (const auto& [key, place] : setup.places)
@@ -248,7 +248,7 @@ void look_for_idle_pairs(TableReader& root, const Case& setup) {
     all[std::size_t(body.material)] += count;
     if (body.motion == rigid::Motion::free) free[std::size_t(body.material)] += count;
   };
-  constexpr std::uint64_t several = 2;  // as many as come, or are there sites for, or another run had
+  constexpr std::uint64_t several = 2;  // for bodies that arrive, fill sites or were in another run
   setup.for_each_given(add);
   for (const BodySpec& body : setup.continued) add(body, several);
   for (const FillSpec& fill : setup.fills) {

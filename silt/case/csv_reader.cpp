@@ -31,7 +31,7 @@ bool is_control(char c) {
   return std::iscntrl(static_cast<unsigned char>(c)) != 0 && c != '\t';
 }
 
-/// Takes a finite number off the beginning of a text, a plus sign included; false if there is none.
+/// Takes a finite number, with a sign or not, off the beginning of a text; returns false for none.
 bool take_number(View& text, double& x) {
   const View digits = text.substr(text.size() > 1 && text[0] == '+' && text[1] != '-');
   const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), x);
@@ -50,8 +50,7 @@ bool stands_for_no_number(View text) {
   return std::find(std::begin(missing_values), std::end(missing_values), small) != std::end(missing_values);
 }
 
-/// Says whether a word is a number, or begins with one but for signs, quotes, brackets: 4, -.5, '4', (4, 4.O,
-/// x=4.
+/// Returns whether a word is a number or begins like one after signs, quotes etc.: 4, -.5, '4', (4, x=4.
 bool looks_like_number(View word) {
   if (stands_for_no_number(word)) return true;
   if (const auto equals = word.rfind('='); equals != word.npos) word.remove_prefix(equals + 1);
@@ -75,7 +74,7 @@ bool is_number(View text) {
   return take_number(text, x) && text.empty();
 }
 
-/// A digit, something, a digit.
+/// Returns whether `piece` is somewhere between two digits.
 bool between_digits(View text, View piece) {
   for (auto at = text.find(piece); at != text.npos; at = text.find(piece, at + 1)) {
     const auto after = at + piece.size();
@@ -84,7 +83,7 @@ bool between_digits(View text, View piece) {
   return false;
 }
 
-/// Returns what is wrong with a field that is not a number.
+/// Returns the fault of a field that is not a number.
 std::string complaint_of_field(const std::string& field) {
   constexpr View wide_blanks[] = {" ", "\u00A0", "\u2009", "\u202F"};
   double x = 0;
@@ -115,7 +114,7 @@ std::string complaint_of_field(const std::string& field) {
   return fmt::format("has \"{}\", which is no number", field);
 }
 
-/// Returns what the line as a whole says of the program that wrote it; "" if nothing.
+/// Returns the fault of a line due to the program that wrote it, or "".
 std::string complaint_of_text(View line) {
   if (line.starts_with("\xFF\xFE") || line.starts_with("\xFE\xFF"))
     return "begins with a byte order mark of UTF-16: the file must be saved as UTF-8";
@@ -125,7 +124,7 @@ std::string complaint_of_text(View line) {
   return "";
 }
 
-/// Returns what is between the numbers in place of commas; "" if nothing.
+/// Returns the separators used instead of commas, or "".
 std::string complaint_of_separators(View line, std::size_t fields) {
   if (!any_word_looks_like_number(line, " \t;|,")) return "";
   const bool commas = contains(line, ",");
@@ -139,8 +138,8 @@ std::string complaint_of_separators(View line, std::size_t fields) {
   return "";
 }
 
-/// Takes a field off the beginning of a line, without the blanks and quotes around it (RFC 4180); `quoted`
-/// holds what stood in quotes. None if a quote does not end, or something stands beside one.
+/// Takes a field off the beginning of a line, without blanks and quotes (RFC 4180); `quoted` holds the
+/// content of quotes. None if a quote does not end or has text beside it.
 std::optional<View> take_field(View& line, std::string& quoted) {
   line = trimmed(line);
   const auto end = std::min(line.find(','), line.size());
@@ -156,12 +155,12 @@ std::optional<View> take_field(View& line, std::string& quoted) {
       return line.empty() || line[0] == ',' ? std::optional<View>(quoted) : std::nullopt;
     }
     quoted += line[at];
-    at += line[at] == '"';  // two stand for one
+    at += line[at] == '"';  // a doubled quote is one
   }
   return {};
 }
 
-/// Splits a line at its commas; none if one of its fields is none.
+/// Splits a line at its commas; none if a field is invalid.
 std::optional<std::vector<std::string>> csv_fields(View line) {
   std::vector<std::string> fields;
   std::string quoted;
@@ -173,7 +172,7 @@ std::optional<std::vector<std::string>> csv_fields(View line) {
   }
 }
 
-/// Reads a line of so many numbers.
+/// Reads a line with exactly these numbers.
 bool take_numbers(View line, std::span<double> numbers) {
   std::string quoted;
   for (double& number : numbers) {
@@ -187,7 +186,7 @@ bool take_numbers(View line, std::span<double> numbers) {
   return true;
 }
 
-/// The fields of a line of headings; none if a field is, or looks like, a number: 4, +.5, "'4'", nan.
+/// Returns the fields of a heading line; none if one is, or looks like, a number: 4, +.5, "'4'", nan.
 std::optional<std::vector<std::string>> csv_headings(View line) {
   auto fields = csv_fields(line);
   if (!fields || !complaint_of_text(line).empty()) return {};
@@ -198,8 +197,7 @@ std::optional<std::vector<std::string>> csv_headings(View line) {
   return all_empty ? std::nullopt : std::move(fields);
 }
 
-/// Returns how a line differs from so many numbers with commas between them: "has semicolons between its
-/// numbers".
+/// Returns the difference of a line from comma-separated numbers: "has semicolons between its numbers".
 std::string csv_complaint(View line, std::size_t numbers) {
   line = trimmed(line);
   if (const std::string found = complaint_of_text(line); !found.empty()) return found;
@@ -221,11 +219,11 @@ bool counts(std::string_view line) {
   return !text.empty() && text[0] != '#';
 }
 
-/// Returns the beginning of a line with what a terminal cannot show as question marks.
+/// Returns the beginning of a line, with question marks for characters that a terminal cannot show.
 std::string shown_line(std::string_view line) {
   line = trimmed(line);
   std::size_t end = std::min<std::size_t>(60, line.size());
-  while (end < line.size() && (line[end] & 0xC0) == 0x80) --end;  // no part of a character
+  while (end < line.size() && (line[end] & 0xC0) == 0x80) --end;  // cut between characters
   std::string text(line.substr(0, end));
   for (char& c : text)
     if (static_cast<unsigned char>(c) < ' ' || c == '\x7F' || c == '\xFE' || c == '\xFF') c = '?';
@@ -280,7 +278,7 @@ void CsvReader::take_part(int part, int parts) {
   const std::uint64_t begin = head + (end - head) * part / parts;
   end_ = head + (end - head) * (part + 1) / parts;
   if (part > 0) lines_ = 0;
-  const bool skips = part > 0 && begin > 0;  // the end of a line of the part before
+  const bool skips = part > 0 && begin > 0;  // rest of a line of the part before
   go_to(skips ? begin - 1 : begin);
   if (skips) take_line();
 }

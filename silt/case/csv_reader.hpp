@@ -1,5 +1,5 @@
 #pragma once
-// A CSV file of numbers beside a case: lines of numbers with commas between them, below lines of headings.
+// Reads a CSV file of numbers: comma-separated lines below heading lines.
 #include <cstdint>
 #include <istream>
 #include <span>
@@ -9,28 +9,26 @@
 
 namespace silt {
 
-/// Returns a text without the blanks around it.
+/// Returns a text without blanks around it.
 std::string_view trimmed(std::string_view);
 
-/// Reads a file line by line. Lines end in LF, CRLF or CR; blank ones and those that begin with # do not
-/// count. A byte order mark of UTF-8 at the beginning is passed over; fields may stand in double quotes (RFC
-/// 4180).
+/// Reads a file line by line. Lines end in LF, CRLF or CR; blank lines and those that begin with # are
+/// skipped, as is a UTF-8 byte order mark. Fields may be in double quotes (RFC 4180).
 class CsvReader {
  public:
-  /// Passes the lines of headings, which come first: no field of theirs is, or looks like, a number.
+  /// Skips heading lines at the start: those without a field that is, or looks like, a number.
   explicit CsvReader(std::istream&);
-  /// Returns the fields of each line of headings.
+  /// Returns the fields of each heading line.
   const std::vector<std::vector<std::string>>& headings() const { return headings_; }
 
-  /// Reads on only the lines that begin in part `part` of `parts` of the bytes below the headings.
+  /// Restricts reading to lines that begin in part `part` of `parts` of the bytes below the headings.
   void take_part(int part, int parts);
-  /// Goes on to the next line that counts; false after the last one.
+  /// Goes to the next line with numbers; returns false after the last.
   bool next();
-  /// Returns how many lines have been passed, those that do not count and the headings included; of a part
-  /// that is not the first, those of that part.
+  /// Returns the number of lines read, with skipped ones and headings; of this part unless it is the first.
   std::uint64_t lines() const { return lines_; }
-  /// Reads the numbers of the line. std::invalid_argument: `is "4;5;6": it has semicolons between its
-  /// numbers; it must be ` and what the line must be.
+  /// Reads the numbers of the line. Throws std::invalid_argument with `is "4;5;6": it has semicolons between
+  /// its numbers; it must be ` and then `must`.
   void numbers(std::span<double>, std::string_view must) const;
 
  private:
@@ -39,7 +37,7 @@ class CsvReader {
 
   std::istream* stream_;
   std::string line_;
-  std::uint64_t at_ = 0, end_ = ~std::uint64_t{0};  // of the bytes: where the next line begins, the part ends
+  std::uint64_t at_ = 0, end_ = ~std::uint64_t{0};  // bytes: start of the next line, end of the part
   std::uint64_t lines_ = 0;
   std::vector<std::vector<std::string>> headings_;
 };

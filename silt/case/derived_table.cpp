@@ -18,7 +18,7 @@ namespace {
 
 constexpr int populations = 19;
 
-// Lines of three columns, two blanks apart or more.
+// Lines of three columns, at least two blanks apart.
 class Table {
  public:
   explicit Table(const Units& units) : units_(units) {}
@@ -28,8 +28,7 @@ class Table {
     text.erase(text.find_last_not_of(' ') + 1);
     text += '\n';
   }
-  /// Numbers of a dimension as shown(scale) writes them, in the units of the case and in those of the
-  /// lattice.
+  /// Adds numbers as shown(scale) writes them, in units of the case and of the lattice.
   template <class Shown>
   void numbers(const std::string& name, Dimension dimension, Shown&& shown, const char* remark = "") {
     const std::string in_lattice = fmt::format("{} {}{}", shown(1.), Units{}.unit_text(dimension), remark);
@@ -59,7 +58,7 @@ std::string side_text(const coupler::BoundarySpec& side) {
   return std::string(coupler::boundary_names[side.kind]) + (side.removes_bodies() ? " (bodies leave)" : "");
 }
 
-/// Returns how many lines of a CSV file were taken for numbers, and how many not.
+/// Returns the numbers of lines of a CSV file with numbers and with headings.
 std::string lines_text(std::uint64_t numbers, int headings) {
   return fmt::format("{} lines of numbers, {} of headings", numbers, headings);
 }
@@ -105,7 +104,7 @@ void add_domain(const Case& setup, Table& table) {
   }
 }
 
-/// Adds lines of the coarser lattices; how many cells each has depends on where bodies are.
+/// Adds lines for coarser lattices; their numbers of cells depend on the places of bodies.
 void add_levels(const Case& setup, Table& table) {
   const coupler::CoarseningSpec& spec = *setup.coarsening;
   for (int level = 1; level <= spec.levels; ++level)
@@ -165,14 +164,14 @@ void add_kind(const Case& setup, Table& table, const std::string& name, const En
              fmt::format("{}, {}", shown(speed * diameter / nu), shown(speed * std::sqrt(3.))));
 }
 
-/// Returns the number asked for, else that of the sites, of which some may turn out not to be free.
+/// Returns the requested number of bodies, or else that of the sites, some of which may be occupied.
 std::uint64_t most_bodies_of(const Case& setup, std::size_t fill) {
   const FillSpec& spec = setup.fills[fill];
   if (spec.count > 0) return static_cast<std::uint64_t>(spec.count);
   return lattice_of(setup, fill, rigid::bounding_radius(setup.shapes[spec.shape])).total();
 }
 
-/// Adds the share of the box, as far as it lies in the domain, that is left for the bodies' centres.
+/// Adds the share of the box, inside the domain, that is free for centres of bodies.
 void add_room(const Case& setup, Table& table, std::size_t fill) {
   const FillSpec& spec = setup.fills[fill];
   const double radius = rigid::bounding_radius(setup.shapes[spec.shape]);
@@ -188,7 +187,7 @@ void add_room(const Case& setup, Table& table, std::size_t fill) {
              fmt::format("{:.0f} % of the box: its faces and walls take the rest", 100 * share));
 }
 
-/// Adds how often a fill is applied again, and how many bodies come if there is always room.
+/// Adds the interval of a fill, and the number of bodies that arrive if there is always room.
 void add_inflow(const Case& setup, Table& table, const FillSpec& fill, double count) {
   if (fill.every == 0) return;
   const std::int64_t again = std::max<std::int64_t>(setup.steps - 1, 0) / fill.every;

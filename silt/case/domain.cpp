@@ -1,4 +1,4 @@
-// [units] and [domain] with its sides, and what may be wrong with them.
+// [units] and [domain] with its sides, and their checks.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -9,9 +9,9 @@
 namespace silt {
 namespace {
 
-// units.max_velocity becomes this lattice velocity: error by compressibility ~ u^2 = 0.25 %
+// the lattice value of units.max_velocity: compressibility error ~ u^2 = 0.25 %
 constexpr double target_lattice_velocity = 0.05;
-// how far, in cells, a size may be from a whole number of cells (rounding of decimal fractions)
+// cells by which a size may differ from a whole number, for rounded decimals
 constexpr double cell_count_tolerance = 1e-6;
 constexpr double most_cells_an_axis = 1 << 20;
 
@@ -61,7 +61,7 @@ constexpr std::tuple density_keys{
     Key{"density", &coupler::BoundarySpec::density, Number{dimension::density, range::above(0)},
         "density at a pressure outlet: in this method density is pressure", "the fluid's"}};
 
-/// Returns the length of a step; 0 if something is wrong with it (reported).
+/// Returns the length of a step, or 0 if it is wrong (reported).
 double time_step_of(const GivenScales& scales, TableReader& units, TableReader& fluid) {
   const std::string given =
       units.one_of({"time_step", "relaxation_time", "max_velocity"}, true, "they fix the length of a step");
@@ -83,7 +83,7 @@ double time_step_of(const GivenScales& scales, TableReader& units, TableReader& 
 }
 
 Units read_si_scales(TableReader& units, TableReader& fluid) {
-  constexpr double dry_scale = 1000;  // kg/m3: of mass, where there is no fluid
+  constexpr double dry_scale = 1000;  // kg/m3: scale of mass without a fluid
   GivenScales u{{.cell_size = 0, .time_step = 0, .si = true}};
   read_keys(units, u, si_keys);
   u.density = fluid.present() ? fluid.number("density", range::above(0)).value_or(0) : dry_scale;
@@ -135,7 +135,7 @@ void read_side_table(TableReader table, coupler::BoundarySpec& side) {
   if (side.traits().has_density) read_keys(table, side, density_keys);
 }
 
-// One side: a name, or a table with a type and what goes with it; none if it has errors.
+// Reads a side: a name, or a table with a type and its keys; none if it has errors.
 std::optional<coupler::BoundarySpec> read_side(ReadContext& context, const Node& node,
                                                const std::string& path) {
   coupler::BoundarySpec side;
@@ -174,7 +174,7 @@ void read_axis(TableReader& boundary, int axis, Case& setup) {
 
 void read_boundary(TableReader& domain, Case& setup) {
   const Node* node = domain.find("boundary");
-  if (node && node->kind == Node::Kind::string) {  // one kind all round
+  if (node && node->kind == Node::Kind::string) {  // one kind for all sides
     setup.boundary.fill(
         read_side(domain.context(), *node, "domain.boundary").value_or(coupler::BoundarySpec{}));
     return;
@@ -289,7 +289,7 @@ std::vector<KeySection> domain_sections() {
 }
 
 void read_domain(TableReader& root, Case& setup) {
-  read_units(root, setup);  // everything after it converts
+  read_units(root, setup);  // first, for conversions
   TableReader domain = root.table("domain");
   if (!domain.present()) return;
   read_keys(domain, setup, domain_keys);
@@ -305,7 +305,7 @@ const char* side_key(int side) {
 }
 
 void find_domain_faults(const Case& setup, Diagnostics& findings) {
-  constexpr int thinnest_block = 2;  // cells: a block needs a layer to send to either side
+  constexpr int thinnest_block = 2;  // cells: a layer for either side
   for (int d = 0; setup.block_cells && d < 3; ++d) {
     const int block = (*setup.block_cells)[d];
     if (block < std::min(thinnest_block, setup.cells[d]))

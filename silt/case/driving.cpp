@@ -1,5 +1,4 @@
-// This reads what drives the bodies and the fluid of a case and how it changes over time, and estimates how
-// fast they will fall, rise or flow.
+// Reads what drives bodies and fluid, also over time; estimates how fast they fall, rise or flow.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -31,10 +30,10 @@ constexpr std::tuple over_time_keys{
 
 constexpr double endless = std::numeric_limits<double>::infinity();
 constexpr double least_exponent = 2.4;                     // of Richardson and Zaki, at high Reynolds numbers
-constexpr double most_body_force = 0.1, most_gravity = 1;  // cells a step, gained in a step
-constexpr double most_metres = 500;                        // m/s2: of gravity, but in a centrifuge
+constexpr double most_body_force = 0.1, most_gravity = 1;  // cells per step gained in a step
+constexpr double most_metres = 500;                        // m/s2, except in a centrifuge
 
-/// Returns, of the numbers from 0 to `high`, the one from which on a test does not hold.
+/// Returns the number from 0 to `high` from which on a test fails, by bisection.
 template <class Test>
 double last_for_which(Test&& holds, double high, int halvings) {
   double low = 0;
@@ -45,17 +44,16 @@ double last_for_which(Test&& holds, double high, int halvings) {
   return low;
 }
 
-/// The free bodies of one entry, each as a sphere of its volume; lattice units.
+/// Free bodies of an entry, each as a sphere of equal volume; lattice units.
 struct Fall {
   std::string entry;  // "bodies[2]", "fill[0]"
   double diameter, density, hindrance;
-  double start = 0, height = 0;  // speed at the start; how far it can fall
-  double square = endless;       // of the frequency in which springs let it swing; 0: nothing holds it
+  double start = 0, height = 0;  // initial speed; largest fall height
+  double square = endless;       // of the frequency of swinging on springs; 0: nothing holds it
 };
 
-/// Returns what it comes to: terminal velocity less what the others take from it, (1 - volume fraction)^2.4
-/// at the least (Richardson, Zaki 1954), or what free fall with the fluid's added mass gains on the way to
-/// the next wall or to the end of the run.
+/// Returns the speed that is reached: the terminal velocity with hindered settling, (1 - volume fraction)^2.4
+/// at least (Richardson, Zaki 1954), or that of free fall with added mass to a wall or the run's end.
 double speed_of(const Case& setup, const Fall& fall, double gravity) {
   const double steady =
       terminal_velocity(fall.diameter, fall.density, gravity, setup.fluid->kinematic_viscosity);
@@ -66,7 +64,7 @@ double speed_of(const Case& setup, const Fall& fall, double gravity) {
   return std::min({fall.hindrance * steady, on_the_way, in_time, swinging});
 }
 
-/// Returns the square of the frequency in which springs let a body swing that tie it to what does not move.
+/// Returns the squared frequency of a body on springs to things that do not move.
 double square_of_swing(const Case& setup, const BodySpec& body) {
   double square = 0;
   for (const coupler::SpringSpec& spring : setup.springs)
@@ -78,12 +76,12 @@ double square_of_swing(const Case& setup, const BodySpec& body) {
   return square;
 }
 
-/// Says whether gravity does not move a body: it is not free, or locked along it.
+/// Returns whether gravity cannot move a body: it is not free, or is locked along gravity.
 bool stands(const Case& setup, const BodySpec& body) {
   return body.motion != rigid::Motion::free || rigid::without_locked(body.locked, setup.gravity).isZero(0);
 }
 
-/// Returns the distance from a place to the first side, along a direction.
+/// Returns the distance from a point to the first side along a direction.
 double way_to_a_side(const Case& setup, const Vec3& x, const Vec3& direction) {
   double way = endless;
   for (int d = 0; d < 3; ++d)
@@ -92,7 +90,7 @@ double way_to_a_side(const Case& setup, const Vec3& x, const Vec3& direction) {
   return std::max(0., way);
 }
 
-/// Returns the falls of all entries of free bodies that the fluid does not carry; with a fluid and gravity.
+/// Returns the falls of all entries of free bodies with weight in the fluid; needs fluid and gravity.
 std::vector<Fall> expected_falls(const Case& setup) {
   double volume = 0;
   for (const Entry& entry : entries_of(setup))
@@ -167,7 +165,7 @@ void check_gravity(const Case& setup, Diagnostics& findings) {
                      "all round accelerates for ever; fluid.body_force can balance their weight");
 }
 
-/// Bodies that weigh something where nothing moves at the start, is moved or is driven.
+/// Warns of bodies heavier or lighter than the fluid where nothing causes motion.
 void check_weight(const Case& setup, Diagnostics& findings) {
   const coupler::FluidSpec& fluid = *setup.fluid;
   const std::vector<Entry> entries = entries_of(setup);
@@ -212,8 +210,8 @@ void check_fall(const Case& setup, Diagnostics& findings, const Fall& fall) {
                      units_first(setup, cure));
 }
 
-/// The largest velocity of laminar flow under the body force, between walls across it or, where there are
-/// none, at the end; lattice units.
+/// Returns the largest velocity of laminar flow under the body force, between walls across it or else at the
+/// end of the run; lattice units.
 double laminar_speed(const Case& setup) {
   const Vec3 given = setup.fluid->body_force_over_time.most() * setup.fluid->body_force;
   const Vec3 force = (setup.fluid->superficial_velocity.array() != 0).select(0, given);  // else controlled
@@ -246,7 +244,7 @@ void check_flow(const Case& setup, Diagnostics& findings) {
                                         : fmt::format("use {} times as much", shown(rounded_down(factor)))));
 }
 
-/// A mean velocity can be given only where the flow goes round, and in steps of one length.
+/// Checks that a prescribed mean velocity is low enough and along periodic axes.
 void check_control(const Case& setup, Diagnostics& findings) {
   constexpr const char* key = "fluid.superficial_velocity";
   const Vec3& wanted = setup.fluid->superficial_velocity;
@@ -259,7 +257,7 @@ void check_control(const Case& setup, Diagnostics& findings) {
                      key, d, shown(setup.units.physical(wanted[d], dimension::velocity)), "xyz"[d]);
 }
 
-/// The borders between levels have it built in.
+/// Rejects a drive that varies with [coarsening]: lists at borders of levels contain its values.
 void check_over_time(const Case& setup, Diagnostics& findings) {
   const auto refuse = [&](const std::string& key, bool changes) {
     if (changes && setup.coarsening)
@@ -309,7 +307,7 @@ double terminal_velocity(double diameter, double density, double gravity, double
     const double reynolds = u * diameter / nu;
     return 24 * nu / diameter * u * (1 + 0.15 * std::pow(reynolds, 0.687)) < buoyancy;
   };
-  return last_for_which(is_slow, buoyancy * diameter / (24 * nu), 100);  // Stokes: an upper bound
+  return last_for_which(is_slow, buoyancy * diameter / (24 * nu), 100);  // Stokes' law as an upper bound
 }
 
 void find_driving_faults(const Case& setup, Diagnostics& findings) {

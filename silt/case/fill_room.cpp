@@ -56,9 +56,9 @@ namespace {
           why));
 }
 
-constexpr double rounding = 1e-9;  // of a length that is a whole number of steps
+constexpr double rounding = 1e-9;  // relative, for whole numbers of steps
 
-/// The distances of rows and of layers over that of neighbours; how many of them repeat the pattern.
+/// Distances of rows and layers relative to neighbours, and the period of the pattern.
 struct Pattern {
   double rows, layers;
   int repeat;
@@ -66,7 +66,7 @@ struct Pattern {
 
 Pattern pattern_of(Arrangement arrangement) {
   if (arrangement != Arrangement::hexagonal) return {1, 1, 1};
-  return {std::sqrt(0.75), std::sqrt(2. / 3), 2};  // closest: layers ABAB
+  return {std::sqrt(0.75), std::sqrt(2. / 3), 2};  // close packing: layers ABAB
 }
 
 }  // namespace

@@ -57,8 +57,7 @@ std::vector<SizeShare> rows_of(TableReader& table) {
   return rows;
 }
 
-/// Integrals over a strip of 1, and of the cube of the diameter, by Simpson's rule; by mass of what has that
-/// mass.
+/// Integrates number and cubed diameter over a strip by Simpson's rule, or mass for distributions by mass.
 SizeShare strip_of(const DiameterSpec& spec, double low, double high) {
   constexpr int intervals = 64;
   const double width = (high - low) / intervals;

@@ -1,5 +1,4 @@
-// [fluid], [coupling] and [gravity]; what may be wrong with a fluid, and which collision model lasts in a
-// scene.
+// [fluid], [coupling] and [gravity], with their checks, and the choice of a stable collision model.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -59,7 +58,7 @@ bool pushes_no_bodies(const Case& setup) {
 bool is_quiet_in_vain(const Case& setup) {
   return setup.fluid->quiet_start && quiet_start_steps(setup) == 0;
 }
-/// The control of a flow rate takes the body force along its axes.
+/// A controlled flow rate uses the body force along its axes.
 constexpr auto is_controlled_along_the_force = [](const coupler::FluidSpec& fluid) {
   const auto given = fluid.body_force.array() != 0, controlled = fluid.superficial_velocity.array() != 0;
   return given.any() && !(given && !controlled).any();
@@ -137,7 +136,7 @@ constexpr std::tuple gravity_keys{
     HandKey{"over_time", "table", "", "steady", "how it changes, see below",
             Rule{If::idle, is_zero(&Case::gravity), "the acceleration is 0"}}};
 
-/// Says whether cells change sides: surfaces move over them.
+/// Returns whether moving surfaces cover or uncover cells.
 bool has_moving_surfaces(const Case& setup) {
   const auto moves = [](const BodySpec& body) { return body.motion != rigid::Motion::fixed; };
   const auto mesh_moves = [](const CurvedWall& wall) { return wall.mesh() && wall.moves(); };
@@ -172,7 +171,7 @@ constexpr std::tuple coupling_keys{
              "{key} is given, but {table}.lubrication is false; remove one of them"},
         unless_bodies_are_free}};
 
-/// Reads the keys of one type of initial flow; another has none of them.
+/// Reads the keys of one type of initial flow; other types have none of them.
 template <class Keys>
 void read_keys_of(coupler::InitialFlow type, TableReader& initial, coupler::InitialSpec& spec,
                   const Keys& keys) {
@@ -227,8 +226,8 @@ void read_viscosity(TableReader& fluid, coupler::FluidSpec& spec) {
 // Limits of the method, in lattice units.
 constexpr double doubtful_relaxation_low = 0.51, doubtful_relaxation_high = 2, high_relaxation = 5;
 constexpr double most_relaxation = 1e4, usual_relaxation = 1;
-constexpr double least_measured = 1e-4;  // of tau - 1/2, by any collision model (scripts/stability)
-constexpr double most_cells = 1e13;      // far beyond the largest machines: a slip of the pen
+constexpr double least_measured = 1e-4;  // of tau - 1/2, with any collision model (scripts/stability)
+constexpr double most_cells = 1e13;      // far beyond the largest machines: a typing error
 
 /// Returns the cure that gives a relaxation time of 1.
 std::string shorter_steps(const Case& setup) {
@@ -262,8 +261,8 @@ void check_thin(const Case& setup, Diagnostics& findings, double tau) {
                    lengths.empty() ? "" : "; ", lengths);
 }
 
-/// Says that a viscosity is of no fluid and, where another unit makes it one, what that is and nothing else.
-/// Returns whether it is so.
+/// Reports a viscosity that no fluid has, with only the unit that would make it plausible, if there is one;
+/// returns whether it did.
 bool is_in_another_unit(const Case& setup, Diagnostics& findings) {
   const double tau = setup.fluid->relaxation_time;
   const double found = setup.units.physical(setup.fluid->kinematic_viscosity, dimension::viscosity);
@@ -300,9 +299,9 @@ void check_viscosity(const Case& setup, Diagnostics& findings) {
     check_thick(setup, findings, tau);
 }
 
-/// Slow flow between walls under another model than `trt`, where that would last.
+/// Warns of slow flow between walls with another model than `trt` where that is stable.
 void check_flow_between_walls(const Case& setup, Diagnostics& findings) {
-  constexpr double same_from = 0.6;  // from which on `regularised` has the odd rates of `trt` (method.md, 26)
+  constexpr double same_from = 0.6;  // where `regularised` has the odd rates of `trt` (method.md, 26)
   const double tau = setup.fluid->relaxation_time, lasts = measured_reynolds(lbm::Collision::trt);
   if (setup.fluid->collision == lbm::Collision::trt || !setup.has_surfaces() || tau >= same_from ||
       tau < doubtful_relaxation_low || cell_reynolds(setup) > lasts)
@@ -353,7 +352,7 @@ void read_fluid(TableReader& root, Case& setup) {
   TableReader fluid = root.table("fluid"), gravity = root.table("gravity");
   if (fluid.present()) {
     coupler::FluidSpec& spec = setup.fluid.emplace();
-    spec.kinematic_viscosity = 1. / 6, spec.relaxation_time = 1;  // where they are wrong, which is reported
+    spec.kinematic_viscosity = 1. / 6, spec.relaxation_time = 1;  // instead of wrong values (reported)
     read_keys(fluid, spec, fluid_keys);
     read_viscosity(fluid, spec);
     read_collision(fluid, spec);

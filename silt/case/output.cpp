@@ -1,4 +1,4 @@
-// [run] and [output], and what may be wrong with them.
+// [run] and [output], with their checks.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -51,7 +51,7 @@ constexpr std::tuple output_keys{
             "any case"}};
 constexpr std::tuple series_keys{Key{"every", &SeriesSpec::every, Whole{.unit = "steps"},
                                      "the number of steps between two writes (0: never)", required}};
-/// Of a table that is never written the other keys do nothing.
+/// A table that is never written makes its other keys idle.
 constexpr Rule if_written{If::idle, is_zero(&SeriesSpec::every), "{table}.every is 0: it is never written"};
 constexpr std::tuple field_keys{
     HandKey{"quantities", "list of fields", "", "velocity, density",
@@ -105,11 +105,10 @@ void read_fields(TableReader& table, FieldsSpec& fields) {
   read_field_names(table, field_names.list(), fields.quantities);
 }
 
-// VTK 9.1 and ParaView 5.11 end with SIGABRT on an image one point thick.
+// VTK 9.1 and ParaView 5.11 abort (SIGABRT) on an image that is one point thick.
 constexpr int least_layers = 2;
 
-/// The cells whose centres are in a box; of one that is flat along an axis the two layers between whose
-/// centres it lies, at a side of the domain the two beside it.
+/// Sets the cells whose centres are in a box; for a flat box the two layers around it, or next to a side.
 void read_cells(TableReader& table, FieldsSpec& slice) {
   const auto box = table.box("box", true);
   for (int d = 0; box && d < 3; ++d) {
@@ -131,13 +130,13 @@ void read_cells(TableReader& table, FieldsSpec& slice) {
   }
 }
 
-/// Names become those of files.
+/// Returns whether a name can be part of a file name.
 bool is_file_name(const std::string& name) {
   return !name.empty() && name.size() <= 64 &&
          std::ranges::all_of(name, [](unsigned char c) { return std::isalnum(c) || c == '-' || c == '.'; });
 }
 
-/// Reads the name of an entry of a list, which becomes part of a file's name, "slice_" and so on.
+/// Reads the name of an entry, which becomes part of a file name, e.g. of "slice_".
 std::string read_file_name(TableReader& table, std::vector<std::string>& names, std::string_view what) {
   const std::string name = read_new_name(table, names, what);
   if (table.has("name") && !is_file_name(name))
@@ -191,7 +190,7 @@ void read_points(TableReader& table, std::vector<rigid::Vec3>& points) {
 
 void read_probes(TableReader& output, const std::array<int, 3>& cells, std::vector<ProbesSpec>& all) {
   std::vector<std::string> names, known = field_names.list();
-  known.resize(known.size() - 3);  // what is of cells alone
+  known.resize(known.size() - 3);  // without fields of cells only
   for (TableReader& table : output.tables("probes")) {
     ProbesSpec probes;
     read_keys(table, probes, probe_keys);
@@ -224,7 +223,7 @@ void read_run(TableReader run, Case& setup) {
   read_keys(balance, setup, balance_keys);
 }
 
-/// The quantity that a key names; none, reported, if there is none of the name.
+/// Returns the quantity that a key names, or null (reported).
 const QuantitySpec* named_quantity(Diagnostics& findings, const std::string& key, const std::string& name) {
   std::vector<std::string> names;
   for (const QuantitySpec& quantity : findings.setup.quantities) {
@@ -247,7 +246,7 @@ void check_steady(const Case& setup, Diagnostics& findings) {
                      every, setup.steps, looks_needed);
 }
 
-/// A series has what every step has a value of, without a wait for other ranks.
+/// Series need quantities that have a value in every step without waiting for ranks.
 void check_series(const Case& setup, Diagnostics& findings) {
   for (std::size_t i = 0; i < setup.output.series.size(); ++i) {
     const ColumnsSpec& series = setup.output.series[i];
@@ -281,7 +280,7 @@ void check_probes(const Case& setup, Diagnostics& findings) {
   }
 }
 
-/// Cells must stay on their ranks, and as wide as they are.
+/// Means need cells that stay on their ranks and levels.
 void check_mean(const Case& setup, Diagnostics& findings) {
   if (!setup.output.mean) return;
   if (setup.coarsening)

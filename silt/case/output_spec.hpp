@@ -1,5 +1,5 @@
 #pragma once
-// The table [output] of a case says what a run writes and when.
+// The table [output] of a case: what a run writes, and when.
 #include <array>
 #include <cstdint>
 #include <optional>
@@ -24,8 +24,7 @@ constexpr int numbers_of(Field field) {
   return field == Field::velocity || field == Field::vorticity ? 3 : 1;
 }
 
-/// Fields of the fluid in a box of cells, [lower, upper); `solid` is among them where a scene has solid
-/// cells.
+/// Fields of the fluid in a box of cells, [lower, upper), with `solid` if the scene has solid cells.
 struct FieldsSpec : SeriesSpec {
   std::string name = "fields";  // of the files
   std::vector<Field> quantities = {Field::velocity, Field::density};
@@ -33,24 +32,24 @@ struct FieldsSpec : SeriesSpec {
   bool double_precision = false;
 };
 
-/// Values of [[quantities]] over time, a row of a CSV file every so many steps.
+/// Values of [[quantities]] over time, one row of a CSV file every `every` steps.
 struct ColumnsSpec : SeriesSpec {
   std::string name;                  // of the file
   std::vector<std::string> columns;  // names of quantities
-  std::int64_t mean_of = 1;          // steps up to a row that it is the mean of, at most `every`
+  std::int64_t mean_of = 1;          // steps before a row, with its own, that it averages
 
-  /// Returns whether a row is a mean over this step, among others perhaps.
+  /// Returns whether a row includes this step.
   bool takes(std::int64_t step) const { return (step + mean_of - 1) % every < mean_of; }
 };
 
-/// Fields of the fluid at points, rows of a CSV file every so many steps.
+/// Fields of the fluid at points, rows of a CSV file every `every` steps.
 struct ProbesSpec : SeriesSpec {
   std::string name;  // of the file
   std::vector<Field> quantities = {Field::velocity};
   std::vector<rigid::Vec3> points;
 };
 
-/// Means of the fluid over samples in time.
+/// Time averages of the fluid.
 struct MeanSpec {
   double from = 0;         // in steps
   std::int64_t every = 1;  // steps between two samples
@@ -63,7 +62,7 @@ struct OutputSpec {
   std::vector<ProbesSpec> probes;
   std::optional<MeanSpec> mean;
   SeriesSpec bodies, checkpoint, report;
-  bool body_contacts = false;  // with the bodies, what their contacts do to them
+  bool body_contacts = false;  // write contact loads with the bodies
   int keep_checkpoints = 2;
 };
 

@@ -21,14 +21,14 @@ bool has(const std::vector<int>& columns, ColumnGroup group) {
   return std::ranges::any_of(columns, [&](int k) { return k >= group.begin && k < group.end(); });
 }
 
-/// Returns the name of a column: that of its key in [[bodies]].
+/// Returns the name of a column, that of its key in [[bodies]].
 std::string column_name(int column) {
   const ColumnGroup* group = std::begin(column_groups);
   while (column >= group->end()) ++group;
   return std::string(group->prefix) + group->letters[column - group->begin];
 }
 
-/// Returns the column that a heading names, its unit in brackets left out; -1 for another name.
+/// Returns the column of a heading, without its unit in brackets, or -1.
 int column_of(std::string_view heading) {
   std::string name(trimmed(heading.substr(0, heading.find_first_of("[("))));
   for (char& c : name)
@@ -45,14 +45,14 @@ int column_of(std::string_view heading) {
                   what));
 }
 
-/// Three headings may have other names, if none of them contradicts the order x, y, z.
+/// Three headings may have any names that do not contradict the order x, y, z.
 bool may_be_positions(const std::vector<int>& columns) {
   for (int k = 0; k < static_cast<int>(columns.size()); ++k)
     if (columns[k] >= 0 && columns[k] != k) return false;
   return columns.size() == 3;
 }
 
-/// Returns the columns that lines of headings name; x, y, z if none does.
+/// Returns the columns named by heading lines; x, y, z if there are none.
 std::vector<int> columns_of(const std::vector<std::vector<std::string>>& headings) {
   std::vector<int> columns = {0, 1, 2};
   for (const auto& line : headings) {
@@ -152,7 +152,7 @@ PositionContents scan_csv(const fs::path& path) {
       for (std::size_t k = 0; k < columns.size(); ++k) pose[columns[k]] = numbers[k];
       keep_longer(pose, velocity_columns, found.fastest);
       keep_longer(pose, turn_columns, found.fastest);
-    } catch (const std::invalid_argument&) {  // the rank that reads the bodies reports it
+    } catch (const std::invalid_argument&) {  // reported by the rank that reads these bodies
     }
   return found;
 }

@@ -1,6 +1,6 @@
 #pragma once
-// A file beside the case gives positions of bodies and is read in slices: a CSV file, a body a line, or a
-// dataset of an HDF5 file. A CSV file may also say how bodies are turned and how they move.
+// A file with positions of bodies, read in slices: a CSV file with one body per line, or a dataset of an HDF5
+// file. A CSV file may also give orientations and velocities.
 #include <array>
 #include <cstdint>
 #include <filesystem>
@@ -10,17 +10,17 @@
 
 namespace silt {
 
-/// Names positions as a case does: "cloud.csv", or "cloud.h5:/group/points", a dataset of a file.
+/// A name of positions in a case: "cloud.csv", or "cloud.h5:/group/points" for a dataset.
 struct PositionFile {
-  std::string file, dataset;  // dataset: "" of CSV
+  std::string file, dataset;  // dataset: "" for CSV
 
   std::string name() const { return dataset.empty() ? file : file + ':' + dataset; }
 };
 
-/// Returns whose name it is; std::invalid_argument says what names there are.
+/// Parses a name. Throws std::invalid_argument with the forms of names.
 PositionFile position_file(const std::string& name);
 
-/// Columns of a CSV file that go together, named after the keys of [[bodies]].
+/// A group of columns of a CSV file, named after the keys of [[bodies]].
 struct ColumnGroup {
   std::string_view prefix, letters;
   int begin;
@@ -33,35 +33,33 @@ inline constexpr const ColumnGroup &orientation_columns = column_groups[1],
                                    &velocity_columns = column_groups[2], &turn_columns = column_groups[3];
 inline constexpr int position_columns = turn_columns.end();
 
-/// The numbers of one body's line, by its columns; those that a file does not have stay as they were.
+/// The numbers of a body by column; columns that a file lacks are unchanged.
 using FiledPose = std::array<double, position_columns>;
 
-/// The contents of a file, as far as a case has to know them before the bodies are read.
+/// The summary of a file that a case needs before bodies are read.
 struct PositionContents {
-  std::uint64_t points = 0;                                              // good or not
-  int headings = 0;                                                      // lines
-  bool orientation = false, velocity = false, angular_velocity = false;  // whether it says them
-  FiledPose fastest = {};  // the largest velocities that it says, in the units of the case
+  std::uint64_t points = 0;                                              // valid or not
+  int headings = 0;                                                      // number of lines
+  bool orientation = false, velocity = false, angular_velocity = false;  // whether the file has them
+  FiledPose fastest = {};  // largest velocities, in units of the case
 };
 
-/// Looks through a file. std::runtime_error names one that cannot be read, std::invalid_argument says what is
-/// wrong with its headings.
+/// Summarises a file. Throws std::runtime_error (unreadable) or std::invalid_argument (headings).
 PositionContents scan(const std::filesystem::path& directory, const PositionFile&);
 
-/// Some of the bodies of a file, one after the other, in the units of the case.
+/// Consecutive bodies of a file, in units of the case.
 struct PositionSlice {
-  std::vector<int> columns;     // of what a body's numbers are
-  std::vector<double> numbers;  // columns.size() a body
-  std::uint64_t lines = 0;      // read of a CSV file
-  std::string fault;            // what is wrong with the next body, which ended the reading; "" if nothing
+  std::vector<int> columns;     // meaning of the numbers of a body
+  std::vector<double> numbers;  // columns.size() per body
+  std::uint64_t lines = 0;      // of a CSV file, read so far
+  std::string fault;            // of the next body, which ended reading; or ""
 
   std::uint64_t size() const { return columns.empty() ? 0 : numbers.size() / columns.size(); }
-  /// Puts the numbers of a body where they belong.
+  /// Copies the numbers of a body to their columns.
   void put(std::size_t body, FiledPose&) const;
 };
 
-/// Reads part `part` of `parts` of a file: together they are all bodies in the order of the file. Errors as
-/// above.
+/// Reads part `part` of `parts` of a file, whose parts are in the order of the file. Throws like scan.
 PositionSlice read_slice(const std::filesystem::path& directory, const PositionFile&, int part, int parts);
 
 }  // namespace silt

@@ -1,4 +1,4 @@
-// [[quantities]], and what may be wrong with them.
+// [[quantities]], with their checks.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -12,7 +12,7 @@
 namespace silt {
 namespace {
 
-/// A key of those types that take it.
+/// A key for those types that take it.
 template <class AnyKey>
 struct KeyOf {
   Q::Key taken;
@@ -63,7 +63,7 @@ void read_wall(TableReader& table, QuantitySpec& quantity, const Case& setup) {
                                      : "the name of one of [[walls]]: " + joined(names));
 }
 
-/// One of body, wall and, where the type takes it, side.
+/// Reads one of body, wall and, if the type takes it, side.
 void read_bearer(TableReader& table, const QuantityType& type, QuantitySpec& quantity, const Case& setup) {
   std::string given;
   for (const auto& [key, bearer] : {std::pair("body", Bearer::bodies), std::pair("wall", Bearer::wall),
@@ -128,7 +128,7 @@ void read_quantity_keys(TableReader& table, const QuantityType& type, QuantitySp
   if (type.takes(Q::bearer)) read_bearer(table, type, quantity, setup);
 }
 
-// Returns what a quantity needs and the case has not.
+// Returns what a quantity needs and the case lacks.
 std::string lacking(const Case& setup, const QuantityType& type) {
   if (type.asks_for(Q::fluid) && !setup.fluid) return "the case has no [fluid]";
   if (type.asks_for(Q::bodies) && !setup.has_bodies()) return "the case has no bodies";
@@ -144,7 +144,7 @@ std::string lacking(const Case& setup, const QuantityType& type) {
   return "";
 }
 
-/// The bearer of a force must be there, and able to bear it.
+/// Checks that the bearer of a force exists and can bear it.
 void check_bearer(const Case& setup, Diagnostics& findings, const QuantitySpec& quantity,
                   const std::string& entry) {
   const bool of_fluid = quantity_type(quantity.type).asks_for(Q::fluid);
@@ -158,7 +158,7 @@ void check_bearer(const Case& setup, Diagnostics& findings, const QuantitySpec& 
                    entry, side_key(quantity.side));
 }
 
-/// Checks the place where a quantity looks: a side, an axis, a box.
+/// Checks the place of a quantity: a side, an axis, a box.
 void check_place(const Case& setup, Diagnostics& findings, const QuantitySpec& quantity,
                  const std::string& entry) {
   const QuantityType& type = quantity_type(quantity.type);
@@ -188,7 +188,7 @@ void check_place(const Case& setup, Diagnostics& findings, const QuantitySpec& q
                             shown_length(setup, setup.cells[d]));
 }
 
-/// The columns that series_NAME.csv and the table of a sweep have besides quantities.
+/// The columns of series_NAME.csv and of tables of sweeps other than quantities.
 constexpr std::string_view columns_of_tables[] = {"step",        "time",  "folder",
                                                   "exit_reason", "steps", "wall_seconds"};
 

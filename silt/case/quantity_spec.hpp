@@ -22,11 +22,11 @@ inline constexpr auto axis_names = coupler::names_of<Axis>("x", "y", "z");
 enum class Component { xx, yy, zz, xy, xz, yz };
 inline constexpr auto component_names = coupler::names_of<Component>("xx", "yy", "zz", "xy", "xz", "yz");
 
-/// Forces act on bodies, one of [[walls]] or a side of the domain.
+/// A force acts on bodies, on one of [[walls]] or on a side of the domain.
 enum class Bearer { bodies, wall, side };
 
-/// A value the run puts into report.json under "quantities", for reference.toml to compare. The types and
-/// the keys each takes are in quantity_types.
+/// A value that the run writes to report.json under "quantities", for reference.toml. quantity_types lists
+/// the types and their keys.
 struct QuantitySpec {
   std::string name, type;
   Bearer bearer = Bearer::bodies;
@@ -47,26 +47,25 @@ struct QuantitySpec {
   bool operator==(const QuantitySpec&) const = default;
 };
 
-/// The run ends before its last step when a quantity has come so close to where it goes (see SteadyWatch).
+/// Ends the run early when a quantity has come close to its limit (see SteadyWatch).
 struct SteadySpec {
   std::string quantity;  // name of a QuantitySpec
   double change = 0;     // relative
   std::int64_t every = 0;
 };
 
-/// A type that a [[quantities]] entry may have: which keys it takes, what the scene must have, the dimension
-/// of its value and what it means.
+/// A type of [[quantities]] entries: its keys, needs of the scene, dimension and meaning.
 struct QuantityType {
   enum Key : unsigned {
     body = 1,
     axis = 2,
-    time = 4,  // the quantity looks at the run from this time on
+    time = 4,  // from which on the run is evaluated
     height = 16,
     centre = 32,
     box = 64,
     side = 128,
     wall = 256,
-    instant = 512,  // written `time` too: the quantity looks at this time, by default at the end
+    instant = 512,  // also the key `time`: the instant, by default the end
     at = 1024,
     bearer = 2048,      // body or wall
     side_bears = 4096,  // or side
@@ -80,24 +79,24 @@ struct QuantityType {
     undriven = 8,      // no body of prescribed motion
     sheared = 16,      // walls of different velocities across `axis`
     same_bodies = 32,  // from start to end
-    stepwise = 64      // no need: it has a value in every step, for which no rank waits
+    stepwise = 64      // not a need: has a value in every step without waiting
   };
 
   std::string_view name;
   Dimension dimension;  // of the value
   unsigned keys, needs;
   std::string_view meaning;
-  std::string_view unit = "";  // of a value without a dimension, where it has one
+  std::string_view unit = "";  // of a value without a dimension
 
   constexpr bool takes(Key key) const { return keys & key; }
   constexpr bool asks_for(Need need) const { return needs & need; }
 };
-using Q = QuantityType;  // in rows
+using Q = QuantityType;  // for rows
 
-/// Every type. Its row, with its computation, is at the end of a family in silt/results.
+/// All types. Rows and computations are at the end of the families in silt/results.
 extern const std::vector<QuantityType> quantity_types;
 
-/// Returns the type of a name; std::invalid_argument where there is none.
+/// Returns a type by its name. Throws std::invalid_argument if there is none.
 inline const QuantityType& quantity_type(std::string_view name) {
   for (const QuantityType& type : quantity_types)
     if (type.name == name) return type;

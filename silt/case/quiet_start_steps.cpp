@@ -18,8 +18,7 @@ bool has_weights(const Case& setup) {
   });
 }
 
-/// Says whether anything pushes bodies or fluid at the start that pressure has to answer. A body force along
-/// a periodic axis needs something in its way.
+/// Returns whether pressure must balance a load; of a periodic body force only with an obstacle.
 bool is_loaded(const Case& setup) {
   if (has_weights(setup) || !setup.springs.empty()) return true;
   const Vec3 force = setup.fluid->body_force_over_time.at(0) * setup.fluid->body_force;

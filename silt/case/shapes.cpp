@@ -36,7 +36,7 @@ constexpr std::tuple shape_keys{
 constexpr std::tuple part_keys{Key{"position", &rigid::Pose::position, Vector{dimension::length},
                                    "of the part's origin, in the frame of the shape"}};
 
-/// A rotation that an orientation is given by.
+/// A rotation that gives an orientation.
 struct Turn {
   Vec3 axis = Vec3::Zero();
   double degrees = 0;
@@ -45,7 +45,7 @@ constexpr std::tuple turn_keys{Key{"axis", &Turn::axis, Vector{}, "what to turn 
                                Key{"degrees", &Turn::degrees, Number{dimension::none, range::any, "degrees"},
                                    "how far to turn about the axis", required}};
 
-/// Returns the length; if it is not given or wrong, which is reported, some size that does no harm.
+/// Returns the length; a harmless one if it is missing or wrong (reported).
 template <class Solid>
 double read_length(TableReader& table, const rigid::Field<Solid, double>& field) {
   std::string given = field.key;
@@ -65,7 +65,7 @@ Vec3 read_length(TableReader& table, const rigid::Field<Solid, Vec3>& field) {
   return field.share * lengths;
 }
 
-/// The lengths that its table of fields names.
+/// Reads the lengths in the table of fields of a solid.
 template <class Solid>
 Solid read_sizes(TableReader& table) {
   Solid solid{};
@@ -90,7 +90,7 @@ Hull hull_of_vertices(TableReader& table) {
   return hull.mesh;
 }
 
-/// A polyhedron has no sizes, but corners.
+/// Reads a polyhedron, which has corners instead of sizes.
 rigid::ConvexShape read_polyhedron(TableReader& table) {
   const std::string given = table.one_of(
       {"vertices", "file"}, true, "its corners, [[x, y, z], ...], or the name of an STL, OBJ or PLY file");
@@ -104,12 +104,11 @@ rigid::ConvexShape read_polyhedron(TableReader& table) {
   } catch (const std::invalid_argument& error) {
     table.fail(given, "{}: {}", table.path(given), error.what());
   }
-  if (!mesh) return rigid::Sphere{1};  // what is wrong has been said
+  if (!mesh) return rigid::Sphere{1};  // the fault has been reported
   return rigid::Polyhedron{mesh};
 }
 
-/// Calls f with the type of every alternative of ConvexShape that a case may name; only the sides of the
-/// domain are half-spaces.
+/// Calls f with every type of ConvexShape for cases; half-spaces are for sides of the domain only.
 template <class F, class... S>
 void for_types(F&& f, const std::variant<S...>&) {
   const auto call = [&]<class T>(std::type_identity<T> type) {
@@ -228,7 +227,7 @@ void read_shapes(TableReader& root, Case& setup) {
       shape = read_shape(table, *type);
     else
       table.judge_no_keys();
-    // about its centre of mass, however far it is from the origin that the case gives it about
+    // about its centre of mass, however far from the origin of the case
     const Vec3 centre = rigid::mass_properties(shape).centre;
     setup.shapes.push_back(centre.isZero(0) ? shape : rigid::recentred(shape, centre));
     setup.shape_origins.push_back(-centre);

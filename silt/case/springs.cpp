@@ -1,4 +1,4 @@
-// [[springs]]; what may be wrong with them.
+// [[springs]], with their checks.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -27,7 +27,7 @@ constexpr std::tuple spring_keys{
     Key{"damping", &coupler::SpringSpec::damping, Number{{0, -1, 1}, range::at_least(0), "N s/m"},
         "the force of its damper over the speed at which it becomes longer"}};
 
-/// The one body of a name; none (reported) where there are several, or a file or a fill names them.
+/// Returns the only body of a name; null (reported) if a file, a fill or several entries have the name.
 const BodySpec* read_body(TableReader& table, const char* key, const Case& setup) {
   const auto kind = read_name(table, key, setup.kind_names, "name of [[bodies]]");
   if (!kind || *kind < 0) return nullptr;
@@ -51,7 +51,7 @@ rigid::BodyId id_of(const BodySpec* body, const Case& setup) {
   return body ? static_cast<rigid::BodyId>(body - setup.bodies.data()) + 1 : 0;
 }
 
-/// Returns the velocity that an impulse gives a point of a body, at most.
+/// Returns the largest velocity per impulse of a point of a body.
 double compliance_of(const BodySpec& body, const Vec3& arm, const Case& setup) {
   if (body.motion != rigid::Motion::free) return 0;
   const rigid::MassProperties p = rigid::mass_properties(setup.shapes[body.shape]);
@@ -109,7 +109,7 @@ void read_springs(TableReader& root, Case& setup) {
 
 namespace {
 
-constexpr double most_square = 0.4;  // of the frequency of a spring: its oscillation is to be resolved
+constexpr double most_square = 0.4;  // of the frequency of a spring, to resolve its oscillation
 
 void find_fault_of(const coupler::SpringSpec& spring, const std::string& entry, const Units& units,
                    Diagnostics& findings) {
@@ -126,8 +126,8 @@ void find_fault_of(const coupler::SpringSpec& spring, const std::string& entry, 
                    shown(rounded_down(units.physical(most_square / compliance, {0, -2, 1}))));
 }
 
-/// Of each body by its id, an upper bound of the squares of frequencies that all its springs give it: the sum
-/// of its row in the matrix of the springs, scaled with the roots of the compliances.
+/// Returns upper bounds, by body id, of squared frequencies from all springs of a body: the sum of its row in
+/// the matrix of the springs, scaled by roots of compliances.
 std::vector<double> squares_of_bodies(const Case& setup) {
   std::vector<double> squares(setup.bodies.size() + 1);
   for (const coupler::SpringSpec& spring : setup.springs) {
@@ -140,7 +140,7 @@ std::vector<double> squares_of_bodies(const Case& setup) {
 
 }  // namespace
 
-/// A spring alone, and the springs of a body together: a step is stable up to a square of 4.
+/// Checks single springs, and the springs of a body together; a step is stable up to a square of 4.
 void find_spring_faults(const Case& setup, Diagnostics& findings) {
   constexpr double most_together = 2;
   for (std::size_t i = 0; i < setup.springs.size(); ++i)

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double cubic_centimetres = 1000;                // kg/m3 in g/cm3
 constexpr double of_the_earth = 9.81;                     // m/s2
-constexpr double least_excess = 1e-3, most_excess = 1.5;  // of tau - 1/2, in runs that go well
+constexpr double least_excess = 1e-3, most_excess = 1.5;  // of tau - 1/2 in sound runs
 
 bool is_of_the_earth(double gravity) {
   return std::abs(gravity / of_the_earth - 1) < 0.02;
@@ -27,13 +27,13 @@ double gravity_of(const Case& setup) {
   return setup.units.physical(setup.gravity.norm(), dimension::acceleration);
 }
 
-/// A unit in which a case may be written.
+/// A unit of length.
 struct SmallLength {
   const char* name;
   double in_a_metre;
 };
 
-/// Returns the one that makes gravity that of the Earth; millimetres if none does.
+/// Returns the unit in which gravity would be that of the Earth, else millimetres.
 SmallLength small_length(const Case& setup) {
   constexpr SmallLength centimetres{"cm", 100}, millimetres{"mm", 1000};
   return is_of_the_earth(gravity_of(setup) / centimetres.in_a_metre) ? centimetres : millimetres;

@@ -1,24 +1,23 @@
 #pragma once
-// Numbers of SI cases that would be in their place in another unit, and how to write them: "if
-// gravity.acceleration is in mm/s2, write 9.81 (m/s2)", or "" where nothing says so.
+// Finds numbers of SI cases that would be plausible in another unit; returns the remedy, "if
+// gravity.acceleration is in mm/s2, write 9.81 (m/s2)", or "".
 #include <string>
 
 namespace silt {
 
 struct Case;
 
-inline constexpr double thinnest = 5e-8, thickest = 0.5;  // m2/s: of fluids from liquid metal to honey
-inline constexpr double lightest_solid = 10, heaviest_solid = 25000;  // kg/m3: from foam to osmium
+inline constexpr double thinnest = 5e-8, thickest = 0.5;              // m2/s: liquid metal to honey
+inline constexpr double lightest_solid = 10, heaviest_solid = 25000;  // kg/m3: foam to osmium
 
 inline bool is_of_a_solid(double density) {
   return density >= lightest_solid && density <= heaviest_solid;
 }
 
-/// Each returns "" or the cure of a slip: that a fluid is too thick; that gravity is 100 or 1000 times that
-/// of the Earth.
+/// Return the remedy, or "", for too viscous a fluid and for gravity 100 or 1000 times the Earth's.
 std::string viscosity_slip(const Case&);
 std::string gravity_slip(const Case&);
-/// Returns both: where it is not "", it is the cure of whatever follows from them.
+/// Returns both; if not "", this is the remedy for all that follows from them.
 std::string motion_slip(const Case&);
 /// Returns the cure where cells are so large that the fluid's viscosity is nothing in them, or a hand wide.
 std::string length_slip(const Case&);

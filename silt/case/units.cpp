@@ -7,8 +7,7 @@
 namespace silt {
 namespace {
 
-/// Units of SI that have a name of their own; of torque and energy, which share one dimension, that of
-/// torque.
+/// SI units with names; torque stands for energy, which has the same dimension.
 struct Named {
   Dimension dimension;
   const char* name;

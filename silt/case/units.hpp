@@ -1,7 +1,6 @@
 #pragma once
-// Conversion between the units of a case and lattice units, one line a quantity, both ways: x_lattice =
-// lattice(x_case, dimension), x_case = physical(x_lattice, dimension). In a lattice-unit case all scales
-// are 1.
+// Converts between units of a case and lattice units: x_lattice = lattice(x_case, dimension) and x_case =
+// physical(x_lattice, dimension). In a case in lattice units all scales are 1.
 #include <string>
 
 #include "rigid/math/elementary.hpp"
@@ -23,7 +22,7 @@ struct Units {
   double cell_size = 1, time_step = 1, density = 1;  // in the units of the case
   bool si = false;
 
-  /// Returns one lattice unit of a quantity, in the units of the case.
+  /// Returns one lattice unit of a quantity in units of the case.
   double scale(Dimension d) const {
     const double mass = density * cell_size * cell_size * cell_size;
     using rigid::elementary::power;
@@ -31,7 +30,7 @@ struct Units {
   }
   double lattice(double x, Dimension d) const { return x / scale(d); }
   double physical(double x, Dimension d) const { return x * scale(d); }
-  /// Returns what the unit of a quantity is called in the case: "m/s", "cells/step"; "" of a number.
+  /// Returns the unit of a quantity in the case: "m/s", "cells/step"; "" for a number.
   std::string unit_text(Dimension) const;
 };
 

@@ -1,4 +1,4 @@
-// Judges curved walls, and bodies in them.
+// Checks curved walls, and bodies in them.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -16,20 +16,20 @@ namespace {
 using rigid::TriangleMesh;
 using rigid::Vec3;
 
-/// The path of a wall's key, walls[i].key.
+/// Returns the path of a wall's key, walls[i].key.
 std::string wall_key(std::size_t wall, const char* key) {
   return fmt::format("walls[{}].{}", wall, key);
 }
 
-/// The shortest ray from the middle of a triangle along (sign 1) or against its normal to another triangle
-/// that faces it: the width of a gap, or the thickness of the solid. Of so many triangles at most.
+/// The shortest ray from the centre of a triangle along (sign 1) or against its normal to a facing triangle,
+/// i.e. the width of a gap or thickness of the solid. Samples a limited number of triangles.
 struct Thinnest {
   double width = std::numeric_limits<double>::infinity();
   Vec3 place = Vec3::Zero();  // in the frame of the mesh
 
   Thinnest(const TriangleMesh& mesh, int sign) {
     constexpr std::uint32_t most = 20000;
-    constexpr double facing = 0.5, above = 1e-6;  // cosine; of the mesh's size: past the triangle itself
+    constexpr double facing = 0.5, above = 1e-6;  // cosine; share of the mesh size, past the triangle itself
     const auto count = static_cast<std::uint32_t>(mesh.triangles().size());
     const Vec3 size = mesh.box().upper - mesh.box().lower;
     const double start = above * size.maxCoeff();
@@ -104,8 +104,8 @@ bool check_scale(const Case& setup, Diagnostics& findings, std::size_t index, co
 
 constexpr int looks = 1000;  // instants of a motion that is looked at
 
-/// It must overlap the domain; a vessel may cross a periodic border only if it goes on beyond it on both
-/// sides. Returns whether it does so at an instant.
+/// Checks that a wall overlaps the domain at an instant, and that a vessel which crosses a periodic border
+/// continues on both sides. Returns whether both hold.
 bool check_place_at(const Case& setup, Diagnostics& findings, std::size_t index, const MeshWall& wall,
                     double step) {
   constexpr double beyond = 3;  // cells: of the map's ghost layers
@@ -134,7 +134,7 @@ bool check_place_at(const Case& setup, Diagnostics& findings, std::size_t index,
   return good;
 }
 
-/// Largest speed of a point of the wall, looked for in so many instants.
+/// Returns the largest speed of a point of the wall at sampled instants.
 double fastest(const Case& setup, const MeshWall& wall) {
   double speed = 0;
   const auto look = [&](double time) {
@@ -157,7 +157,7 @@ void check_mesh(const Case& setup, Diagnostics& findings, std::size_t index, con
   if (wall.motion.moves()) check_speed(findings, wall_key(index, "motion"), fastest(setup, wall));
 }
 
-/// The axis of a wall and its point are of its rotation, and of torques on it.
+/// Warns of an axis and point of a wall that neither rotation nor torques use.
 void look_for_idle_axis(const Case& setup, Diagnostics& findings, std::size_t index, const MeshWall& wall) {
   const auto is_of_its_torque = [&](const QuantitySpec& q) {
     return q.wall == int(index) && q.type.ends_with("torque") &&
@@ -170,7 +170,7 @@ void look_for_idle_axis(const Case& setup, Diagnostics& findings, std::size_t in
   if (wall.table.empty()) findings.idle(wall_key(index, "motion.point"), why);
 }
 
-/// Says whether a point of the domain is in the hole of a wall, by going to and fro between the two.
+/// Returns whether a point of the domain is in the hole of a tube, by alternating projections.
 bool is_open(const Case& setup, const rigid::TubeWallSpec& wall) {
   constexpr int projections = 1000;
   const rigid::BoundingBox domain = box_of(setup);
@@ -183,8 +183,8 @@ bool is_open(const Case& setup, const rigid::TubeWallSpec& wall) {
   return wall.tube.gap(pose, in_domain) > 0;
 }
 
-/// The hole must not cross a periodic border, unless it is the same on both sides: where the axis is that of
-/// the tube. Elsewhere the outermost cells must be solid.
+/// Checks that a hole crosses a periodic border only if both sides match (axis of the tube), and that
+/// elsewhere the outermost cells are solid.
 void check_borders(const Case& setup, Diagnostics& findings, std::size_t index,
                    const rigid::TubeWallSpec& wall) {
   constexpr double straight = 1e-12;  // rounding of a unit vector
@@ -219,7 +219,7 @@ void check_tube(const Case& setup, Diagnostics& findings, std::size_t index,
               std::abs(wall.angular_velocity) * wall.tube.radius);
 }
 
-/// Returns how far a body reaches into a mesh, at least; not above 0 if it is not seen to.
+/// Returns a lower bound of the depth of a body in a mesh; not above 0 if none is found.
 double depth_in_mesh(const Case& setup, const BodySpec& body, const MeshWall& wall, const rigid::Pose& pose) {
   double depth = 0;
   for (const rigid::InnerBall& ball : rigid::inner_balls(setup.shapes[body.shape]))
@@ -248,7 +248,7 @@ std::string fault_in_curved_walls(const Case& setup, const BodySpec& body, const
     if (const MeshWall* mesh = wall.mesh()) {
       const rigid::Pose pose = mesh->pose(time);
       if (!mesh->mesh.surface) continue;
-      const bool is_convex = rigid::convex_parts(shape).size() == 1;  // no ring on a post
+      const bool is_convex = rigid::convex_parts(shape).size() == 1;  // not a ring on a post
       if (is_convex && mesh->mesh.contains(pose.to_body(body.pose.position)))
         return fmt::format("{}: this is in the solid of the wall '{}', a mesh; move it out", is, wall.name);
       if (const double depth = depth_in_mesh(setup, body, *mesh, pose); depth > allowed)

@@ -1,4 +1,4 @@
-// [[walls]]; surfaces in files, of walls and of [[shapes]]; the motion of a wall as a table over time.
+// [[walls]]; surfaces from files, for walls and [[shapes]]; prescribed motions of walls.
 #include <fmt/format.h>
 
 #include <array>
@@ -128,7 +128,7 @@ void with_surface(TableReader& table, Read&& read, Use&& use) {
   });
 }
 
-/// "x", "y", "z" or a direction, made a unit vector; `what` says of what.
+/// Reads "x", "y", "z" or a vector as a unit vector; `what` describes it.
 Vec3 read_direction(TableReader& table, std::string_view what) {
   table.need("axis", fmt::format("{}: \"x\", \"y\", \"z\" or [x, y, z]", what));
   const Node* node = table.find("axis");
@@ -231,7 +231,7 @@ void read_walls(TableReader& root, Case& setup) {
     const int material = read_name(table, "material", setup.material_names, "material").value_or(0);
     if (type == rigid::Mesh::name) {
       MeshWall mesh = read_mesh_wall(table);
-      if (mesh.mesh.surface) wall.surface = std::move(mesh);  // else what is wrong has been said
+      if (mesh.mesh.surface) wall.surface = std::move(mesh);  // else the fault has been reported
     } else {
       wall.surface = read_tube_wall(table);
     }

@@ -122,7 +122,7 @@ std::string text_of_overlap(const Case& setup, const BodySpec& a, const BodySpec
       a.entry, shown_length(setup, depth));
 }
 
-/// Some rank has both of two bodies that overlap near it: the one where they do.
+/// Finds overlaps of pairs of bodies. The rank where the overlap is has both.
 std::vector<BodyFault> faults_of_pairs(const Case& setup, const std::vector<GivenBody>& bodies) {
   const rigid::Extent extent = extent_of(setup);
   NeighbourGrid grid(extent, mean_width(setup, bodies));
@@ -150,9 +150,9 @@ std::vector<BodyFault> faults_of_pairs(const Case& setup, const std::vector<Give
 
 using rigid::Vec3;
 
-/// A body on its way; what else there is to know of it the case says.
+/// A body in a message; the case has its other properties.
 struct Passing {
-  std::uint64_t point;  // of the file, from 0
+  std::uint64_t point;  // index in the file
   FiledPose pose;       // in the units of the case
 };
 
@@ -186,10 +186,10 @@ BodySpec spec_of(const Case& setup, const FiledBodies& filed, const Passing& bod
 
 /// This rank's part of a file.
 struct Slice : PositionSlice {
-  std::uint64_t first = 0;  // body of the file
+  std::uint64_t first = 0;  // index in the file
 };
 
-/// Every rank reports the fault that comes first in the file.
+/// Throws, on every rank, the fault that comes first in the file.
 void throw_fault(const Case& setup, const FiledBodies& filed, Surroundings& around, const std::string& mine) {
   const std::string fault = parallel::text_of_first(around.comm(), mine);
   if (!fault.empty())
@@ -224,7 +224,7 @@ Slice read_slice_here(const Case& setup, const FiledBodies& filed, Surroundings&
   return {std::move(slice), before.bodies};
 }
 
-/// Returns the ranks that a body concerns: that of its centre of mass, and those near which it reaches.
+/// Returns the ranks that need a body: the owner of its centre of mass, and those near which it reaches.
 std::vector<int> ranks_of(const Case& setup, Surroundings& around, const BodySpec& spec) {
   std::vector<int> ranks = around.ranks_near(rigid::bounding_box(setup.shapes[spec.shape], spec.pose));
   const int owner = around.holders.rank_at(spec.pose.position);
@@ -243,7 +243,7 @@ void send(const Case& setup, const FiledBodies& filed, Surroundings& around, con
   around.messages.exchange_sparse();
 }
 
-/// A body of another run as one of this case.
+/// Returns a body of another run as one of this case.
 BodySpec spec_of(const rigid::BodyRecord& r) {
   BodySpec spec;
   spec.shape = r.shape, spec.kind = r.kind, spec.motion = r.motion;
@@ -256,7 +256,7 @@ std::string name_of(const Case& setup, const rigid::BodyRecord& r) {
   return fmt::format("body {} ('{}') of initial.from", r.id, setup.kind_names[std::size_t(r.kind)]);
 }
 
-/// Appends what a given body that is near overlaps of those that are there.
+/// Appends the overlaps of given bodies with an existing body.
 void find_overlaps(const Case& setup, const std::vector<GivenBody>& given, const NeighbourGrid& grid,
                    const rigid::BodyRecord& there, std::vector<BodyFault>& faults) {
   const rigid::Extent extent = extent_of(setup);

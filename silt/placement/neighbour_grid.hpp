@@ -1,6 +1,6 @@
 #pragma once
-// A grid tells which boxes may touch a box. Its cells have one edge and cover the domain; only those that
-// hold something are in memory. It is used where bodies are placed, not in a step.
+// Finds boxes that may touch a box, by a grid over the domain of which only occupied cells use memory. For
+// placing bodies, not for steps.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -13,7 +13,7 @@ namespace silt {
 
 class NeighbourGrid {
  public:
-  /// Makes cells at least `edge` wide: best about as wide as most boxes.
+  /// Makes cells at least `edge` wide, best about the size of most boxes.
   NeighbourGrid(const rigid::Extent& extent, double edge) : extent_(extent), heads_(64, nobody) {
     for (int d = 0; d < 3; ++d)
       count_[d] = static_cast<std::int64_t>(std::clamp(extent.size[d] / edge, 1.0, most_cells));
@@ -27,7 +27,7 @@ class NeighbourGrid {
       for_cells(runs, [&](const Cell& cell) { insert(index, cell); });
   }
 
-  /// Calls f(index) for all boxes that may touch the box, for some more than once, until f returns false.
+  /// Calls f(index) for all boxes that may touch the box, some more than once, until f returns false.
   template <class F>
   void visit(const rigid::BoundingBox& box, F&& f) const {
     bool going = true;
@@ -40,12 +40,12 @@ class NeighbourGrid {
 
  private:
   static constexpr int nobody = -1;
-  static constexpr double most_cells = 1 << 21;    // along an axis: a key has 64 bits
-  static constexpr std::int64_t many_cells = 512;  // a box that meets more is looked at by every visit
+  static constexpr double most_cells = 1 << 21;    // along an axis, for keys of 64 bits
+  static constexpr std::int64_t many_cells = 512;  // a box in more cells is examined by every visit
   struct Cell {
     std::uint64_t row, x;
     std::uint64_t key() const { return row << 21 | x; }
-    // Cells in a row have heads in a row; those above and beside it are strewn.
+    // Cells along x have consecutive heads; rows are scattered.
     std::uint64_t hash() const { return x + row * 73856093; }
   };
   struct Entry {
@@ -63,7 +63,7 @@ class NeighbourGrid {
     return runs;
   }
 
-  // The cells of an axis that [lower, upper] meets; outside a wall those at the wall.
+  // Returns the cells of an axis that overlap [lower, upper]; beyond a wall those at the wall.
   Run run(int axis, double lower, double upper) const {
     const std::int64_t n = count_[axis];
     const double scale = static_cast<double>(n) / extent_.size[axis], last_cell = static_cast<double>(n - 1);
@@ -112,7 +112,7 @@ class NeighbourGrid {
 
   rigid::Extent extent_;
   std::array<std::int64_t, 3> count_{};
-  std::vector<int> heads_, wide_;  // heads: the first entry of a hash; as many as a power of two
+  std::vector<int> heads_, wide_;  // heads: first entry per hash; a power of two of them
   std::vector<Entry> entries_;
 };
 

@@ -16,7 +16,7 @@ using rigid::Vec3;
 
 constexpr double no_overlap = -std::numeric_limits<double>::infinity();
 
-// Returns how far the balls of a reach into b.
+// Returns how far the spheres of a reach into b.
 double depth_into(const Shape& a, const Pose& pose_a, const Shape& b, const Pose& pose_b) {
   double depth = no_overlap;
   for (const rigid::InnerBall& ball : rigid::inner_balls(a)) {
@@ -26,7 +26,7 @@ double depth_into(const Shape& a, const Pose& pose_a, const Shape& b, const Pose
   return depth;
 }
 
-// Calls f(shift) for no shift and for one period to either side along the periodic axes.
+// Calls f(shift) for no shift and for shifts by one period along periodic axes.
 template <class F>
 void for_images(const Extent& extent, F&& f) {
   std::array<int, 3> reach{};

@@ -1,6 +1,5 @@
 #pragma once
-// Obstacles may be in the way of a body that is to be placed: curved walls, given bodies, and bodies placed
-// before it, here and near this rank.
+// The obstacles of bodies to be placed: curved walls, given bodies, and bodies placed before.
 #include <span>
 #include <vector>
 
@@ -12,28 +11,27 @@
 
 namespace silt {
 
-/// Returns how far a shape reaches into another, at least, in cells: positive only if they do overlap, so
-/// that no legal scene is refused; exact for a sphere against anything; negative if no overlap is found
-/// (then, for two spheres, minus their distance).
+/// Returns a lower bound of the overlap of two shapes in cells. Positive only if they overlap, so that no
+/// valid scene is rejected; exact if one is a sphere; negative if none is found (two spheres: -distance).
 double overlap_depth(const rigid::Shape& a, const rigid::Pose& pose_a, const rigid::Shape& b,
                      const rigid::Pose& pose_b);
 
-/// The largest over the periodic images of b.
+/// Returns the largest overlap over the periodic images of b.
 double overlap_depth(const rigid::Shape& a, const rigid::Pose& pose_a, const rigid::Shape& b,
                      const rigid::Pose& pose_b, const rigid::Extent&);
 
-/// Distance from a point to the nearest periodic image of a shape, negative inside.
+/// Returns the distance from a point to the nearest periodic image of a shape, negative inside.
 double distance_to(const rigid::Shape&, const rigid::Pose&, const rigid::Vec3& x_W, const rigid::Extent&);
 
 class Obstacles {
  public:
-  /// The given bodies stay where they are; reach: the furthest anything is asked about.
+  /// Refers to the given bodies; `reach` is the largest distance of any query.
   Obstacles(const Case&, const rigid::Extent&, std::span<const GivenBody>, double reach);
 
-  /// Begins with balls of another radius, in an order of falling radii.
+  /// Begins balls of another radius; radii must decrease.
   void begin_balls(double radius, double gap);
   void add_ball(const rigid::Vec3& centre);
-  /// Says whether a ball with a gap around it meets nothing.
+  /// Returns whether a ball with a gap around it touches no obstacle.
   bool is_free(const rigid::Vec3& centre, double radius, double gap) const;
 
  private:

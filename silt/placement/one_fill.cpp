@@ -18,7 +18,7 @@ namespace {
 
 using rigid::Vec3;
 
-/// Uniform in a ball.
+/// Returns a point uniform in a ball.
 Vec3 moved_within(double radius, coupler::CounterRandom& random) {
   for (;;) {
     const Vec3 x = 2 * random.point() - Vec3::Ones();
@@ -26,9 +26,9 @@ Vec3 moved_within(double radius, coupler::CounterRandom& random) {
   }
 }
 
-/// The indices along an axis of sites that may lie in a block, each once.
+/// Returns the indices along an axis of sites that may lie in a block, each once.
 std::vector<std::int64_t> sites_met(const Lattice& lattice, int axis, const lbm::CellBox& box, double shift) {
-  constexpr double rows_and_layers = 2;  // steps by which they may be shifted, and rounding
+  constexpr double rows_and_layers = 2;  // sites: shift of rows and layers, and rounding
   const std::int64_t n = lattice.sites()[axis];
   const double step = lattice.step(axis), lower = box.lower[axis] - lattice.first(axis) - shift,
                upper = box.lower[axis] + box.size[axis] - lattice.first(axis) + shift;
@@ -46,8 +46,7 @@ std::vector<std::int64_t> sites_met(const Lattice& lattice, int axis, const lbm:
   return met;
 }
 
-/// Returns bodies on the free sites that lie here, each moved by at most the fill's shift in any direction,
-/// in the order of their numbers, which are those of the sites.
+/// Returns bodies on this rank's free sites, each moved by up to the fill's shift, by site number.
 std::vector<FilledBody> on_free_sites(const OneFill& fill, const Lattice& lattice) {
   const FillSpec& spec = fill.spec;
   const Surroundings& around = fill.around;
@@ -76,7 +75,7 @@ std::vector<FilledBody> on_free_sites(const OneFill& fill, const Lattice& lattic
   return bodies;
 }
 
-/// Adds bodies placed here, and those that others placed near, to the obstacles.
+/// Adds bodies placed on this rank and near it to the obstacles.
 void add_to_obstacles(const std::vector<FilledBody>& bodies, Surroundings& around, Obstacles& obstacles) {
   using Centre = std::array<double, 3>;
   for (const FilledBody& body : bodies) {
@@ -91,8 +90,8 @@ void add_to_obstacles(const std::vector<FilledBody>& bodies, Surroundings& aroun
 using rigid::BoundingBox;
 using rigid::Vec3;
 
-/// Points that found no room before the box counts as full: at the start, where what is missing ends the run,
-/// and later, when it comes with the next application.
+/// Rejected points per body after which the box counts as full: at the start, where missing bodies end the
+/// run, and later, where they are left to the next application.
 constexpr double points_a_body_at_start = 20000, points_a_body_later = 1000;
 constexpr double bodies_a_cell = 4;
 
@@ -103,13 +102,13 @@ struct DrawnPoint {
   Vec3 centre;
   bool own = true, shared = false, told = false;
   PointState state = PointState::open;
-  bool waits = false;  // in this round of messages, for another rank
+  bool waits = false;  // for another rank, in this round
 
   bool is_open() const { return own && state == PointState::open; }
   bool stays_here() const { return own && state == PointState::stays; }
 };
 
-/// A point as others see it.
+/// A point in a message.
 struct Seen {
   std::uint64_t number;
   double centre[3];
@@ -159,7 +158,7 @@ class RandomFill {
   }
 
  private:
-  /// Returns as many rounds as the last ones suggest are needed; for a full box not too many at a time.
+  /// Returns the rounds needed according to the last ones; limited, as a full box needs too many.
   std::uint64_t next_rounds(std::uint64_t rounds, const Tally& last, std::uint64_t missing) const {
     const auto cells = static_cast<double>(rain_.total_cells());
     const double a_body = static_cast<double>(last.fallen + 1) / static_cast<double>(last.stay + 1);
@@ -176,7 +175,7 @@ class RandomFill {
       let_fall_on(block, first_round, rounds);
   }
 
-  /// A cell across blocks is drawn for each of them, a point kept for the one in which it lies.
+  /// Draws points of a block. A cell across blocks is drawn in each, a point kept in the block it lies in.
   void let_fall_on(const lbm::BlockPlace& block, std::uint64_t first_round, std::uint64_t rounds) {
     const auto along_x = cells_met(0, block.box), along_y = cells_met(1, block.box),
                along_z = cells_met(2, block.box);
@@ -195,7 +194,7 @@ class RandomFill {
             rain_.for_points({x, y, z}, round, take);
   }
 
-  /// The cells of an axis that a block meets, in any periodic image; blocks at a wall reach beyond it.
+  /// Returns the cells along an axis that overlap a block or its images; blocks at walls extend beyond.
   std::vector<std::int64_t> cells_met(int axis, const lbm::CellBox& box) const {
     constexpr double slack = 1e-6, infinity = std::numeric_limits<double>::infinity();
     const double length = around_.extent.size[axis];
@@ -233,7 +232,7 @@ class RandomFill {
     } while (around_.sum(std::ranges::count_if(points_, &DrawnPoint::is_open)) > 0);
   }
 
-  /// All that does not wait for another rank; tells who shares it.
+  /// Decides all points that wait for no other rank, and sends decisions on shared points.
   void decide_what_can_be(const NeighbourGrid& grid) {
     for (DrawnPoint& p : points_) p.waits = false;
     for (DrawnPoint& p : points_)
@@ -245,7 +244,7 @@ class RandomFill {
     }
   }
 
-  /// Decides a point of this rank, and before it the earlier ones too close to it.
+  /// Decides a point of this rank, after the earlier points close to it.
   PointState judge(DrawnPoint& p, const NeighbourGrid& grid) {
     const std::uint64_t time = rain_.time_of(p.number);
     PointState state = PointState::stays;
@@ -276,8 +275,7 @@ class RandomFill {
     return parallel::sum_over_ranks(around_.comm(), mine);
   }
 
-  /// The time at which the wanted number has been placed, of the points of this batch, on all ranks: its
-  /// bytes one after the other.
+  /// Returns, byte by byte, the time at which all ranks had accepted the wanted number of this batch.
   std::uint64_t time_of_last(std::uint64_t wanted) const {
     std::uint64_t time = 0, known = 0;  // known: mask of the bytes found
     for (int shift = 56; shift >= 0; shift -= 8) {
@@ -306,7 +304,7 @@ class RandomFill {
 
   [[noreturn]] void refuse(std::uint64_t placed) const {
     const FillSpec& spec = fill_.spec;
-    double balls = 0;  // of all sizes
+    double balls = 0;  // volume, over all sizes
     for (std::size_t size = 0; size < spec.sizes.size(); ++size) {
       const double radius = rigid::bounding_radius(fill_.setup.shapes[spec.sizes[size].shape]) + spec.gap / 2;
       balls += static_cast<double>(FillApplication(fill_.application.fill, 0, size).count(spec)) * 4. / 3 *
@@ -330,19 +328,19 @@ class RandomFill {
   }
 
   const OneFill& fill_;
-  const double distance_;  // least one of two centres
+  const double distance_;  // least distance of centres
   const double points_a_body_;
   Surroundings& around_ = fill_.around;
   const Rain rain_;
-  std::uint64_t fallen_ = 0;  // of this batch of rounds, here
-  // of this batch: those that meet nothing placed earlier; by number, so that memory is near where space is
+  std::uint64_t fallen_ = 0;  // points of this batch on this rank
+  // points of this batch free of earlier bodies; by number, so that neighbours are close in memory
   std::vector<DrawnPoint> points_;
   std::vector<FilledBody> placed_;
 };
 
 }  // namespace
 
-/// The first sites that are free, as many as asked for or all.
+/// Takes the first free sites, as many as asked for or all.
 Filling fill_sites(const OneFill& fill) {
   const auto count = static_cast<std::uint64_t>(fill.count);
   const std::size_t index = fill.application.fill;

@@ -17,7 +17,7 @@ std::vector<std::uint64_t> number_off(parallel::Messages& messages, const std::v
   };
   for (const std::uint64_t key : keys) parallel::put(messages.to(rank_of(key)), key);
   messages.exchange_sparse();
-  std::vector<std::pair<std::uint64_t, int>> asked;  // of this slice by all ranks: key, rank
+  std::vector<std::pair<std::uint64_t, int>> asked;  // keys of this slice from all ranks, and their ranks
   messages.for_received<std::uint64_t>([&](std::uint64_t key, int rank) { asked.emplace_back(key, rank); });
   std::sort(asked.begin(), asked.end());
   std::uint64_t before = parallel::sum_of_ranks_before(messages.comm(), asked.size());
@@ -47,7 +47,7 @@ double radius_of(const Case& setup, const FillApplication& application) {
   return rigid::bounding_radius(setup.shapes[shape_of(setup, application)]);
 }
 
-/// Places of the applications, the largest bodies first: small ones still find room between them.
+/// Returns the order of applications by size, largest first, as small bodies still fit between large ones.
 std::vector<std::size_t> by_size(const Case& setup, const std::vector<FillApplication>& applications) {
   std::vector<std::size_t> order(applications.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
@@ -65,7 +65,7 @@ AppliedFill apply(const Case& setup, FillApplication application, Surroundings& 
   AppliedFill filled;
   static_cast<EntrySpec&>(filled.alike) = spec;
   filled.alike.shape = shape_of(setup, application);
-  if (fill.count == 0 && spec.count > 0) return filled;  // nobody has this size
+  if (fill.count == 0 && spec.count > 0) return filled;  // no body has this size
   obstacles.begin_balls(fill.radius, spec.gap);
   Filling placed = spec.arrangement == Arrangement::random ? fill_at_random(fill) : fill_sites(fill);
   const auto count = static_cast<std::uint64_t>(fill.count);
@@ -74,7 +74,7 @@ AppliedFill apply(const Case& setup, FillApplication application, Surroundings& 
   return filled;
 }
 
-/// The furthest at which a body of any fill asks what is there.
+/// Returns the largest distance at which a fill looks for existing bodies.
 double reach_of_fills(const Case& setup) {
   double radius = 0, gap = 0;
   for (std::size_t i = 0; i < setup.fills.size(); ++i) {
@@ -84,9 +84,9 @@ double reach_of_fills(const Case& setup) {
   return 2 * radius + gap;
 }
 
-/// Applies fills, each body where its bounding sphere meets neither what is there, which each rank knows
-/// within reach_of_fills of its blocks, nor another one. Ids count from `next_id` on in the order of the
-/// applications, and `next_id` goes past them.
+/// Applies fills: each bounding sphere touches neither existing bodies, known within reach_of_fills of this
+/// rank's blocks, nor another one. Ids continue from `next_id` in the order of the applications, and
+/// `next_id` is advanced.
 std::vector<AppliedFill> apply_fills(const Case& setup, const std::vector<FillApplication>& applications,
                                      std::span<const GivenBody> there, Surroundings& around,
                                      rigid::BodyId& next_id) {
@@ -102,7 +102,7 @@ std::vector<AppliedFill> apply_fills(const Case& setup, const std::vector<FillAp
   return applied;
 }
 
-/// A body that is there already, as other ranks see it.
+/// An existing body in a message.
 struct Present {
   rigid::BodyId id;
   std::int64_t shape;
@@ -123,7 +123,7 @@ GivenBody given(const Present& p) {
   return {p.id, spec, false};
 }
 
-/// Says whether a box is so close to that of a fill that one of its bodies might ask for it.
+/// Returns whether a box is so close to that of a fill that it may matter to its bodies.
 bool concerns(const FillSpec& fill, const rigid::BoundingBox& box, double reach,
               const rigid::Extent& extent) {
   const Vec3 apart =
@@ -133,7 +133,7 @@ bool concerns(const FillSpec& fill, const rigid::BoundingBox& box, double reach,
   return ((apart - widths).array() <= reach).all();
 }
 
-/// The bodies near the fills' boxes that are within reach of this rank's blocks.
+/// Returns the existing bodies near the fills' boxes and within reach of this rank's blocks.
 std::vector<GivenBody> present_near(const Case& setup, const std::vector<FillApplication>& applications,
                                     const rigid::BodySet& bodies, double reach, Surroundings& around) {
   for (std::size_t row = 0; row < bodies.owned; ++row) {
@@ -232,7 +232,7 @@ rigid::BodyRecord body_record(rigid::BodyId id, const BodySpec& body, const Cent
 using rigid::BodyId;
 using rigid::Vec3;
 
-/// The starts of those bodies whose meeting place this rank is.
+/// Returns the starts of the bodies that this rank keeps, by id.
 std::vector<StartPositions::Start> StartPositions::met_here(const Case& setup, const lbm::Domain& domain,
                                                             MPI_Comm comm) {
   const int ranks = parallel::ranks_of(comm);

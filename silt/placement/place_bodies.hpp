@@ -1,6 +1,5 @@
 #pragma once
-// The bodies of a case on the ranks where they will live: those of the start, and those that fills place
-// while a run goes on.
+// Places the bodies of a case on their ranks: at the start, and when fills are applied during a run.
 #include <mpi.h>
 
 #include <optional>
@@ -21,7 +20,7 @@ namespace silt {
 struct AppliedFill {
   BodySpec alike;
   rigid::BodyId first_id = 0;
-  std::uint64_t total = 0, refused = 0;  // of all ranks: placed; asked for, but without room
+  std::uint64_t total = 0, refused = 0;  // on all ranks: placed, and without room
   std::vector<FilledBody> bodies;
 
   template <class F>
@@ -34,13 +33,12 @@ struct AppliedFill {
   }
 };
 
-/// This rank's bodies at the start: those whose centre of mass lies in its blocks. Ids count from 1: the
-/// given bodies in the order of the case, then those of each fill, ordered so that close ids are mostly close
-/// bodies.
+/// This rank's bodies at the start, by centre of mass. Ids count from 1: given bodies in the order of the
+/// case, then those of each fill, ordered so that close ids are mostly close bodies.
 class PlacedBodies {
  public:
   std::size_t size() const;
-  /// Calls f(id, spec) in the order of ids. The centres of mass of fills are in the domain.
+  /// Calls f(id, spec) by id. Centres of mass of filled bodies are in the domain.
   template <class F>
   void for_each(F&& f) const {
     for (const GivenBody& body : given) f(body.id, body.spec);
@@ -49,48 +47,44 @@ class PlacedBodies {
 
   std::vector<GivenBody> given;
   std::vector<AppliedFill> filled;  // in the order of the case
-  rigid::BodyId next_id = 1;        // that no body of any rank has
+  rigid::BodyId next_id = 1;        // the first unused id
 };
 
-/// Collective. Bitwise the same bodies on any number of ranks and for any blocks. Each body of a fill is
-/// put where its bounding sphere (about its centre of mass), grown by the fill's gap, meets no wall, no given
-/// body and no bounding sphere of another filled body, and lies in the fill's box; those of the largest
-/// spheres first (random sequential addition jams near 38 % of the box in bounding spheres). The seeds of two
-/// fills may be equal. Fills on sites take those that are free, in order. CaseError on every rank, saying how
-/// many fitted, if one does not fit.
-/// Fills find their places among those that are `there`, of which each rank has its own.
+/// Places the bodies of a case; bitwise the same on any number of ranks and for any blocks. The bounding
+/// sphere of a filled body (about its centre of mass), grown by the fill's gap, touches no wall, no given or
+/// existing body and no other bounding sphere, and lies in the fill's box. Larger spheres are placed first
+/// (random sequential addition jams near 38 % of the box in bounding spheres). Fills on sites take the first
+/// free ones; fills may have equal seeds. `there` are this rank's existing bodies. Throws CaseError on every
+/// rank, with the number that fitted. Collective.
 PlacedBodies place_bodies(const Case&, const lbm::Domain&, MPI_Comm, const rigid::BodySet* there = nullptr);
 
-/// Returns the fills that are applied again before the step that follows so many.
+/// Returns the fills that are applied again before step `steps_done + 1`.
 std::vector<FillApplication> fills_due(const Case&, std::int64_t steps_done);
 
-/// Collective. Places the bodies of these applications among those of all ranks, of which `bodies` has this
-/// rank's, as above. Of the random numbers of an application no other has any.
+/// Places the bodies of these applications among existing ones (`bodies` are this rank's) as above. Each
+/// application has its own random numbers. Collective.
 std::vector<AppliedFill> place_arrivals(const Case&, const std::vector<FillApplication>&, const lbm::Domain&,
                                         MPI_Comm, const rigid::BodySet& bodies, rigid::BodyId& next_id);
 
 struct Case;
 
-/// A shape about its centre of mass, and what follows from it.
+/// A shape about its centre of mass, with its properties.
 struct CentredShape {
   rigid::Shape shape;
   double volume = 0, bounding_radius = 0;
-  rigid::Mat3 inertia = rigid::Mat3::Zero();  // of unit density
+  rigid::Mat3 inertia = rigid::Mat3::Zero();  // for density 1
 };
 std::vector<CentredShape> centred_shapes(const Case&);
 
-/// Returns a body as a record: the pose is that of its centre of mass, not wrapped; in a fluid of density 1
-/// it has buoyancy.
+/// Returns the record of a body: pose of its centre of mass, not wrapped; buoyancy if in a fluid.
 rigid::BodyRecord body_record(rigid::BodyId, const BodySpec&, const CentredShape&, bool in_fluid);
 
 struct Case;
 
-/// Ranks that placed bodies and those that ask meet at the rank id modulo ranks: none holds more than its
-/// share, from the first question on.
+/// The start positions of bodies, distributed evenly over ranks by id modulo their number.
 class StartPositions {
  public:
-  /// Collective. Returns the centres of mass at the start, not wrapped, of bodies by their ids; NaN for one
-  /// that was not there.
+  /// Returns the centres of mass at the start, not wrapped, by id; NaN for unknown bodies. Collective.
   std::vector<rigid::Vec3> of(const Case&, const lbm::Domain&, MPI_Comm,
                               std::span<const rigid::BodyId>) const;
 
@@ -102,7 +96,7 @@ class StartPositions {
   static std::vector<Start> met_here(const Case&, const lbm::Domain&, MPI_Comm);
   static Start found(const std::vector<Start>&, rigid::BodyId);
 
-  mutable std::optional<std::vector<Start>> starts_;  // in the order of ids
+  mutable std::optional<std::vector<Start>> starts_;  // by id
 };
 
 }  // namespace silt

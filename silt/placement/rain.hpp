@@ -1,6 +1,6 @@
 #pragma once
-// Points that fall on a box, a Poisson process in space and time, as a function of a key. The box is cut
-// into equal cells, time into rounds: in a round one point a cell falls on average.
+// Random points in a box, a Poisson process in space and time, as a function of a key. The box is cut into
+// equal cells, time into rounds with one point per cell and round on average.
 #include <algorithm>
 #include <array>
 #include <cstdint>
@@ -16,7 +16,7 @@ class Rain {
   static constexpr double most_cells = 0x1p36;
   using Cell = std::array<std::int64_t, 3>;
 
-  /// Cells are near cubes; there are at least so many, at most twice.
+  /// Makes at least `cells` and at most twice as many nearly cubic cells.
   Rain(const rigid::BoundingBox& room, std::uint64_t key, double cells) : room_(room), key_(key) {
     for (double made = 1; made < cells; made *= 2) {
       int widest = 0;
@@ -28,7 +28,7 @@ class Rain {
 
   const Cell& cells() const { return count_; }
   std::uint64_t total_cells() const { return count_[0] * count_[1] * count_[2]; }
-  /// Numbers are below this.
+  /// Returns the upper bound of numbers.
   std::uint64_t range() const { return total_cells() << draw_bits; }
 
   /// Calls f(number) for the points of a cell in a round.
@@ -40,7 +40,7 @@ class Rain {
     const auto many = std::upper_bound(cumulated.begin(), cumulated.end(), random) - cumulated.begin();
     for (std::uint64_t k = 0; k < static_cast<std::uint64_t>(many); ++k) f(first + k);
   }
-  /// Places the points of some rounds in an order: uniform, no two alike.
+  /// Returns the time of a point, which orders those of a batch: uniform, all different.
   std::uint64_t time_of(std::uint64_t number) const { return coupler::mixed(number + key_); }
   rigid::Vec3 point(std::uint64_t number) const {
     const rigid::Vec3 share = coupler::CounterRandom(time_of(number)).point();
@@ -59,7 +59,7 @@ class Rain {
     random.point();
     return random.orientation();
   }
-  /// The side of a cell at an axis: lower, and upper by the next.
+  /// Returns the lower face of cell `index` along an axis, which is the upper face of the one before.
   double side(int axis, std::int64_t index) const {
     const double share = static_cast<double>(index) / static_cast<double>(count_[axis]);
     return room_.lower[axis] + share * (room_.upper[axis] - room_.lower[axis]);
@@ -68,7 +68,7 @@ class Rain {
  private:
   static constexpr int round_bits = 5, draw_bits = 28;
   static constexpr std::uint64_t most_in_round = (1 << round_bits) - 1;
-  /// 2^64 times the probability of at most k points, of one on average.
+  /// 2^64 times the probability of at most k points, for a mean of one.
   static constexpr auto cumulated = [] {
     std::array<std::uint64_t, 20> table{};
     long double term = 0.36787944117144232159552377016146087L, sum = term;  // 1/e

@@ -34,7 +34,7 @@ LiveSimulation::LiveSimulation(const RunOptions& options, bool resume, MPI_Comm 
   prepared_ = prepared_or_unfit(options, resume, comm);
   if (options.out) with([&](Simulation&) { files_ = std::make_unique<Files>(prepared_, *options.out); });
   for (const Diagnostic& warning : prepared_.warnings) warnings_.push_back(warning.line());
-  static const bool told = [] {  // attributes of MPI_COMM_SELF go first when MPI is finalised
+  static const bool told = [] {  // attributes of MPI_COMM_SELF are deleted first when MPI is finalised
     int key = MPI_KEYVAL_INVALID;
     MPI_Comm_create_keyval(MPI_COMM_NULL_COPY_FN, end_all, &key, nullptr);
     MPI_Comm_set_attr(MPI_COMM_SELF, key, nullptr);
@@ -79,7 +79,7 @@ void LiveSimulation::finish() {
   if (!files_ || finished_) return;
   with([&](Simulation& simulation) {
     if (has_ended()) return end_files(prepared_.reason_of_end(), prepared_.text_of_end(), true);
-    const auto& coarsening = simulation.setup().coarsening;  // coarse cells end their step
+    const auto& coarsening = simulation.setup().coarsening;  // ends a step of the coarsest cells
     if (coarsening && simulation.steps_done() % coarsening->stride() != 0)
       throw std::invalid_argument(
           fmt::format("finish: cells of several levels end their steps together each {} steps; {} are done",

@@ -1,6 +1,6 @@
 #pragma once
-// A simulation in the hands of a program that may keep it longer than MPI lasts, and that knows neither of
-// MPI_Abort nor of floating-point modes: an interpreter.
+// A simulation owned by an interpreter, which may keep it longer than MPI runs, and must not be affected by
+// MPI_Abort or floating-point modes.
 #include <fmt/format.h>
 
 #include <cfenv>
@@ -16,7 +16,7 @@
 
 namespace silt {
 
-/// While this lives, numbers are computed as in `silt run`; afterwards as they were before.
+/// Sets the floating-point mode of `silt run` during its lifetime.
 class RunArithmetic {
  public:
   RunArithmetic() {
@@ -30,35 +30,35 @@ class RunArithmetic {
   std::fenv_t before_;
 };
 
-/// UnfitCase says why a case cannot run, on every rank: the lines of `silt run`.
+/// Says why a case cannot run, on every rank, in the lines of `silt run`.
 struct UnfitCase : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// LiveSimulation owns a simulation, which ends with it or when MPI is finalised, by whomever. With a folder
-/// for results it writes what `silt run` does.
+/// Owns a simulation, which ends with it or when MPI is finalised. With a folder for results it writes the
+/// files of `silt run`.
 class LiveSimulation {
  public:
-  /// Collective. Reads and judges a case as `silt run` does, or as `silt resume`. UnfitCase.
+  /// Reads and checks a case like `silt run` or `silt resume`. Collective. Throws UnfitCase.
   LiveSimulation(const RunOptions&, bool resume, MPI_Comm);
   LiveSimulation(const LiveSimulation&) = delete;
   ~LiveSimulation();
 
   const std::vector<std::string>& warnings() const { return warnings_; }  // of the case
-  /// Returns the simulation; std::runtime_error once MPI is finalised.
+  /// Returns the simulation. Throws std::runtime_error after MPI is finalised.
   Simulation& get();
-  /// Does work(simulation). What every rank finds alike it throws: CommonGuardStop, std::invalid_argument.
-  /// What this rank meets alone it throws if there is no other, as GuardStop where a guard told it; else the
-  /// others would wait for ever: it says what it was, and ends all with MPI_Abort.
+  /// Calls work(simulation). Rethrows errors that every rank has (CommonGuardStop, std::invalid_argument),
+  /// and all errors on a single rank, a guard's as GuardStop. An error on one rank of several is reported and
+  /// ends all ranks with MPI_Abort, since the others would wait for ever.
   template <class Work>
   auto with(Work&& work);
 
   bool writes() const { return files_ != nullptr; }
   bool has_ended() { return get().steps_done() >= get().setup().steps || prepared_.is_steady(); }
-  /// One step, and what is to be written after it; after the last one also finish(). Errors as of `with`;
-  /// std::invalid_argument after the last step of a run that writes, or after finish.
+  /// Does one step and writes output that is due; calls finish() after the last step. Throws like with(), and
+  /// std::invalid_argument after the last step of a run that writes or after finish().
   void step();
-  /// Ends what is written: before the last step with a checkpoint, from which `silt resume` goes on.
+  /// Completes the output; before the last step with a checkpoint for `silt resume`.
   void finish();
 
  private:

@@ -29,7 +29,7 @@ namespace {
 using Three = std::array<double, 3>;
 using Four = std::array<double, 4>;
 
-/// Does work(simulation) while other threads of the interpreter go on.
+/// Calls work(simulation) without the interpreter's lock, so that other threads continue.
 template <class Work>
 auto with(LiveSimulation& live, Work&& work) {
   const py::gil_scoped_release released;
@@ -59,7 +59,7 @@ py::array read_only(py::array array) {
   return array;
 }
 
-/// An array of what is there: `rows` of `columns` numbers each (0: a number), kept alive by `owner`.
+/// Returns a view of `rows` rows of `columns` numbers (0: one number), kept alive by `owner`.
 template <class T>
 py::array view(const T* first, std::size_t rows, std::size_t columns, const py::object& owner) {
   std::vector<py::ssize_t> shape = {py::ssize_t(rows)};
@@ -67,7 +67,7 @@ py::array view(const T* first, std::size_t rows, std::size_t columns, const py::
   return read_only(py::array_t<T>(shape, first, owner));
 }
 
-/// An array [rows, width] of its own: fill(row, values of the row).
+/// Returns a new array [rows, width]; fill(row, values) sets each row.
 template <class Fill>
 py::array made(std::size_t rows, std::size_t width, Fill&& fill) {
   py::array_t<double> array(std::vector<py::ssize_t>{py::ssize_t(rows), py::ssize_t(width)});
@@ -247,7 +247,7 @@ std::unique_ptr<LiveSimulation> opened(const std::filesystem::path& directory,
   return live;
 }
 
-/// Runs, and lets an interrupt of the only rank end it between two looks at the fluid.
+/// Runs the simulation; on a single rank an interrupt ends the run at the next check of the fluid.
 void run(LiveSimulation& live, std::optional<std::int64_t> wanted) {
   if (wanted && *wanted < 0)
     throw std::invalid_argument(fmt::format("steps is {}; it must be at least 0", *wanted));
@@ -311,7 +311,7 @@ py::dict units(const Simulation& simulation) {
   return all;
 }
 
-/// A property that is read from the simulation.
+/// Makes a property that reads the simulation.
 template <class Of>
 auto reads(Of of) {
   return [of](LiveSimulation& live) { return of(static_cast<const Simulation&>(live.get())); };
@@ -381,7 +381,7 @@ void bind_simulation(py::module_& module) {
       .def("__exit__",
            [](LiveSimulation& live, const py::object& error, const py::args&) {
              if (error.is_none() || live.get().scene().ranks == 1)
-               live.finish();  // else it may be this rank's alone
+               live.finish();  // otherwise the error may be this rank's alone
            })
       .def_property_readonly("ended", &LiveSimulation::has_ended, "whether the case's last step is done")
       .def(
@@ -414,7 +414,7 @@ void bind_simulation(py::module_& module) {
 
 // ---- MPI in an interpreter ----
 
-/// An error that ends one rank leaves the others waiting for it: it shall end all.
+/// Makes a Python error on one rank end all ranks, which would wait for it.
 void end_all_by_an_error() {
   const py::module_ sys = py::module_::import("sys");
   const py::object shown = sys.attr("excepthook");

@@ -30,7 +30,7 @@ adapters::BodySeriesInfo series_info(const Simulation& simulation) {
   return info;
 }
 
-/// The load of contacts on a body that is not free is not known here: nan.
+/// Returns the load of contacts; NaN for a body that is not free, whose load this rank does not know.
 std::array<double, 3> known_of_free(bool free, const Vec3& v, double scale) {
   return free ? scaled(v, scale) : scaled(Vec3::Ones(), std::numeric_limits<double>::quiet_NaN());
 }
@@ -66,7 +66,7 @@ std::vector<adapters::BodyKind> drawn_kinds(const Case& setup) {
   std::vector<adapters::BodyKind> kinds(setup.kind_names.size());
   const auto describe = [&](int kind, double density) {
     adapters::BodyKind& k = kinds[kind];
-    if (!k.parts.empty()) return;  // the entries of a kind have the same shape
+    if (!k.parts.empty()) return;  // entries of a kind have one shape
     const rigid::Shape& shape = setup.shapes[setup.kind_shapes[kind]];
     k.name = setup.kind_names[kind];
     k.bounding_radius = cell * rigid::bounding_radius(shape);
@@ -94,7 +94,7 @@ void BodyOutput::append(const Simulation& simulation) {
   const std::vector<double>& radii = simulation.scene().world.bounding_radii;
   const std::vector<int>& kind_shapes = simulation.setup().kind_shapes;
   const std::int64_t step = simulation.steps_done();
-  const Vec3 gravity = simulation.setup().gravity_at(double(step) - (step > 0 ? 0.5 : -0.5));  // as it acted
+  const Vec3 gravity = simulation.setup().gravity_at(double(step) - (step > 0 ? 0.5 : -0.5));  // of the step
   parallel::with_file_name(path_.string(), [&] {
     series_.append(step, double(step) * units.time_step, bodies.owned, [&](std::size_t row) {
       adapters::BodyRow r = body_row(bodies, row, loads[row], contacts[row], springs[row], gravity, units);

@@ -1,5 +1,5 @@
 #pragma once
-// The files of a run that pictures show: scene.h5, and the series of the bodies, bodies.h5.
+// Writes the files for visualisation: scene.h5, and the time series of the bodies, bodies.h5.
 #include <filesystem>
 #include <vector>
 
@@ -8,21 +8,20 @@
 
 namespace silt {
 
-/// Writes scene.h5: the sides, gravity, walls and driven kinds of a case (scene_output.cpp).
+/// Writes scene.h5: sides, gravity, walls and driven kinds of a case (scene_output.cpp). Throws
 /// std::runtime_error.
 void write_scene_file(const Case&, const std::filesystem::path& folder);
 
-/// Returns the kinds of bodies of a case with their surfaces, as the series holds them.
+/// Returns the kinds of bodies of a case with their surfaces, as bodies.h5 stores them.
 std::vector<adapters::BodyKind> drawn_kinds(const Case&);
 
-/// BodyOutput writes the series of the bodies of a run, in the units of the case.
+/// Writes bodies.h5, in units of the case.
 class BodyOutput {
  public:
-  /// Collective. Starts a series in the folder; if `resumed`, continues the one there at the simulation's
-  /// step.
+  /// Starts a series in the folder, or, if `resumed`, continues it at the simulation's step. Collective.
   BodyOutput(const Simulation&, const std::filesystem::path& folder, const adapters::Provenance&,
              bool resumed);
-  /// Collective. Appends the bodies as they are now; forces and torques are those of the last step.
+  /// Appends the present bodies with forces and torques of the last step. Collective.
   void append(const Simulation&);
 
  private:

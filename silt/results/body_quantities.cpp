@@ -1,4 +1,4 @@
-// Quantities that look at the bodies; sums are exact. Positions at the start come from the case.
+// Quantities of the bodies; sums are exact. Positions at the start are recomputed from the case.
 #include <algorithm>
 #include <numbers>
 
@@ -19,7 +19,7 @@ using rigid::ExactSum;
 using rigid::Mat3;
 using rigid::Vec3;
 
-/// Returns the sums of N terms a body over all ranks.
+/// Returns the sums over all ranks of N terms per body.
 template <int N, class Terms>
 std::array<double, N> sums_over(MPI_Comm comm, const BodySet& bodies, const QuantitySpec& q, Terms&& terms) {
   std::array<ExactSum, N> sums;
@@ -37,9 +37,9 @@ double ratio(double change, double start) {
   return start == 0 ? no_value : change / start;
 }
 
-// ---- where bodies came from ----
+// ---- displacements ----
 
-/// Calls visit(row, displacement since the start) for the owned bodies that were there then.
+/// Calls visit(row, displacement since the start) for owned bodies that existed then.
 template <class Visit>
 void for_each_displacement(const Simulation& simulation, const QuantitySpec& q, Visit&& visit) {
   const Scene& scene = simulation.scene();
@@ -61,7 +61,7 @@ double drift(const Simulation& simulation, const QuantitySpec& q) {
 }
 
 double displacement(const Simulation& simulation, const QuantitySpec& q) {
-  using Terms = std::array<double, 2>;  // the displacement, and 1 of a body that was there at the start
+  using Terms = std::array<double, 2>;  // displacement, and 1 if the body existed at the start
   std::vector<Terms> terms(simulation.bodies().owned, Terms{});
   for_each_displacement(simulation, q, [&](std::size_t row, const Vec3& moved) {
     terms[row] = {moved[q.axis], 1};
@@ -71,10 +71,10 @@ double displacement(const Simulation& simulation, const QuantitySpec& q) {
   return ratio(sum, count);
 }
 
-// ---- what free motion keeps ----
+// ---- invariants of free motion ----
 
 struct Totals {
-  Vec3 momentum, angular_momentum;  // of the free bodies, the latter about the domain's corner
+  Vec3 momentum, angular_momentum;  // of free bodies; about the corner of the domain
   double energy, momentum_scale;    // kinetic and potential; sum of |m v|
 
   static Totals from(std::span<const double> sums) {
@@ -82,7 +82,7 @@ struct Totals {
   }
 };
 
-/// Returns a free body's part of the totals. The potential is zero at the lowest corner of the domain.
+/// Returns the part of a free body in the totals. The potential is zero at the lowest corner of the domain.
 std::array<double, 8> totals_of_body(const Case& setup, const BodySet& bodies, std::size_t row) {
   if (!bodies.is_dynamic(row)) return {};
   const Vec3 period = extent_of(setup).size, g = setup.gravity;
@@ -107,7 +107,7 @@ bool is_at_start(const Simulation& simulation, const QuantitySpec&, const Quanti
   return simulation.steps_done() == 0;
 }
 
-/// The bodies of the case as they are at the start, not wrapped, on the ranks where they were then.
+/// Returns the bodies of the case at the start, not wrapped, on their ranks then.
 BodySet bodies_at_start(const Scene& scene) {
   const auto shapes = centred_shapes(scene.setup);
   const PlacedBodies placed = place_bodies(scene.setup, scene.domain, scene.comm);
@@ -121,8 +121,8 @@ BodySet bodies_at_start(const Scene& scene) {
   return bodies;
 }
 
-/// change(what is kept now, what was at the start), where kept(totals, spec) is the history that remembers
-/// the start; for a quantity that was not there then, the bodies of the case are placed again.
+/// change(present value, start value), where kept(totals, spec) is the history with the start value. For a
+/// quantity that is new after a resume, the bodies of the case are placed again.
 template <auto kept, auto change>
 constexpr Computation since_start() {
   return {nullptr,
@@ -162,9 +162,9 @@ double energy_change(const QuantityHistory& now, const QuantityHistory& start) {
   return ratio(now[0] - start[0], start[0]);
 }
 
-// ---- the largest or latest of the run ----
+// ---- maxima ----
 
-/// The largest of value(simulation, spec, row), over the bodies and the steps from the spec's time on.
+/// The maximum of value(simulation, spec, row) over bodies and steps from the spec's time on.
 template <auto value>
 constexpr Computation largest() {
   return {[](const Simulation& simulation, const QuantitySpec& q, QuantityHistory& h) {
@@ -213,9 +213,9 @@ double energy_growth(const Simulation&, const QuantitySpec&, const QuantityHisto
   return energy[0] == not_yet ? no_value : ratio(energy[1] - energy[0], energy[0]);
 }
 
-// ---- what has left since a time ----
+// ---- rates of departure ----
 
-/// The change of `now` since the history's first number, over the steps since its second.
+/// Returns the change of `now` since the history's first number per step since its second.
 double rate_since(const Simulation& simulation, const QuantityHistory& start, double now) {
   const double duration = double(simulation.steps_done()) - start[1];
   return start[0] == not_yet ? no_value : ratio(now - start[0], duration);
@@ -250,10 +250,10 @@ double outflow_rate(const Simulation& simulation, const QuantitySpec&, const Qua
   return rate_since(simulation, start, double(simulation.counters().left));
 }
 
-// ---- a bed in a round container ----
+// ---- beds in round containers ----
 
-/// A body's mass times its place from the quantity's centre; if `weighing` the mass less that of the fluid
-/// displaced, and of free bodies only.
+/// Returns a body's mass times its position from the quantity's centre; if `weighing`, with the mass less
+/// that of the displaced fluid, for free bodies only.
 template <bool weighing>
 Vec3 moment(const Simulation& simulation, const QuantitySpec& q, std::size_t row) {
   const BodySet& bodies = simulation.bodies();
@@ -261,15 +261,15 @@ Vec3 moment(const Simulation& simulation, const QuantitySpec& q, std::size_t row
   return bodies.mass[row] * share * (bodies.position[row] - q.centre);
 }
 
-/// The angle by which the line from the centre to the bodies' centre of mass is turned from gravity about the
-/// axis: that of the surface, where it is flat and the container round.
+/// Returns the angle about the axis between gravity and the line from the centre to the centre of mass of the
+/// bodies: that of the surface if it is flat and the container round.
 double bed_angle(const Case& setup, const QuantitySpec& q, std::int64_t step, std::span<const double> sums) {
   const Vec3 g = setup.gravity_at(double(step)), moment(sums[0], sums[1], sums[2]);
   const Vec3 axis = Vec3::Unit(q.axis), across = moment - moment.dot(axis) * axis;
   return rigid::elementary::atan2(axis.dot(g.cross(across)), g.dot(across)) * 180 / std::numbers::pi;
 }
 
-/// The sum of r x (m g) along the axis.
+/// Returns the sum of r x (m g) along the axis.
 double weight_torque(const Case& setup, const QuantitySpec& q, std::int64_t step,
                      std::span<const double> moment) {
   return Vec3(moment[0], moment[1], moment[2]).cross(setup.gravity_at(double(step)))[q.axis];

@@ -1,5 +1,5 @@
 #pragma once
-// The origin of this program, and of the files of a run.
+// The version of this program, and the provenance of a run's files.
 #include <string>
 
 #include "adapters/hdf5/result_file.hpp"
@@ -11,7 +11,7 @@ struct Case;
 /// Returns version, commit, compiler, flags, and libraries with their versions.
 const adapters::Provenance& build_info();
 
-/// Returns the origin of the files of a run that starts now.
+/// Returns the provenance of files of a run that starts now.
 adapters::Provenance provenance_of(const Case&, int ranks, const std::string& backend);
 
 }  // namespace silt

@@ -1,4 +1,4 @@
-// Checks that the bodies of a checkpoint can be the state of a run of its case.
+// Checks that the bodies of a checkpoint can be a state of a run of its case.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -21,20 +21,20 @@ using rigid::BodyRecord;
 using rigid::StoredImpulse;
 using rigid::Values;
 
-// Lattice units. Far beyond what a run can come to, near enough that no sum of such numbers overflows.
-constexpr double greatest = 0x1p61;        // masses, impulses, loads: of sums in fixed point
-constexpr double fastest = 0x1p20;         // cells a step, radians a step
-constexpr double furthest_outside = 1024;  // cells beyond a domain's length from it
+// Limits in lattice units: far above those of any run, but sums of such numbers do not overflow.
+constexpr double greatest = 0x1p61;        // masses, impulses, loads: summed in fixed point
+constexpr double fastest = 0x1p20;         // cells per step, radians per step
+constexpr double furthest_outside = 1024;  // cells beyond one domain length from the domain
 constexpr std::int64_t most_periods = 1 << 30, most_quanta = std::int64_t{1} << 61,
                        most_steps = std::int64_t{1} << 53;
 
-/// One row of a table.
+/// A row of a table.
 class Row {
  public:
   Row(std::string table, std::uint64_t row, std::string body)
       : table_(std::move(table)), row_(row), body_(std::move(body)) {}
 
-  /// Refuses a number that is not from low to high, and one that is not a number.
+  /// Rejects a number outside [low, high], and NaN.
   template <class T, class Bound>
   void within(const char* column, std::span<const T> numbers, Bound low, Bound high) const {
     for (const T x : numbers)
@@ -85,7 +85,7 @@ void require_unit_quaternion(const Row& row, const char* column, std::span<const
     row.refuse(column, fmt::format("of the square {}", square), "of the square 1");
 }
 
-/// Judges the numbers of a column by what they are.
+/// Checks the numbers of a column by their meaning.
 template <class T>
 void require_column(const Row& row, const Case& setup, rigid::BodyId next_id, const rigid::BodyColumn& c,
                     std::span<const T> x) {

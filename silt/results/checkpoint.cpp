@@ -21,12 +21,12 @@ namespace {
 using adapters::CheckpointReader;
 using adapters::CheckpointWriter;
 
-// ---- numbers in /state: one list serves writing and reading ----
+// ---- numbers in /state: one list for writing and reading ----
 
-constexpr std::int64_t most = std::int64_t{1} << 62;  // of what is counted: no later step overflows it
+constexpr std::int64_t most = std::int64_t{1} << 62;  // of counters, so that later steps do not overflow
 constexpr std::int64_t last_step = std::int64_t{1} << 53;
 
-/// Visits the numbers of a state by their names, with the least and the most they may be.
+/// Visits the numbers of a state with names and allowed ranges.
 template <class Visit>
 void visit_state(SavedState& s, Visit&& visit) {
   visit("step", s.step, 0, last_step);
@@ -63,7 +63,7 @@ void visit_steady_watch(SteadyWatch::State& state, Visit&& visit) {
   visit("steady.within", state.within, 0, last_step);
 }
 
-/// 128 bits are two numbers of 64.
+/// Writes 128-bit numbers as two of 64 bits.
 struct Write {
   CheckpointWriter& writer;
 
@@ -105,8 +105,7 @@ struct Read {
   void operator()(const CounterName& name, std::uint64_t& x) const { (*this)(name.checkpoint, x, 0, most); }
 };
 
-/// Visits the means of series that a step leaves unfinished, by names that say which rows they are of, with
-/// their definitions.
+/// Visits the means of unfinished rows of series, with names that identify the rows, and definitions.
 template <class Means, class Visit>
 void visit_means(const Case& setup, Means& means, Visit&& visit) {
   for (std::size_t s = 0; s < means.size(); ++s) {
@@ -141,7 +140,7 @@ std::vector<std::string> split_lines(const std::string& text) {
   return lines;
 }
 
-/// The state of a simulation, but for the bodies and the populations.
+/// Returns the state of a simulation without bodies and populations.
 SavedState numbers_of(const Simulation& simulation) {
   SavedState state;
   state.step = simulation.steps_done();

@@ -20,13 +20,13 @@ std::string point_text(const rigid::Vec3& x) {
   return fmt::format("({}, {}, {})", x[0], x[1], x[2]);
 }
 
-/// Whether the checkpoint has something of a quantity, of whatever definition.
+/// Returns whether the checkpoint has data of a quantity with any definition.
 bool has_history(const CheckpointReader& reader, const QuantitySpec& q) {
   const std::string name = history_name(q, 0);
   return reader.has(name) && reader.number(name) != not_yet;
 }
 
-/// Says what becomes of a quantity that looks at the run as a whole, or "" if it has all that it looks at.
+/// Returns a warning if a quantity of the whole run restarts, or "".
 std::string text_of_anew(const CheckpointReader& reader, const QuantitySpec& q, std::int64_t step) {
   const Computation& computation = computation_of(q.type);
   if (!(computation.gathers() || q.over) || holds(reader, history_name(q, 0), definition_of(q))) return "";
@@ -41,7 +41,7 @@ std::string text_of_anew(const CheckpointReader& reader, const QuantitySpec& q, 
   return fmt::format("is not in the checkpoint; it begins at step {}, where the run goes on", step);
 }
 
-/// The same of a series: the row to come may have begun before the step.
+/// Returns the same for a series, whose next row may have begun before the step.
 std::string text_of_anew(const CheckpointReader& reader, const Case& setup, const ColumnsSpec& series,
                          std::int64_t step) {
   if (step % series.every == 0 || !series.takes(step)) return "";

@@ -36,7 +36,7 @@ constexpr FieldForm forms[] = {{dimension::velocity, "m/s", "cells/step"},
                                {dimension::angular_velocity, "1/s", "1/step"},
                                {dimension::none, "1", "1"}};
 
-/// Returns the pieces of this rank's blocks that are in a box of cells.
+/// Returns the parts of this rank's blocks in a box of cells.
 std::vector<Piece> pieces_of(const coupler::FluidFields& fields, const CellBox& within) {
   std::vector<Piece> pieces;
   for (int b = 0; b < fields.blocks(); ++b) {
@@ -47,10 +47,10 @@ std::vector<Piece> pieces_of(const coupler::FluidFields& fields, const CellBox& 
   return pieces;
 }
 
-/// Makes the fields of a level of a simulation for the pieces of a box.
+/// Computes the fields of one level of a simulation for the pieces of a box.
 class Fields {
  public:
-  /// The values of the fields are in these units; the box counts in cells of the level.
+  /// Field values are in `units`; the box is in cells of the level.
   Fields(const Simulation& simulation, int level, const FieldsSpec& spec, const CellBox& within,
          const Units& units)
       : simulation_(simulation),
@@ -63,7 +63,7 @@ class Fields {
       velocities_.emplace(fields_, simulation.scene().comm, within.lower, within.lower + within.size);
   }
 
-  /// The pieces as boxes of cells of the level.
+  /// Returns the pieces as boxes of cells of the level.
   LevelBoxes boxes() const {
     LevelBoxes all{fields_.width(), {}};
     for (const Piece& piece : pieces_)
@@ -91,7 +91,7 @@ class Fields {
     const FieldForm& form = forms[int(field)];
     return units_.si ? form.si : form.lattice;
   }
-  /// Makes a function of the moments of fluid cells; solid ones have a value of their own.
+  /// Returns a field that is a function of the moments of fluid cells, with a fixed value in solid cells.
   adapters::FieldQuantity scalar(Field field, double solid) const {
     const double scale = units_.scale(dimension_of(field));
     const auto values = [this, scale, solid, field](std::size_t k, int begin, int end, double* out) {
@@ -105,8 +105,8 @@ class Fields {
     return {std::string(field_names[field]), unit(field), 1, values, storage_};
   }
 
-  /// of_fluid(piece) returns a function of the fluid cells of a piece; of_body(row, r) is that of cells in
-  /// bodies, where r is from the body's centre to that of the cell; zero in walls.
+  /// Returns a vector field: of_fluid(piece) gives the function for fluid cells of a piece, of_body(row, r)
+  /// the value in bodies, with r from the body's centre to the cell's; zero in walls.
   template <class OfFluid, class OfBody>
   adapters::FieldQuantity vector(Field field, int width, OfFluid of_fluid, OfBody of_body) const {
     const double scale = units_.scale(dimension_of(field)) / width;
@@ -151,13 +151,13 @@ class Fields {
         });
   }
 
-  /// Ids are 0 in fluid and in walls, and exact to 2^53.
+  /// Returns the field of ids: 0 in fluid and walls; exact to 2^53.
   adapters::FieldQuantity body_id() const {
     const auto values = [this](std::size_t k, int begin, int end, double* out) {
       const Piece piece = pieces_[k].planes(begin, end);
       piece.for_each([&](Int3, std::size_t i) { out[i] = 0; });
       solid_cells_.for_each(piece, [&](std::size_t row, Int3 cell, const Vec3&) {
-        double& here = out[piece.index(cell)];  // where bodies overlap the lower id has the cell
+        double& here = out[piece.index(cell)];  // bodies overlap: the lower id has the cell
         const double id = double(simulation_.bodies().id[row]);
         here = here > 0 ? std::min(here, id) : id;
       });
@@ -165,7 +165,7 @@ class Fields {
     return {"body-id", "1", 1, values, adapters::Storage::double_};
   }
 
-  /// 0 in fluid, 1 in bodies, 2 in walls.
+  /// Returns the field 0 in fluid, 1 in bodies, 2 in walls.
   adapters::FieldQuantity solid() const {
     const auto values = [this](std::size_t k, int begin, int end, double* out) {
       const Piece piece = pieces_[k].planes(begin, end);
@@ -182,7 +182,7 @@ class Fields {
   std::vector<Piece> pieces_;
   SolidCells solid_cells_;
   adapters::Storage storage_;
-  std::optional<CellVelocities> velocities_;  // where vorticity is asked for
+  std::optional<CellVelocities> velocities_;  // for the vorticity
 };
 
 }  // namespace
@@ -234,7 +234,7 @@ class LevelledFields {
   }
 
   int levels() const { return int(levels_.size()); }
-  /// Returns the boxes of the levels up to one, on a lattice of cells so many times as wide as finest ones.
+  /// Returns a lattice of cells `width` finest cells wide over the boxes of levels up to `up_to`.
   LatticeOfLevels lattice(int up_to, int width) const {
     return {{boxes_.begin(), boxes_.begin() + up_to + 1}, width, in_cells_of(width, within_, 1)};
   }
@@ -246,7 +246,7 @@ class LevelledFields {
 
  private:
   CellBox within_;
-  std::deque<Fields> levels_;  // to which quantities refer
+  std::deque<Fields> levels_;  // quantities refer to them
   std::vector<LevelBoxes> boxes_;
 };
 
@@ -302,14 +302,14 @@ void write_flow_fields(const Simulation& simulation, const FieldsSpec& spec,
   adapters::FieldSnapshot snapshot = snapshot_of(simulation, spec, by_level);
   const auto path = adapters::step_path(folder, spec.name, snapshot.step, ".hdf");
   const LevelledFields fields(simulation, spec, within, simulation.setup().units);
-  std::deque<LatticeOfLevels> lattices;  // to which quantities refer
+  std::deque<LatticeOfLevels> lattices;  // quantities refer to them
   const auto level_of = [&](int up_to, int width) {
     const LatticeOfLevels& lattice = lattices.emplace_back(fields.lattice(up_to, width));
     adapters::FieldLevel level{width, lattice.boxes(), {}};
     for (const Field field : spec.quantities) level.quantities.push_back(fields.quantity(lattice, field));
     return level;
   };
-  if (by_level) {  // VTK wants the cells of the next level under those of each
+  if (by_level) {  // VTK needs cells of the next level below those of each
     std::vector<adapters::FieldLevel> written;
     for (int level = 0; level < levels; ++level) written.push_back(level_of(level, 1 << level));
     return parallel::with_file_name(path.string(), [&] {

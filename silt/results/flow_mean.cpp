@@ -66,7 +66,7 @@ void FlowMean::observe(const Simulation& simulation) {
   }
 }
 
-/// Numbers of the cells from one on; of products the mean. Cells that were never fluid have none: 0.
+/// Returns the arrays from `first` on as a field, of products the mean; 0 in cells that were never fluid.
 adapters::FieldQuantity FlowMean::quantity(const char* name, const char* unit, double scale, int first,
                                            int components, bool of_products) const {
   return {name, unit, components,

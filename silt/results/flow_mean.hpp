@@ -1,8 +1,8 @@
 #pragma once
-// Means of the fluid over samples in time, for [output.mean]: of each cell, over the samples in which it was
-// fluid, velocity, its covariance, and pressure, over the others the velocity of bodies; and the share of
-// samples in which it was solid. They go through checkpoints, so that a resumed run comes to the same numbers
-// bitwise (Welford, Technometrics 4 (1962) 419).
+// Time averages of the fluid for [output.mean]. Per cell: velocity, its covariance and pressure over the
+// samples in which it was fluid, velocity of bodies over the others, and the share of samples in which it was
+// solid. Checkpoints keep the sums, so that a resumed run gets the same results bitwise (Welford,
+// Technometrics 4 (1962) 419).
 #include <cstdint>
 #include <filesystem>
 #include <vector>
@@ -15,22 +15,22 @@ namespace silt {
 
 class FlowMean {
  public:
-  /// Begins without a sample, for a case with output.mean, whose cells stay on their ranks.
+  /// Has no sample yet; the case must have output.mean, whose cells stay on their ranks.
   explicit FlowMean(const Simulation&);
 
-  /// Takes a sample, if the step is one of those to be sampled. Local.
+  /// Adds a sample if the step is to be sampled. Local.
   void observe(const Simulation&);
-  /// Collective. Writes mean_STEP.hdf, in the units of the case; not without a sample.
+  /// Writes mean_STEP.hdf in units of the case, unless there is no sample. Collective.
   void write(const Simulation&, const std::filesystem::path& folder, const adapters::Provenance&) const;
 
-  /// Collective. Writes the samples to a checkpoint, and reads them from one whose samples were taken as the
-  /// case asks for; std::runtime_error for numbers that no samples give.
+  /// Write the sums to a checkpoint and read them; the checkpoint must have been sampled as the case asks.
+  /// Collective. restore() throws std::runtime_error for impossible values.
   void save(adapters::CheckpointWriter&, const Simulation&) const;
   void restore(const adapters::CheckpointReader&, const Simulation&);
 
  private:
-  /// The numbers of a cell, one array after the other: how often it was fluid, mean velocity, sums of the
-  /// products of deviations (xx yy zz xy xz yz), mean density deviation, mean velocity of bodies.
+  /// The arrays of a block: number of fluid samples, mean velocity, sums of products of deviations (xx yy zz
+  /// xy xz yz), mean density deviation, mean velocity of bodies.
   enum Number { count, velocity = 1, products = 4, density = 10, body_velocity = 11, numbers = 14 };
   struct Block {
     std::int64_t cells, of_a_plane;

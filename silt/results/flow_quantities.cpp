@@ -19,7 +19,7 @@ using rigid::FixedSum;
 using rigid::from_fixed;
 using rigid::to_fixed;
 
-/// Mean along an axis over all cells of the domain of the velocity less `frame`, solid ones counting as zero.
+/// Returns the mean velocity along an axis less `frame` over all cells of the domain; 0 in solid cells.
 double superficial_velocity(const Simulation& simulation, int axis, double frame) {
   const coupler::Flow& flow = *simulation.scene().flow;
   const coupler::FlowTotals totals = flow.totals();
@@ -36,8 +36,8 @@ void for_each_fluid_cell(const coupler::Flow& flow, Visit&& visit) {
   });
 }
 
-/// F / (6 pi mu a U) a body: F the fluid's force on it and the body force on the fluid it displaces (together
-/// the whole pressure gradient's work, as in Zick and Homsy 1982), U the superficial velocity, a its radius.
+/// Returns the mean of F / (6 pi mu a U) over fixed bodies: F is the force of the fluid and the body force on
+/// the displaced fluid (as in Zick and Homsy 1982), U the superficial velocity, a the radius.
 double drag_coefficient(const Simulation& simulation, const QuantitySpec& q) {
   const Case& setup = simulation.setup();
   const rigid::BodySet& bodies = simulation.bodies();
@@ -89,7 +89,7 @@ double velocity_past_bodies(const Simulation& simulation, const QuantitySpec& q)
   return superficial_velocity(simulation, q.axis, bodies);
 }
 
-/// Adds the flow through a plane across the axis.
+/// Adds the flow rate through a plane across the axis.
 void add_flow_rate(const Simulation& simulation, const QuantitySpec& q, std::span<rigid::ExactSum> rate) {
   simulation.scene().flow->for_levels([&](const coupler::FluidFields& fields) {
     LayersBeside(fields, q.axis, q.height).for_each([&](int b, const lbm::CellBox& cells, double share) {
@@ -98,7 +98,7 @@ void add_flow_rate(const Simulation& simulation, const QuantitySpec& q, std::spa
   });
 }
 
-/// The sum over the cells is the value.
+/// Returns the sum over cells.
 double flow_rate(const Case&, const QuantitySpec&, std::int64_t, std::span<const double> rate) {
   return rate[0];
 }

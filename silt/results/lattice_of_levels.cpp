@@ -19,7 +19,7 @@ CellBox in_cells_of(int width, const CellBox& box, int other) {
 
 namespace {
 
-/// Returns the place in a box of a cell that the cell x is in, or that it is a part of.
+/// Returns the index in a box of the cell that contains cell x or is contained in it.
 std::size_t index_in(const CellBox& box, Int3 x, int ratio) {
   Int3 at;
   for (int d = 0; d < 3; ++d) at[d] = x[d] / ratio - box.lower[d];
@@ -70,7 +70,7 @@ FieldQuantity LatticeOfLevels::quantity(std::vector<FieldQuantity> of_levels) co
       return q.values(box, first, last, out);
     CellBox to = boxes_[k];
     to.lower.z += first, to.size.z = last - first;
-    CellBox planes = cells;  // those that reach into `to`
+    CellBox planes = cells;  // planes that overlap `to`
     const CellBox reach = in_cells_of(width, to, width_);
     planes.lower.z = reach.lower.z, planes.size.z = reach.size.z;
     const CellBox from = overlap(planes, cells);

@@ -1,20 +1,19 @@
 #pragma once
-// The layers of cells beside a plane across an axis, with their shares in a value on the plane.
+// Interpolates cell values to a plane across an axis: finds the layers of cells beside it and their weights.
 #include <cmath>
 
 #include "coupler/fluid_fields.hpp"
 
 namespace silt {
 
-/// Along an axis a value is linear between the centres of cells, of whatever widths, and goes on so up to a
-/// side that is not periodic. Lengths are in finest cells.
+/// Values are linear between cell centres along the axis, also between cells of different widths, and
+/// extrapolated to sides that are not periodic. Lengths are in finest cells.
 class LayersBeside {
  public:
   LayersBeside(const coupler::FluidFields& fields, int axis, double at)
       : fields_(fields), axis_(axis), at_(at), cells_(fields.domain().cells()[axis]) {}
 
-  /// Calls visit(block, its local cells, share) for the cells of this rank that the value on the plane has a
-  /// share of.
+  /// Calls visit(block, its local cells, weight) for this rank's cells with a weight on the plane.
   template <class Visit>
   void for_each(Visit&& visit) const {
     for (int b = 0; b < fields_.blocks(); ++b)
@@ -28,12 +27,12 @@ class LayersBeside {
 
  private:
   bool periodic() const { return fields_.domain().periodic(axis_); }
-  /// How far the plane is above the middle of a layer, the nearest way.
+  /// Returns the distance of the plane above the middle of a layer, through the nearest image.
   double from_layer(int layer) const {
     const double away = at_ - fields_.width() * (layer + 0.5), period = double(cells_) * fields_.width();
     return periodic() ? away - period * std::round(away / period) : away;
   }
-  /// The width of the cells on a side of one, 0 where there are none.
+  /// Returns the width of the neighbour on a side of a cell; 0 if there is none.
   int width_beside(lbm::Int3 cell, int side) const {
     const lbm::Domain& domain = fields_.domain();
     cell[axis_] += side;

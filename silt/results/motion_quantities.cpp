@@ -1,6 +1,5 @@
-// Quantities of the bodies' heights, velocities and angular velocities, a component along an axis each: mean,
-// standard deviation, least and largest over the bodies. Sums are exact, so the mean of equal numbers is that
-// number and their deviation 0 or of the size of rounding.
+// Mean, standard deviation, minimum and maximum over bodies of a component of position, velocity or angular
+// velocity. Sums are exact: the mean of equal numbers is that number, their deviation 0 up to rounding.
 #include <algorithm>
 #include <cmath>
 
@@ -14,14 +13,14 @@ using rigid::BodySet;
 using rigid::Vec3;
 using Vectors = std::vector<Vec3> rigid::BodyMotions::*;
 
-/// The three components, their squares, and 1 a body.
+/// Returns three components, their squares, and 1 for the count.
 template <Vectors vectors>
 std::array<double, 7> moments(const Simulation& simulation, const QuantitySpec&, std::size_t row) {
   const Vec3& x = (simulation.bodies().*vectors)[row];
   return {x[0], x[1], x[2], x[0] * x[0], x[1] * x[1], x[2] * x[2], 1};
 }
 
-/// The three components and their opposites.
+/// Notes the three components and their negatives.
 template <Vectors vectors>
 void see_extremes(const Simulation& simulation, const QuantitySpec& q, std::span<double> largest) {
   const BodySet& bodies = simulation.bodies();

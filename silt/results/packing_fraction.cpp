@@ -14,8 +14,8 @@ using rigid::Vec3;
 
 constexpr int samples_per_radius = 8;
 
-/// A point in each of the equal cells of a box, on a sheared lattice, so that none of its rows lies along the
-/// surface of a body that is aligned with the axes. Along a whole period it has no end.
+/// One point in each of the equal cells of a box, on a sheared lattice, so that no row lies along the surface
+/// of a body aligned with the axes. Endless along a whole period.
 struct SampledBox {
   Vec3 lower, upper, spacing;
   std::array<std::int64_t, 3> count;
@@ -54,7 +54,7 @@ struct SampledBox {
   }
 };
 
-/// Returns how much of a line along z, from x to `length` above it, is inside any of the parts (cells).
+/// Returns the length, in cells, of the line from x to `length` above it inside any of the parts.
 double length_inside(const Vec3& x, double length, std::span<const rigid::Part> parts,
                      const rigid::Pose& pose) {
   const Vec3 first = pose.to_body(x), up = pose.orientation.conjugate() * Vec3::UnitZ();
@@ -64,7 +64,7 @@ double length_inside(const Vec3& x, double length, std::span<const rigid::Part> 
                                              part.pose.orientation.conjugate() * up))
       intervals.emplace_back(std::max(in->enter, 0.0), std::min(in->leave, length));
   std::sort(intervals.begin(), intervals.end());
-  double inside = 0, covered = 0;  // the union so far reaches up to here
+  double inside = 0, covered = 0;  // covered: upper end of the union so far
   for (const auto& [enter, leave] : intervals) {
     inside += std::max(0.0, leave - std::max(enter, covered));
     covered = std::max(covered, leave);
@@ -72,8 +72,8 @@ double length_inside(const Vec3& x, double length, std::span<const rigid::Part> 
   return inside;
 }
 
-/// Returns the volume of a body that lies in the box (cells): it is exact for a convex body all inside, else
-/// summed along lines through convex parts, or by points where there are none.
+/// Returns the volume of a body inside the box in cells: exact for a convex body wholly inside, else summed
+/// along lines through convex parts, or by points if there are none.
 double volume_inside(const SampledBox& box, const rigid::Shape& shape, const rigid::Pose& pose) {
   const rigid::BoundingBox bounds = rigid::bounding_box(shape, pose);
   if (!box.meets(bounds)) return 0;
@@ -83,7 +83,7 @@ double volume_inside(const SampledBox& box, const rigid::Shape& shape, const rig
   for (int d = 0; d < 3; ++d) from[d] = box.cell(d, bounds.lower[d]), to[d] = box.cell(d, bounds.upper[d]);
   const double bottom = box.endless[2] ? bounds.lower[2] : std::max(bounds.lower[2], box.lower[2]);
   const double top = box.endless[2] ? bounds.upper[2] : std::min(bounds.upper[2], box.upper[2]);
-  double length = 0;  // of lines through the points' columns
+  double length = 0;  // of lines through the columns of points
   for (std::int64_t j = from[1]; j <= to[1]; ++j)
     for (std::int64_t i = from[0]; i <= to[0]; ++i) {
       const Vec3 x = box.point(i, j, 0);
@@ -105,7 +105,7 @@ double packing_fraction(const Simulation& simulation, const QuantitySpec& q) {
   double radius = std::numeric_limits<double>::infinity();
   for (const double r : scene.world.bounding_radii) radius = std::min(radius, r);
   const SampledBox box(q, radius / samples_per_radius, extent);
-  std::array<int, 3> reach;  // to the images that are looked at one by one
+  std::array<int, 3> reach;  // to the images checked one by one
   for (int d = 0; d < 3; ++d) reach[d] = extent.periodic[d] && !box.endless[d];
   rigid::ExactSum volume;
   for (std::size_t row = 0; row < bodies.owned; ++row) {

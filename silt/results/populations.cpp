@@ -24,21 +24,21 @@ using lbm::Int3;
 
 namespace {
 
-/// A run can go on from no larger population, in the mass of a cell at its reference density.
+/// The largest population of a valid state, in masses of a cell at reference density.
 constexpr double largest_population = 1024;
 
 Storage storage_of(const Case& setup) {
   return setup.fluid->precision == coupler::Precision::double_ ? Storage::double_ : Storage::single;
 }
 
-/// Calls visit(local cells, offset in the block's cells) for the planes of a block.
+/// Calls visit(local cells, offset among the block's cells) for the planes of a block.
 template <class Visit>
 void for_planes(const lbm::CellBox& block, Visit&& visit) {
   lbm::CellBox plane{{}, {block.size.x, block.size.y, 1}};
   for (; plane.lower.z < block.size.z; ++plane.lower.z) visit(plane, plane.lower.z * plane.cells());
 }
 
-/// Takes population q of a block to the places at(cell of the block, x fastest).
+/// Copies population q of a block to places at(cell of the block, x fastest).
 template <class T, class At>
 void take(const coupler::FluidFields& fields, int b, int q, T* out, At&& at) {
   std::vector<double> g;
@@ -49,7 +49,7 @@ void take(const coupler::FluidFields& fields, int b, int q, T* out, At&& at) {
   });
 }
 
-/// Gives a block population q from the places at(cell of the block, x fastest).
+/// Sets population q of a block from places at(cell of the block, x fastest).
 template <class T, class At>
 void give(const CheckpointReader& reader, coupler::FluidFields& fields, int b, int q, const T* in, At&& at) {
   std::vector<double> g;
@@ -72,16 +72,16 @@ std::size_t same(std::size_t cell) {
   return cell;
 }
 
-// ---- cells of several levels ----
+// ---- several levels ----
 
-/// The tiles of the domain, and the level of those in a box of them.
+/// The tiles of the domain, and the levels of the tiles in a box.
 struct Tiles {
-  int edge;  // in finest cells; all faces between levels, and between ranks, are faces of tiles
+  int edge;  // finest cells; faces between levels and ranks are faces of tiles
   std::array<int, 3> lattice;
   lbm::CellBox box;
   std::vector<std::uint8_t> levels;
 
-  /// Calls visit(tile, its place in the box) in the order of the lists.
+  /// Calls visit(tile, its index in the box) in the order of the lists.
   template <class Visit>
   void for_each(Visit&& visit) const {
     std::size_t i = 0;
@@ -99,7 +99,7 @@ Tiles tiling_of(const Case& setup) {
   return tiles;
 }
 
-/// Returns the tiles with the levels of those of this rank.
+/// Returns the tiles with the levels of this rank's tiles.
 Tiles tiling_of(const Case& setup, const coupler::Flow& flow) {
   Tiles tiles = tiling_of(setup);
   tiles.box = in_cells_of(tiles.edge, box_of(flow), 1);
@@ -117,10 +117,10 @@ Tiles tiling_of(const Case& setup, const coupler::Flow& flow) {
   return tiles;
 }
 
-/// The cells of a level of this rank in the order of its list.
+/// The cells of a level on this rank, in the order of its list.
 struct CellList {
-  std::vector<std::uint32_t> counts;             // of the tiles
-  std::vector<std::vector<std::size_t>> places;  // of the cells of each block
+  std::vector<std::uint32_t> counts;             // per tile
+  std::vector<std::vector<std::size_t>> places;  // per block, of its cells
 };
 
 CellList list_of(const Tiles& tiles, const coupler::FluidFields& fields) {
@@ -148,7 +148,7 @@ CellList list_of(const Tiles& tiles, const coupler::FluidFields& fields) {
   return list;
 }
 
-/// Joins boxes that continue each other along an axis.
+/// Joins boxes that are adjacent along an axis.
 std::vector<lbm::LevelBox> merged(std::vector<lbm::LevelBox> boxes, int axis) {
   const int b = (axis + 1) % 3, c = (axis + 2) % 3;
   const auto across = [=](const lbm::LevelBox& s) {

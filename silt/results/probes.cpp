@@ -20,7 +20,7 @@ namespace {
 
 constexpr double not_there = -std::numeric_limits<double>::infinity();
 
-// The cells that a point sees: the eight around it, and of each the next ones outward along the axes.
+// The stencil of a point: the eight cells around it, and the outward neighbours of each along the axes.
 constexpr int cells_seen = 32;
 
 bool is_corner(int k) {
@@ -34,7 +34,7 @@ Int3 cell_seen(Int3 low, int k) {
   return cell;
 }
 
-/// The lowest of the eight cells around a point, which is given in cells.
+/// Returns the lowest of the eight cells around a point, in cells.
 Int3 lowest_around(const Vec3& x) {
   return {int(std::floor(x[0] - 0.5)), int(std::floor(x[1] - 0.5)), int(std::floor(x[2] - 0.5))};
 }
@@ -43,7 +43,7 @@ Vec3 from_point(const Vec3& x, Int3 cell) {
   return Vec3(cell.x + 0.5, cell.y + 0.5, cell.z + 0.5) - x;
 }
 
-/// Calls visit(block, local cell) where this rank has a cell, which may be beyond a periodic side.
+/// Calls visit(block, local cell) if this rank has a cell, or its periodic image.
 template <class Visit>
 void with_cell(const coupler::FluidFields& fields, Int3 cell, Visit&& visit) {
   cell = fields.domain().wrapped(cell);
@@ -51,8 +51,8 @@ void with_cell(const coupler::FluidFields& fields, Int3 cell, Visit&& visit) {
     if (fields.block(b).contains(cell)) return visit(b, cell - fields.block(b).lower);
 }
 
-/// The linear functions, one a column, that are nearest to values at places: value = mean + (x - centre) *
-/// gradient. Along what the places do not tell it does not change.
+/// Least-squares linear fits, one per column: value = mean + (x - centre) * gradient. Constant along
+/// directions that the points do not determine.
 struct Linear {
   Eigen::RowVector3d centre;
   Eigen::RowVectorXd mean;
@@ -90,7 +90,7 @@ void Probes::see_cell(const coupler::FluidFields& fields, int block, Int3 cell, 
       *numbers++ = scalar_of(fields, field, m);
 }
 
-/// Notes what this rank has of the cells of a level that a point sees.
+/// Notes this rank's cells of a level in the stencil of a point.
 void Probes::see(const coupler::FluidFields& fields, const Vec3& point, std::span<double> of_point) const {
   const Vec3 x = point / fields.width();
   Int3 own;
@@ -116,7 +116,7 @@ void Probes::look(const Simulation& simulation) {
   seen_.start(simulation.scene().comm, std::move(seen));
 }
 
-/// Returns the numbers at a point; NaN where it sees no cell around it.
+/// Returns the values at a point; NaN if no cell around it is fluid.
 std::vector<double> Probes::at(const Vec3& point, const double* of_point) const {
   const int level = int(of_point[0]), count = numbers();
   const double* const cells = of_point + 1 + std::size_t(level) * cells_seen * count;
@@ -128,7 +128,7 @@ std::vector<double> Probes::at(const Vec3& point, const double* of_point) const 
   const auto weight = [&](int k) { return (1 - place(k).array().abs()).prod(); };
   Eigen::RowVectorXd value = Eigen::RowVectorXd::Zero(count);
   double there = 0, missing = 0;
-  std::vector<int> known;  // an outward one only behind one that is there: it may be across a thin wall
+  std::vector<int> known;  // outward cells only behind a fluid one, not across a thin wall
   for (int k = 0; k < cells_seen; ++k) {
     if (is_there(k) && is_there(k - k % 4)) known.push_back(k);
     if (!is_corner(k)) continue;
@@ -172,7 +172,7 @@ TableRows Probes::take_rows(const Case& setup) {
   return std::exchange(rows_, {});
 }
 
-/// Makes rows of the last look, if one is not finished.
+/// Adds the rows of the last sample, if it is unfinished.
 void Probes::finish(const Case& setup) {
   if (levels_ == 0) return;
   const std::vector<double>& seen = seen_.finish();

@@ -1,9 +1,8 @@
 #pragma once
 // Fields of the fluid at points, for [[output.probes]]: trilinear between the centres of the eight cells
-// around a point, of the level that the point's cell has. One that is not fluid, or of another level, has the
-// value there of the linear function that is nearest (least squares) to the others and to the cells next to
-// these outward, so that a linear field is exact up to walls and to borders of levels. Where none of the
-// eight is there is no value.
+// around a point, on the level of the point's cell. A cell that is not fluid, or of another level, gets the
+// value of the linear least-squares fit to the other cells and their outward neighbours, so that linear
+// fields are exact up to walls and borders of levels. There is no value if none of the eight is fluid.
 #include <string>
 #include <vector>
 
@@ -19,17 +18,17 @@ class Probes {
  public:
   explicit Probes(const ProbesSpec& spec) : spec_(spec) {}
 
-  /// Collective: begins a look at the fluid, and waits only for the one before.
+  /// Starts a sample of the fluid; waits only for the last one. Collective.
   void look(const Simulation&);
-  /// Collective: waits for the look under way. Returns the rows of the looks since the last call, a point
-  /// each; the same on every rank and any number of ranks.
+  /// Waits for the sample under way. Returns the rows of samples since the last call, one per point, the same
+  /// on every rank and any number of ranks. Collective.
   TableRows take_rows(const Case&);
   std::string columns() const;
-  /// Returns the fields of a row that say which point it is of: its number and its coordinates.
+  /// Returns the fields of a row that identify its point: index and coordinates.
   std::vector<std::string> places(const Case&) const;
 
  private:
-  int numbers() const;  // of a cell
+  int numbers() const;  // per cell
   std::size_t width() const;
   void see(const coupler::FluidFields&, const rigid::Vec3& point, std::span<double> of_point) const;
   void see_cell(const coupler::FluidFields&, int block, lbm::Int3 cell, double* numbers) const;
@@ -37,10 +36,10 @@ class Probes {
   void finish(const Case&);
 
   ProbesSpec spec_;
-  std::int64_t step_ = 0;  // of the look under way
-  int levels_ = 0;         // the same; 0: there is none
+  std::int64_t step_ = 0;  // of the sample under way
+  int levels_ = 0;         // likewise; 0: none
   TableRows rows_;
-  // of each point: the level of its cell, and of each level the numbers of its stencil's cells
+  // per point: the level of its cell, and for each level the values of the stencil's cells
   parallel::PendingMaxima<std::vector<double>> seen_;
 };
 

@@ -12,7 +12,7 @@ namespace silt {
 
 namespace {
 
-/// Returns the name that Linux has for the processor, or "".
+/// Returns the CPU name given by Linux, or "".
 std::string processor_name() {
   std::ifstream file("/proc/cpuinfo");
   for (std::string line; std::getline(file, line);)

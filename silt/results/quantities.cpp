@@ -106,7 +106,7 @@ bool Quantities::is_in_row(std::size_t quantity, std::int64_t step) const {
   return false;
 }
 
-/// Adds the terms of a quantity to those that wait, unless another has added the same in this step.
+/// Adds the terms of a quantity to the waiting sums, or shares those of another in this step.
 Quantities::Look Quantities::look(const Simulation& simulation, std::size_t i, bool in_row) const {
   const QuantitySpec& q = specs_[i];
   const auto& [count, add, counts] = computations_[i]->sums;
@@ -150,7 +150,7 @@ void Quantities::start_sums(MPI_Comm comm) const {
   if (!largest_.empty()) largest_under_way_.start(comm, std::exchange(largest_, {}));
 }
 
-/// Takes the sums that were started last into the history and into rows, in the order of observation.
+/// Adds the completed sums to history and rows, in the order of observation.
 void Quantities::fold_started(const Case& setup) const {
   std::vector<double> in_step(specs_.size(), no_value);
   for (std::size_t k = 0; k < started_.size(); ++k) {

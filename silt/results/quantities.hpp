@@ -1,6 +1,5 @@
 #pragma once
-// The values of the quantities a case asks for under [[quantities]], in the units of the case: at the end,
-// and in steps, for the rows of [[output.series]].
+// Computes the [[quantities]] of a case in its units: at the end, and in steps for rows of [[output.series]].
 #include <string>
 #include <utility>
 #include <vector>
@@ -13,49 +12,48 @@
 
 namespace silt {
 
-/// What a column of a series has gathered for its next row: the sum over the steps that have a value, and
-/// their number.
+/// The sum and number of values that a column of a series has collected for its next row.
 struct StepMean {
   double sum = 0, count = 0;
 
-  void add(double value);  // NaN for a step without one
+  void add(double value);  // NaN: the step has no value
   double value() const { return count > 0 ? sum / count : no_value; }
 };
-using SeriesMeans = std::vector<std::vector<StepMean>>;  // of each series, by column
+using SeriesMeans = std::vector<std::vector<StepMean>>;  // per series and column
 
 class Quantities {
  public:
-  /// The sums over the ranks are started when this many steps wait for them.
+  /// The sums over ranks start when this number of steps is waiting.
   static constexpr std::int64_t most_steps = 64;
 
   explicit Quantities(const Case&);
 
-  /// Collective, but waits for no rank; to be called at the start and after every step. Does nothing unless a
-  /// quantity looks at the whole run, or a series at this step.
+  /// Call at the start and after every step. Does nothing unless a quantity needs the whole run or a series
+  /// this step. Collective, but waits for no rank.
   void observe(const Simulation&);
-  /// Collective: waits for all that has been observed.
+  /// Waits for all sums of observed steps. Collective.
   void settle(const Simulation&) const;
-  /// Returns the rows that have become known since the last call, of each series; the same on every rank.
-  /// After settle these are the rows of all steps so far, else some may still be under way.
+  /// Returns the new rows of each series since the last call, the same on every rank. They are complete after
+  /// settle(); otherwise some may still be under way.
   std::vector<TableRows> take_rows();
   static std::string columns(const ColumnsSpec&);
-  /// Collective. Returns names and values in the order of the case, the same on every rank and any number of
-  /// ranks; NaN for a value that does not exist (no such body, no step yet).
+  /// Returns names and values in the order of the case, the same on every rank and any number of ranks; NaN
+  /// for a value that does not exist (no such body, no step yet). Collective.
   std::vector<std::pair<std::string, double>> evaluate(const Simulation&) const;
-  /// Collective. Returns the value of one quantity; std::out_of_range for a name the case does not give.
+  /// Returns the value of one quantity. Collective. Throws std::out_of_range for an unknown name.
   double evaluate(const Simulation&, const std::string& name) const;
-  /// Returns the values in the last step of means over steps, by name, as of the last evaluate().
+  /// Returns, by name, the values in the last step of means over steps, at the last evaluate().
   std::vector<std::pair<std::string, double>> in_last_step() const;
 
-  /// Collective. Returns what observe has gathered, for checkpoints.
+  /// Returns the accumulated data for checkpoints. Collective.
   std::vector<QuantityHistory> history(const Simulation&) const;
   void set_history(const std::vector<QuantityHistory>&);
-  /// Returns what rows to come have gathered up to the last settle() or history(), for checkpoints.
+  /// Returns the sums of unfinished rows at the last settle() or history(), for checkpoints.
   const SeriesMeans& means() const { return means_; }
   void set_means(const SeriesMeans&);
 
  private:
-  /// A Look is what a quantity adds up of a step: where its terms begin, of which several may have the same.
+  /// The terms of a quantity in a step: where they begin in the sums. Quantities may share terms.
   struct Look {
     std::size_t quantity;
     std::int64_t step;
@@ -75,18 +73,18 @@ class Quantities {
   const std::vector<QuantitySpec> specs_;
   const Units units_;
   const std::vector<ColumnsSpec> series_;
-  std::vector<const Computation*> computations_;   // of each quantity
-  std::vector<std::vector<std::size_t>> columns_;  // of each series: its quantities
-  std::vector<std::size_t> as_;                    // of each quantity: the first with the same terms, or none
-  // The history on this rank. Observations that are not yet summed join it when somebody asks for it.
+  std::vector<const Computation*> computations_;   // per quantity
+  std::vector<std::vector<std::size_t>> columns_;  // per series: its quantities
+  std::vector<std::size_t> as_;                    // per quantity: the first with the same terms, or none
+  // This rank's history. Observations are added to it when their sums are complete.
   mutable std::vector<QuantityHistory> history_;
   mutable std::vector<Look> waiting_, started_;
-  mutable std::vector<rigid::ExactSum> sums_;  // of the looks that wait
-  mutable std::vector<double> largest_;        // the same
+  mutable std::vector<rigid::ExactSum> sums_;  // of waiting steps
+  mutable std::vector<double> largest_;        // likewise
   mutable parallel::PendingSums<std::vector<rigid::ExactSum>> sums_under_way_;
   mutable parallel::PendingMaxima<std::vector<double>> largest_under_way_;
   mutable SeriesMeans means_;
-  mutable std::vector<TableRows> rows_;  // of each series
+  mutable std::vector<TableRows> rows_;  // per series
 };
 
 }  // namespace silt

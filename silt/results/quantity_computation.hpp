@@ -1,7 +1,7 @@
 #pragma once
-// What a quantity is: a row of a family (body_, flow_, motion_, wall_, stress_quantities), with its type and
-// its computation. Computations are collective, give the same on every rank and any number of ranks, and
-// speak lattice units; NaN stands for a value that does not exist (no such body, no step yet).
+// Defines quantities: rows of families (body_, flow_, motion_, wall_, stress_quantities) with type and
+// computation. Computations are collective and give the same on every rank and any number of ranks, in
+// lattice units; NaN stands for a value that does not exist (no such body, no step yet).
 #include <array>
 #include <cmath>
 #include <functional>
@@ -15,52 +15,49 @@
 
 namespace silt {
 
-/// The numbers that a quantity of the whole run has gathered so far; the largest over the ranks counts.
+/// The accumulated numbers of a quantity of the whole run; of several ranks the maximum counts.
 using QuantityHistory = std::array<double, 3>;
 inline constexpr double not_yet = -std::numeric_limits<double>::infinity();
 inline constexpr QuantityHistory no_history{not_yet, not_yet, not_yet};
 inline constexpr double no_value = std::numeric_limits<double>::quiet_NaN();
 
-/// Sums over the ranks that a quantity needs of a step. They are put together many steps at a time, so none
-/// waits for another rank.
+/// Sums over ranks that a quantity needs per step. Many steps are summed together, so that no rank waits.
 struct StepSums {
   int count = 0;  // 0: none
   /// Adds this rank's terms after a step.
   void (*add)(const Simulation&, const QuantitySpec&, std::span<rigid::ExactSum>) = nullptr;
-  /// Returns whether the step counts, which every rank must find alike; null: every step does.
+  /// Returns whether the step counts, equally on every rank; null: every step does.
   bool (*counts)(const Simulation&, const QuantitySpec&, const QuantityHistory&) = nullptr;
 };
 
-/// The value of a quantity in a step, from its sums and from numbers of which the largest of the ranks
-/// counts: for a series, and for the report.
+/// The value of a quantity in a step, from sums and maxima over ranks: for series and for the report.
 struct StepValue {
-  /// Returns the value from the sums and then the largest.
+  /// Computes the value from the sums, followed by the maxima.
   double (*of)(const Case&, const QuantitySpec&, std::int64_t step, std::span<const double>) = nullptr;
-  bool of_all_axes = false;  // the terms are the same whatever the spec's axis
+  bool of_all_axes = false;  // terms do not depend on the spec's axis
   int largest = 0;
   void (*see)(const Simulation&, const QuantitySpec&, std::span<double> largest) = nullptr;
 };
 
-/// Computation is how the quantities of a type are computed.
+/// The computation of a type of quantity.
 struct Computation {
   void (*observe)(const Simulation&, const QuantitySpec&, QuantityHistory&);  // after every step; or null
   double (*value)(const Simulation&, const QuantitySpec&, const QuantityHistory&);
   StepSums sums = {};
-  /// Takes the sums of one step after the other into the history, on every rank; null: only series need sums.
+  /// Adds the sums of one step after another to the history, on every rank; null: only series need sums.
   void (*fold)(const Case&, const QuantitySpec&, std::int64_t step, std::span<const double>,
                QuantityHistory&) = nullptr;
   /// Returns the value in the last step of a mean over steps; null for others.
   double (*in_last_step)(const QuantityHistory&) = nullptr;
-  StepValue in_step = {};  // of those that have a value in every step
-  bool of_start = false;   // the history is of the start, and can be made again from the case
+  StepValue in_step = {};  // for types with a value in every step
+  bool of_start = false;   // the history is that of the start, and can be recomputed
   std::string_view type = "";
 
-  /// Returns whether the value has to be gathered step by step.
+  /// Returns whether the value is accumulated step by step.
   bool gathers() const { return (observe || fold) && !of_start; }
 };
 
-/// A row of a family. A mean over steps takes `time` besides the keys that are named, and what has a value in
-/// every step is stepwise.
+/// A row of a family. Means over steps take the key `time`; values of every step are stepwise.
 struct Quantity {
   QuantityType type;
   Computation computation;
@@ -77,20 +74,20 @@ struct Quantity {
 extern const std::span<const Quantity> body_quantities, flow_quantities, motion_quantities, wall_quantities,
     stress_quantities;
 
-/// Returns the computation of a type; std::logic_error for one that no family has.
+/// Returns the computation of a type. Throws std::logic_error if there is none.
 const Computation& computation_of(std::string_view type);
 
-/// Collective. Returns the value in the last step, for which ranks wait; NaN if it does not count.
+/// Returns the value in the last step; NaN if the step does not count. Collective; ranks wait.
 double value_in_last_step(const Simulation&, const QuantitySpec&);
 
-/// Calls visit(row) for the owned bodies that a quantity is about.
+/// Calls visit(row) for the owned bodies that a quantity selects.
 template <class Visit>
 void for_bodies_of(const rigid::BodySet& bodies, const QuantitySpec& q, Visit&& visit) {
   for (std::size_t row = 0; row < bodies.owned; ++row)
     if (q.is_about(bodies.kind[row])) visit(row);
 }
 
-/// Adds terms(simulation, spec, row), some numbers, of each owned body that a quantity is about.
+/// Adds the numbers terms(simulation, spec, row) of each owned body that a quantity selects.
 template <auto terms>
 void add_over_bodies(const Simulation& simulation, const QuantitySpec& q, std::span<rigid::ExactSum> sums) {
   for_bodies_of(simulation.bodies(), q, [&](std::size_t row) {
@@ -99,15 +96,15 @@ void add_over_bodies(const Simulation& simulation, const QuantitySpec& q, std::s
   });
 }
 
-/// Returns the mean over the bodies a quantity is about of value(row), which is asked for each owned one.
+/// Returns the mean of value(row) over the bodies that a quantity selects.
 double mean_over_bodies(const Simulation&, const QuantitySpec&,
                         const std::function<double(std::size_t)>& value);
 
-/// Returns the share of the quantity's box that lies inside bodies: exact of a convex body all inside, else
-/// along lines through the box, and by points where a shape has no convex parts.
+/// Returns the share of the quantity's box inside bodies: exact for convex bodies wholly inside, else along
+/// lines through the box, or by points for shapes without convex parts.
 double packing_fraction(const Simulation&, const QuantitySpec&);
 
-// ---- the usual forms ----
+// ---- common forms ----
 
 /// A function of the state at the end: f(simulation, spec) or f(simulation).
 template <auto f>
@@ -120,12 +117,12 @@ constexpr Computation at_end() {
           }};
 }
 
-/// Returns the observation: the first number of the history.
+/// Returns the first number of the history.
 inline double value_seen(const Simulation&, const QuantitySpec&, const QuantityHistory& h) {
   return h[0] == not_yet ? no_value : h[0];
 }
 
-/// Value of a step: f(case, spec, step, sums) or f(case, spec, sums).
+/// Returns the value of a step: f(case, spec, step, sums) or f(case, spec, sums).
 template <auto f>
 double of_step(const Case& setup, const QuantitySpec& q, std::int64_t step, std::span<const double> sums) {
   if constexpr (requires { f(setup, q, step, sums); })
@@ -134,12 +131,12 @@ double of_step(const Case& setup, const QuantitySpec& q, std::int64_t step, std:
     return f(setup, q, sums);
 }
 
-/// Returns whether forces have acted, as they have from the first step on.
+/// Returns whether forces have acted, i.e. after the first step.
 inline bool has_acted(const Simulation& simulation, const QuantitySpec&, const QuantityHistory&) {
   return simulation.steps_done() > 0;
 }
 
-/// A value of the last step, or of the moment, at the end.
+/// A value of the last step, or of the present state, at the end.
 constexpr Computation in_step(const StepSums& sums, const StepValue& value) {
   return {nullptr,
           [](const Simulation& simulation, const QuantitySpec& q, const QuantityHistory&) {
@@ -151,8 +148,7 @@ constexpr Computation in_step(const StepSums& sums, const StepValue& value) {
           value};
 }
 
-/// The mean over the steps from the spec's time on: sum, number, and the value in the last step, even an
-/// earlier one.
+/// Mean over the steps from the spec's time on. History: sum, number, and the value in the last step.
 template <auto f>
 void fold_into_mean(const Case& setup, const QuantitySpec& q, std::int64_t step, std::span<const double> sums,
                     QuantityHistory& h) {
@@ -174,7 +170,7 @@ constexpr Computation mean_of(const StepSums& sums) {
           {of_step<f>}};
 }
 
-/// f(simulation) at the step that is nearest to the spec's time; without a time, at the end.
+/// f(simulation) at the step nearest to the spec's time, or at the end without a time.
 template <auto f>
 constexpr Computation at_instant() {
   return {[](const Simulation& simulation, const QuantitySpec& q, QuantityHistory& h) {

@@ -41,7 +41,7 @@ Spread spread(const Simulation& simulation, double mine) {
   return {-most[1], parallel::sum_over_ranks(comm, mine) / simulation.scene().ranks, most[0]};
 }
 
-// ---- what there is, and what there is not ----
+// ---- present and skipped parts ----
 
 bool has_stage(const Scene& scene, coupler::Stage stage) {
   const bool flow = scene.flow != nullptr;
@@ -50,7 +50,7 @@ bool has_stage(const Scene& scene, coupler::Stage stage) {
   return couples ? flow && scene.setup.has_surfaces() : scene.rigid_step != nullptr;
 }
 
-/// Returns the stages, forces and outputs that the scene does without.
+/// Returns the stages, forces and outputs that the scene skips.
 Json skipped_passes(const Scene& scene) {
   const OutputSpec& output = scene.setup.output;
   Json skipped = Json::array();
@@ -76,7 +76,7 @@ Json skipped_passes(const Scene& scene) {
   return skipped;
 }
 
-/// Makes an object of of(stage) for each stage of the scene's step.
+/// Returns an object with of(stage) for each stage of the scene's step.
 template <class Of>
 Json by_stage(const Scene& scene, Of&& of) {
   Json stages = Json::object();
@@ -85,7 +85,7 @@ Json by_stage(const Scene& scene, Of&& of) {
   return stages;
 }
 
-/// Returns whether momentum is a constant: nothing outside the box acts.
+/// Returns whether momentum is conserved: nothing acts from outside.
 bool keeps_momentum(const Scene& scene) {
   const Case& c = scene.setup;
   const auto is_free = [](const BodySpec& b) { return b.motion == rigid::Motion::free && !b.locked; };
@@ -94,21 +94,20 @@ bool keeps_momentum(const Scene& scene) {
          std::all_of(c.bodies.begin(), c.bodies.end(), is_free);
 }
 
-/// Returns the shapes that have flat faces or edges, and so no lubrication anywhere on them.
+/// Returns the shapes with flat faces or edges, which have no lubrication at all.
 Json unlubricated_shapes(const Case& setup) {
   Json names = Json::array();
   for (std::size_t s = 0; s < setup.shapes.size(); ++s) {
     const auto parts = rigid::convex_parts(setup.shapes[s]);
     const auto first = setup.shape_names.begin(), own = first + std::ptrdiff_t(s);
-    if (std::find(first, own, *own) != own) continue;  // another size of it
+    if (std::find(first, own, *own) != own) continue;  // another size
     if (std::none_of(parts.begin(), parts.end(), [](const auto& p) { return rigid::is_smooth(p.shape); }))
       names.push_back(setup.shape_names[s]);
   }
   return names;
 }
 
-/// Returns pairs of a diameter (of a sphere of its volume) and a count of bodies for each kind of several
-/// sizes.
+/// Returns pairs of equivalent diameter and number of bodies, for kinds of several sizes.
 Json sizes_of(const Simulation& simulation) {
   const Scene& scene = simulation.scene();
   const Case& setup = scene.setup;
@@ -155,19 +154,19 @@ void add_scene(const Simulation& simulation, Json& report) {
 void add_balance(Simulation& simulation, Json& report) {
   const Balance& before = simulation.initial_balance();
   const Balance now = simulation.balance();
-  const auto of_fluid = [&](double mass) {  // of its whole mass at the start
+  const auto of_fluid = [&](double mass) {  // relative to its mass at the start
     return before.fluid_cells > 0 ? mass / before.fluid_cells : unknown;
   };
   report["mass_drift"] = of_fluid(now.mass_deviation - before.mass_deviation);
   report["mass_taken"] = of_fluid(double(simulation.mass_taken()) * lbm::mass_quantum);
-  // |p - p(0)| / (|p of the fluid| + sum |p of a body|), the larger of then and now
+  // p - p(0)| / (|p of the fluid| + sum |p of a body|), with the larger of the two scales
   const double scale = std::max(before.momentum_scale, now.momentum_scale);
   report["momentum_drift"] = keeps_momentum(simulation.scene()) && scale > 0
                                  ? (now.momentum - before.momentum).norm() / scale
                                  : unknown;
 }
 
-/// Returns the momentum of the free bodies and their kinetic energy with rotation.
+/// Returns the momentum and the kinetic energy (with rotation) of free bodies.
 std::array<rigid::ExactSum, 4> motion_of_bodies(const Scene& scene) {
   const rigid::BodySet& rows = scene.bodies;
   std::array<rigid::ExactSum, 4> sums;
@@ -195,7 +194,7 @@ void add_motion(const Simulation& simulation, Json& report) {
   report["momentum"]["fluid"] = momentum(p[0], p[1], p[2]);
 }
 
-/// Returns how many bodies left by each way that is open.
+/// Returns the number of bodies that left, by each open way.
 Json left_by(const Case& setup, const RunCounters& counters) {
   Json ways = Json::object();
   for (int side = 0; side < first_outflow; ++side)
@@ -229,7 +228,7 @@ void add_counters(const Simulation& simulation, Json& report) {
   report["links"] = simulation.links();
 }
 
-/// Returns the cells of each level, the finest first, and the time of its passes.
+/// Returns the cells of each level, finest first, and the time of its passes.
 Json levels_of(const Simulation& simulation) {
   const coupler::Flow& flow = *simulation.scene().flow;
   const coupler::StageSeconds stages = simulation.stage_seconds();
@@ -262,7 +261,7 @@ void add_times(const Simulation& simulation, const RunStatus& status, Json& repo
   if (scene.flow && scene.flow->levels() > 1) report["levels"] = levels_of(simulation);
 }
 
-/// Returns what a rank sends in a step: the mean over the ranks, of the collectives the most.
+/// Returns what a rank sends per step: the mean over ranks; for collectives the maximum.
 Json traffic_of(const Simulation& simulation, const parallel::Traffic& mine, double steps) {
   const auto a_step = [&](std::uint64_t n) { return spread(simulation, steps > 0 ? double(n) / steps : 0); };
   return Json::object({{"blocking_collectives_per_step", a_step(mine.blocking_collectives).most},
@@ -271,7 +270,7 @@ Json traffic_of(const Simulation& simulation, const parallel::Traffic& mine, dou
                        {"bytes_per_step", a_step(mine.bytes).mean}});
 }
 
-/// Returns the bytes of all ranks in a step; both ways together also over the bodies there are now.
+/// Returns the bytes of all ranks per step; the total also per present body.
 Json bus_of(const Simulation& simulation, double steps) {
   const auto a_step = [&](std::uint64_t bytes) {
     return parallel::sum_over_ranks(simulation.scene().comm, steps > 0 ? double(bytes) / steps : 0);
@@ -284,7 +283,7 @@ Json bus_of(const Simulation& simulation, double steps) {
                        {"bytes_per_body_and_step", bodies > 0 ? (to + from) / bodies : unknown}});
 }
 
-/// Returns how evenly the ranks share what they do in the stages without their waits.
+/// Returns the balance of the ranks' time in stages without waiting.
 Json work_of(const Simulation& simulation) {
   double seconds = 0, waits = 0;
   for (const double stage : simulation.stage_seconds()) seconds += stage;
@@ -295,7 +294,7 @@ Json work_of(const Simulation& simulation) {
                        {"wait_seconds", spread(simulation, waits).json()}});
 }
 
-/// Returns what became of balancing the predicted work: largest over mean of the ranks.
+/// Returns the balance of predicted work: largest over mean of the ranks.
 Json balance_of(const Simulation& simulation) {
   const BalanceRecord record = simulation.balance_record();
   const auto evenness = [](const Evenness& e) { return Json{{"before", e.before}, {"after", e.after}}; };
@@ -338,7 +337,7 @@ Json quantity_types_of(const Case& setup) {
   return types;
 }
 
-/// Bytes of a text that are not valid UTF-8 become U+FFFD.
+/// Returns the text; bytes that are not valid UTF-8 become U+FFFD.
 std::string text_of(const Json& report) {
   return report.dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
 }

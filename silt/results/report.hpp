@@ -1,5 +1,5 @@
 #pragma once
-// report.json: the figures of a run that other programs read.
+// report.json: the results of a run for other programs.
 #include <cstdint>
 #include <string>
 
@@ -11,18 +11,18 @@ namespace silt {
 /// The state of a run, besides that of its simulation.
 struct RunStatus {
   std::string exit_reason = "running";  // "completed", "steady", "interrupted", "guard", "error"
-  std::string exit_text;                // for the last three: what happened
-  std::int64_t first_step = 0;          // where this start began: above 0 after a resume
+  std::string exit_text;                // for the last three: the reason
+  std::int64_t first_step = 0;          // first step of this start: above 0 after a resume
   double wall_seconds = 0;              // since this start
   bool state_is_sound = true;           // false: no hash, no quantities
-  bool at_end = true;                   // false: no hash, which takes as long as some steps
+  bool at_end = true;                   // false: no hash, which costs several steps
 };
 
-/// Collective. Returns the text of report.json. Times are those since this start; counters and largest values
-/// since step 0. Speeds, lengths and quantities in the units of the case.
+/// Returns the text of report.json. Times are those since this start; counters and maxima since step 0.
+/// Speeds, lengths and quantities are in units of the case. Collective.
 std::string report_of(Simulation&, const Quantities&, const RunStatus&);
 
-/// Returns the short report of a run that this rank ends alone.
+/// Returns a short report for a run that this rank ends alone.
 std::string last_report(const RunStatus&, std::int64_t steps, int ranks);
 
 }  // namespace silt

@@ -32,13 +32,13 @@ fs::path first_free(const fs::path& folder) {
   }
 }
 
-/// Returns whether a file has the temporary name of one to come, or is one that MPI keeps beside such.
+/// Returns whether a file is temporary, of a run or of MPI.
 bool is_unfinished(const fs::path& path) {
   const std::string name = path.filename().string();
   return name.ends_with(".part") || name.find(".part.") != std::string::npos;
 }
 
-/// Throws the message about a lock that another run holds.
+/// Throws the error for a lock that another run holds.
 [[noreturn]] void refuse_lock(const fs::path& path) {
   std::ifstream in(path);
   std::string holder{std::istreambuf_iterator<char>(in), {}};
@@ -51,7 +51,7 @@ bool is_unfinished(const fs::path& path) {
 }  // namespace
 
 ResultLock::ResultLock(const fs::path& folder) : path_(folder / name) {
-  do {  // until it is the file that has the name: whoever had the lock before may have removed it
+  do {  // until it has the name: the last owner may have removed it
     if (file_ >= 0) close(file_);
     file_ = open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
     if (file_ < 0) fail(path_, "cannot be made: " + adapters::system_reason(errno));
@@ -99,7 +99,7 @@ bool is_result(const fs::path& path) {
 
 namespace {
 
-/// Returns whether a folder stays where it is: a link, or on another disk than the folder it lies in.
+/// Returns whether a folder cannot be renamed: a link, or a mount point.
 bool stays(const fs::path& folder) {
   struct stat own, parent;
   return fs::is_symlink(folder) ||
@@ -107,7 +107,7 @@ bool stays(const fs::path& folder) {
           own.st_dev != parent.st_dev);
 }
 
-/// The name under which earlier results stay beside a folder, or in it.
+/// Returns the name for earlier results beside a folder, or in it.
 std::string name_of(const fs::path& folder) {
   return fs::absolute(folder / "").lexically_normal().parent_path().filename().string();
 }
@@ -116,7 +116,7 @@ bool is_earlier(const fs::path& path, const fs::path& folder) {
   return path.filename().string().starts_with(name_of(folder) + ".") && fs::is_directory(path);
 }
 
-/// Moves results into a folder of their own inside the one that they are in.
+/// Moves results into a subfolder of their folder.
 std::string move_inside(const fs::path& folder, const std::vector<fs::path>& results) {
   std::error_code error;
   const fs::path aside = first_free(folder / name_of(folder));
@@ -131,7 +131,7 @@ std::string move_inside(const fs::path& folder, const std::vector<fs::path>& res
   return fmt::format("the earlier results are now in {}", aside.string());
 }
 
-/// Moves or deletes the results in a folder that is there. Returns what was done.
+/// Moves or deletes the results in an existing folder; returns what was done.
 std::string make_room(const fs::path& folder, bool overwrite) {
   std::error_code error;
   std::vector<fs::path> results, others;
@@ -152,7 +152,7 @@ std::string make_room(const fs::path& folder, bool overwrite) {
                     folder.string(), others[0].filename().string()));
   const fs::path aside = first_free(folder);
   fs::rename(folder, aside, error);
-  if (error) return move_inside(folder, results);  // a part of its disk is mounted here, say
+  if (error) return move_inside(folder, results);  // e.g. a mount point inside
   fs::remove(aside / ResultLock::name, error);
   return fmt::format("the earlier results are now in {}", aside.string());
 }

@@ -21,9 +21,9 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// ---- any such file ----
+// ---- any table ----
 
-/// Reads the names of the columns, which may have ends of lines in quotes. Returns whether they are whole.
+/// Reads the column names, which may have line ends in quotes. Returns whether they are complete.
 bool take_columns(std::istream& file, std::string& columns) {
   std::getline(file, columns);
   for (std::string more;
@@ -32,19 +32,19 @@ bool take_columns(std::istream& file, std::string& columns) {
   return !file.eof();
 }
 
-/// The columns of a file ("": there is no file, or not all of them), and the step of its last row.
+/// The columns of a file ("": missing or incomplete), and the step of its last row.
 struct RowsLeft {
   std::string columns;
   std::int64_t last_step = -1;
 };
 
-/// Removes the rows of steps after the given one, and a last row that a killed run left without its end.
+/// Removes rows after a step, and an incomplete last row of a killed run.
 RowsLeft remove_rows_after(const fs::path& path, std::int64_t step) {
   std::ifstream file(path);
   RowsLeft left;
   if (!file || !take_columns(file, left.columns)) return {};
   std::string kept = left.columns + '\n', row;
-  while (std::getline(file, row) && !file.eof()) {  // without its end a row is not whole
+  while (std::getline(file, row) && !file.eof()) {  // a row without its end is incomplete
     std::int64_t found = 0;
     const auto [end, error] = std::from_chars(row.data(), row.data() + row.size(), found);
     if (error != std::errc() || *end != ',' || found > step) continue;
@@ -56,7 +56,7 @@ RowsLeft remove_rows_after(const fs::path& path, std::int64_t step) {
   return left;
 }
 
-/// Adds text to a file, or begins it again with the names of the columns.
+/// Adds rows to a file, or begins it anew with the column names.
 void add_rows(const fs::path& path, bool fresh, const std::string& columns, const std::string& rows) {
   std::ofstream file(path, fresh ? std::ios::trunc : std::ios::app);
   if (fresh) file << columns << '\n';
@@ -67,7 +67,7 @@ void add_rows(const fs::path& path, bool fresh, const std::string& columns, cons
 
 // ---- series.csv ----
 
-/// These members of a report change while a run goes on; all numbers in an object are columns.
+/// The members of a report that change during a run; all numbers in an object are columns.
 constexpr std::array series_columns = {
     "steps",           "time",           "wall_seconds", "mlups",        "bodies",         "bodies_arrived",
     "bodies_left",     "bodies_left_by", "energy",       "momentum",     "max_velocity",   "min_density",
@@ -79,7 +79,7 @@ using Json = nlohmann::ordered_json;
 struct SeriesRow {
   std::string names, numbers;
 
-  /// Adds a number, or those in an object, "name.key", or a vector, "name.x". A null has no text.
+  /// Adds a number, those in an object as "name.key", or a vector as "name.x". A null is an empty field.
   void add(const std::string& name, const Json& value) {
     if (!value.is_structured()) {
       (names += names.empty() ? "" : ",") += csv_field(name);
@@ -91,11 +91,11 @@ struct SeriesRow {
   }
 };
 
-/// Says whether the rows of the first step of a table, and those of no other places, are of these.
+/// Returns whether the rows of the first step of a table are of these places.
 bool has_places(const fs::path& path, const std::vector<std::string>& places) {
   std::ifstream file(path);
   std::string row, first_step;
-  std::getline(file, row);  // the columns
+  std::getline(file, row);  // column names
   std::size_t rows = 0;
   for (; std::getline(file, row); ++rows) {
     const std::size_t step = row.find(','), time = row.find(',', step + 1);
@@ -107,7 +107,7 @@ bool has_places(const fs::path& path, const std::vector<std::string>& places) {
   return rows == places.size();
 }
 
-/// Moves a table away, so that another can begin in its place.
+/// Renames a table, so that a new one can begin.
 void set_aside(const fs::path& path) {
   fs::path aside;
   for (int n = 1; aside.empty() || fs::exists(aside); ++n)
@@ -148,8 +148,8 @@ void StepTable::append(const std::string& columns, const TableRows& rows) {
   columns_ = columns, last_step_ = rows.last_step, is_of_other_places_ = false;
 }
 
-/// A quantity that is a mean over steps has its value in the last step, and then the mean under a name that
-/// says so; of a time that each rank has the mean is enough.
+/// A quantity that is a mean over steps has its value in the last step, and the mean under a name of its own.
+/// Times of ranks are given as means.
 void append_report(StepTable& series, std::int64_t step, const std::string& text) {
   Json report = Json::parse(text), means = Json::object();
   const Json in_last_step = report.value("quantities_in_last_step", Json::object());

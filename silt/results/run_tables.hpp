@@ -1,7 +1,7 @@
 #pragma once
-// The CSV files that a run adds rows to, each of which begins with the number of a step: series.csv, what
-// report.json says of the moment, those of [[output.series]], and departures.csv, the bodies that left. A run
-// that goes on keeps the rows up to its step. Errors are FileError, naming file and reason.
+// The CSV files to which a run adds rows that begin with a step: series.csv with values of report.json, those
+// of [[output.series]], and departures.csv with the bodies that left. A resumed run keeps the rows up to its
+// step. Errors are FileError with file and reason.
 #include <cstdint>
 #include <filesystem>
 #include <span>
@@ -13,7 +13,7 @@
 
 namespace silt {
 
-/// Rows of a table as text, and the step of the last.
+/// Rows of a table as text, and the step of the last row.
 struct TableRows {
   std::int64_t last_step = -1;
   std::string text = "";
@@ -21,34 +21,34 @@ struct TableRows {
 
 class StepTable {
  public:
-  /// Starts a table; with a step, goes on with the one there, without rows of later steps and an incomplete
-  /// one. `places`: what the rows of a step have after step and time, if they are of places.
+  /// Starts a table or, with a step, continues an existing one without later and incomplete rows. `places`:
+  /// the fields after step and time of the rows of a step, for tables with several rows per step.
   explicit StepTable(const std::filesystem::path&, std::int64_t resumed_at = -1,
                      const std::vector<std::string>& places = {});
-  /// Appends rows, unless the last one is of the same step. If their columns or their places are not those of
-  /// the file (a quantity more, say), the file is renamed to series.1.csv (or .2, ...) and a new one begun.
+  /// Appends rows, unless the last row has the same step. If columns or places differ from those of the file,
+  /// e.g. by a new quantity, renames the file to series.1.csv (or .2, ...) and begins a new one.
   void append(const std::string& columns, const TableRows&);
 
  private:
   std::filesystem::path path_;
-  std::string columns_;  // of the file; "": there is none
+  std::string columns_;  // of the file; "": none
   bool is_of_other_places_ = false;
   std::int64_t last_step_ = -1;
 };
 
-/// Appends the row of a report, which is given as its text, to series.csv.
+/// Appends the row of a report, given as text, to series.csv.
 void append_report(StepTable&, std::int64_t step, const std::string& report);
 
-/// A number of a row; an empty field for what has no value.
+/// Returns a number of a row; an empty field if there is no value.
 std::string csv_number(double);
-/// A name as RFC 4180 has it: in quotes if there is a comma, a quote or a line end in it.
+/// Returns a name as in RFC 4180: quoted if it has a comma, a quote or a line end.
 std::string csv_field(const std::string& text);
 
 class DepartureLog {
  public:
-  /// resumed_at: the step at which a run goes on, whose departures come again; -1 for a new run.
+  /// resumed_at: the step at which a run resumes, whose departures are repeated; -1 for a new run.
   DepartureLog(const std::filesystem::path& folder, std::int64_t resumed_at, const Units&);
-  /// Adds lines; the file is there from the first one on.
+  /// Adds lines; the first call makes the file.
   void append(std::span<const Departure>);
 
  private:

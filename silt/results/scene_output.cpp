@@ -9,7 +9,7 @@ namespace {
 using adapters::SceneGroup;
 using rigid::Vec3;
 
-/// Puts numbers of the lattice into the units of a case.
+/// Converts numbers from lattice units to those of a case.
 struct InCaseUnits {
   const Units& units;
   double operator()(double x, Dimension d) const { return units.physical(x, d); }
@@ -56,7 +56,7 @@ void describe(const MeshWall& mesh, const InCaseUnits& physical, SceneGroup& wal
     add_row(row.time, row.displacement, row.rotation, physical, wall);
 }
 
-/// The names of the kinds that hold a body whose motion is given, each once.
+/// Returns the names of kinds with bodies of prescribed motion, each once.
 std::vector<std::string> driven_kinds(const Case& setup) {
   std::vector<bool> driven(setup.kind_names.size(), false);
   setup.for_each_given([&](const BodySpec& body, std::uint64_t) {

@@ -1,5 +1,5 @@
 #pragma once
-// The cells of blocks that bodies cover, for who writes fields.
+// Finds the cells that bodies cover, for writing fields.
 #include <algorithm>
 #include <cmath>
 #include <vector>
@@ -10,7 +10,7 @@
 
 namespace silt {
 
-/// Cells of a block that are written: [first, last), counted from the block's first.
+/// The cells [first, last) of a block that are written, in block coordinates.
 struct Piece {
   int block;
   lbm::Int3 first, last;
@@ -21,7 +21,7 @@ struct Piece {
     std::size_t i = 0;
     coupler::for_cells(first, last, [&](lbm::Int3 cell) { visit(cell, i++); });
   }
-  /// Planes [begin, end), which count from its first.
+  /// Returns planes [begin, end), counted from its first.
   Piece planes(int begin, int end) const {
     Piece part = *this;
     part.first.z = first.z + begin, part.last.z = first.z + end;
@@ -33,7 +33,7 @@ struct Piece {
   }
 };
 
-/// The bodies as they were when cells were last mapped: they lie in cells of the finest level.
+/// The bodies at their last mapping poses; they lie in finest cells.
 class SolidCells {
  public:
   SolidCells(const Simulation& simulation, const coupler::FluidFields& fields)
@@ -46,8 +46,7 @@ class SolidCells {
           rigid::bounding_box(world_.shapes[bodies_.shape[row]], coupler::mapping_pose(bodies_, row)));
   }
 
-  /// Calls visit(row, cell, r) for the solid cells of a piece in bodies, r from the body's centre to the
-  /// cell's.
+  /// Calls visit(row, cell, r) for solid cells of a piece in bodies, at r from the centre of the body.
   template <class Visit>
   void for_each(const Piece& piece, Visit&& visit) const {
     for (std::size_t row = 0; row < reach_.size(); ++row)
@@ -55,7 +54,7 @@ class SolidCells {
   }
 
  private:
-  /// Narrows the piece to what images of a body reach, from this axis down: few planes meet any along z.
+  /// Restricts the piece to images of a body, axis by axis down from this one: few planes overlap along z.
   template <class Visit>
   void for_images(const Piece& piece, std::size_t row, int axis, rigid::Vec3 shift, Visit&& visit) const {
     if (axis < 0) return for_image(piece, row, shift, visit);
@@ -88,7 +87,7 @@ class SolidCells {
   const rigid::BodySet& bodies_;
   const rigid::World& world_;
   const rigid::Extent& extent_;
-  std::vector<rigid::BoundingBox> reach_;  // of the rows
+  std::vector<rigid::BoundingBox> reach_;  // per row
 };
 
 }  // namespace silt

@@ -21,7 +21,7 @@ using adapters::CheckpointReader;
 using rigid::BodyRecord;
 using rigid::Vec3;
 
-/// Returns where the walls are after so many steps, as a text.
+/// Returns the places of walls after `step` steps as a text.
 std::string walls_after(const Case& setup, std::int64_t step) {
   std::string text;
   const auto add = [&](const auto& wall) {
@@ -34,7 +34,7 @@ std::string walls_after(const Case& setup, std::int64_t step) {
   return text;
 }
 
-/// How the lattice units of a run differ from those of the one that it begins with.
+/// The lattice units of a run in those of the run from which it starts.
 struct Scales {
   double length = 1, step = 1, density = 1;  // in those of the earlier run
   double off_equilibrium = 1;                // of the populations: what keeps the rate of strain

@@ -1,13 +1,12 @@
 #pragma once
-// Finds when a flow has become steady, by a quantity that is looked at every so many steps.
+// Detects a steady flow from a quantity that is sampled at intervals.
 //
-// Three values in a row, v0, v1, v2, and the ratio r = |v2 - v1| / |v1 - v0| of their changes tell how much
-// an approach that dies away geometrically still has before it: |v2 - v1| r / (1 - r). The flow is steady
-// when this, or the last change itself if that is more, is at most `change` times |v2| at two looks in a row:
-// a small change alone proves nothing, for a slow approach changes little from look to look, and one that
-// swings stands still where it turns. A ratio above `highest_ratio` cannot be told from rounding and is taken
-// for that: a flow that needs more than 1 / (1 - highest_ratio) looks to fade wants looks further apart; a
-// swing of ten, closer.
+// From three successive values v0, v1, v2 and the ratio r = |v2 - v1| / |v1 - v0| of their changes, the
+// remaining change of a geometric decay is |v2 - v1| r / (1 - r). The flow is steady when this, or the last
+// change if larger, is at most `change` times |v2| at two successive samples. A small change alone is no
+// proof: a slow decay changes little between samples, and an oscillation stands still where it turns. Ratios
+// above `highest_ratio` cannot be told from rounding and are taken as such: if decay needs more than 1 / (1 -
+// highest_ratio) samples, sample less often; if it oscillates within ten, more often.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -18,17 +17,17 @@ class SteadyWatch {
  public:
   static constexpr double highest_ratio = 0.99;
 
-  /// The memory of a watch from look to look.
+  /// The memory of a watch between samples.
   struct State {
-    std::int64_t looks = 0;             // with a value that is a number
-    double value = 0, last_change = 0;  // of the latest look; of the one before it to that
-    std::int64_t within = 0;            // looks in a row that found it steady
+    std::int64_t looks = 0;             // with a finite value
+    double value = 0, last_change = 0;  // of the last sample; its change from the one before
+    std::int64_t within = 0;            // successive samples that found it steady
   };
 
-  /// Watches until at most the share `change` of the value is left.
+  /// Watches until at most the share `change` of the value remains.
   explicit SteadyWatch(double change) : change_(change) {}
 
-  /// Takes the value of a look; one that is not a number makes the watch begin again.
+  /// Adds a sample; one that is not finite restarts the watch.
   void look(double value) {
     if (!std::isfinite(value)) {
       state_ = State{};
@@ -42,7 +41,7 @@ class SteadyWatch {
     ++state_.looks;
   }
   bool steady() const { return state_.within >= 2; }
-  /// Returns the estimated distance to the end of the approach after a look; as `value`.
+  /// Returns the estimated remaining change after a sample, in units of `value`.
   static double remaining(double before, double change) {
     const double now = std::abs(change);
     if (now == 0) return 0;

@@ -1,5 +1,5 @@
-// The parts of the stress of a suspension, means over a box: of the fluid, and what bodies add to it by their
-// presence and by contacts (G. K. Batchelor, J. Fluid Mech. 41 (1970) 545). Pull is positive.
+// The parts of the stress of a suspension, averaged over a box: of the fluid, and by bodies through their
+// presence and through contacts (G. K. Batchelor, J. Fluid Mech. 41 (1970) 545). Tension is positive.
 #include "coupler/forces/contact_loads.hpp"
 #include "silt/case/case.hpp"
 #include "silt/results/quantity_computation.hpp"
@@ -18,7 +18,7 @@ bool is_in(const QuantitySpec& q, const Vec3& x) {
   return (x.array() >= q.box.lower.array()).all() && (x.array() < q.box.upper.array()).all();
 }
 
-/// A cell counts by the part of it that lies in the box.
+/// Cells are weighted by their part in the box.
 void add_viscous_stress(const Simulation& simulation, const QuantitySpec& q, std::span<ExactSum> stress) {
   const double twice_viscosity = 2 * simulation.setup().fluid->kinematic_viscosity;
   simulation.scene().flow->for_levels([&](const coupler::FluidFields& fields) {
@@ -29,8 +29,8 @@ void add_viscous_stress(const Simulation& simulation, const QuantitySpec& q, std
   });
 }
 
-/// Force of the links of each body, as (22) and (33) of method.md have it, times the way from its centre to
-/// where they are cut, taken to be half-way between cells.
+/// Adds the force of the links of each body (method.md, equations 22 and 33) times the vector from its centre
+/// to the cut, taken half-way between cells.
 void add_particle_stress(const Simulation& simulation, const QuantitySpec& q, std::span<ExactSum> stress) {
   const coupler::FluidFields& fields = simulation.scene().flow->fields();
   const rigid::BodySet& bodies = simulation.bodies();

@@ -23,7 +23,7 @@ Vec3 half_extents(const ConvexShape& shape) {
          Vec3(width_of(shape, Vec3::UnitX()), width_of(shape, Vec3::UnitY()), width_of(shape, Vec3::UnitZ()));
 }
 
-/// Points of the surface that the support function names, each once.
+/// Distinct points of the surface found by the support function.
 class SurfacePoints {
  public:
   SurfacePoints(const ConvexShape& shape, const Vec3& half_extents) : shape_(shape) {
@@ -35,8 +35,8 @@ class SurfacePoints {
 
   const std::vector<Vec3>& all() const { return points_; }
 
-  /// Adds the points furthest along the normal, as seen by normals a little to its sides: of a straight flank
-  /// or a flat face both ends are needed, and the support function names any one of its points.
+  /// Adds the furthest points along slightly tilted normals: both ends of a straight flank or flat face are
+  /// needed, of which the support function returns any point.
   void add(const Vec3& normal) {
     constexpr double aside = 1e-6;
     const Vec3 right = normal.unitOrthogonal(), up = normal.cross(right);
@@ -44,7 +44,7 @@ class SurfacePoints {
       for (const double u : {-aside, aside}) add_point(rigid::support(shape_, normal + r * right + u * up));
   }
 
-  /// Says whether the surface stands off from a face of the points' hull by more than the tolerance.
+  /// Returns whether the surface is further from a face of the hull than the tolerance.
   bool stands_off(const HullFace& face) const {
     double gap = std::numeric_limits<double>::infinity();
     const Vec3 furthest = rigid::support(shape_, face.normal);
@@ -62,8 +62,8 @@ class SurfacePoints {
 
   const ConvexShape& shape_;
   std::vector<Vec3> points_;
-  double middle_;   // of half the extents along x, y and z
-  double nearest_;  // points closer than this are one
+  double middle_;   // middle one of the half extents along x, y and z
+  double nearest_;  // closer points are equal
 };
 
 struct Surface {
@@ -71,7 +71,7 @@ struct Surface {
   std::vector<HullFace> faces;
 };
 
-/// Leaves out vertices that no face has.
+/// Removes vertices without a face.
 void leave_out_unused(Surface& surface) {
   std::vector<int> number(surface.vertices.size(), -1);
   for (const HullFace& face : surface.faces)
@@ -84,15 +84,15 @@ void leave_out_unused(Surface& surface) {
     for (int& c : face.corners) c = number[c];
 }
 
-/// Returns the hull of points of the surface: where the surface stands off from a face, its furthest point
-/// there is added, until it does so nowhere (Kamenev, Comput. Math. Math. Phys. 32 (1992) 114).
+/// Returns the hull of points of the surface. Where the surface is too far from a face, adds its furthest
+/// point, until there is no such face (Kamenev, Comput. Math. Math. Phys. 32 (1992) 114).
 Surface inscribed_surface(const ConvexShape& shape) {
   if (const auto* polyhedron = std::get_if<rigid::Polyhedron>(&shape)) {
     Surface surface{polyhedron->mesh->vertices, {}};
     for (const auto& face : polyhedron->mesh->faces) surface.faces.push_back({face.corners, face.normal});
     return surface;
   }
-  constexpr double flatness = 1e-12;  // rounding: where corners are close, faces between them are not flat
+  constexpr double flatness = 1e-12;  // rounding: faces between close corners are not flat
   SurfacePoints points(shape, half_extents(shape));
   for (int x = -1; x <= 1; ++x)
     for (int y = -1; y <= 1; ++y)
@@ -110,13 +110,13 @@ Surface inscribed_surface(const ConvexShape& shape) {
   }
 }
 
-/// Returns the outward unit normal of the surface at a vertex; where an edge or a corner has many, one near
-/// the face's. A normal n belongs to the vertex v if no point s of the surface lies further along n, so n is
-/// moved across the half-spaces n . (s - v) <= 0 that it violates (the relaxation method: Agmon, Can. J.
-/// Math. 6 (1954) 382); as seen of the surface squeezed to half extents of 1, however slender it is.
+/// Returns an outward unit normal of the surface at a vertex; at edges and corners, one near that of the
+/// face. n is a normal at v if n . (s - v) <= 0 for all points s of the surface, so n is moved across the
+/// half-spaces that it violates (relaxation method: Agmon, Can. J. Math. 6 (1954) 382). Works on the surface
+/// scaled to half extents of 1.
 Vec3 normal_at(const ConvexShape& shape, const Vec3& half, const Vec3& vertex, const Vec3& face_normal) {
   constexpr int most = 300;           // few on a round surface
-  constexpr double relaxation = 1.5;  // 1 to the boundary, 2 to the mirror image
+  constexpr double relaxation = 1.5;  // 1: to the boundary, 2: to the mirror image
   const auto outward = [&](const Vec3& squeezed) -> Vec3 {
     return squeezed.cwiseQuotient(half).normalized();
   };
@@ -130,7 +130,7 @@ Vec3 normal_at(const ConvexShape& shape, const Vec3& half, const Vec3& vertex, c
   return outward(n);
 }
 
-/// Returns the index of a vertex's normal in the table; normals that differ by less than 0.01 rad are one.
+/// Returns the index of a vertex normal in the table; normals within 0.01 rad are equal.
 int index_of_normal(const Vec3& normal, std::vector<int>& of_vertex, std::vector<Vec3>& normals) {
   for (const int known : of_vertex)
     if ((normals[known] - normal).norm() < 1e-2) return known;

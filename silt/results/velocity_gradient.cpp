@@ -26,8 +26,7 @@ CellVelocities::CellVelocities(const coupler::FluidFields& fields, MPI_Comm comm
   std::sort(known_.begin(), known_.end(), [](const Known& a, const Known& b) { return a.cell < b.cell; });
 }
 
-/// Tells the rank of a block, which may be this one, the cells here within reach of the faces of what that
-/// block has of the box, along the axes.
+/// Sends the rank of a block, maybe this one, the cells here within reach of its faces, cut by the box.
 void CellVelocities::tell(int block, const lbm::BlockPlace& to, parallel::Messages& messages) {
   const lbm::Domain& domain = fields_.domain();
   const CellBox there = overlap(to.box, box_);
@@ -107,7 +106,7 @@ std::optional<Vec3> VelocitiesAround::at(Int3 cell) {
 
 namespace {
 
-/// Derivative of the velocity along an axis.
+/// Returns the derivative of the velocity along an axis.
 Vec3 derivative(VelocitiesAround& velocities, Int3 cell, int axis) {
   const auto beside = [&](int steps) {
     Int3 other = cell;
@@ -138,7 +137,7 @@ std::array<double, 6> strain_rate(const coupler::FluidFields& fields, const lbm:
   std::array<double, 6> rate;
   for (int k = 0; k < 6; ++k) {
     const auto [a, b] = pairs[k];
-    double flux = m.flux[k];  // becomes that which is not in equilibrium
+    double flux = m.flux[k];  // later the part off equilibrium
     flux += 0.5 * (u[a] * force[b] + force[a] * u[b]) - u[a] * u[b];
     if (a == b) flux -= m.density_deviation / 3;
     rate[k] = -1.5 / (tau * fields.width()) * flux;

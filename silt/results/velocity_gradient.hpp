@@ -1,6 +1,6 @@
 #pragma once
-// The derivatives of the fluid's velocity: the vorticity, curl u, from differences of the velocities of
-// cells, whichever rank has them, and the strain rate, which the populations of a cell hold.
+// Derivatives of the velocity: vorticity, curl u, from differences of cell velocities on any rank, and the
+// strain rate from the populations of a cell.
 #include <mpi.h>
 
 #include <array>
@@ -17,18 +17,17 @@ class Messages;
 
 namespace silt {
 
-/// CellVelocities are the velocities of the fluid beside the blocks of this rank.
+/// The velocities of fluid cells beyond the blocks of this rank.
 class CellVelocities {
  public:
-  /// How many cells beyond a block's face are known.
+  /// The depth in cells beyond the face of a block.
   static constexpr int reach = 2;
 
-  /// Collective: ranks tell each other the velocities of the cells within reach of the faces of what their
-  /// blocks have of the box [lower, upper).
+  /// Exchanges velocities of cells within reach of faces of blocks cut by the box [lower, upper). Collective.
   CellVelocities(const coupler::FluidFields&, MPI_Comm, lbm::Int3 lower, lbm::Int3 upper);
 
-  /// Returns the velocity in a cell beyond a block of this rank, up to `reach` cells along an axis from one
-  /// of the box and of the block; nothing where there is no fluid, or another level.
+  /// Returns the velocity of a cell beyond a block, up to `reach` cells along an axis from a cell of block
+  /// and box; none if it is not fluid, or of another level.
   std::optional<rigid::Vec3> at(int block, lbm::Int3 local_cell) const;
 
  private:
@@ -46,16 +45,16 @@ class CellVelocities {
   std::vector<Known> known_;  // by cell
 };
 
-/// The velocities of the fluid in cells of a block and near them, made a plane at a time.
-/// For who goes through the cells plane by plane: it keeps as many planes as are within reach of one.
+/// The velocities of cells of a block and near it, computed plane by plane for callers that go along z; keeps
+/// the planes within reach of one.
 class VelocitiesAround {
  public:
-  /// Cells [first, last) of a block along x and y, and those within CellVelocities::reach of them: of other
-  /// blocks as `others` knows them. Refers to both.
+  /// Takes cells [first, last) of a block along x and y, with those within CellVelocities::reach; `others`
+  /// has the cells of other blocks. Refers to both.
   VelocitiesAround(const coupler::FluidFields&, const CellVelocities& others, int block, lbm::Int3 first,
                    lbm::Int3 last);
 
-  /// Returns the velocity in one of these cells of the block; nothing where there is no fluid.
+  /// Returns the velocity of one of these cells; none if it is not fluid.
   std::optional<rigid::Vec3> at(lbm::Int3 cell);
 
  private:
@@ -66,20 +65,20 @@ class VelocitiesAround {
   const coupler::FluidFields& fields_;
   const CellVelocities& others_;
   int block_;
-  lbm::Int3 low_, high_;  // cells [low, high) are made here
+  lbm::Int3 low_, high_;  // computed cells [low, high)
   std::array<Plane, kept> plane_;
   std::array<int, kept> height_;  // of the planes; -1: none yet
 };
 
-/// Returns the vorticity in a fluid cell, in units of the cell's level. Differences are central; beside what
-/// is not fluid, or of another level, they are taken from the other side, of the second order where two cells
-/// there are fluid, else of the first; 0 between walls on both sides.
+/// Returns the vorticity of a fluid cell, in units of its level. Differences are central, or one-sided beside
+/// cells that are not fluid or of another level: second order with two fluid cells, first with one, 0 with
+/// none.
 rigid::Vec3 vorticity(VelocitiesAround&, lbm::Int3 cell);
 
-/// S of what arrives at a cell, xx yy zz xy xz yz: S = -3/(2 tau) [sum_i c_i c_i (g_i - g_i^eq) + (u F + F u)
-/// / 2] (Chapman-Enskog with the force of Guo, Zheng, Shi 2002), in units of the finest lattice.
+/// Returns S (xx yy zz xy xz yz) of the arriving populations: S = -3/(2 tau) [sum_i c_i c_i (g_i - g_i^eq) +
+/// (u F + F u) / 2] (Chapman-Enskog with the force of Guo, Zheng, Shi 2002), in units of the finest lattice.
 std::array<double, 6> strain_rate(const coupler::FluidFields&, const lbm::Moments&);
-/// S : S.
+/// Returns S : S.
 double strain_rate_squared(const coupler::FluidFields&, const lbm::Moments&);
 
 }  // namespace silt

@@ -1,5 +1,4 @@
-// Quantities that look at what fluid and bodies do to the walls, means over the steps from a time on, and at
-// what fluid and contacts do to walls and bodies in a step.
+// Forces of fluid and bodies on walls: means over steps, and loads on walls and bodies in a step.
 #include "coupler/exchange/coupling_state.hpp"
 #include "lbm/walls/cut_links.hpp"
 #include "silt/case/case.hpp"
@@ -17,9 +16,9 @@ void add(const Vec3& v, std::span<ExactSum> sums) {
   for (int d = 0; d < 3; ++d) sums[d].add(v[d]);
 }
 
-// A load is a force and, where there are six sums, the torque about the origin of a frame.
+// A load is a force and, with six sums, the torque about the origin of a frame.
 
-/// Adds what this rank's bodies did to a wall in the last step, +1 or -1 times.
+/// Adds the loads of this rank's bodies on a wall in the last step, times sign.
 void add_contacts(const Simulation& simulation, rigid::BodyId wall, std::span<ExactSum> load, int sign = 1) {
   for (const coupler::ContactLoad& contact : simulation.contact_loads()) {
     if (contact.on != wall) continue;
@@ -32,7 +31,7 @@ double area_of(const Case& setup, int axis) {
   return 1. * setup.cells[(axis + 1) % 3] * setup.cells[(axis + 2) % 3];
 }
 
-/// Adds the force of the fluid on a side of the domain, +1 or -1 times.
+/// Adds the force of the fluid on a side of the domain, times sign.
 void add_fluid_side_force(const Simulation& simulation, int side, int sign, std::span<ExactSum> force) {
   simulation.scene().flow->for_levels([&](const coupler::FluidFields& fields) {
     const auto fluid = fields.side_force(side / 2, side % 2 != 0);
@@ -40,13 +39,13 @@ void add_fluid_side_force(const Simulation& simulation, int side, int sign, std:
   });
 }
 
-/// Adds the force of fluid and bodies on it.
+/// Adds the force of fluid and bodies on a side, times sign.
 void add_side_force(const Simulation& simulation, int side, int sign, std::span<ExactSum> force) {
   add_fluid_side_force(simulation, side, sign, force);
   add_contacts(simulation, rigid::first_wall_id + side, force, sign);
 }
 
-/// Adds what the fluid does to one of [[walls]], whose rows come after those of the sides.
+/// Adds the load of the fluid on one of [[walls]], whose rows follow those of the sides.
 void add_fluid_wall_load(const Simulation& simulation, int wall, std::span<ExactSum> sums) {
   if (!simulation.scene().flow) return;
   const std::size_t sides = simulation.bodies().walls - simulation.setup().walls.size();
@@ -76,7 +75,7 @@ double wall_stress(const Case& setup, const QuantitySpec& q, std::span<const dou
   return force[q.axis] / area_of(setup, q.side / 2);
 }
 
-/// Adds the force on the lower side across the axis less that on the upper one.
+/// Adds the force on the lower side across the axis less that on the upper side.
 void add_shear_resistance(const Simulation& simulation, const QuantitySpec& q,
                           std::span<ExactSum> resistance) {
   add_side_force(simulation, 2 * q.axis, 1, resistance);
@@ -91,13 +90,13 @@ double relative_viscosity(const Case& setup, const QuantitySpec& q, std::int64_t
   return stress / (setup.fluid->kinematic_viscosity * shear.squaredNorm());
 }
 
-/// Adds what fluid and bodies do to it.
+/// Adds the load of fluid and bodies on a wall.
 void add_wall_load(const Simulation& simulation, const QuantitySpec& q, std::span<ExactSum> load) {
   add_fluid_wall_load(simulation, q.wall, load);
   add_contacts(simulation, rigid::first_tube_id + q.wall, load);
 }
 
-/// Returns the torque about the point of the axis: that about the frame's origin and r x F.
+/// Returns the torque about the point of the axis: that about the frame's origin plus r x F.
 Vec3 torque_about_point(const CurvedWall& wall, std::int64_t step, std::span<const double> load) {
   Vec3 torque = vector_of(load.subspan(3));
   if (const MeshWall* mesh = wall.mesh()) {
@@ -113,15 +112,15 @@ double wall_torque(const Case& setup, const QuantitySpec& q, std::int64_t step,
   return torque_about_point(wall, step, load).dot(wall.axis());
 }
 
-/// Takes the velocities that the wall had in the step.
+/// Returns the power with the wall's velocities of the step.
 double wall_power(const Case& setup, const QuantitySpec& q, std::int64_t step, std::span<const double> load) {
   const rigid::PrescribedMotion::Velocity velocity = setup.walls[q.wall].velocity_at(double(step - 1));
   return -(vector_of(load.first(3)).dot(velocity.linear) + vector_of(load.subspan(3)).dot(velocity.angular));
 }
 
-// ---- what fluid or contacts do to bodies, a wall or a side in a step: force and torque ----
+// ---- loads of fluid or contacts on bodies, a wall or a side in a step ----
 
-/// Adds what was noted in a column of the bodies that are, or are not, moved by it.
+/// Adds a load stored in a column of the bodies, of movable bodies only or of all.
 void add_noted_loads(const BodySet& bodies, const QuantitySpec& q, coupler::StoredLoad noted, bool moved_only,
                      std::span<ExactSum> load) {
   for_bodies_of(bodies, q, [&](std::size_t row) {
@@ -138,7 +137,7 @@ void add_fluid_load(const Simulation& simulation, const QuantitySpec& q, std::sp
   if (q.bearer == Bearer::wall) add_fluid_wall_load(simulation, q.wall, load);
 }
 
-/// Adds the impulses on bodies that contacts do not move, as their partners remember them.
+/// Adds the impulses on bodies that contacts do not move, as stored by their partners.
 void add_contact_load_of_bodies(const Simulation& simulation, const QuantitySpec& q,
                                 std::span<ExactSum> load) {
   add_noted_loads(simulation.bodies(), q, &coupler::CouplingState::contact_load, true, load);

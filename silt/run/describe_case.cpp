@@ -28,7 +28,7 @@ std::string family_of(const std::string& name) {
   return numbered ? name.substr(0, last + 1) + "*" + name.substr(dot) : name;
 }
 
-/// The last thing that the run said.
+/// Returns the last line of the log.
 std::string end_of(const fs::path& log) {
   std::ifstream file(log);
   std::string last;

@@ -16,8 +16,8 @@ namespace silt {
 
 namespace {
 
-/// Returns the drag of a sphere among many over that of Stokes' law at the superficial velocity, the share of
-/// the mean pressure gradient with it; Reynolds number of that velocity and the diameter.
+/// Returns the drag of a sphere in a packing, without the mean pressure gradient, divided by Stokes' drag at
+/// the superficial velocity; the Reynolds number is that of this velocity and the diameter.
 double drag_of_many(double solid, double reynolds) {
   const double fluid = 1 - solid, cube = fluid * fluid * fluid;
   const double slow = 10 * solid / cube + fluid * (1 + 1.5 * std::sqrt(solid));
@@ -26,11 +26,11 @@ double drag_of_many(double solid, double reynolds) {
   return slow + 0.413 * reynolds / (24 * cube) * rise;
 }
 
-/// What stands in a stream along an axis, as spheres of the same volume; lattice units.
+/// The bodies in a stream along an axis, as spheres of the same volume; lattice units.
 struct Standing {
-  double volume = 0, of_fixed = 0, of_free = 0;  // volumes; sums of diameters
-  double weight = 0;                             // of the free ones, in the fluid, along the axis
-  double largest = 0;                            // diameter
+  double volume = 0, of_fixed = 0, of_free = 0;  // volumes; sums of diameters of fixed and free bodies
+  double weight = 0;                             // of free bodies in the fluid, along the axis
+  double largest = 0;                            // largest diameter
   double low = std::numeric_limits<double>::infinity(), high = -low;
 
   Standing(const Case& setup, const rigid::BodySet& bodies, const rigid::World& world, int axis) {
@@ -67,7 +67,7 @@ std::optional<Diagnostic> pressure_warning(const Case& setup, const rigid::BodyS
     const double area = setup.volume() / setup.cells[axis];
     const double drop =
         Standing(setup, bodies, world, axis).pressure_drop(speed, setup.fluid->kinematic_viscosity, area);
-    const double found = 3 * drop;  // the square of the speed of sound is a third
+    const double found = 3 * drop;  // the square of the speed of sound is 1/3
     if (found <= doubtful_deviation) continue;
     const double factor = std::sqrt(doubtful_deviation / found);
     return Diagnostic{

@@ -1,5 +1,5 @@
 #pragma once
-// The pressure that drives a stream through the bodies that stand in it, foreseen before a run.
+// Predicts the pressure drop of a stream through the bodies in it, before a run.
 #include <optional>
 
 #include "rigid/bodies/world.hpp"
@@ -13,10 +13,9 @@ namespace silt {
 
 struct Case;
 
-/// Warns where the bodies in the stream of an inlet let the pressure fall by so much that the fluid is
-/// noticeably compressible: their drag by the law of Beetstra, van der Hoef and Kuipers (AIChE J. 53 (2007)
-/// 489) at the solid fraction between the first and the last of them; of free bodies at most their weight in
-/// the fluid.
+/// Warns if bodies in the stream of an inlet make the pressure drop so large that the fluid is noticeably
+/// compressible. Their drag follows Beetstra, van der Hoef and Kuipers (AIChE J. 53 (2007) 489) at the solid
+/// fraction between the first and the last body; that of free bodies is at most their weight in the fluid.
 std::optional<Diagnostic> pressure_warning(const Case&, const rigid::BodySet&, const rigid::World&);
 
 }  // namespace silt

@@ -29,7 +29,7 @@ struct CommandLine {
   std::int64_t steps = 0;
 };
 
-/// --backend, --device and --steps are short for --set; what --unset names goes after all is set.
+/// Makes options; --backend, --device and --steps stand for --set, and --unset is applied last.
 RunOptions options_of(const CommandLine& line) {
   RunOptions options = line.run;
   options.directory = line.case_directory;
@@ -64,7 +64,7 @@ Exit info(const CommandLine& line, bool loud) {
   }
 }
 
-/// Every key that a case may have and whose path begins so, one a line.
+/// Prints every key of a case whose path begins with a text, one per line.
 Exit keys(const std::string& beginning, bool loud) {
   for (const KeySection& section : case_keys())
     for (const KeyText& key : section.keys) {
@@ -76,8 +76,8 @@ Exit keys(const std::string& beginning, bool loud) {
   return Exit::done;
 }
 
-/// Instead of CLI::PositiveNumber, which takes nan and whose complaint names the largest double there is.
-/// Whole numbers become such, however they are written: 1e3.
+/// Accepts positive numbers, but not nan as CLI::PositiveNumber does, and without its message about the
+/// largest double. Writes whole numbers as such, e.g. 1e3.
 const CLI::Validator above_zero(
     [](std::string& text) {
       constexpr double exact = 0x1p53;
@@ -122,7 +122,7 @@ void add_run(CLI::App& command, CommandLine& line) {
       ->type_name("SECONDS");
 }
 
-/// "Open MPI v4.1.4".
+/// Returns e.g. "Open MPI v4.1.4".
 std::string mpi_version() {
   char text[MPI_MAX_LIBRARY_VERSION_STRING];
   int length = 0;
@@ -137,7 +137,7 @@ std::string version_text() {
                      build_info().compiler, instruction_set(), mpi_version(), build_info().libraries, card);
 }
 
-/// The complaint about a first word that is no subcommand, or "".
+/// Returns the error for a first word that is not a subcommand, or "".
 std::string wrong_subcommand(const CLI::App& app, const std::string& word) {
   if (word.empty() || word[0] == '-') return "";
   std::vector<std::string> names;
@@ -204,7 +204,7 @@ Exit main_on(MPI_Comm comm, int argc, char** argv) {
 }  // namespace silt
 
 int main(int argc, char** argv) {
-  std::signal(SIGXFSZ, SIG_IGN);  // a write above the limit of ulimit -f then fails like another
+  std::signal(SIGXFSZ, SIG_IGN);  // so that writes beyond `ulimit -f` fail like others
   silt::start_mpi(&argc, &argv);
   int code = 1;
   try {

@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Throws what building the scene would throw, while all ranks still hear of it.
+/// Throws errors of building the scene early, while ranks can still report them together.
 void require_buildable(const Case& setup, int ranks) {
   if (const std::string why = unusable(setup.device); !why.empty())
     throw CaseError(setup.place("run.device"),
@@ -42,7 +42,7 @@ void require_buildable(const Case& setup, int ranks) {
   adapters::make_broad_phase("auto", setup.contacts.backend);
 }
 
-/// Collective. Returns the memory of the machines of the ranks, in bytes.
+/// Returns the memory, in bytes, of all machines of the ranks. Collective.
 double memory_of_machines(MPI_Comm comm) {
   MPI_Comm machine;
   MPI_Comm_split_type(comm, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &machine);
@@ -52,7 +52,7 @@ double memory_of_machines(MPI_Comm comm) {
   return parallel::sum_over_ranks(comm, here);
 }
 
-/// Throws CaseError for a fluid too large for this memory, even if no cell is fine.
+/// Throws CaseError if the fluid does not fit this memory, even with the coarsest cells alone.
 void require_memory(const Case& setup, double here) {
   const double needed = fluid_memory(setup) / (setup.coarsening ? 1 << 3 * setup.coarsening->levels : 1);
   if (needed > here)
@@ -63,7 +63,7 @@ void require_memory(const Case& setup, double here) {
                     needed / 1e9, here / 1e9));
 }
 
-/// Collective. Each rank takes a graphics processor of its machine. Adds what is to be said of it.
+/// Chooses a GPU of its machine for each rank, and adds warnings. Collective.
 void choose_card(const Case& setup, MPI_Comm comm, std::vector<Diagnostic>& warnings) {
   MPI_Comm machine;
   MPI_Comm_split_type(comm, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &machine);
@@ -72,14 +72,13 @@ void choose_card(const Case& setup, MPI_Comm comm, std::vector<Diagnostic>& warn
   if (!note.empty()) warnings.push_back({Diagnostic::Severity::warning, setup.place("run.device"), note});
 }
 
-/// How many machines like this one a check on so many ranks is about: one has a rank a core.
+/// Returns the number of machines like this one, with one rank per core, that the ranks of a check need.
 double machines_for(int ranks) {
   const double cores = std::max(1u, std::thread::hardware_concurrency());
   return ranks > parallel::ranks_of(MPI_COMM_WORLD) ? std::ceil(ranks / cores) : 1;
 }
 
-/// Collective. Reads and judges a case, on rank 0 from its files, which it sends to all; makes what a run
-/// needs.
+/// Reads a case on rank 0 and broadcasts its files; checks it, makes the run's quantities. Collective.
 template <class Read>
 std::unique_ptr<Case> judged_once(const fs::path& directory, MPI_Comm comm, PreparedRun& prepared,
                                   Read&& read) {
@@ -104,7 +103,7 @@ std::unique_ptr<Case> judged_once(const fs::path& directory, MPI_Comm comm, Prep
   return setup;
 }
 
-/// Collective. As on_rank_0, but a FileError is one on every rank.
+/// As on_rank_0, but throws a FileError of rank 0 as such on every rank. Collective.
 template <class Make>
 ReadyFolder folder_on_rank_0(MPI_Comm comm, Make&& make) {
   ReadyFolder ready;
@@ -127,8 +126,7 @@ ReadyFolder folder_on_rank_0(MPI_Comm comm, Make&& make) {
   return ready;
 }
 
-/// Collective. Opens the first sound checkpoint; notes those passed over. Without any, throws the first
-/// error.
+/// Opens the first sound checkpoint, notes those skipped; throws the first error if none. Collective.
 std::unique_ptr<adapters::CheckpointReader> first_sound_checkpoint(
     const std::vector<adapters::StepFile>& there, MPI_Comm comm, std::string& note) {
   std::exception_ptr first;
@@ -141,7 +139,7 @@ std::unique_ptr<adapters::CheckpointReader> first_sound_checkpoint(
   std::rethrow_exception(first);
 }
 
-/// Collective. Opens what a case begins with.
+/// Opens the checkpoint with which a case starts. Collective.
 std::unique_ptr<adapters::CheckpointReader> checkpoint_of_start(const Case& setup, MPI_Comm comm,
                                                                 std::string& note) {
   const fs::path from = setup.directory / setup.start->from;
@@ -156,7 +154,7 @@ std::unique_ptr<adapters::CheckpointReader> checkpoint_of_start(const Case& setu
   return first_sound_checkpoint(there, comm, note);
 }
 
-/// Returns the bodies of the other run with which a case begins; adds what is to be said of its checkpoints.
+/// Returns the bodies of another run with which a case starts; adds warnings about its checkpoints.
 std::vector<rigid::BodyRecord> bodies_of_start(const Case& setup, std::vector<Diagnostic>& warnings) {
   if (!setup.start) return {};
   std::string note;

@@ -1,5 +1,5 @@
 #pragma once
-// Prepares a run up to its first step: the case is read and judged, or the run comes from a checkpoint.
+// Prepares a run up to its first step: reads and checks the case, or continues from a checkpoint.
 #include <memory>
 #include <optional>
 #include <string>
@@ -16,34 +16,34 @@
 
 namespace silt {
 
-/// The parts of a run before its first step, made together, so that an error on any rank is one on all.
+/// A run before its first step. Errors on any rank become errors on all.
 struct PreparedRun {
   std::unique_ptr<Simulation> simulation;
   std::unique_ptr<Quantities> quantities;
-  std::optional<SteadyWatch> steady;  // where the case asks for it
-  std::optional<FlowMean> mean;       // the same
+  std::optional<SteadyWatch> steady;  // if the case asks for it
+  std::optional<FlowMean> mean;       // likewise
   std::vector<Diagnostic> warnings;
   ReadyFolder folder;  // on rank 0
   bool resumed = false;
-  std::int64_t first_step = 0;  // where this start begins
-  /// Says what of the options of the run that goes on still holds, or "".
+  std::int64_t first_step = 0;  // first step of this start
+  /// Describes the options of the resumed run that still hold, or "".
   std::string earlier_options;
 
   RunExtent extent() const;
-  /// Collective, after a step: looks whether the flow has become steady, when the case asks for it.
+  /// Checks after a step whether the flow is steady, if the case asks for it. Collective.
   void watch();
   bool is_steady() const { return steady && steady->steady(); }
-  /// Returns whether no step is left to do; the next two, what report.json says of that end.
+  /// Returns whether no step is left; the next two functions describe that end for report.json.
   bool has_ended() const;
   std::string reason_of_end() const { return is_steady() ? "steady" : "completed"; }
   std::string text_of_end() const;
 };
 
-/// Collective. All three throw on every rank, with what is wrong: CaseError, FileError, std::runtime_error.
-/// Without a folder for results, for those who write none:
+/// Prepares a run without a folder for results. All three functions are collective and throw the same error
+/// on every rank: CaseError, FileError or std::runtime_error.
 PreparedRun prepare_scene(const RunOptions&, MPI_Comm);
 PreparedRun prepare_run(const RunOptions&, MPI_Comm, const std::filesystem::path& folder);
-/// Goes on from the checkpoint of the options, else from the newest one in the folder.
+/// Continues from the checkpoint of the options, or else from the newest one in the folder.
 PreparedRun prepare_resume(const RunOptions&, MPI_Comm, const std::filesystem::path& folder);
 
 }  // namespace silt

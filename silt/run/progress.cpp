@@ -14,14 +14,14 @@ namespace silt {
 
 namespace {
 
-// Seconds between two lines: on a terminal, in a log or a pipe.
+// Seconds between two lines on a terminal, and in a log or pipe.
 constexpr double terminal_interval = 0.2, log_interval = 10;
 
 double seconds(std::chrono::steady_clock::duration d) {
   return std::chrono::duration<double>(d).count();
 }
 
-/// 4 s, 3 min 20 s, 2 h 05 min
+/// Returns "4 s", "3 min 20 s", "2 h 05 min".
 std::string duration_text(double s) {
   const auto t = std::int64_t{std::lround(s)};
   if (t < 60) return fmt::format("{} s", t);
@@ -29,7 +29,7 @@ std::string duration_text(double s) {
   return fmt::format("{} h {:02} min", t / 3600, t % 3600 / 60);
 }
 
-/// Says whether the output of the process that started this one goes to a terminal.
+/// Returns whether the parent process writes to a terminal.
 bool is_on_terminal_above() {
   std::error_code error;
   const auto target =
@@ -37,8 +37,8 @@ bool is_on_terminal_above() {
   return !error && (target.starts_with("/dev/pts/") || target.starts_with("/dev/tty"));
 }
 
-/// Says whether somebody sees what is printed, so that a line may be printed over. mpirun gives its first
-/// rank a terminal even where its own output goes to a file.
+/// Returns whether a user watches the output, so that a line may be overwritten. mpirun gives its first rank
+/// a terminal even if its own output goes to a file.
 bool is_on_terminal() {
   const char* plain = std::getenv("SILT_PLAIN");
   if ((plain && *plain) || !isatty(STDOUT_FILENO)) return false;

@@ -1,7 +1,6 @@
 #pragma once
-// The progress of a run for the user: a line that keeps itself up to date on a terminal, else (or if the
-// environment variable SILT_PLAIN is set) one every few seconds; run.log has it too. That of other ranks is
-// silent.
+// Shows the progress of a run: on a terminal one line that is updated, else (or if the environment variable
+// SILT_PLAIN is set) a line every few seconds; and in run.log. Ranks other than 0 print nothing.
 #include <chrono>
 #include <cstdint>
 #include <cstdio>
@@ -12,29 +11,29 @@
 
 namespace silt {
 
-/// The measure of a run's progress: the steps at which it begins and ends, and the cells of a step.
+/// The first and last step of a run, and the number of fluid cells per step.
 struct RunExtent {
   std::int64_t first_step = 0, steps = 0;
-  double fluid_cells = 0;  // 0: there is no fluid
+  double fluid_cells = 0;  // 0: no fluid
   Units units;
 };
 
 class Progress {
  public:
-  /// `loud`: this is the rank that tells. `prints`: not only to the log.
+  /// `loud`: this rank reports. `prints`: to the terminal, too, and not only to the log.
   Progress(const RunExtent&, bool loud, bool prints = true);
   ~Progress();
   Progress(const Progress&) = delete;
 
-  /// Appends to this file from now on. std::runtime_error if it cannot be opened.
+  /// Appends to this file from now on. Throws std::runtime_error if it cannot be opened.
   void open_log(const std::filesystem::path&);
-  /// Shows a line to the user and writes it to the log.
+  /// Prints a line and writes it to the log.
   void say(const std::string&);
   /// Writes a line to the log only.
   void log(const std::string&);
-  /// Call after every step: prints now and then. The speed follows from `seconds_in_steps`, as in the report.
+  /// Call after every step; prints at intervals. The speed follows from `seconds_in_steps`, as in the report.
   void step(std::int64_t step, double seconds_in_steps);
-  /// Prints the last state of the line, if the log has been opened.
+  /// Prints the last state, if the log has been opened.
   void finish(std::int64_t step, double seconds_in_steps);
 
  private:

@@ -30,7 +30,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Returns an argument with the quotes that a shell needs.
+/// Returns an argument, quoted for a shell if necessary.
 std::string quoted(const std::string& argument) {
   const auto plain = [](unsigned char c) { return std::isalnum(c) || std::strchr("/._-+=:,@%", c); };
   const std::string path = argument.starts_with('-') ? "./" + argument : argument;
@@ -59,7 +59,7 @@ class Run {
   PreparedRun prepared_;
   Simulation& simulation_;
   const fs::path folder_;
-  const std::string resume_with_;  // arguments of silt resume
+  const std::string resume_with_;  // arguments for silt resume
   StopRequest stop_request_;
   parallel::ErrorBarrier& reunion_;
   Progress progress_;
@@ -87,7 +87,7 @@ Exit Run::go() {
       advance();
       prepared_.watch();
       outputs_.write_due();
-      const auto& coarsening = simulation_.setup().coarsening;  // coarse cells end their step
+      const auto& coarsening = simulation_.setup().coarsening;  // ends a step of the coarsest cells
       if (coarsening && simulation_.steps_done() % coarsening->stride() != 0) continue;
       const std::string why = stop_request_.why(simulation_.steps_done());
       if (why.empty() || prepared_.has_ended()) continue;
@@ -97,7 +97,7 @@ Exit Run::go() {
       return end(Exit::interrupted, "interrupted", text);
     }
     return end(Exit::done, prepared_.reason_of_end(), prepared_.text_of_end());
-  } catch (const GuardStop& stop) {  // every rank
+  } catch (const GuardStop& stop) {  // on every rank
     return end(Exit::guard, "guard", stop.what() + stopped_state_text() + outputs_.last_checkpoint_text());
   } catch (const std::exception& error) {
     return end(Exit::failed, "error", common_text(error) + outputs_.last_checkpoint_text());
@@ -108,8 +108,7 @@ std::string Run::of_rank(int rank, std::int64_t step, const std::string& text) c
   return is_alone() ? text : fmt::format("step {}, rank {}: {}", step, rank, text);
 }
 
-/// Collective. Returns the text of an error with the rank it comes from. An error of this rank alone ends
-/// all.
+/// Returns the text of an error with its rank. Ends all ranks if only this one has an error. Collective.
 std::string Run::common_text(const std::exception& error) {
   const auto* common = dynamic_cast<const parallel::CommonError*>(&error);
   const std::string text = of_rank(common ? common->rank : simulation_.scene().rank, simulation_.steps_done(),
@@ -118,7 +117,7 @@ std::string Run::common_text(const std::exception& error) {
   return text;
 }
 
-/// One step. An error of this rank leaves the others waiting for it: unless it is alone, it ends all.
+/// Does one step. An error of this rank alone ends all ranks, as the others wait for it.
 void Run::advance() {
   const int rank = simulation_.scene().rank;
   try {
@@ -140,12 +139,12 @@ void Run::advance() {
   progress_.step(simulation_.steps_done(), simulation_.step_seconds());
 }
 
-/// Collective: leaves the state that a guard stopped at.
+/// Writes the state that a guard stopped at; returns a text. Collective.
 std::string Run::stopped_state_text() {
   try {
     if (simulation_.scene().flow) simulation_.checked_totals();
   } catch (const CommonGuardStop&) {
-    // what else is wrong with that step is not told any more
+    // one fault of the step is reported
   }
   try {
     return fmt::format("\nthe state it stopped in: {}", outputs_.write_stopped_state().string());
@@ -172,7 +171,7 @@ void Run::greet() {
   progress_.say(fmt::format("results go to {}", folder_.string()));
 }
 
-/// The end that every rank comes to.
+/// Ends the run on all ranks together.
 Exit Run::end(Exit code, const std::string& reason, const std::string& text) {
   const bool loud = simulation_.scene().rank == 0;
   progress_.finish(simulation_.steps_done(),
@@ -191,9 +190,9 @@ Exit Run::end(Exit code, const std::string& reason, const std::string& text) {
   return code;
 }
 
-/// The end of a run that this rank alone knows of, while the others wait for it somewhere: says what happened
-/// on stderr and in run.log, leaves a short report.json, and ends the whole program with MPI_Abort. Of ranks
-/// that fail alone at the same time only one speaks: the one that can create the file `last_words`.
+/// Ends a run with an error of this rank alone, while others wait: reports it on stderr and in run.log,
+/// writes a short report.json and calls MPI_Abort. If several ranks fail alone, only the one that can create
+/// the file `last_words` reports.
 void Run::fail_alone(Exit code, const std::string& reason, const std::string& what) {
   const std::string text = what + outputs_.last_checkpoint_text();
   const fs::path part = folder_ / last_words;
@@ -203,7 +202,7 @@ void Run::fail_alone(Exit code, const std::string& reason, const std::string& wh
     std::fflush(stderr);
     const std::string report =
         last_report({reason, text}, simulation_.steps_done(), simulation_.scene().ranks);
-    std::error_code ignored;  // it has been said on stderr
+    std::error_code ignored;  // reported on stderr before
     if (file >= 0 && write(file, report.data(), report.size()) == ssize_t(report.size()) && fsync(file) == 0)
       fs::rename(part, folder_ / "report.json", ignored);
     else
@@ -213,7 +212,7 @@ void Run::fail_alone(Exit code, const std::string& reason, const std::string& wh
       std::fclose(log);
     }
   } else {
-    sleep(1);  // whoever speaks comes to its end first
+    sleep(1);  // lets the reporting rank finish first
   }
   MPI_Abort(simulation_.scene().comm, int(code));
   std::abort();
@@ -221,7 +220,7 @@ void Run::fail_alone(Exit code, const std::string& reason, const std::string& wh
 
 // ---- before the first step ----
 
-/// Returns why a run that is to go on has no step left to do, or "".
+/// Returns why a resumed run has no step left, or "".
 std::string complete_text(const PreparedRun& prepared) {
   const Case& setup = prepared.simulation->setup();
   const std::int64_t step = prepared.simulation->steps_done();
@@ -236,7 +235,7 @@ std::string complete_text(const PreparedRun& prepared) {
       setup.steady->quantity, step, shown(setup.steady->change / 10));
 }
 
-/// Returns whether a file is the report of a run that came to its end at that step.
+/// Returns whether a file is the report of a run that ended at this step.
 bool is_final_report(const fs::path& path, std::int64_t step) {
   std::ifstream file(path);
   const std::string text{std::istreambuf_iterator<char>(file), {}};
@@ -245,7 +244,7 @@ bool is_final_report(const fs::path& path, std::int64_t step) {
          (says("\"exit_reason\": \"completed\"") || says("\"exit_reason\": \"steady\""));
 }
 
-/// Collective. Returns whether report.json is not yet that of the end.
+/// Returns whether report.json is not the report of the end. Collective.
 bool lacks_final_report(const fs::path& folder, const Simulation& simulation) {
   const std::int64_t step = simulation.steps_done();
   if (step > simulation.setup().steps) return false;
@@ -277,7 +276,7 @@ Exit start(const RunOptions& options, MPI_Comm comm, Prepare&& prepare) {
     if (rank == 0) fmt::print("{}", complete);
     if (!lacks_final_report(folder, *prepared.simulation)) return Exit::done;
   }
-  catch_signals();  // until here there is nothing to lose, and they end the program at once
+  catch_signals();  // signals before this end the program at once
   return Run(std::move(prepared), folder, options, reunion).go();
 }
 

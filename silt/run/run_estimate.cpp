@@ -28,28 +28,28 @@ namespace silt {
 namespace {
 
 // Measured on one core (method-parallel.md, "The estimate of a run").
-constexpr double overhead_of_a_step = 3e-6, overhead_of_ranks = 60e-6;        // s; the latter on several
-constexpr double seconds_of_a_body = 0.4e-6, seconds_of_an_impulse = 0.3e-6;  // a sub-step
+constexpr double overhead_of_a_step = 3e-6, overhead_of_ranks = 60e-6;  // s; the latter with several ranks
+constexpr double seconds_of_a_body = 0.4e-6, seconds_of_an_impulse = 0.3e-6;  // per sub-step
 constexpr double memory_of_a_rank = 45e6, memory_of_a_body = 1200, memory_of_a_link = 40,
                  memory_of_a_mean = 88;  // bytes
 constexpr double file_row_of_a_body = 184, file_buoyancy_of_a_body = 24, file_contacts_of_a_body = 48,
                  file_springs_of_a_body = 48, checkpoint_of_a_body = 600, file_field_of_a_row = 20;  // bytes
-constexpr double multireflection_link = 1.27;  // over one of the other schemes
-// Costs of writing, in steps of a cell in single precision: a cell of a field, each of its numbers, one that
-// is a derivative, packing one and a level of it; a population in a checkpoint with its checksum, a body
-// there, a row of bodies.h5; a cell of a report's pass over the fluid, of a quantity that looks at the flow
-// by itself, of the hash at the end; a byte touched for the first time.
+constexpr double multireflection_link = 1.27;  // relative to other schemes
+// Costs of output in collision steps of one cell in single precision: per cell of a field; per number of it,
+// plain or a derivative, with packing; per population in a checkpoint with its checksum; per body there; per
+// row of bodies.h5; per cell of a report, of a quantity of the flow, of the final hash; per first-touched
+// byte.
 constexpr double of_a_field_cell = 2.5, of_a_number = 1.8, of_a_derivative = 5.6, of_a_population = 5,
                  of_a_saved_body = 600, of_a_row = 300, of_a_report_cell = 1.2, of_a_flow_cell = 3,
                  of_a_hashed_cell = 6, of_a_new_byte = 0.07;
-// Costs in seconds, the last two of a body in a report and in each of its quantities, and of a sampled one.
+// Costs in seconds; the last two per body in a report and in each of its quantities, and per sampled body.
 constexpr double seconds_of_a_start = 0.1, seconds_of_a_report = 0.1e-3, seconds_of_a_file = 2e-3,
                  seconds_of_all_rows = 1e-3, seconds_of_a_checkpoint = 20e-3;
 constexpr double seconds_of_a_reported_body = 0.3e-6, seconds_of_a_sampled_body = 3e-6;
-constexpr double contacts_in_a_bed = 3, contacts_in_fluid = 6;  // a body; the latter at a solid share of 1
+constexpr double contacts_in_a_bed = 3, contacts_in_fluid = 6;  // per body; in fluid at a solid fraction of 1
 
-/// Returns the seconds of a cell of the fluid in a step in single precision on this machine now: the median
-/// of five steps of 96^3 cells on one core, some tens of milliseconds.
+/// Measures the seconds per cell and step in single precision on this machine now: the median of five steps
+/// of 96^3 cells on one core, which take some tens of milliseconds.
 double seconds_of_a_cell() {
   constexpr int edge = 96;
   lbm::Fluid<float> fluid(lbm::Domain({edge, edge, edge}, {}, std::nullopt, 1), {}, MPI_COMM_SELF);
@@ -57,7 +57,7 @@ double seconds_of_a_cell() {
     fluid.stream_collide();
     fluid.exchange();
   };
-  step();  // memory is there from then on
+  step();  // allocates the memory
   std::array<double, 5> seconds;
   for (double& one : seconds) {
     const auto begin = std::chrono::steady_clock::now();
@@ -68,8 +68,8 @@ double seconds_of_a_cell() {
   return std::max(seconds[seconds.size() / 2], 1e-6) / (double(edge) * edge * edge);
 }
 
-/// Returns the cost of a contact of a shape over one of a sphere: convex parts meet one by one, flat faces in
-/// four points, ellipsoids are searched for.
+/// Returns the cost of a contact of a shape relative to spheres: convex parts meet one by one, flat faces in
+/// four points, ellipsoids need a search.
 double contact_factor(const rigid::Shape& shape) {
   double dearest = 1;
   const auto parts = rigid::convex_parts(shape);
@@ -85,7 +85,7 @@ double contacts_of_a_body(const Case& setup, double solid) {
   return setup.gravity.norm() > 0 ? contacts_in_a_bed : 0.5;
 }
 
-/// The bodies as the work is counted by, with their shapes.
+/// The bodies for counting work, with their shapes.
 struct Scenery {
   rigid::BodySet bodies;
   rigid::World world;
@@ -121,7 +121,7 @@ void add_contacts(const Case& setup, const Scenery& all, const coupler::WorkCost
                             double(costs.impulse)));
 }
 
-/// The links that cross the surfaces of curved walls.
+/// Returns the number of links through curved walls.
 double links_of_walls(const Case& setup) {
   double surface = 0;
   for (const CurvedWall& wall : setup.walls) {
@@ -174,8 +174,8 @@ double seconds_of_fields(const FieldsSpec& fields, double cell) {
   return seconds_of_a_file + cells_of(fields) * steps * cell;
 }
 
-/// Returns the seconds of all output on a rank that has everything to itself; `cell` is the time of a step of
-/// a cell in single precision, `share` is as in disk_needed.
+/// Returns the seconds of all output on one rank; `cell` is the time per cell and step in single precision,
+/// `share` as in disk_needed.
 double seconds_of_output(const Case& setup, double bodies, double cell, double share) {
   const OutputSpec& output = setup.output;
   const double cells = setup.fluid ? share * setup.volume() : 0;
@@ -199,7 +199,7 @@ double seconds_of_output(const Case& setup, double bodies, double cell, double s
   return seconds;
 }
 
-/// The levels of all cells at the start.
+/// Returns the cut into levels at the start.
 lbm::Domain levels_of(const Case& setup, Scenery all) {
   for (std::size_t row = 0; row < all.bodies.owned; ++row)
     coupler::set_mapping_pose(all.bodies, row, all.bodies.pose(row));
@@ -211,7 +211,7 @@ lbm::Domain levels_of(const Case& setup, Scenery all) {
   return {view, sides_of(setup), 1};
 }
 
-/// Adds the cells of each level, and the work of a step in them and at their borders.
+/// Adds the cells of each level, and their work per step with that at their borders.
 void add_work_of_levels(const lbm::Domain& levels, std::int64_t work_of_a_cell,
                         std::vector<coupler::WorkItem>& items, RunEstimate& estimate) {
   std::int64_t work = 0;
@@ -225,7 +225,7 @@ void add_work_of_levels(const lbm::Domain& levels, std::int64_t work_of_a_cell,
   estimate.cell_updates = double(work) / double(work_of_a_cell);
 }
 
-/// Sides where fluid comes in or goes out, and across which cells change their width.
+/// Warns of open sides at which cells of different levels meet.
 std::vector<Diagnostic> border_warnings(const Case& setup, const lbm::CutTree& levels) {
   std::vector<Diagnostic> warnings;
   for (int side = 0; side < 6; ++side) {
@@ -249,8 +249,8 @@ std::vector<Diagnostic> border_warnings(const Case& setup, const lbm::CutTree& l
   return warnings;
 }
 
-/// Tells of the levels in the estimate, and adds the work of their cells. Returns how many cells there are
-/// over those there were if all were finest.
+/// Adds the levels to the estimate and the work of their cells to `items`. Returns the number of cells
+/// relative to finest cells everywhere.
 double foresee_levels(const Case& setup, const Scenery& all, std::int64_t work_of_a_cell,
                       std::vector<coupler::WorkItem>& items, RunEstimate& estimate) {
   const lbm::Domain levels = levels_of(setup, all);
@@ -280,7 +280,7 @@ std::string seconds_text(double seconds) {
 RunEstimate estimate_run(const Case& setup, std::span<const rigid::BodyRecord> continued, int ranks) {
   const double cell = seconds_of_a_cell();
   coupler::WorkCosts costs(setup, setup.contacts.substeps);
-  // Cells wait for memory, bodies for the processor: what they take is not in proportion on every machine.
+  // Cells are limited by memory, bodies by the CPU, so their ratio depends on the machine.
   const auto in_tenths_of_a_cell = [&](double seconds) { return std::llround(10 * seconds / cell); };
   costs.body = setup.contacts.substeps * in_tenths_of_a_cell(seconds_of_a_body);
   costs.impulse = setup.contacts.substeps * in_tenths_of_a_cell(seconds_of_an_impulse);
@@ -297,14 +297,14 @@ RunEstimate estimate_run(const Case& setup, std::span<const rigid::BodyRecord> c
   const lbm::Domain domain = coupler::make_domain(setup, ranks);
   RunEstimate estimate;
   const double share = setup.coarsening ? foresee_levels(setup, all, costs.cell, items, estimate) : 1;
-  if (setup.coarsening) costs.cell = 0;  // that of cells is among the items
+  if (setup.coarsening) costs.cell = 0;  // items contain the work of cells
   if (const auto found = pressure_warning(setup, all.bodies, all.world)) estimate.doubts.push_back(*found);
   coupler::WorkShares shares = shares_of(domain, costs.cell, items);
   if (ranks > 1 && !setup.block_cells) {
     const coupler::WorkShares better = foreseen_cut(domain.cells(), costs.cell, items, ranks);
     if (better.largest < shares.largest) shares = better;
   }
-  const double of_walls = wall_links * double(costs.link) / ranks;  // wherever they are
+  const double of_walls = wall_links * double(costs.link) / ranks;  // their place is not considered
   shares.largest += of_walls, shares.mean += of_walls;
   estimate.ranks = ranks;
   estimate.largest_over_mean = shares.largest_over_mean();
@@ -338,7 +338,7 @@ double disk_needed(const Case& setup, std::uint64_t bodies, double share) {
   bytes += times(output.bodies, setup.steps, true) * n * row;
   for (const ColumnsSpec& series : output.series)
     bytes += times(series, setup.steps, true) * file_field_of_a_row * double(series.columns.size() + 2);
-  for (const ProbesSpec& probes : output.probes)  // a velocity among them
+  for (const ProbesSpec& probes : output.probes)  // as if one of them is a velocity
     bytes += times(probes, setup.steps, true) * double(probes.points.size()) * file_field_of_a_row *
              double(probes.quantities.size() + 8);
   const double kept = std::min<double>(times(output.checkpoint, setup.steps, false), output.keep_checkpoints);

@@ -1,5 +1,5 @@
 #pragma once
-// The time, memory and disk of a run, and how evenly ranks share its work, foreseen from its case.
+// Estimates time, memory and disk of a run, and its balance of work over ranks, from the case.
 #include <filesystem>
 #include <optional>
 #include <span>
@@ -15,30 +15,28 @@ struct Case;
 
 struct RunEstimate {
   int ranks = 1;
-  double seconds = 0, seconds_a_step = 0, seconds_of_output = 0;  // the first is that of all
-  double memory = 0;                                              // bytes of all ranks
-  double disk = 0;                                                // bytes of all files at the end
-  double largest_over_mean = 1;                                   // of the work of a rank
-  std::vector<double> cells;       // of the fluid, by level, at the start; with [coarsening]
-  double cell_updates = 0;         // as much work as the fluid's is in a step; with [coarsening]
-  std::vector<Diagnostic> doubts;  // about where cells change their width; about the pressure
+  double seconds = 0, seconds_a_step = 0, seconds_of_output = 0;  // `seconds` is the whole run
+  double memory = 0;                                              // bytes, all ranks
+  double disk = 0;                                                // bytes, all files at the end
+  double largest_over_mean = 1;                                   // of the work of ranks
+  std::vector<double> cells;       // fluid cells by level at the start; with [coarsening]
+  double cell_updates = 0;         // work of the fluid per step, in cells; with [coarsening]
+  std::vector<Diagnostic> doubts;  // about borders of levels and about the pressure
 };
 
-/// Estimates a run on so many ranks of machines like this one: work as cuts of the domain count it
-/// (balance/body_work.hpp), a cell by what this machine's memory moves now, and contacts by what beds of
-/// such bodies have. Meant to be within a factor of 2; what was found is in measurements.md, "Estimates
-/// of runs". Takes some milliseconds besides the bodies: those that another run leaves to the case, and those
-/// that the case places, for which CaseError says that there is no room.
+/// Estimates a run on `ranks` ranks of machines like this one, to a factor of 2 (measurements.md, "Estimates
+/// of runs"). Counts work as cuts of the domain do (balance/body_work.hpp), measures the time per cell on
+/// this machine now, and takes contacts per body from beds of such bodies. Costs milliseconds, plus the
+/// placement of bodies: those of another run and of the case (CaseError if they do not fit).
 RunEstimate estimate_run(const Case&, std::span<const rigid::BodyRecord> continued, int ranks);
 
-/// Returns the bytes of the files of a run with so many bodies, and this share of the cells if all were
-/// finest.
+/// Returns the bytes of a run's files; `share` is the number of cells relative to finest cells everywhere.
 double disk_needed(const Case&, std::uint64_t bodies, double share = 1);
 
-/// Returns lines in the form of the derived table.
+/// Returns the estimate in the form of the derived table.
 std::string estimate_table(const Case&, const RunEstimate&);
 
-/// Warns of files that the file system of a folder, which need not be there yet, has no room for.
+/// Warns if a file system has no room for the files; the folder need not exist yet.
 std::optional<Diagnostic> disk_warning(const Case&, double needed, const std::filesystem::path& folder);
 /// Warns of a run that takes years.
 std::optional<Diagnostic> time_warning(const Case&, const RunEstimate&);

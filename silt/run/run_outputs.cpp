@@ -88,7 +88,7 @@ void RunOutputs::write_due() {
   write_bodies_and_fields();
   if (looks) write_rows();
   if (ended && run_.mean) run_.mean->write(simulation_, folder_, provenance_);
-  // Before the checkpoint that stands for them: a run that is killed in between goes on from the one before.
+  // Before the checkpoint: a run killed in between resumes from the one before, and writes the report again.
   if (ended && save)
     write_report(run_.reason_of_end(), run_.text_of_end(), true);
   else if (report && !ended)
@@ -96,7 +96,7 @@ void RunOutputs::write_due() {
   if (save) write_checkpoint();
 }
 
-/// Writes the bodies that left since the last look to the log and to departures.csv.
+/// Writes the bodies that left since the last call to the log and to departures.csv.
 void RunOutputs::log_departures() {
   if (!setup().bodies_leave()) return;
   const std::vector<Departure> left = gathered(simulation_.scene().comm, simulation_.take_departures());
@@ -105,7 +105,7 @@ void RunOutputs::log_departures() {
     progress_.log(fmt::format("step {}: {}", simulation_.steps_done(), departures_text(left)));
 }
 
-/// Writes the rows of series and probes up to now to their files.
+/// Flushes the rows of series and probes to their files.
 void RunOutputs::write_rows() {
   const OutputSpec& output = setup().output;
   if (output.series.empty() && output.probes.empty()) return;
@@ -121,7 +121,7 @@ void RunOutputs::write_rows() {
   });
 }
 
-/// Writes a checkpoint of that name with all that the run has gathered. Returns its path.
+/// Writes a checkpoint of this name with all accumulated data; returns its path.
 std::filesystem::path RunOutputs::write_state(const std::string& name) {
   log_departures();
   write_rows();
@@ -136,7 +136,7 @@ void RunOutputs::write_checkpoint() {
 }
 
 void RunOutputs::interrupt(const std::string& text) {
-  write_report("interrupted", text, true);  // before the checkpoint that stands for its row
+  write_report("interrupted", text, true);  // before the checkpoint to which its row belongs
   write_checkpoint();
 }
 

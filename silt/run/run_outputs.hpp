@@ -1,5 +1,5 @@
 #pragma once
-// The files that a run writes: fields, bodies, departures, series, report.json and series.csv, checkpoints.
+// Writes the files of a run: fields, bodies, departures, series, report.json and series.csv, checkpoints.
 #include <deque>
 
 #include "silt/case/output_spec.hpp"
@@ -11,28 +11,28 @@
 
 namespace silt {
 
-/// Everything but last_checkpoint_text is collective. Errors are std::runtime_error.
+/// All functions but last_checkpoint_text are collective and throw std::runtime_error.
 class RunOutputs {
  public:
   /// Refers to the run and its progress.
   RunOutputs(PreparedRun&, const std::filesystem::path& folder, Progress&);
 
-  /// Says in run.log what is run, by what, and what is to be warned of.
+  /// Writes the case, the version of the program and warnings to run.log.
   void begin_log();
-  /// Begins the files, or goes on with those that are there; of a new run it writes the first state.
+  /// Opens files, or continues those of a resumed run; writes the first state of a new run.
   void start();
-  /// Writes what is due after a step.
+  /// Writes all output that is due after a step.
   void write_due();
   void write_checkpoint();
-  /// Writes report.json, at most once a second while the run goes on but with each checkpoint, and, unless it
-  /// is there, its row of series.csv. `sound`: the state is one that figures can be taken from.
+  /// Writes report.json, at most once a second during the run but with each checkpoint, and appends its row
+  /// to series.csv if missing. `sound`: results can be computed from the state.
   void write_report(const std::string& reason, const std::string& text, bool sound);
-  /// Leaves the report and the checkpoint of a run that ends before its last step.
+  /// Writes the report and the checkpoint of a run that ends before its last step.
   void interrupt(const std::string& text);
-  /// Leaves the state that a guard stopped at, for a look at it. Returns its path.
+  /// Writes the state at which a guard stopped the run; returns its path.
   std::filesystem::path write_stopped_state();
 
-  /// Returns a line that says which checkpoint is the last.
+  /// Returns a line that names the last checkpoint.
   std::string last_checkpoint_text() const;
 
  private:
@@ -51,9 +51,9 @@ class RunOutputs {
   const double begin_ = MPI_Wtime();
   const adapters::Provenance provenance_;
   std::optional<BodyOutput> bodies_;
-  std::optional<DepartureLog> departures_;  // on rank 0, where bodies may leave
-  std::optional<StepTable> reports_;        // on rank 0, where the case asks for reports
-  std::vector<StepTable> series_;           // on rank 0: of [[output.series]]
+  std::optional<DepartureLog> departures_;  // on rank 0, if bodies may leave
+  std::optional<StepTable> reports_;        // on rank 0, if the case asks for reports
+  std::vector<StepTable> series_;           // on rank 0, per [[output.series]]
   std::deque<Probes> probes_;
   std::vector<StepTable> probe_tables_;  // on rank 0
   std::string last_checkpoint_;

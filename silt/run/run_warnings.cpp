@@ -33,11 +33,11 @@ std::string doubt_of_sweeps(const Simulation& simulation) {
 }
 
 std::string doubt_of_density(const Simulation& simulation) {
-  constexpr double doubtful = 0.01;  // a pressure that falls evenly to the reference: from 0.017 on
+  constexpr double doubtful = 0.01;  // a linear pressure drop to the reference exceeds it from 0.017 on
   const Case& setup = simulation.setup();
   const double found = simulation.density_deviation();
   if (found <= doubtful) return "";
-  // pressure is of the square of the speed; looks meet sound at other moments in another run
+  // pressure scales with the square of the speed; another run is checked at other phases of sound waves
   const double factor = std::sqrt(0.8 * doubtful / found);
   return fmt::format(
       "the density of the fluid deviated by up to {:.1f} % (root mean square over its cells); above {} % the "

@@ -1,5 +1,5 @@
 #pragma once
-// What a run that came to its end says of its results that are to be doubted.
+// Warnings about doubtful results at the end of a run.
 #include <string>
 #include <vector>
 
@@ -7,8 +7,8 @@ namespace silt {
 
 class Simulation;
 
-/// Collective. Returns a text for each: sweeps over contacts that ended far from rest in any step, a fluid
-/// that was noticeably compressed at any look, mass that cells took because no neighbour was fluid.
+/// Returns one text each for contact sweeps that ended far from convergence in a step, a fluid that was
+/// noticeably compressible at a check, and mass that cells took without a fluid neighbour. Collective.
 std::vector<std::string> warnings_of(const Simulation&);
 
 }  // namespace silt

@@ -13,13 +13,13 @@ constexpr int requests[] = {SIGTERM, SIGINT, SIGHUP, SIGUSR1, SIGUSR2, SIGXCPU};
 volatile std::sig_atomic_t caught = 0;
 volatile std::time_t caught_at = 0;
 
-/// Launchers pass a signal on that comes from the terminal too: only what comes later is impatience.
+/// A launcher may pass on a signal that the terminal sent, too; only a later signal ends the process.
 void note(int signal) {
   timespec now{};
   clock_gettime(CLOCK_MONOTONIC, &now);
   if (caught && now.tv_sec > caught_at + 1) {
     std::signal(signal, SIG_DFL);
-    std::raise(signal);  // comes when this handler ends
+    std::raise(signal);  // delivered when this handler ends
   }
   if (caught) return;
   caught_at = now.tv_sec;
@@ -56,7 +56,7 @@ void StopRequest::take_answer() {
   if (asked_.under_way()) answer_ = asked_.finish();
 }
 
-/// "told to stop by SIGINT (Ctrl-C)".
+/// Returns e.g. "told to stop by SIGINT (Ctrl-C)".
 std::string signal_text(int signal) {
   const char* why = "";
   if (signal == SIGINT) why = " (Ctrl-C)";

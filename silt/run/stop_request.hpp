@@ -1,5 +1,5 @@
 #pragma once
-// Requests to stop a run in good order: a signal, a limit of wall-clock time.
+// Stops a run in good order on a signal or at a limit of wall-clock time.
 #include <mpi.h>
 
 #include <chrono>
@@ -10,19 +10,18 @@
 
 namespace silt {
 
-/// Makes SIGTERM, SIGINT, SIGHUP, SIGUSR1, SIGUSR2 and SIGXCPU only leave a note from now on, process-wide;
-/// another one a second later or more ends the process. SIGPIPE is ignored.
+/// Makes SIGTERM, SIGINT, SIGHUP, SIGUSR1, SIGUSR2 and SIGXCPU set a flag, for the whole process; a second
+/// signal at least one second later ends the process. Ignores SIGPIPE.
 void catch_signals();
 
-/// Asks all ranks, every few steps, whether any of them has been told to stop. The answer is looked at when
-/// the next question is due, so that no step waits for it; at once if steps take longer than
-/// longest_overlapped.
+/// Asks all ranks at intervals whether one is to stop. The answer is read when the next question is due, so
+/// that no step waits for it, or at once if a step takes longer than longest_overlapped.
 class StopRequest {
  public:
-  /// Begins a limit of limit_seconds of wall-clock time from now; 0: none.
+  /// Sets a limit of limit_seconds of wall-clock time from now on; 0: none.
   StopRequest(MPI_Comm, double limit_seconds);
-  /// Collective, after every step. Returns why all ranks stop now, or "": a signal is known of after two
-  /// questions, 2 * between_questions or two steps, of slow steps at most 2 * most_steps_between.
+  /// Returns why all ranks stop now, or "". Call after every step. A signal takes effect after two questions,
+  /// i.e. 2 * between_questions or two steps, for slow steps at most 2 * most_steps_between. Collective.
   std::string why(std::int64_t step);
 
  private:
@@ -35,7 +34,7 @@ class StopRequest {
   double limit_seconds_;
   std::chrono::steady_clock::time_point begin_, last_;
   std::int64_t last_step_ = -1, next_ = 0;
-  struct Answer {  // the largest of all ranks
+  struct Answer {  // the maximum over ranks
     double signal = 0, late = 0, step_seconds = 1;
   };
   Answer answer_;
