@@ -2,7 +2,7 @@
 // Vectors of the instruction set of a kernel's build: vectors of numbers (VectorOf), operations on them that
 // the language lacks (Lanes), and vectors of several registers (Registers). Look-ups, gathers and scatters
 // use intrinsics, since compilers split them into scalar instructions. Vectors may have any number of lanes;
-// those that fill no register are computed lane by lane. Only for *_kernel.cpp files (SILT_ISA). Builds for a
+// those that fill no register are computed lane by lane. Only for *_kernel.cpp files (SILT_BUILD). Builds for a
 // device use plain numbers (scalar.hpp).
 #if defined(SILT_SCALAR)
 #include "cpu/scalar.hpp"
@@ -14,15 +14,15 @@
 #include <cstdint>
 #include <type_traits>
 #include <utility>
-#if defined(SILT_ISA_avx512) || defined(SILT_ISA_avx2)
+#if defined(SILT_HAS_avx512) || defined(SILT_HAS_avx2)
 #include <immintrin.h>
 #endif
 
-namespace silt::inline SILT_ISA {
+namespace silt::inline SILT_BUILD {
 
-#if defined(SILT_ISA_avx512)
+#if defined(SILT_HAS_avx512)
 inline constexpr int vector_bytes = 64;
-#elif defined(SILT_ISA_avx2)
+#elif defined(SILT_HAS_avx2)
 inline constexpr int vector_bytes = 32;
 #else
 inline constexpr int vector_bytes = 16;
@@ -58,13 +58,13 @@ template <class V, int count, class Make>
 /// Returns, as bits, the lanes in which a comparison of 32-bit or 64-bit elements is true.
 template <class Mask>
 [[gnu::always_inline]] inline unsigned lane_bits(const Mask& mask) {
-#if defined(SILT_ISA_avx512)
+#if defined(SILT_HAS_avx512)
   if constexpr (sizeof mask == vector_bytes) {
     const auto lanes = std::bit_cast<__m512i>(mask);
     if constexpr (sizeof mask[0] == 8) return _mm512_test_epi64_mask(lanes, lanes);
     return _mm512_test_epi32_mask(lanes, lanes);
   }
-#elif defined(SILT_ISA_avx2)
+#elif defined(SILT_HAS_avx2)
   if constexpr (sizeof mask == vector_bytes) {
     if constexpr (sizeof mask[0] == 8) return unsigned(_mm256_movemask_pd(std::bit_cast<__m256d>(mask)));
     return unsigned(_mm256_movemask_ps(std::bit_cast<__m256>(mask)));
@@ -78,12 +78,12 @@ template <class Mask>
 /// Returns whether the comparison is true in any lane.
 template <class Mask>
 [[gnu::always_inline]] inline bool any_lane(const Mask& mask) {
-#if defined(SILT_ISA_avx512)
+#if defined(SILT_HAS_avx512)
   if constexpr (sizeof mask == vector_bytes) {
     const auto lanes = std::bit_cast<__m512i>(mask);
     return _mm512_test_epi32_mask(lanes, lanes) != 0;
   }
-#elif defined(SILT_ISA_avx2)
+#elif defined(SILT_HAS_avx2)
   if constexpr (sizeof mask == vector_bytes) {
     const auto lanes = std::bit_cast<__m256i>(mask);
     return !_mm256_testz_si256(lanes, lanes);
@@ -120,10 +120,10 @@ struct Lanes {
     return r;
   }
   static bool all(const Mask& m) {
-#if defined(SILT_ISA_avx512)
+#if defined(SILT_HAS_avx512)
     if constexpr (fills_register && sizeof(T) == 4) return _mm512_movepi32_mask(__m512i(m)) == 0xffff;
     if constexpr (fills_register && sizeof(T) == 8) return _mm512_movepi64_mask(__m512i(m)) == 0xff;
-#elif defined(SILT_ISA_avx2)
+#elif defined(SILT_HAS_avx2)
     if constexpr (fills_register) return lane_bits(m) == (1u << count) - 1;
 #endif
     bool yes = true;
@@ -135,7 +135,7 @@ struct Lanes {
 
   /// The index must be below 24.
   static Whole look_up(const std::int32_t (&table)[32], const Whole& index) {
-#if defined(SILT_ISA_avx512)
+#if defined(SILT_HAS_avx512)
     if constexpr (fills_register) {
       const __m512i low = _mm512_loadu_si512(table), high = _mm512_loadu_si512(table + 16);
       if constexpr (count == 16) {
@@ -148,7 +148,7 @@ struct Lanes {
         return __builtin_shufflevector(found, found, 0, 1, 2, 3, 4, 5, 6, 7);
       }
     }
-#elif defined(SILT_ISA_avx2)
+#elif defined(SILT_HAS_avx2)
     if constexpr (fills_register) {
       const __m256i at = wide(index);
       const auto eight = [&](int k) {
@@ -169,7 +169,7 @@ struct Lanes {
     return found;
   }
   static Real gather(const T* from, const std::int32_t* offset) {
-#if defined(SILT_ISA_avx512)
+#if defined(SILT_HAS_avx512)
     if constexpr (fills_register) {
       const auto at = load<Whole>(offset);
       if constexpr (count == 16)
@@ -181,7 +181,7 @@ struct Lanes {
     return each<Real, count>([&](auto l) { return from[offset[l]]; });
   }
   static void scatter(T* to, const std::int32_t* offset, const Real& values) {
-#if defined(SILT_ISA_avx512)
+#if defined(SILT_HAS_avx512)
     if constexpr (fills_register) {
       const auto at = load<Whole>(offset);
       if constexpr (count == 16)
@@ -195,7 +195,7 @@ struct Lanes {
 
  private:
   static constexpr bool fills_register = sizeof(Real) == vector_bytes;
-#if defined(SILT_ISA_avx2)
+#if defined(SILT_HAS_avx2)
   static __m256i wide(const Whole& w) {
     if constexpr (count == 8)
       return __m256i(w);
@@ -297,6 +297,6 @@ struct Registers {
   }
 };
 
-}  // namespace silt::inline SILT_ISA
+}  // namespace silt::inline SILT_BUILD
 
 #endif

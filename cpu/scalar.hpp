@@ -5,7 +5,7 @@
 
 #include "cpu/device_code.hpp"
 
-namespace silt::inline SILT_ISA {
+namespace silt::inline SILT_BUILD {
 
 template <class E, int n = 1>
 struct VectorOf {
@@ -40,4 +40,4 @@ struct Lanes {
   SILT_DEVICE static Whole look_up(const std::int32_t (&table)[32], Whole index) { return table[index]; }
 };
 
-}  // namespace silt::inline SILT_ISA
+}  // namespace silt::inline SILT_BUILD

@@ -1,5 +1,5 @@
 #pragma once
-// Passes: loops over entries in any order. Only for files built for a device (SILT_ISA: cpu, host or gpu), which
+// Passes: loops over entries in any order. Only for files built for a device (SILT_BUILD: cpu, host or gpu), which
 // include this first; functions that run there are SILT_DEVICE. The build for `cpu` (SILT_AT_ONCE) runs a pass
 // when it is called, that for `host` at the next wait().
 #include <bit>
@@ -13,7 +13,7 @@
 #include "cpu/device_code.hpp"
 #include "device/host_device.hpp"
 
-namespace silt::inline SILT_ISA {
+namespace silt::inline SILT_BUILD {
 
 /// One thread of a team of `size` threads that process an entry together.
 struct Team {
@@ -193,4 +193,4 @@ inline unsigned next_of(unsigned* count) {
 
 #endif
 
-}  // namespace silt::inline SILT_ISA
+}  // namespace silt::inline SILT_BUILD

@@ -1,5 +1,5 @@
 // The CUDA calls other than passes.
-#define SILT_ISA gpu
+#define SILT_BUILD gpu
 #include <cuda_runtime.h>
 
 #include <memory>

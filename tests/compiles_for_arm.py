@@ -18,7 +18,7 @@ for folder in ("lbm", "rigid", "coupler", "silt", "tests"):
 
 
 def complaint(file):
-    done = subprocess.run([COMPILER, "-std=gnu++20", "-fsyntax-only", "-Wall", "-Wextra", "-DSILT_ISA=portable", f"-I{root}",
+    done = subprocess.run([COMPILER, "-std=gnu++20", "-fsyntax-only", "-Wall", "-Wextra", "-DSILT_BUILD=portable", f"-I{root}",
                            f"-isystem{eigen}", file], capture_output=True, text=True)
     return done.stderr
 

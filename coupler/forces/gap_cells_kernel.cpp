@@ -4,7 +4,7 @@
 #include "coupler/forces/gap_cells.hpp"
 #include "cpu/lanes.hpp"
 
-namespace silt::coupler::SILT_ISA {
+namespace silt::coupler::SILT_BUILD {
 
 namespace {
 
@@ -58,4 +58,4 @@ double sum_over_gap(const GapOnLattice& g) {
   return sum;
 }
 
-}  // namespace silt::coupler::SILT_ISA
+}  // namespace silt::coupler::SILT_BUILD

@@ -9,11 +9,11 @@
 #include "lbm/walls/link_places.hpp"
 #include "rigid/shapes/surface_kinds.hpp"
 
-#if defined(SILT_ISA_avx512)
+#if defined(SILT_HAS_avx512)
 #include <immintrin.h>
 #endif
 
-namespace silt::coupler::SILT_ISA {
+namespace silt::coupler::SILT_BUILD {
 
 namespace {
 
@@ -45,7 +45,7 @@ using Words = VectorOf<std::uint64_t, PlaneWords::most>::type;
 
 /// Returns a mask with bit k set if word k has a bit set.
 unsigned filled(const Words& w) {
-#if defined(SILT_ISA_avx512)
+#if defined(SILT_HAS_avx512)
   return _mm512_test_epi64_mask(__m512i(w), __m512i(w));
 #else
   using Part = VectorOf<std::uint64_t>::type;
@@ -88,7 +88,7 @@ std::uint32_t list_bits_plain(const BitFrame& frame, const PlaneWords& plane, co
   return n;
 }
 
-#if defined(SILT_ISA_avx512)
+#if defined(SILT_HAS_avx512)
 // Uses operators and full masks, which generate no code: g++ 12 warns of undefined vectors in plain
 // intrinsics.
 using Eight = VectorOf<std::uint64_t>::type;
@@ -139,7 +139,7 @@ __attribute__((target("avx512vbmi2,avx512vbmi,avx512bw"))) std::uint32_t list_bi
 std::uint32_t list_bits(const BitFrame& frame, const PlaneWords& plane, const Words& words, int direction,
                         std::uint32_t* out) {
   const std::uint32_t along = lbm::link_place({}, direction);
-#if defined(SILT_ISA_avx512)
+#if defined(SILT_HAS_avx512)
   static const bool compresses = __builtin_cpu_supports("avx512vbmi2");
   if (compresses) return list_bits_compressed(frame, plane, words, filled(words), along, out);
 #endif
@@ -210,7 +210,7 @@ struct RowsOf {
 template <rigid::SurfaceKind kind>
 void mark_part(const BitFrame& frame, const PointInFrame& centre, const rigid::SurfacePart<double>& part,
                const rigid::Plane<double>* planes, std::uint64_t* words) {
-  using Lines = rigid::SILT_ISA::LineLanes<double, kind>;
+  using Lines = rigid::SILT_BUILD::LineLanes<double, kind>;
   using V = typename Lines::V;
   constexpr int lanes = Lines::L::count;
   constexpr double infinity = std::numeric_limits<double>::infinity();
@@ -241,7 +241,7 @@ void mark_part(const BitFrame& frame, const PointInFrame& centre, const rigid::S
 void mark_parts(const BitFrame& frame, const PointInFrame& centre, const rigid::SurfaceView<double>& surface,
                 std::uint64_t* words) {
   for (int k = 0; k < surface.count; ++k)
-    rigid::SILT_ISA::with_kind(surface.parts[k].kind, [&](auto kind) {
+    rigid::SILT_BUILD::with_kind(surface.parts[k].kind, [&](auto kind) {
       mark_part<kind()>(frame, centre, surface.parts[k], surface.planes, words);
     });
 }
@@ -275,7 +275,7 @@ LinkCounts list_links(const BitFrame& frame, const FrameRows& wanted, const Link
 /// Returns 32 cells of each row from words, at indices of 32-bit halves.
 using Links = Lanes<float>;
 Links::Whole half_words(const std::uint64_t* words, const Links::Whole& at) {
-#if defined(SILT_ISA_avx512)
+#if defined(SILT_HAS_avx512)
   return Links::Whole(_mm512_mask_i32gather_epi32(__m512i{}, __mmask16(-1), __m512i(at), words, 4));
 #else
   Links::Whole found;
@@ -302,7 +302,7 @@ std::uint32_t list_beyond(const std::uint32_t* place, std::uint32_t n, lbm::Int3
     Whole listed{};
     const Whole packed = Links::look_up(lbm::components<lbm::D3Q19>.packed, direction);
     for (int d = 0; d < 3; ++d) {
-      const Whole c = lbm::SILT_ISA::component(packed, d);
+      const Whole c = lbm::SILT_BUILD::component(packed, d);
       far[d] -= c;
       listed |= (far[d] < 0) | (far[d] >= size[d]);
       far[d] -= c;
@@ -349,4 +349,4 @@ BitKernels bit_kernels() {
   return {mark_sphere, mark_parts, list_links, list_beyond, widen, list_crossings};
 }
 
-}  // namespace silt::coupler::SILT_ISA
+}  // namespace silt::coupler::SILT_BUILD

@@ -1,5 +1,5 @@
 // The passes of device_mapping.hpp, for the one file per device other than `cpu` that includes this
-// (SILT_ISA, SILT_SCALAR).
+// (SILT_BUILD, SILT_SCALAR).
 #include <algorithm>
 #include <cstring>
 #include <type_traits>
@@ -10,7 +10,7 @@
 #include "device/for_each.hpp"
 #include "lbm/walls/link_resistance.hpp"
 
-namespace silt::coupler::SILT_ISA {
+namespace silt::coupler::SILT_BUILD {
 
 struct SetWords {
   const ChangedWord* words;
@@ -63,8 +63,8 @@ struct ListGroup {
       std::uint64_t cells = 0;
       if (direction < lbm::D3Q19::directions) {
         const std::int32_t packed = all.directions.packed[direction];
-        const lbm::Int3 c{lbm::SILT_ISA::component(packed, 0), lbm::SILT_ISA::component(packed, 1),
-                          lbm::SILT_ISA::component(packed, 2)};
+        const lbm::Int3 c{lbm::SILT_BUILD::component(packed, 0), lbm::SILT_BUILD::component(packed, 1),
+                          lbm::SILT_BUILD::component(packed, 2)};
         cells = with_link(surface, listed.rim, group.corner + at, c);
       }
       std::uint32_t to = member.before(std::uint32_t(bits_in(cells)), n);
@@ -75,9 +75,9 @@ struct ListGroup {
 };
 
 template <class T>
-SILT_DEVICE T distance_of(const std::uint32_t* place, const lbm::SILT_ISA::PlaceOrigin<T>& origin,
+SILT_DEVICE T distance_of(const std::uint32_t* place, const lbm::SILT_BUILD::PlaceOrigin<T>& origin,
                           const SurfaceView<T>& surface, T past) {
-  const lbm::SILT_ISA::Places<T> at(place, origin);
+  const lbm::SILT_BUILD::Places<T> at(place, origin);
   if (surface.count > 1) return distance_to_any(at, surface, past);
   T found{};
   with_kind(surface.parts[0].kind, [&](auto kind) { found = distance_to_part<kind()>(at, surface, past); });
@@ -91,7 +91,7 @@ struct MeasureGroup {
   SILT_DEVICE SurfaceView<T> view(const SurfaceAtTime& at) const {
     return {all.parts + at.first_part, at.parts, all.planes + at.first_plane};
   }
-  SILT_DEVICE lbm::SILT_ISA::PlaceOrigin<T> origin(const GroupToMap& group, const SurfaceAtTime& at) const {
+  SILT_DEVICE lbm::SILT_BUILD::PlaceOrigin<T> origin(const GroupToMap& group, const SurfaceAtTime& at) const {
     return {group.corner, at.frame, all.directions.packed};
   }
   SILT_DEVICE void operator()(std::int64_t k, const Team& member) const {
@@ -115,11 +115,11 @@ struct MeasureGroup {
   SILT_DEVICE void add_resistance_of(const GroupToMap& group, const SurfaceToMap<T>& surface,
                                      const Team& member) const {
     using Term = std::conditional_t<sizeof(T) == 4, std::int32_t, std::int64_t>;
-    using lbm::SILT_ISA::resistance_entries, lbm::SILT_ISA::push_entries;
+    using lbm::SILT_BUILD::resistance_entries, lbm::SILT_BUILD::push_entries;
     std::int64_t h[resistance_entries + push_entries] = {};
     for (int l = int(group.begin) + member.lane; l < int(group.begin + group.count); l += member.size) {
-      const lbm::SILT_ISA::Places<T> at(surface.place + l, origin(group, surface.now));
-      lbm::SILT_ISA::add_resistance<T>(at, true, surface.arm, [&](int e, T term) { h[e] += Term(term); });
+      const lbm::SILT_BUILD::Places<T> at(surface.place + l, origin(group, surface.now));
+      lbm::SILT_BUILD::add_resistance<T>(at, true, surface.arm, [&](int e, T term) { h[e] += Term(term); });
     }
     lbm::ResistanceSums& sums = all.resistance[group.surface];
     for (int e = 0; e < resistance_entries; ++e) member.add(h[e], sums.h[e]);
@@ -138,4 +138,4 @@ void map_links(const LinksToMap<T>& all) {
 template void map_links(const LinksToMap<float>&);
 template void map_links(const LinksToMap<double>&);
 
-}  // namespace silt::coupler::SILT_ISA
+}  // namespace silt::coupler::SILT_BUILD

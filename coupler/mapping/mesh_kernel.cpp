@@ -7,7 +7,7 @@
 #include "coupler/mapping/mesh_slices.hpp"
 #include "lbm/walls/cut_links.hpp"
 
-namespace silt::coupler::SILT_ISA {
+namespace silt::coupler::SILT_BUILD {
 
 namespace {
 
@@ -119,4 +119,4 @@ MeshKernels mesh_kernels() {
   return {place_corners, mark_changes, cut_links, look_up};
 }
 
-}  // namespace silt::coupler::SILT_ISA
+}  // namespace silt::coupler::SILT_BUILD

@@ -3,7 +3,7 @@
 // segments, whose ends are rounded to whole units and are equal for both triangles at an edge: the segments
 // of a closed surface form closed polygons, which meet every line an even number of times. Doubles hold all
 // numbers exactly, so results do not depend on blocks, ranks or instruction sets. Only for *_kernel.cpp
-// files, which are built once per instruction set (SILT_ISA).
+// files, which are built once per instruction set (SILT_BUILD).
 #include <algorithm>
 #include <bit>
 #include <cstdint>
@@ -13,7 +13,7 @@
 #include "cpu/lanes.hpp"
 #include "lbm/blocks/lattice.hpp"
 
-namespace silt::coupler::SILT_ISA {
+namespace silt::coupler::SILT_BUILD {
 
 using Doubles = VectorOf<double>::type;
 using Longs = VectorOf<std::int64_t>::type;
@@ -148,4 +148,4 @@ template <class Along, class Visit>
   }
 }
 
-}  // namespace silt::coupler::SILT_ISA
+}  // namespace silt::coupler::SILT_BUILD

@@ -1,8 +1,8 @@
-// The pass of refill_cell.hpp, for the one file per device that includes this (SILT_ISA).
+// The pass of refill_cell.hpp, for the one file per device that includes this (SILT_BUILD).
 #include "coupler/mapping/refill_cell.hpp"
 #include "device/for_each.hpp"
 
-namespace silt::coupler::SILT_ISA {
+namespace silt::coupler::SILT_BUILD {
 
 template <class T>
 void refill_cells(const RefillCells<T>& cells) {
@@ -12,4 +12,4 @@ void refill_cells(const RefillCells<T>& cells) {
 template void refill_cells(const RefillCells<float>&);
 template void refill_cells(const RefillCells<double>&);
 
-}  // namespace silt::coupler::SILT_ISA
+}  // namespace silt::coupler::SILT_BUILD

@@ -1,3 +1,3 @@
-#define SILT_ISA cpu
+#define SILT_BUILD cpu
 #define SILT_AT_ONCE
 #include "coupler/mapping/refill_build.hpp"

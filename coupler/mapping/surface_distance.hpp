@@ -7,7 +7,7 @@
 #include "cpu/isa.hpp"
 #include "lbm/walls/cut_links.hpp"
 #include "rigid/shapes/surface_kinds.hpp"
-#ifdef SILT_ISA
+#ifdef SILT_BUILD
 #include "lbm/walls/link_places.hpp"
 #endif
 
@@ -33,11 +33,11 @@ SurfaceDistances<Real, T> distance_kernel() {
 
 }  // namespace silt::coupler
 
-#ifdef SILT_ISA
-namespace silt::coupler::SILT_ISA {
+#ifdef SILT_BUILD
+namespace silt::coupler::SILT_BUILD {
 
 using rigid::SurfaceKind, rigid::SurfacePart, rigid::SurfaceView;
-using rigid::SILT_ISA::IntervalLanes, rigid::SILT_ISA::LineLanes, rigid::SILT_ISA::with_kind;
+using rigid::SILT_BUILD::IntervalLanes, rigid::SILT_BUILD::LineLanes, rigid::SILT_BUILD::with_kind;
 
 /// Returns where lines enter, within [-past, 1 + past]; 1 + past if they do not. An interval whose middle is
 /// at or before 0 belongs to a part behind the cell, which the link misses.
@@ -69,7 +69,7 @@ SILT_DEVICE auto distance_to(const LineLanes<T, kind>& lines, const SurfacePart<
 /// Returns the distance to the nearest part. Each lane ignores parts beyond its line, so results do not
 /// depend on other lanes.
 template <class T>
-SILT_DEVICE auto distance_to_any(const lbm::SILT_ISA::Places<T>& at, const SurfaceView<T>& surface, T past) {
+SILT_DEVICE auto distance_to_any(const lbm::SILT_BUILD::Places<T>& at, const SurfaceView<T>& surface, T past) {
   auto nearest = typename IntervalLanes<T>::V{} + (T(1) + past);
   for (const SurfacePart<T>* part = surface.parts; part < surface.parts + surface.count; ++part)
     with_kind(part->kind, [&](auto kind) {
@@ -95,7 +95,7 @@ SILT_DEVICE typename Lanes<T>::Real under_lip(const typename Lanes<T>::Real& q,
     return q;
   } else {
     const V p[3] = {lines.at(0, q), lines.at(1, q), lines.at(2, q)};
-    const rigid::SILT_ISA::NearestEdge<T> edge(std::integral_constant<SurfaceKind, kind>{}, p,
+    const rigid::SILT_BUILD::NearestEdge<T> edge(std::integral_constant<SurfaceKind, kind>{}, p,
                                                lines.direction(), part, planes);
     const V from_middle = T(2) * edge.distance - T(1);
     const V height = T(1) - (from_middle < T(0) ? -from_middle : from_middle);
@@ -108,11 +108,11 @@ SILT_DEVICE typename Lanes<T>::Real under_lip(const typename Lanes<T>::Real& q,
 
 /// Returns the distance to a body of one part, under its lip.
 template <SurfaceKind kind, class T>
-SILT_DEVICE auto distance_to_part(const lbm::SILT_ISA::Places<T>& at, const SurfaceView<T>& surface, T past) {
+SILT_DEVICE auto distance_to_part(const lbm::SILT_BUILD::Places<T>& at, const SurfaceView<T>& surface, T past) {
   const SurfacePart<T>& part = surface.parts[0];
   const LineLanes<T, kind> lines(part, at.r, at.c);
   return under_lip(distance_to(lines, part, surface.planes, past), lines, part, surface.planes);
 }
 
-}  // namespace silt::coupler::SILT_ISA
+}  // namespace silt::coupler::SILT_BUILD
 #endif

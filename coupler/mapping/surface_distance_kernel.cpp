@@ -1,7 +1,7 @@
 // Built once per instruction set.
 #include "coupler/mapping/surface_distance.hpp"
 
-namespace silt::coupler::SILT_ISA {
+namespace silt::coupler::SILT_BUILD {
 
 namespace {
 
@@ -10,9 +10,9 @@ template <class Real, class T>
 void set_distances(const PlacedLinks& links, const lbm::SurfaceFrame& frame, const SurfaceView<Real>& surface,
                    Real past, T* q) {
   using L = Lanes<Real>;
-  using Places = lbm::SILT_ISA::Places<Real>;
+  using Places = lbm::SILT_BUILD::Places<Real>;
   using Stored = typename VectorOf<T, L::count>::type;
-  const lbm::SILT_ISA::PlaceOrigin<Real> origin(links.corner, frame);
+  const lbm::SILT_BUILD::PlaceOrigin<Real> origin(links.corner, frame);
   const auto set = [&](auto&& distance) {
     for (int l = 0; l < links.padded; l += L::count) {
       const Stored found = __builtin_convertvector(distance(Places(links.place + l, origin)), Stored);
@@ -37,4 +37,4 @@ template SurfaceDistances<float, float> surface_distances();
 template SurfaceDistances<double, float> surface_distances();
 template SurfaceDistances<double, double> surface_distances();
 
-}  // namespace silt::coupler::SILT_ISA
+}  // namespace silt::coupler::SILT_BUILD

@@ -6,7 +6,7 @@
 #include "cpu/device_code.hpp"
 #include "cpu/lanes.hpp"
 
-namespace silt::lbm::SILT_ISA {
+namespace silt::lbm::SILT_BUILD {
 
 /// Adds n terms at a time, rounded to whole quanta; the absolute value of a term must be below 2^50 quanta.
 template <class T, double quantum = 1.0, int n = Lanes<T>::count>
@@ -37,7 +37,7 @@ class FixedSum {
   static constexpr int parts = fills_register ? int(sizeof(double) / sizeof(T)) : 1, count = n / parts;
   using Sum = typename VectorOf<std::uint64_t, count>::type;
   using Wide = typename VectorOf<double, count>::type;
-#if defined(SILT_ISA_avx512)
+#if defined(SILT_HAS_avx512)
   static constexpr bool converts = fills_register;
 #else
   static constexpr bool converts = false;
@@ -53,7 +53,7 @@ class FixedSum {
 #if defined(SILT_SCALAR)
     return low_bits(double(x));
 #else
-#if defined(SILT_ISA_avx512)
+#if defined(SILT_HAS_avx512)
     if constexpr (converts) {
       constexpr __mmask8 all = 0xff;
       const Real q = x * T(1 / quantum);
@@ -67,7 +67,7 @@ class FixedSum {
     }
 #endif
     if constexpr (parts == 1) return low_bits(__builtin_convertvector(x, Wide));
-#if defined(SILT_ISA_avx2)
+#if defined(SILT_HAS_avx2)
     else
       return low_bits(Wide(_mm256_cvtps_pd(_mm256_castps256_ps128(__m256(x))))) +
              low_bits(Wide(_mm256_cvtps_pd(_mm256_extractf128_ps(__m256(x), 1))));
@@ -81,4 +81,4 @@ class FixedSum {
   Sum sum_ = {};
 };
 
-}  // namespace silt::lbm::SILT_ISA
+}  // namespace silt::lbm::SILT_BUILD

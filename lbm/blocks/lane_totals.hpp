@@ -9,7 +9,7 @@
 #include "lbm/blocks/fixed_sum.hpp"
 #include "lbm/blocks/moments.hpp"
 
-namespace silt::lbm::SILT_ISA {
+namespace silt::lbm::SILT_BUILD {
 
 /// Totals of n lanes. Values of a cell are in the precision of its populations, sums in quanta.
 template <class T, int n>
@@ -89,7 +89,7 @@ class LaneTotals {
 #if defined(SILT_SCALAR)
     return v;
 #else
-#if defined(SILT_ISA_avx512)  // the compiler would convert halves of a vector and join them
+#if defined(SILT_HAS_avx512)  // the compiler would convert halves of a vector and join them
     if constexpr (parts == 2) {
       struct Halves {
         __m256 half[2];
@@ -122,4 +122,4 @@ class LaneTotals {
     least_ = V{} + std::numeric_limits<T>::max();
 };
 
-}  // namespace silt::lbm::SILT_ISA
+}  // namespace silt::lbm::SILT_BUILD

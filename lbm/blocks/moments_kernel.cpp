@@ -1,7 +1,7 @@
 // The moments of a row of cells, and their totals. Built once per instruction set.
 #include "lbm/blocks/lane_totals.hpp"
 
-namespace silt::lbm::SILT_ISA {
+namespace silt::lbm::SILT_BUILD {
 namespace {
 
 template <class T>
@@ -49,4 +49,4 @@ MomentsKernels<T> moments_kernels() {
 template MomentsKernels<float> moments_kernels<float>();
 template MomentsKernels<double> moments_kernels<double>();
 
-}  // namespace silt::lbm::SILT_ISA
+}  // namespace silt::lbm::SILT_BUILD

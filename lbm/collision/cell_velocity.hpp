@@ -1,10 +1,10 @@
 #pragma once
-// Velocity of a vector of cells before its collision. Only for *_kernel.cpp files (SILT_ISA).
+// Velocity of a vector of cells before its collision. Only for *_kernel.cpp files (SILT_BUILD).
 #include "cpu/device_code.hpp"
 #include "lbm/blocks/lattice.hpp"
 #include "lbm/collision/collision_model.hpp"
 
-namespace silt::lbm::SILT_ISA {
+namespace silt::lbm::SILT_BUILD {
 
 /// Sets the velocity from each pair's difference (along less against its first direction) and half the force.
 template <bool source, class V, class T>
@@ -21,4 +21,4 @@ template <bool source, class V, class T>
   }
 }
 
-}  // namespace silt::lbm::SILT_ISA
+}  // namespace silt::lbm::SILT_BUILD

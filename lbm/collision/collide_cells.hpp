@@ -15,7 +15,7 @@
 #include "lbm/collision/recursive_regularised_kernel.hpp"
 #include "lbm/collision/two_relaxation_times_kernel.hpp"
 
-namespace silt::lbm::SILT_ISA {
+namespace silt::lbm::SILT_BUILD {
 
 template <class T>
 struct Slots {  // slots A, B of each pair and the rest's, of cell 0: add Block::cell for others
@@ -105,4 +105,4 @@ auto with_model(const CollisionRates<T>& rates, F&& f) {
   __builtin_unreachable();
 }
 
-}  // namespace silt::lbm::SILT_ISA
+}  // namespace silt::lbm::SILT_BUILD

@@ -1,6 +1,6 @@
 #pragma once
 // The model `regularised` for a vector of cells (method.md, equations 24 to 28). Only for *_kernel.cpp files,
-// which are built once per instruction set (SILT_ISA).
+// which are built once per instruction set (SILT_BUILD).
 #include <cmath>
 #include <cstddef>
 #include <type_traits>
@@ -8,7 +8,7 @@
 #include "cpu/lanes.hpp"
 #include "lbm/collision/cell_velocity.hpp"
 
-namespace silt::lbm::SILT_ISA {
+namespace silt::lbm::SILT_BUILD {
 
 template <class V>
 [[gnu::always_inline]] SILT_DEVICE inline V root(const V& x) {
@@ -147,4 +147,4 @@ struct RecursiveRegularised {
   }
 };
 
-}  // namespace silt::lbm::SILT_ISA
+}  // namespace silt::lbm::SILT_BUILD

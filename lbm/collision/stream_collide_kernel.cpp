@@ -1,4 +1,4 @@
-// The dense pass, built once per instruction set (SILT_ISA): 19 reads and 19 writes per cell and step.
+// The dense pass, built once per instruction set (SILT_BUILD): 19 reads and 19 writes per cell and step.
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -7,7 +7,7 @@
 #include "lbm/collision/collide_cells.hpp"
 #include "lbm/collision/stream_collide.hpp"
 
-namespace silt::lbm::SILT_ISA {
+namespace silt::lbm::SILT_BUILD {
 namespace {
 
 /// Masks the lanes of a vector beyond the first `cells`.
@@ -176,4 +176,4 @@ template CollideRows<double> collide_rows(const CollisionRates<double>&);
 template TakeExcess<float> excess_kernel();
 template TakeExcess<double> excess_kernel();
 
-}  // namespace silt::lbm::SILT_ISA
+}  // namespace silt::lbm::SILT_BUILD

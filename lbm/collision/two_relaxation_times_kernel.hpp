@@ -1,9 +1,9 @@
 #pragma once
 // The models trt and bgk for a vector of cells (method.md, equations 3 to 7). Only for *_kernel.cpp files,
-// which are built once per instruction set (SILT_ISA).
+// which are built once per instruction set (SILT_BUILD).
 #include "lbm/collision/cell_velocity.hpp"
 
-namespace silt::lbm::SILT_ISA {
+namespace silt::lbm::SILT_BUILD {
 
 struct TwoRelaxationTimes {
   /// Collides cells, given for each pair the sum and difference of the populations that arrive along and
@@ -71,4 +71,4 @@ struct TwoRelaxationTimes {
   }
 };
 
-}  // namespace silt::lbm::SILT_ISA
+}  // namespace silt::lbm::SILT_BUILD

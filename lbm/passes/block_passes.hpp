@@ -1,6 +1,6 @@
 #pragma once
 // The passes over all cells of a block, cell by cell: collision, giving up excess, totals. For builds for a
-// device (SILT_ISA, SILT_SCALAR).
+// device (SILT_BUILD, SILT_SCALAR).
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -11,7 +11,7 @@
 #include "lbm/collision/collide_cells.hpp"
 #include "lbm/passes/passes.hpp"
 
-namespace silt::lbm::SILT_ISA {
+namespace silt::lbm::SILT_BUILD {
 
 /// The cells of a range of rows, x fastest.
 struct CellsOfRows {
@@ -158,7 +158,7 @@ void stream_collide(int b, Block<T>& block, Parity parity, const CollisionRates<
 }
 
 inline std::vector<FastInBlock> take_fast_cells() {
-  silt::SILT_ISA::wait();
+  silt::SILT_BUILD::wait();
   FastList& list = fast_list();
   std::vector<FastInBlock> found(list.cells, list.cells + std::min(list.count, FastList::room));
   list.count = 0;
@@ -206,8 +206,8 @@ template <class T>
 void total_rows(const Block<T>& block, Parity parity, std::span<const LocalRows> rows,
                 const std::array<double, 3>& force, CellTotals* totals) {
   for_teams(std::int64_t(rows.size()), TotalRows<T>(block, parity, force, rows.data(), totals));
-  silt::SILT_ISA::wait();
+  silt::SILT_BUILD::wait();
   to_device(rows), from_device(std::span(totals, rows.size()));
 }
 
-}  // namespace silt::lbm::SILT_ISA
+}  // namespace silt::lbm::SILT_BUILD

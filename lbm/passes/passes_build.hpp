@@ -1,10 +1,10 @@
-// The passes of passes.hpp, for the one file per device that includes this (SILT_ISA, SILT_SCALAR). That file
+// The passes of passes.hpp, for the one file per device that includes this (SILT_BUILD, SILT_SCALAR). That file
 // has the passes over all cells of a block: vector kernels on the CPU, else block_passes.hpp.
 #include "cpu/prefetch.hpp"
 #include "device/for_each.hpp"
 #include "lbm/passes/passes.hpp"
 
-namespace silt::lbm::SILT_ISA {
+namespace silt::lbm::SILT_BUILD {
 
 template <class T>
 struct MoveSlots {
@@ -119,7 +119,7 @@ void cross_border(const BorderRows<T>& all, const BorderLists<T>& lists,
   over_rows<AddUp>(rows, lists.coalescences);
   over_rows<Coalesce>(rows, lists.coalescences);
   over_rows<Pass>(rows, passing);
-  silt::SILT_ISA::wait();
+  silt::SILT_BUILD::wait();
 }
 
 template <class T>
@@ -152,7 +152,7 @@ void return_from_outlet(const OutletCells<T>& cells, const SideCondition& side) 
 
 template <class T>
 const Passes<T>& passes() {
-  static constexpr Passes<T> passes = {stream_collide<T>, take_fast_cells,       silt::SILT_ISA::wait,
+  static constexpr Passes<T> passes = {stream_collide<T>, take_fast_cells,       silt::SILT_BUILD::wait,
                                        move_slots<T>,     return_from_outlet<T>, carry_packets<T>,
                                        cross_border<T>,   gather_moments<T>,     give_masses<T>,
                                        take_excess<T>,    total_rows<T>};
@@ -161,4 +161,4 @@ const Passes<T>& passes() {
 template const Passes<float>& passes();
 template const Passes<double>& passes();
 
-}  // namespace silt::lbm::SILT_ISA
+}  // namespace silt::lbm::SILT_BUILD

@@ -1,5 +1,5 @@
 // The passes on the CPU; those over all cells of a block use its vector kernels, row by row.
-#define SILT_ISA cpu
+#define SILT_BUILD cpu
 #define SILT_SCALAR
 #define SILT_AT_ONCE
 #include <utility>
@@ -7,7 +7,7 @@
 
 #include "lbm/passes/passes.hpp"
 
-namespace silt::lbm::SILT_ISA {
+namespace silt::lbm::SILT_BUILD {
 
 std::vector<FastInBlock> fast_list;  // since the last take_fast_cells()
 
@@ -40,6 +40,6 @@ void total_rows(const Block<T>& block, Parity parity, std::span<const LocalRows>
   }
 }
 
-}  // namespace silt::lbm::SILT_ISA
+}  // namespace silt::lbm::SILT_BUILD
 
 #include "lbm/passes/passes_build.hpp"

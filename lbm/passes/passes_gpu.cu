@@ -1,4 +1,4 @@
-#define SILT_ISA gpu
+#define SILT_BUILD gpu
 #define SILT_SCALAR
 #include "lbm/passes/block_passes.hpp"
 #include "lbm/passes/passes_build.hpp"

@@ -6,7 +6,7 @@
 #include "lbm/walls/link_exchange.hpp"
 #include "lbm/walls/link_fetch.hpp"
 
-namespace silt::lbm::SILT_ISA {
+namespace silt::lbm::SILT_BUILD {
 namespace {
 
 template <class T>
@@ -118,4 +118,4 @@ LinkKernels<T> link_kernels() {
 template LinkKernels<float> link_kernels();
 template LinkKernels<double> link_kernels();
 
-}  // namespace silt::lbm::SILT_ISA
+}  // namespace silt::lbm::SILT_BUILD

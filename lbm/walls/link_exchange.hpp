@@ -5,7 +5,7 @@
 #include "lbm/blocks/fixed_sum.hpp"
 #include "lbm/walls/link_places.hpp"
 
-namespace silt::lbm::SILT_ISA {
+namespace silt::lbm::SILT_BUILD {
 
 /// The rows in which slots of a link and its cell are listed. The pair beyond is listed only if it is read
 /// from the block. For `single_cell_gap` all populations that leave the cell follow out_row.
@@ -184,4 +184,4 @@ struct GroupStep {
   }
 };
 
-}  // namespace silt::lbm::SILT_ISA
+}  // namespace silt::lbm::SILT_BUILD

@@ -7,7 +7,7 @@
 #include "cpu/prefetch.hpp"
 #include "lbm/walls/link_exchange.hpp"
 
-namespace silt::lbm::SILT_ISA {
+namespace silt::lbm::SILT_BUILD {
 
 /// The slots that a kernel needs of a link: all that a scheme reads and writes, or only that of the result.
 enum class Wanted { all, returned };
@@ -134,4 +134,4 @@ class LinkFetch {
   int present_rows_ = 0;
 };
 
-}  // namespace silt::lbm::SILT_ISA
+}  // namespace silt::lbm::SILT_BUILD

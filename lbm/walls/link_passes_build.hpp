@@ -1,9 +1,9 @@
-// The passes of link_passes.hpp, for the one file per device that includes this (SILT_ISA, SILT_SCALAR).
+// The passes of link_passes.hpp, for the one file per device that includes this (SILT_BUILD, SILT_SCALAR).
 #include "device/for_each.hpp"
 #include "lbm/walls/link_exchange.hpp"
 #include "lbm/walls/link_passes.hpp"
 
-namespace silt::lbm::SILT_ISA {
+namespace silt::lbm::SILT_BUILD {
 
 /// The links of one group.
 template <class T>
@@ -182,4 +182,4 @@ const LinkPasses<T>& link_passes() {
 template const LinkPasses<float>& link_passes();
 template const LinkPasses<double>& link_passes();
 
-}  // namespace silt::lbm::SILT_ISA
+}  // namespace silt::lbm::SILT_BUILD

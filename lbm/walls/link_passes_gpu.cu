@@ -1,3 +1,3 @@
-#define SILT_ISA gpu
+#define SILT_BUILD gpu
 #define SILT_SCALAR
 #include "lbm/walls/link_passes_build.hpp"

@@ -1,3 +1,3 @@
-#define SILT_ISA host
+#define SILT_BUILD host
 #define SILT_SCALAR
 #include "lbm/walls/link_passes_build.hpp"

@@ -3,7 +3,7 @@
 #include "cpu/lanes.hpp"
 #include "lbm/walls/cut_links.hpp"
 
-namespace silt::lbm::SILT_ISA {
+namespace silt::lbm::SILT_BUILD {
 
 template <class Whole>
 SILT_DEVICE Whole component(const Whole& packed, int d) {
@@ -81,4 +81,4 @@ struct Places {
   }
 };
 
-}  // namespace silt::lbm::SILT_ISA
+}  // namespace silt::lbm::SILT_BUILD

@@ -3,7 +3,7 @@
 // at a time, or one (SILT_SCALAR).
 #include "lbm/walls/link_places.hpp"
 
-namespace silt::lbm::SILT_ISA {
+namespace silt::lbm::SILT_BUILD {
 
 inline constexpr int resistance_entries = 21, push_entries = 6;
 
@@ -25,4 +25,4 @@ template <class T, class Add, class V = typename Lanes<T>::Real>
   }
 }
 
-}  // namespace silt::lbm::SILT_ISA
+}  // namespace silt::lbm::SILT_BUILD

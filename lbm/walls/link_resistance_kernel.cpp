@@ -5,7 +5,7 @@
 
 #include "lbm/walls/link_resistance.hpp"
 
-namespace silt::lbm::SILT_ISA {
+namespace silt::lbm::SILT_BUILD {
 namespace {
 
 constexpr int entries = resistance_entries + push_entries;
@@ -56,4 +56,4 @@ Resistance<T> resistance() {
 template Resistance<float> resistance();
 template Resistance<double> resistance();
 
-}  // namespace silt::lbm::SILT_ISA
+}  // namespace silt::lbm::SILT_BUILD

@@ -2,7 +2,7 @@
 // contacts of a pair. Built once for each instruction set.
 #include "rigid/response/stick_trial_kernel.hpp"
 
-namespace silt::rigid::SILT_ISA {
+namespace silt::rigid::SILT_BUILD {
 namespace {
 
 constexpr int most_rounds = 100;         // of Gauss-Seidel within a pair that is solved once
@@ -184,4 +184,4 @@ SweepOutcome sweep_blocks(std::span<BlockGroup> groups, BlockContact* all_contac
   return outcome.all();
 }
 
-}  // namespace silt::rigid::SILT_ISA
+}  // namespace silt::rigid::SILT_BUILD

@@ -5,7 +5,7 @@
 // tangential impulse before the film. Rolling is eliminated from the tangential motion: one pass is exact.
 #include "rigid/response/lanes_kernel.hpp"
 
-namespace silt::rigid::SILT_ISA {
+namespace silt::rigid::SILT_BUILD {
 namespace {
 
 /// Kinds of contact: with a normal impulse only (frictionless), with a tangential one (dry), and with one
@@ -215,4 +215,4 @@ SweepOutcome sweep_lubricated(std::span<LubricatedGroup> groups, const BodyState
   });
 }
 
-}  // namespace silt::rigid::SILT_ISA
+}  // namespace silt::rigid::SILT_BUILD

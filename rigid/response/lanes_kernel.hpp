@@ -6,7 +6,7 @@
 #include "cpu/lanes.hpp"
 #include "rigid/response/contact_lanes.hpp"
 
-namespace silt::rigid::SILT_ISA {
+namespace silt::rigid::SILT_BUILD {
 namespace {
 
 using Numbers = Registers<double, lane_count>;
@@ -239,4 +239,4 @@ inline Vector into_cone(const Vector& q, Numbers limit) {
 }
 
 }  // namespace
-}  // namespace silt::rigid::SILT_ISA
+}  // namespace silt::rigid::SILT_BUILD

@@ -7,7 +7,7 @@
 // contact k, G is the mobility, e_k the velocity to be removed, s the softness.
 #include "rigid/response/lanes_kernel.hpp"
 
-namespace silt::rigid::SILT_ISA {
+namespace silt::rigid::SILT_BUILD {
 namespace {
 
 constexpr std::uint32_t most_stick_contacts = 16;  // of a pair; with more, Gauss-Seidel solves it
@@ -244,4 +244,4 @@ void try_sticking(const BlockGroup& g, BlockContact* contacts, PairMotion& motio
 }
 
 }  // namespace
-}  // namespace silt::rigid::SILT_ISA
+}  // namespace silt::rigid::SILT_BUILD

@@ -9,7 +9,7 @@
 #include <type_traits>
 
 #include "cpu/device_code.hpp"
-#ifdef SILT_ISA
+#ifdef SILT_BUILD
 #include "cpu/lanes.hpp"
 #endif
 
@@ -51,8 +51,8 @@ struct SurfaceView {
 
 }  // namespace silt::rigid
 
-#ifdef SILT_ISA
-namespace silt::rigid::SILT_ISA {
+#ifdef SILT_BUILD
+namespace silt::rigid::SILT_BUILD {
 
 /// Intervals of line parameters; enter > leave where a line misses.
 template <class T>
@@ -264,5 +264,5 @@ SILT_DEVICE void with_kind(SurfaceKind kind, F&& use) {
   }
 }
 
-}  // namespace silt::rigid::SILT_ISA
+}  // namespace silt::rigid::SILT_BUILD
 #endif

@@ -4,7 +4,7 @@
 #include "cpu/lanes.hpp"
 #include "tests/bench/fluid_kernels.hpp"
 
-namespace silt::bench::SILT_ISA {
+namespace silt::bench::SILT_BUILD {
 
 namespace {
 
@@ -65,4 +65,4 @@ BoundKernels<T> bound_kernels() {
 template BoundKernels<float> bound_kernels();
 template BoundKernels<double> bound_kernels();
 
-}  // namespace silt::bench::SILT_ISA
+}  // namespace silt::bench::SILT_BUILD

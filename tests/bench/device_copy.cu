@@ -1,5 +1,5 @@
 // Copying on the graphics processor, sixteen bytes a thread: what its memory gives.
-#define SILT_ISA gpu
+#define SILT_BUILD gpu
 #include <cuda_runtime.h>
 
 #include "device/for_each.hpp"

@@ -3,7 +3,7 @@
 // a pair shares computed once, without branches, so that a compiler can use vectors where the layout lets it.
 #include "tests/bench/fluid_kernels.hpp"
 
-namespace silt::bench::SILT_ISA {
+namespace silt::bench::SILT_BUILD {
 namespace {
 
 using namespace lbm;
@@ -92,4 +92,4 @@ PullAndRelax<T> pull_and_relax() {
 template PullAndRelax<float> pull_and_relax();
 template PullAndRelax<double> pull_and_relax();
 
-}  // namespace silt::bench::SILT_ISA
+}  // namespace silt::bench::SILT_BUILD

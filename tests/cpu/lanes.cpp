@@ -1,5 +1,5 @@
 // Vectors of one lane, of a register's, and of more do the same, lane by lane.
-#define SILT_ISA portable
+#define SILT_BUILD portable
 #pragma GCC diagnostic ignored "-Wpsabi"  // vectors wider than this machine's registers
 #include "cpu/lanes.hpp"
 
