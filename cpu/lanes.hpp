@@ -2,8 +2,8 @@
 // Vectors of the instruction set of a kernel's build: vectors of numbers (VectorOf), operations on them that
 // the language lacks (Lanes), and vectors of several registers (Registers). Look-ups, gathers and scatters
 // use intrinsics, since compilers split them into scalar instructions. Vectors may have any number of lanes;
-// those that fill no register are computed lane by lane. Only for *_kernel.cpp files (SILT_BUILD). Builds for a
-// device use plain numbers (scalar.hpp).
+// those that fill no register are computed lane by lane. Only for *_kernel.cpp files (SILT_BUILD). Builds for
+// a device use plain numbers (scalar.hpp).
 #if defined(SILT_SCALAR)
 #include "cpu/scalar.hpp"
 #else

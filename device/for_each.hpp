@@ -1,7 +1,7 @@
 #pragma once
-// Passes: loops over entries in any order. Only for files built for a device (SILT_BUILD: cpu, host or gpu), which
-// include this first; functions that run there are SILT_DEVICE. The build for `cpu` (SILT_AT_ONCE) runs a pass
-// when it is called, that for `host` at the next wait().
+// Passes: loops over entries in any order. Only for files built for a device (SILT_BUILD: cpu, host or gpu),
+// which include this first; functions that run there are SILT_DEVICE. The build for `cpu` (SILT_AT_ONCE) runs
+// a pass when it is called, that for `host` at the next wait().
 #include <bit>
 #include <cstdint>
 #include <functional>

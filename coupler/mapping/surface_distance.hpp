@@ -69,7 +69,8 @@ SILT_DEVICE auto distance_to(const LineLanes<T, kind>& lines, const SurfacePart<
 /// Returns the distance to the nearest part. Each lane ignores parts beyond its line, so results do not
 /// depend on other lanes.
 template <class T>
-SILT_DEVICE auto distance_to_any(const lbm::SILT_BUILD::Places<T>& at, const SurfaceView<T>& surface, T past) {
+SILT_DEVICE auto distance_to_any(const lbm::SILT_BUILD::Places<T>& at, const SurfaceView<T>& surface,
+                                 T past) {
   auto nearest = typename IntervalLanes<T>::V{} + (T(1) + past);
   for (const SurfacePart<T>* part = surface.parts; part < surface.parts + surface.count; ++part)
     with_kind(part->kind, [&](auto kind) {
@@ -96,7 +97,7 @@ SILT_DEVICE typename Lanes<T>::Real under_lip(const typename Lanes<T>::Real& q,
   } else {
     const V p[3] = {lines.at(0, q), lines.at(1, q), lines.at(2, q)};
     const rigid::SILT_BUILD::NearestEdge<T> edge(std::integral_constant<SurfaceKind, kind>{}, p,
-                                               lines.direction(), part, planes);
+                                                 lines.direction(), part, planes);
     const V from_middle = T(2) * edge.distance - T(1);
     const V height = T(1) - (from_middle < T(0) ? -from_middle : from_middle);
     const V slope = edge.slope > T(least_lip_slope) ? edge.slope : V{} + T(least_lip_slope);
@@ -108,7 +109,8 @@ SILT_DEVICE typename Lanes<T>::Real under_lip(const typename Lanes<T>::Real& q,
 
 /// Returns the distance to a body of one part, under its lip.
 template <SurfaceKind kind, class T>
-SILT_DEVICE auto distance_to_part(const lbm::SILT_BUILD::Places<T>& at, const SurfaceView<T>& surface, T past) {
+SILT_DEVICE auto distance_to_part(const lbm::SILT_BUILD::Places<T>& at, const SurfaceView<T>& surface,
+                                  T past) {
   const SurfacePart<T>& part = surface.parts[0];
   const LineLanes<T, kind> lines(part, at.r, at.c);
   return under_lip(distance_to(lines, part, surface.planes, past), lines, part, surface.planes);

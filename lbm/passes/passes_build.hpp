@@ -1,5 +1,5 @@
-// The passes of passes.hpp, for the one file per device that includes this (SILT_BUILD, SILT_SCALAR). That file
-// has the passes over all cells of a block: vector kernels on the CPU, else block_passes.hpp.
+// The passes of passes.hpp, for the one file per device that includes this (SILT_BUILD, SILT_SCALAR). That
+// file has the passes over all cells of a block: vector kernels on the CPU, else block_passes.hpp.
 #include "cpu/prefetch.hpp"
 #include "device/for_each.hpp"
 #include "lbm/passes/passes.hpp"
