@@ -174,6 +174,7 @@ void check_place(const Case& setup, Diagnostics& findings, const QuantitySpec& q
                    "{}.axis is {}, across which nothing is sheared; both sides there must be walls (no-slip "
                    "or moving), of different velocities",
                    entry, "xyz"[quantity.axis]);
+  if (type.takes(Q::bearer)) check_bearer(setup, findings, quantity, entry);
   const int cells = setup.cells[quantity.axis];
   for (const double at : {quantity.height, quantity.second_height})
     if (type.takes(Q::Key(Q::at | Q::planes)) && !(at >= 0 && at <= cells))
