@@ -6,8 +6,8 @@ from page import document, number, said, section, table
 KINDS = {"theory": "#0072b2", "experiment": "#d55e00", "computation": "#009e73", "convergence": "#cc79a7"}
 STYLE = """<style>
 h3 { font-size: 1rem; margin: 1.2rem 0 .2rem } .words { min-width: 10rem } svg { display: block; width: 100%; max-width: 44rem }
-svg text { font: 10px system-ui, sans-serif; fill: #1d2733 } .missed { color: var(--bad); font-weight: 600 } .open { color: var(--pale) } p.warning { overflow-wrap: anywhere; font-size: .9rem }
-@media (max-width: 30rem) { td, th { padding-right: .7rem } }
+svg text { font: 10px system-ui, sans-serif; fill: #1d2733 } .missed { color: var(--bad); font-weight: 600 } .open { color: var(--pale) } p.warning, p.names { overflow-wrap: anywhere; font-size: .9rem }
+@media (max-width: 30rem) { td, th { padding-right: .4rem } }
 </style>"""
 WIDTH, LEFT, LINE = 360, 128, 13  # of a plot, as wide as a narrow screen; of its labels; of a row of them
 
@@ -21,7 +21,7 @@ def page(rows, form):
     return document("Ledger of claims", STYLE + lead(rows, form)
                     + section("Missed", "".join(map(miss, missed)))
                     + section("Error over tolerance", strip(by_problem)) + section("Error against cost", scatter(rows))
-                    + section("Not measured yet", f"<p>{said(', '.join(row.claim for row in open_ones))}.</p>" if open_ones else "")
+                    + section("Not measured yet", f"<p class=names>{said(', '.join(row.claim for row in open_ones))}.</p>" if open_ones else "")
                     + section("All claims", "".join(of_problem(name, listed) for name, listed in by_problem.items())))
 
 
@@ -47,7 +47,7 @@ def miss(row):
 
 
 def told(row):
-    expected = said(row.expected) + (f" ± {said(row.uncertainty)}" if row.uncertainty else "")
+    expected = said(row.expected) + (f" ± {said(row.uncertainty)}" if row.uncertainty and row.expected != "0" else "")
     return [expected, said(row.measured), said(row.error), said(row.tolerance)]
 
 
