@@ -41,7 +41,8 @@ PAPERS = "Glowinski, Pan, Hesla, Joseph, Periaux, J. Comput. Phys. 169 (2001) 36
 CLAIMS = {
     "accuracy.dkt.lai.d{D}.peak_{what}": Claim(
         "{what} of the trailing sphere's largest velocity in SI units", "two spheres settle one above the other, Re = 120", "D = {D}",
-        "Lai et al. (2023), as a test of GeoTaichi has it", kind="computation", expected=lambda D, what: LAI_PEAK[what], uncertainty="5 %"),
+        "Lai et al. (2023), as a test of GeoTaichi has it", kind="computation", expected=lambda D, what: LAI_PEAK[what], uncertainty="5 %",
+        note="the spheres kiss 0.02 s earlier than in the reference; 7.0 % with 8 cells, 5.4 % with 9"),
     "accuracy.dkt.kissing": Claim("time of kissing", "two spheres settle one above the other", "D = 9", "own run with D = 12", kind="convergence"),
     "accuracy.dkt.order": Claim("1 if they draft, kiss and tumble in this order", "two spheres settle one above the other", "D = 9 and 12",
                                 PAPERS, doi="10.1006/jcph.2000.6542", kind="computation", unit="")}
