@@ -3,23 +3,18 @@
 #include <algorithm>
 #include <cstddef>
 
+#include "adapters/hdf5/over_time.hpp"
 #include "adapters/hdf5/slice_exchange.hpp"
-#include "adapters/hdf5/table.hpp"
 #include "parallel/together.hpp"
 
 namespace silt::adapters {
-
-struct TimeRow {
-  double time;
-  std::int64_t step;
-  std::uint64_t offset, count;
-};
 
 namespace {
 
 using hdf5::Column;
 using hdf5::File;
 using hdf5::Handle;
+using hdf5::TimeRow;
 
 // Bounds of a file's rows: 16 times those of its first time, or twice those of the file before.
 constexpr hsize_t least_rows = 1 << 12, most_rows = 1 << 20;
@@ -94,30 +89,9 @@ void resize(File& file, hid_t dataset, hsize_t rows) {
   file.check(H5Dset_extent(dataset, shape.data()), "cannot resize a dataset (is the disk full?)");
 }
 
-/// Calls transfer(memory, space) for the rows [first, first + n) of a column's dataset, if there are any.
-template <class Transfer>
-void for_rows(const File& file, hid_t dataset, const Column& c, hsize_t first, hsize_t n,
-              Transfer&& transfer) {
-  if (n == 0) return;
-  const hsize_t numbers = n * c.components;
-  const Handle space(H5Dget_space(dataset), H5Sclose, file.path(), "shape of a dataset");
-  const Handle memory(H5Screate_simple(1, &numbers, nullptr), H5Sclose, file.path(), "memory shape");
-  hdf5::Shape start(file.shape(dataset).size(), 0), count = hdf5::table_shape(n, c.components);
-  start[0] = first;
-  file.check(H5Sselect_hyperslab(space, H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr),
-             "cannot select rows");
-  transfer(memory, space);
-}
+// ---- the kinds ----
 
-void write_rows(const File& file, hid_t dataset, const Column& c, hsize_t first,
-                std::span<const std::byte> values) {
-  for_rows(file, dataset, c, first, values.size() / c.bytes(), [&](hid_t memory, hid_t space) {
-    file.check(H5Dwrite(dataset, c.stored_type(), memory, space, H5P_DEFAULT, values.data()),
-               "cannot write " + c.name + " (is the disk full?)");
-  });
-}
-
-/// The surfaces of all parts, concatenated.
+/// The surfaces of all parts, one after the other.
 struct Surfaces : TriangleMesh {
   std::vector<std::int32_t> part_kind;
   std::vector<std::int64_t> vertex_offset{0}, normal_offset{0}, triangle_offset{0};
@@ -230,8 +204,12 @@ struct BodySeries::Open {
   std::vector<Handle> bodies, times;
   std::size_t n_times = 0, n_rows = 0;  // complete ones
   std::int64_t last_step = -1;
-  hdf5::Path name;                            // final name of the file
-  std::unique_ptr<hdf5::TemporaryFile> part;  // until the first time is complete
+  struct Before {
+    std::uint64_t times, rows;
+  };
+  std::optional<Before> before;  // of the files before this one, once bodies.vtkhdf shows them all
+  hdf5::Path name;               // of the file in the end
+  std::unique_ptr<hdf5::TemporaryFile> part;  // until its first time is whole
 
   Open(const hdf5::Path& path, const BodySeriesInfo& info)
       : file(File::open(path, true)),
@@ -250,7 +228,6 @@ struct BodySeries::Open {
   void cut_after(std::int64_t step);
   void append(double time, std::int64_t step, std::uint64_t rows);
 
- private:
   std::vector<TimeRow> whole_times() const;
 };
 
@@ -323,10 +300,37 @@ BodySeries::BodySeries(MPI_Comm comm, const std::filesystem::path& path, BodySer
       }
       std::filesystem::remove(files.back());
     }
+    if (open_)
+      show(*open_);
+    else
+      std::filesystem::remove(path_over_time());
   });
 }
 
-/// Creates the next file under a temporary name.
+std::filesystem::path BodySeries::path_over_time() const {
+  return std::filesystem::path(path_).replace_extension(".vtkhdf");
+}
+
+/// Writes bodies.vtkhdf for the files that are there, of which the last is open.
+void BodySeries::show(Open& last) const {
+  std::vector<hdf5::BodyFile> files;
+  Open::Before before{0, 0};
+  const auto add = [&](const Open& of) {
+    files.push_back({of.name.filename().string(), of.file.room(of.bodies[0]), of.whole_times()});
+  };
+  for (const auto& path : body_series_files(path_))
+    if (path.filename() != last.name.filename()) {
+      add(Open(path, info_));
+      before.times += files.back().times.size();
+      for (const TimeRow& time : files.back().times) before.rows += time.count;
+    }
+  add(last);
+  if (hdf5::write_bodies_over_time(path_over_time(), last.of_bodies, files,
+                                   last.file.room(last.times[0]) - last.n_times))
+    last.before = before;
+}
+
+/// Begins the next file, under a temporary name.
 std::shared_ptr<BodySeries::Open> BodySeries::begin_file(const Open* last, std::int64_t step,
                                                          std::uint64_t rows) const {
   const hdf5::Path path =
@@ -391,6 +395,11 @@ void BodySeries::append(std::int64_t step, double time, std::size_t n,
       hdf5::sync_to_disk(part->path());
       part->rename_to(file->name);
     }
+    if (const auto& before = file->before)
+      hdf5::add_bodies(path_over_time(), before->times + file->n_times - 1,
+                       {time, step, before->rows + file->n_rows - order.total, order.total});
+    else
+      show(*file);
     open_ = file;
     last_step_ = step;
   });

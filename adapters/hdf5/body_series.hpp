@@ -62,12 +62,13 @@ struct BodySeriesInfo {
 /// Returns the existing files of a series in their order, bodies.h5 first.
 std::vector<std::filesystem::path> body_series_files(const std::filesystem::path& first);
 
-/// An open series. All calls are collective. Errors are std::runtime_error on every rank, with file and
-/// reason. The files can be read during the run, and a reader sees an append completely or not at all, even
-/// if the run is killed: a file gets its name with its first time and has its final space then, so that an
-/// append only changes the columns' lengths in the headers, after writing the rows; a time counts once every
-/// column has it. Each file has twice the room of the one before, within bounds: N rows take less than 10 + N
-/// / 2^20 files unless one time has more.
+/// BodySeries is the open series. Every call is collective. The files can be read while the run goes on, and
+/// whoever reads sees an append as a whole or not at all, whenever the run is killed: a file gets its name
+/// with its first time and has the space of all it will take, so that an append changes only the lengths of
+/// the columns in their headers, after the rows are written; a time counts once every column reaches it. Then
+/// bodies.vtkhdf, which shows all files to VTK, shows it too (over_time.hpp). Each file has twice the room of
+/// the one before, within bounds: N rows take less than 10 + N / 2^20 files unless one time has more. Errors
+/// are std::runtime_error on every rank, naming the file and the reason.
 class BodySeries {
  public:
   /// Starts a series and removes an existing one; with `after`, continues an existing one after that step and
@@ -85,6 +86,8 @@ class BodySeries {
 
  private:
   struct Open;
+  std::filesystem::path path_over_time() const;
+  void show(Open& last) const;
   std::shared_ptr<Open> begin_file(const Open* last, std::int64_t step, std::uint64_t rows) const;
   MPI_Comm comm_;
   std::filesystem::path path_;

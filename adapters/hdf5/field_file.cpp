@@ -10,6 +10,7 @@
 #include <span>
 
 #include "adapters/hdf5/file.hpp"
+#include "adapters/hdf5/over_time.hpp"
 #include "adapters/hdf5/slab_exchange.hpp"
 #include "parallel/collectives.hpp"
 #include "parallel/together.hpp"
@@ -34,6 +35,11 @@ struct Group {
   std::uint64_t boxes_of_all = 0;
 
   std::string dataset(const FieldQuantity& q) const { return name + q.name; }
+  hdf5::Shape shape_of(const FieldQuantity& q) const {
+    hdf5::Shape all = shape;
+    if (q.components > 1) all.push_back(q.components);
+    return all;
+  }
   std::uint64_t cells() const {
     std::uint64_t n = 1;
     for (const hsize_t length : shape) n *= length;
@@ -70,6 +76,27 @@ std::vector<Group> level_groups(MPI_Comm comm, const std::vector<FieldLevel>& le
   return groups;
 }
 
+std::array<double, 3> first_centre(const ImageGrid& grid) {
+  std::array<double, 3> origin;
+  for (int d = 0; d < 3; ++d) origin[d] = grid.origin[d] + 0.5 * grid.spacing[d];
+  return origin;
+}
+
+void write_image_grid(File& file, hid_t vtk, const ImageGrid& grid) {
+  std::int64_t extent[6] = {};
+  for (int d = 0; d < 3; ++d) extent[2 * d + 1] = grid.cells[d] - 1;
+  file.attribute(vtk, "WholeExtent", H5T_NATIVE_INT64, {6}, extent);
+  file.numbers(vtk, "Origin", first_centre(grid));
+  file.numbers(vtk, "Spacing", grid.spacing);
+  file.numbers(vtk, "Direction", std::array<double, 9>{1, 0, 0, 0, 1, 0, 0, 0, 1});
+}
+
+void write_units(File& file, const ImageGrid& grid) {
+  const Handle root = file.group("/");
+  file.attribute(root, "time_unit", grid.time_unit);
+  file.attribute(root, "length_unit", grid.length_unit);
+}
+
 void write_head(File& file, const FieldSnapshot& snapshot, const std::vector<Group>& groups,
                 const Provenance& provenance) {
   const ImageGrid& grid = snapshot.grid;
@@ -81,22 +108,12 @@ void write_head(File& file, const FieldSnapshot& snapshot, const std::vector<Gro
     file.attribute(vtk, "GridDescription", std::string("XYZ"));
     file.numbers(vtk, "Origin", grid.origin);
   } else {
-    std::int64_t extent[6] = {};
-    std::array<double, 3> origin;
-    for (int d = 0; d < 3; ++d) {
-      extent[2 * d + 1] = grid.cells[d] - 1;
-      origin[d] = grid.origin[d] + 0.5 * grid.spacing[d];
-    }
     file.attribute(vtk, "Type", std::string("ImageData"));
-    file.attribute(vtk, "WholeExtent", H5T_NATIVE_INT64, {6}, extent);
-    file.numbers(vtk, "Origin", origin);
-    file.numbers(vtk, "Spacing", grid.spacing);
-    file.numbers(vtk, "Direction", std::array<double, 9>{1, 0, 0, 0, 1, 0, 0, 0, 1});
+    write_image_grid(file, vtk, grid);
   }
   file.number(root, "time", snapshot.time);
   file.number(root, "step", snapshot.step);
-  file.attribute(root, "time_unit", grid.time_unit);
-  file.attribute(root, "length_unit", grid.length_unit);
+  write_units(file, grid);
   file.write_provenance(provenance);
 }
 
@@ -125,9 +142,7 @@ std::vector<std::uint64_t> create_file(const Path& path, const FieldSnapshot& sn
     else
       file.create_group(group.name);
     for (const FieldQuantity& q : group.quantities) {
-      hdf5::Shape shape = group.shape;
-      if (q.components > 1) shape.push_back(q.components);
-      const Handle data = file.create_dataset(group.dataset(q), hdf5::type_of(q.storage), shape);
+      const Handle data = file.create_dataset(group.dataset(q), hdf5::type_of(q.storage), group.shape_of(q));
       file.attribute(data, "unit", q.unit);
       places.push_back(file.place_of(data));
     }
@@ -209,19 +224,21 @@ void write_values(MPI_Comm comm, const Path& path, const std::vector<Group>& gro
 
 // ---- the list of times ----
 
-/// Returns the path of the list of times: fields.hdf.series for fields_000100.hdf.
-Path series_path(const Path& path) {
+/// Returns what the files of a series have in common: fields for fields_000100.hdf.
+std::string series_name(const Path& path) {
   std::string stem = path.stem().string();
   const auto end = stem.find_last_not_of("0123456789");
   if (end != std::string::npos && end + 1 < stem.size() && (stem[end] == '_' || stem[end] == '-'))
     stem.resize(end);
-  return path.parent_path() / (stem + path.extension().string() + ".series");
+  return stem;
 }
 
 /// Adds a file to the list, replacing entries at its time and later.
 void update_series(const Path& field_path, double time) {
   using Json = nlohmann::ordered_json;
-  const Path path = series_path(field_path), part = path.string() + ".part";
+  const Path path = field_path.parent_path() /
+                    (series_name(field_path) + field_path.extension().string() + ".series"),
+             part = path.string() + ".part";
   Json series = {{"file-series-version", "1.0"}, {"files", Json::array()}};
   std::ifstream in(path);
   const Json before = Json::parse(in, nullptr, false);  // discarded if there is none
@@ -234,6 +251,20 @@ void update_series(const Path& field_path, double time) {
   out.close();
   if (!out) hdf5::fail_in_system(path, "cannot write the list of times (is the disk full?)", errno);
   std::filesystem::rename(part, path);
+}
+
+/// Adds a file of a single level to the file over time.
+void update_over_time(const Path& path, const Group& group, const FieldSnapshot& snapshot) {
+  const ImageGrid& grid = snapshot.grid;
+  const FieldPlan& plan = snapshot.plan;
+  hdf5::ImageTimes images{
+      {}, first_centre(grid), plan.every, plan.last_step, plan.time_step, [&](File& file, hid_t vtk) {
+        write_image_grid(file, vtk, grid);
+        write_units(file, grid);
+      }};
+  for (const FieldQuantity& q : group.quantities)
+    images.arrays.push_back({q.name, q.unit, hdf5::type_of(q.storage), group.shape_of(q)});
+  hdf5::add_image(path.parent_path(), series_name(path), snapshot.step, images);
 }
 
 void write_groups(MPI_Comm comm, const Path& path, const std::vector<Group>& groups,
@@ -253,6 +284,7 @@ void write_groups(MPI_Comm comm, const Path& path, const std::vector<Group>& gro
   parallel::on_rank_0(comm, [&] {
     part.rename_to(path);
     update_series(path, snapshot.time);
+    if (snapshot.plan.every > 0 && groups[0].width == 0) update_over_time(path, groups[0], snapshot);
   });
 }
 

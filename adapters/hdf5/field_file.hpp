@@ -30,12 +30,19 @@ struct FieldQuantity {
   Storage storage = Storage::single;
 };
 
-/// The content of a file: quantities on the lattice at one time.
+/// FieldPlan says of which steps a series has files: of the multiples of `every`, and of the last one.
+struct FieldPlan {
+  std::int64_t every = 0, last_step = 0;  // every = 0: the file is of no series
+  double time_step = 0;
+};
+
+/// FieldSnapshot is what one file holds: quantities on the lattice at one time.
 struct FieldSnapshot {
   ImageGrid grid;
   std::vector<FieldQuantity> quantities;
   double time = 0;  // in the grid's time unit
   std::int64_t step = 0;
+  FieldPlan plan = {};
 };
 
 /// The cells of one width. Boxes count such cells from the grid's origin. Levels do not overlap.
@@ -45,15 +52,17 @@ struct FieldLevel {
   std::vector<FieldQuantity> quantities;
 };
 
-/// Writes a snapshot; each rank writes the values of its boxes. Collective; a rank may have no boxes. The
-/// number of quantities, their names and units must be the same on every rank. Cells of no rank are zero.
-/// Also updates the list of times NAME.hdf.series (fields_000100.hdf: fields.hdf.series), in which it
-/// replaces entries at or after this time. The file gets its name once it is complete. Throws
-/// std::runtime_error on every rank, with the file and the reason.
+/// Writes a snapshot, each rank the values of its boxes. Collective; a rank without boxes joins with an empty
+/// list. Names, units and the number of quantities must be the same on every rank. Cells no rank holds are
+/// zero. Also keeps NAME.hdf.series, the list of times next to the file (fields_000100.hdf:
+/// fields.hdf.series), in which entries at or after this time are replaced, and, of a series with
+/// a plan, fields.vtkhdf, which shows all its files over time. The file appears under its name only when it
+/// is whole. Throws std::runtime_error on every rank, naming the file and the reason.
 void write_fields(MPI_Comm, const std::filesystem::path&, const std::vector<CellBox>& boxes,
                   const FieldSnapshot&, const Provenance&);
-/// Writes levels, the finest first, instead of the snapshot's quantities. Levels without cells are left out,
-/// since VTK's reader fails on them. The file has the boxes as the ranks give them.
+/// Writes levels instead, the finest first: all but the quantities of the snapshot. They have no
+/// fields.vtkhdf. Levels without a cell on any rank are left out: VTK's reader of them fails. Boxes lie in
+/// the file as the ranks have them.
 void write_fields(MPI_Comm, const std::filesystem::path&, const std::vector<FieldLevel>& levels,
                   const FieldSnapshot&, const Provenance&);
 

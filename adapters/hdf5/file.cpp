@@ -176,6 +176,31 @@ Handle File::write_list(const std::string& name, hid_t type, const Shape& shape,
   return dataset;
 }
 
+Handle File::create_virtual(const std::string& name, hid_t type, const Shape& shape,
+                            const std::vector<VirtualRows>& parts) {
+  const Handle space(H5Screate_simple(int(shape.size()), shape.data(), nullptr), H5Sclose, path_,
+                     "shape of " + name);
+  const Handle list = without_times(H5P_DATASET_CREATE, path_);
+  Shape start(shape.size(), 0), count = shape;
+  for (const VirtualRows& part : parts) {
+    start[0] = part.first, count[0] = part.n;
+    const Handle source(H5Screate_simple(int(part.shape.size()), part.shape.data(), nullptr), H5Sclose, path_,
+                        "shape of " + part.dataset);
+    check(H5Sselect_hyperslab(space, H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr),
+          "cannot select rows");
+    check(H5Pset_virtual(list, space, part.file.c_str(), part.dataset.c_str(), source),
+          "cannot take " + name + " from " + part.file);
+  }
+  H5Sselect_all(space);
+  return {H5Dcreate2(handle_, name.c_str(), type, space, H5P_DEFAULT, list, H5P_DEFAULT), H5Dclose, path_,
+          "cannot create dataset " + name};
+}
+
+void File::link(const std::string& name, const std::string& second) {
+  check(H5Lcreate_hard(handle_, name.c_str(), handle_, second.c_str(), H5P_DEFAULT, H5P_DEFAULT),
+        "cannot name " + name + " " + second);
+}
+
 Shape File::shape(hid_t dataset) const {
   const Handle space(H5Dget_space(dataset), H5Sclose, path_, "shape of a dataset");
   const int rank = H5Sget_simple_extent_ndims(space);
@@ -261,6 +286,12 @@ void File::attribute(hid_t owner, const std::string& name, const std::vector<std
   pointers.reserve(values.size());
   for (const auto& v : values) pointers.push_back(v.c_str());
   attribute(owner, name, type, {values.size()}, pointers.data());
+}
+
+void File::overwrite(hid_t owner, const std::string& name, std::int64_t value) {
+  const Handle attribute(H5Aopen(owner, name.c_str(), H5P_DEFAULT), H5Aclose, path_,
+                         "has no attribute " + name);
+  check(H5Awrite(attribute, H5T_NATIVE_INT64, &value), "cannot write attribute " + name);
 }
 
 bool File::has_attribute(hid_t owner, const std::string& name) const {

@@ -60,7 +60,15 @@ struct Layout {
   bool grows = false;
 };
 
-/// The position of a contiguous dataset's values in the file.
+/// Rows of a virtual dataset and the dataset they are taken from: in another file, named from this one's
+/// folder on, or in this one (".").
+struct VirtualRows {
+  hsize_t first, n;
+  std::string file, dataset;
+  Shape shape;  // of that dataset, with as many numbers
+};
+
+/// The place in its file of the values of a dataset in one piece.
 struct Place {
   std::uint64_t at = 0;  // in bytes
   std::size_t value_bytes = 1;
@@ -117,6 +125,10 @@ class File {
       return write_list(name, type, {rows.size(), std::tuple_size_v<Row>},
                         native_type<typename Row::value_type>(), rows.data());
   }
+  /// Creates a dataset whose rows are those of others. Rows of a dataset that is not there read as zeros.
+  Handle create_virtual(const std::string& name, hid_t type, const Shape&, const std::vector<VirtualRows>&);
+  /// Gives an object a second name.
+  void link(const std::string& name, const std::string& second);
   Shape shape(hid_t dataset) const;
   /// Returns the number of rows to which a dataset can grow.
   hsize_t room(hid_t dataset) const;
@@ -141,6 +153,8 @@ class File {
   void numbers(hid_t owner, const std::string& name, const std::array<double, n>& values) {
     attribute(owner, name, H5T_NATIVE_DOUBLE, {n}, values.data());
   }
+  /// Writes a number in the place of one that is there.
+  void overwrite(hid_t owner, const std::string& name, std::int64_t value);
   bool has_attribute(hid_t owner, const std::string& name) const;
   std::string text_in(hid_t owner, const std::string& name) const;
   template <class T>

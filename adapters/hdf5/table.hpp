@@ -2,6 +2,7 @@
 // Private to adapters/hdf5: tables of plain structs, one dataset ("column") for each member.
 #include <cstddef>
 #include <cstring>
+#include <span>
 #include <string>
 #include <type_traits>
 #include <utility>
@@ -73,6 +74,29 @@ void scatter_column(const Column& column, const std::vector<std::byte>& values, 
   for (std::size_t i = 0; i < rows.size(); ++i)
     std::memcpy(reinterpret_cast<std::byte*>(&rows[i]) + column.offset, values.data() + i * column.bytes(),
                 column.bytes());
+}
+
+/// Calls transfer(memory, space) for the rows [first, first + n) of a column's dataset, if there are any.
+template <class Transfer>
+void for_rows(const File& file, hid_t dataset, const Column& c, hsize_t first, hsize_t n,
+              Transfer&& transfer) {
+  if (n == 0) return;
+  const hsize_t numbers = n * c.components;
+  const Handle space(H5Dget_space(dataset), H5Sclose, file.path(), "shape of a dataset");
+  const Handle memory(H5Screate_simple(1, &numbers, nullptr), H5Sclose, file.path(), "memory shape");
+  Shape start(file.shape(dataset).size(), 0), count = table_shape(n, c.components);
+  start[0] = first;
+  file.check(H5Sselect_hyperslab(space, H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr),
+             "cannot select rows");
+  transfer(memory, space);
+}
+
+inline void write_rows(const File& file, hid_t dataset, const Column& c, hsize_t first,
+                       std::span<const std::byte> values) {
+  for_rows(file, dataset, c, first, values.size() / c.bytes(), [&](hid_t memory, hid_t space) {
+    file.check(H5Dwrite(dataset, c.stored_type(), memory, space, H5P_DEFAULT, values.data()),
+               "cannot write " + c.name + " (is the disk full?)");
+  });
 }
 
 }  // namespace silt::adapters::hdf5

@@ -1,6 +1,6 @@
 """python3 -m silt_results FILE...
 
-Says what is in a file of results (bodies.h5, fields_*.hdf, slice_*.hdf, mean_*.hdf, scene.h5, checkpoint_*.h5): where it came from, the
+Says what is in a file of results (bodies.h5, *.vtkhdf, fields_*.hdf, slice_*.hdf, mean_*.hdf, scene.h5, checkpoint_*.h5): where it came from, the
 attributes of its groups, its data sets with their shapes and units. The text of the case is left out.
 """
 import sys

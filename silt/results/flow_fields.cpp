@@ -289,6 +289,7 @@ adapters::FieldSnapshot snapshot_of(const Simulation& simulation, const FieldsSp
   snapshot.grid.time_unit = units.unit_text(dimension::time);
   snapshot.step = simulation.steps_done();
   snapshot.time = double(snapshot.step) * units.time_step;
+  snapshot.plan = {spec.every, simulation.setup().steps, units.time_step};
   return snapshot;
 }
 

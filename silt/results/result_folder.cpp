@@ -89,12 +89,12 @@ bool is_result(const fs::path& path) {
   static const std::vector<std::string> names = {
       "run.log",      "departures.csv", "report.json", "report.html", "bodies.h5",  "mean_height.png",
       "velocity.png", "bodies.png",     "slice.png",   "stages.png",  "render.png", "film.mp4",
-      "bodies.pvd",   "scene.h5",       "walls.pvd",   "paraview.py"};
+      "bodies.pvd",   "bodies.vtkhdf",  "scene.h5",    "walls.pvd",   "paraview.py"};
   return std::count(names.begin(), names.end(), name) > 0 || is("fields_", ".hdf") || is("mean_", ".hdf") ||
          is("mean", ".hdf.series") || is("slice_", ".hdf") || is("slice_", ".hdf.series") ||
-         is("fields", ".hdf.series") || is("bodies_", ".h5") || is("bodies_", ".vtp") ||
-         is("walls_", ".vtp") || is("series", ".csv") || is("probes_", ".csv") || is("checkpoint_", ".h5") ||
-         is("stopped_", ".h5") || is_unfinished(path);
+         is("fields", ".hdf.series") || is("fields", ".vtkhdf") || is("slice_", ".vtkhdf") ||
+         is("bodies_", ".h5") || is("bodies_", ".vtp") || is("walls_", ".vtp") || is("series", ".csv") ||
+         is("probes_", ".csv") || is("checkpoint_", ".h5") || is("stopped_", ".h5") || is_unfinished(path);
 }
 
 namespace {

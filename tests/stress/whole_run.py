@@ -9,7 +9,8 @@ import sys
 import h5py
 import numpy as np
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+sys.path[:0] = [str(pathlib.Path(__file__).resolve().parents[1] / folder) for folder in ("", "adapters/hdf5")]
+import over_time  # noqa: E402, I001
 from silt_runs import ENVIRONMENT, MPIRUN  # noqa: E402, I001
 from silt_results import COLUMNS, BodySeries  # noqa: E402
 
@@ -82,5 +83,6 @@ class Whole:
         assert fields.keys() == self.fields.keys(), f"{what}: fields {list(fields)}"
         assert fields == self.fields, f"{what}: other values of fields"
         self.check_bodies(out / "bodies.h5", True, what)
+        over_time.check(out)
         left = [path.name for path in out.iterdir() if path.suffix == ".part" or path.name == "series.1.csv"]
         assert not left, f"{what}: left {left}"

@@ -52,8 +52,8 @@ std::vector<FieldQuantity> quantities(const std::vector<CellBox>& boxes) {
 }
 
 void write(MPI_Comm comm, const std::filesystem::path& path, const std::vector<CellBox>& boxes,
-           double time = 1.5) {
-  adapters::write_fields(comm, path, boxes, {grid, quantities(boxes), time, 100}, provenance);
+           double time = 1.5, std::int64_t step = 100, adapters::FieldPlan plan = {}) {
+  adapters::write_fields(comm, path, boxes, {grid, quantities(boxes), time, step, plan}, provenance);
 }
 
 TEST(FieldFile, is_the_same_on_any_number_of_ranks) {
@@ -120,9 +120,10 @@ void write_levels(MPI_Comm comm, const std::filesystem::path& path) {
 // The writer for reads_in_vtk.py, which sets the variable.
 const Act write_fields("write_fields", [] {
   const std::filesystem::path folder = std::getenv("SILT_TEST_FOLDER");
-  for (const int step : {0, 50}) {
+  for (const int step : {0, 50, 100, 150, 60, 70}) {  // other steps than foreseen, from 60 on
     const auto boxes = blocks_of(rank(), ranks(), grid_cells, {4, 8, 5}, step == 0, true);
-    write(MPI_COMM_WORLD, adapters::step_path(folder, "fields", step, ".hdf"), boxes, 0.01 * step);
+    write(MPI_COMM_WORLD, adapters::step_path(folder, "fields", step, ".hdf"), boxes, 0.01 * step, step,
+          {step < 60 || step >= 100 ? 50 : 60, 180, 0.01});
   }
   write_levels(MPI_COMM_WORLD, folder / "levels.hdf");
 });

@@ -9,6 +9,8 @@ import tempfile
 import h5py
 import numpy as np
 from vtkmodules.util.numpy_support import vtk_to_numpy
+from over_time import check
+from vtkmodules.vtkCommonCore import vtkVersion
 from vtkmodules.vtkIOHDF import vtkHDFReader
 
 CELLS, SPACING = (13, 8, 21), 0.5
@@ -21,10 +23,12 @@ def expected(component, dtype):
     return (0.1 * x + 10 * y - 1000.0 / (z + 1) + 0.01 * component).astype(dtype)
 
 
-def check_in_vtk(path):
+def check_in_vtk(path, time=None):
     reader = vtkHDFReader()
     assert reader.CanReadFile(path)
     reader.SetFileName(path)
+    if time is not None:
+        reader.UpdateTimeStep(time)
     reader.Update()
     image = reader.GetOutput()
     assert image.GetDimensions() == CELLS, image.GetDimensions()
@@ -44,7 +48,7 @@ def check_in_vtk(path):
 
 def check_in_h5py(path):
     with h5py.File(path, "r") as f:
-        assert f.attrs["time"] in (0, 0.5) and f.attrs["step"] == 100
+        assert f.attrs["time"] == 0.01 * f.attrs["step"]
         assert f["VTKHDF/PointData/velocity"].attrs["unit"] == b"m/s"
         assert (f["VTKHDF/PointData/velocity"][..., 2] == expected(2, "f4")).all()
         assert f["provenance"].attrs["commit"] == b"abc"
@@ -80,7 +84,11 @@ for ranks in (1, 4):
                        env=dict(ENVIRONMENT, SILT_TEST_FOLDER=folder))
         with open(folder + "/fields.hdf.series") as f:
             series = json.load(f)["files"]
-        assert [entry["time"] for entry in series] == [0, 0.5]
+        assert [entry["time"] for entry in series] == [0, 0.5, 0.6, 0.7]
+        assert check(folder) == {"fields.vtkhdf": 4}
+        if vtkVersion().GetVTKMajorVersion() * 100 + vtkVersion().GetVTKMinorVersion() >= 903:  # versions before know no times
+            for entry in series:
+                check_in_vtk(f"{folder}/fields.vtkhdf", entry["time"])
         check_levels(f"{folder}/levels.hdf")
         for entry in series:
             check_in_vtk(f"{folder}/{entry['name']}")

@@ -9,6 +9,7 @@ import tempfile
 
 import h5py
 import numpy as np
+import over_time
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[3] / "scripts"))
 from silt_results.body_series import BodySeries  # noqa: E402
@@ -40,6 +41,7 @@ for ranks in (1, 3):
                        env=dict(ENVIRONMENT, SILT_TEST_FOLDER=folder), stdout=subprocess.DEVNULL, timeout=60)
         series = BodySeries(folder + "/bodies.h5")
         check(series)
+        assert over_time.check(folder) == {"bodies.vtkhdf": len(series)}
         assert len(series) == 10 and series.unit("velocity") == "m/s" and series.unit("torque") == "kg m^2/s^2"
         assert series.kinds == ["light", "heavy \u2605", "without a mesh"] and series.provenance["title"] == "\u00e4"
         assert [len(parts) for parts in series.meshes] == [1, 2, 0]

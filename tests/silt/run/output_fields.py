@@ -1,14 +1,18 @@
 #!/usr/bin/python3
 """output_fields.py SILT: fields and slices hold what theory and the other files say, the same on any ranks."""
+import sys
 import unittest
 
 import h5py
 import numpy as np
 from vtkmodules.vtkIOHDF import vtkHDFReader
-from silt_test import CASE, CHANNEL, SiltTest
+from silt_test import CASE, CHANNEL, ROOT, SiltTest
 from silt_runs import body_of, domain_of, shape_of  # on the path by silt_test
 
 import silt_results  # on the path by silt_test
+
+sys.path.insert(0, str(ROOT / "tests" / "adapters" / "hdf5"))
+import over_time  # noqa: E402
 
 ALL = '["velocity", "density", "pressure", "shear-rate", "vorticity", "body-id"]'
 BALLS = CASE.replace("fields = { every = 20 }", f"fields = {{ every = 20, quantities = {ALL} }}") + """
@@ -170,6 +174,27 @@ position = [12, 12, 4]
             image.Update()
             self.assertEqual(image.GetOutput().GetDimensions(), silt_results.Field(self.out / name).size)
             self.assertGreater(image.GetOutput().GetPointData().GetNumberOfArrays(), 1)
+
+    def test_files_over_time(self):
+        """They are the same from any ranks. A run that goes on goes on in them, at other times and with other fields too."""
+        def of_all():
+            return {path.name: path.read_bytes() for path in self.out.glob("*.vtkhdf")}
+        self.write(BALLS)
+        self.silt("run", self.case)
+        one = of_all()
+        times = {"fields.vtkhdf": 4, "slice_middle.vtkhdf": 5, "slice_corner.vtkhdf": 2, "bodies.vtkhdf": 10}
+        self.assertEqual(over_time.check(self.out), times)
+        self.silt("run", self.case, "--overwrite", ranks=3)
+        self.assertTrue(of_all() == one)
+        with h5py.File(self.out / "fields.vtkhdf") as file:
+            self.assertEqual(file["VTKHDF/PointData/velocity"][:4].shape, (4, 16, 16, 24, 3))
+        (self.out / "checkpoint_000000000060.h5").unlink()
+        self.silt("resume", self.case, "--steps", 70, "--set", "output.fields.every=15")  # from step 50
+        self.assertEqual(over_time.check(self.out), times | {"fields.vtkhdf": 5, "slice_middle.vtkhdf": 6, "slice_corner.vtkhdf": 3, "bodies.vtkhdf": 11})
+        self.silt("resume", self.case, "--steps", 90, "--set", 'output.fields.quantities=["density"]', "--set", "output.fields.every=10")
+        with h5py.File(self.out / "fields.vtkhdf") as file:  # those that the files before have too
+            self.assertEqual(list(file["VTKHDF/PointData"]), ["density", "solid"])
+        over_time.check(self.out)
 
     def test_cells_of_several_levels(self):
         """Cells, regions and values are the same on any ranks, and in a run that goes on in the middle."""
