@@ -232,6 +232,7 @@ bool write_bodies_over_time(const Path& path, const std::vector<Column>& columns
     }
     return file;
   });
+  H5garbage_collect();  // HDF5 would keep the memory of the lists for the next file
   return true;
 }
 

@@ -125,7 +125,7 @@ class DraftingKissingTumbling(unittest.TestCase):
         """The upper sphere faster by 0.02 m/s from 0.1 s on, until they touch at 0.2 s; then the line of
         centres turns."""
         time = np.arange(0, 0.65, 1e-3)
-        d = dkt.DIAMETER
+        d = dkt.PAPERS_START.diameter
         gap = 1.2 * d * np.clip(1 - (time - 0.1) / 0.1, 0, 1)
         angle = np.where(time > 0.2, 4 * (time - 0.2), 0) if overtakes else 0 * time
         apart = (d + np.where(time < 0.1, 1.2 * d, gap))[:, None] * np.stack([np.sin(angle), 0 * time, np.cos(angle)], -1)
@@ -135,14 +135,14 @@ class DraftingKissingTumbling(unittest.TestCase):
                        velocity=np.stack([np.zeros_like(speed), np.zeros_like(speed), -speed], -1))
 
     def test_times_of_the_phases(self):
-        m = dkt.measure(None, self.series(True))
+        m = dkt.measure(dkt.run_of(dkt.COARSE), self.series(True))
         self.assertAlmostEqual(m["drafting"], 0.101, places=6)
         self.assertAlmostEqual(m["kissing"], 0.2 - 0.1 * 0.05 / 1.2, delta=1.1e-3)
         self.assertAlmostEqual(m["tumbling"], 0.2 + math.pi / 16, delta=1.1e-3)
         self.assertEqual(dkt.figures({"d9": m, "d12": m})["accuracy.dkt.order"].value, 1)
 
     def test_no_tumbling_is_seen(self):
-        m = dkt.measure(None, self.series(False))
+        m = dkt.measure(dkt.run_of(dkt.COARSE), self.series(False))
         self.assertEqual(dkt.figures({"d9": m, "d12": m})["accuracy.dkt.order"].value, 0)
 
 
