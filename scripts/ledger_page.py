@@ -9,7 +9,7 @@ h3 { font-size: 1rem; margin: 1.2rem 0 .2rem } .words { min-width: 10rem } svg {
 svg text { font: 10px system-ui, sans-serif; fill: #1d2733 } .missed { color: var(--bad); font-weight: 600 } .open { color: var(--pale) } p.warning, p.names { overflow-wrap: anywhere; font-size: .9rem }
 @media (max-width: 30rem) { td, th { padding-right: .4rem } }
 </style>"""
-WIDTH, LEFT, LINE = 360, 128, 13  # of a plot, as wide as a narrow screen; of its labels; of a row of them
+WIDTH, LEFT, LINE = 360, 140, 13  # of a plot, as wide as a narrow screen; of its labels; of a row of them
 
 
 def page(rows, form):
@@ -96,7 +96,7 @@ def strip(by_problem):
                   f"<text x='{x}' y='27' text-anchor='middle'>{tick:g}{'+' if tick == 2 else ''}</text>"]
     for i, (name, rows) in enumerate(lines.items()):
         y = 40 + LINE * i
-        parts.append(f"<text x='{LEFT - 8}' y='{y + 3}' text-anchor='end'>{said(name.removeprefix('cases/')[:23])}</text>")
+        parts.append(f"<text x='{LEFT - 8}' y='{y + 3}' text-anchor='end'>{said(name.removeprefix('cases/')[:26])}</text>")
         parts += [mark(LEFT + scale * min(row.margin, 2), y, row) for row in rows]
     return svg(bottom + 6, parts, "error over tolerance by problem")
 

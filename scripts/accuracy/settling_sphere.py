@@ -25,8 +25,8 @@ VELOCITY = 0.08                              # cells a step
 TIMES = 30                                   # diameters the sphere settles
 REGIMES = {144.0: (1.285, 0, 50), 178.46: (1.356, 0.1245, 100), 190.0: (1.376, 0.136, 100),
            250.0: (1.4604, None, 100)}       # velocity down, sideways over sqrt((rho - 1) g d); diameters it settles
-REGIME_LIMITS = {15: 8, 24: 3, 36: 2}        # by cells across
-SIDEWAYS_LIMIT = 15
+REGIME_LIMITS = {15: 4, 24: 1, 36: 1}        # percent, by cells across
+SIDEWAYS_LIMIT = 10
 SHORT_TIMES = 15
 DISTANCES = (0.5, 0.6, 0.7, 1)               # diameters from the sphere up to which cells are finest
 
