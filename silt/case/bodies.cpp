@@ -1,14 +1,11 @@
-// [[bodies]], [[fill]] and [[outflow]], with checks of bodies that arrive and leave.
+// [[bodies]], [[fill]] and [[outflow]].
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 #include <map>
 
 #include "rigid/shapes/shape.hpp"
 #include "silt/case/case_sections.hpp"
-#include "silt/case/fill_room.hpp"
 
 namespace silt {
 namespace {
@@ -267,86 +264,6 @@ void judge_fill(TableReader& table, const FillSpec& fill) {
   if (table.has("every")) table.need("box", "where the bodies come in: two corners");
 }
 
-bool meet(const rigid::BoundingBox& a, const rigid::BoundingBox& b) {
-  return (a.lower.array() < b.upper.array()).all() && (b.lower.array() < a.upper.array()).all();
-}
-
-void check_outflow(const Case& setup, Diagnostics& findings, std::size_t index) {
-  const rigid::BoundingBox& box = setup.outflows[index].box;
-  const std::string key = fmt::format("outflow[{}].box", index);
-  const std::string is = fmt::format("{} is {}", key, shown_box(setup, box));
-  if (!lies_in_domain(setup, box, 0))
-    return findings.error(key,
-                          "{}; it must lie in the domain, {}; beyond a side that is not solid_for_bodies "
-                          "bodies leave without it",
-                          is, shown_box(setup, box_of(setup)));
-  for (std::size_t i = 0; i < setup.fills.size(); ++i)
-    if (const FillSpec& fill = setup.fills[i]; fill.every > 0 && meet(box, fill.box))
-      findings.error(
-          key,
-          "{}; it meets fill[{}].box, {}, where bodies come in: they would leave at once; move them apart",
-          is, i, shown_box(setup, fill.box));
-}
-
-/// The side that a ball of constant velocity leaves through, and the step; infinite if it never leaves.
-struct WayOut {
-  double step = std::numeric_limits<double>::infinity();
-  int side = 0;
-};
-WayOut way_out(const Case& setup, const BodySpec& body) {
-  const double radius = rigid::bounding_radius(setup.shapes[body.shape]);
-  WayOut first;
-  for (int d = 0; d < 3; ++d) {
-    const double v = body.velocity[d], x = body.pose.position[d];
-    if (setup.periodic(d) || v == 0) continue;
-    const double step = ((v > 0 ? setup.cells[d] - x : x) + radius) / std::abs(v);
-    if (step < first.step) first = {step, 2 * d + (v > 0)};
-  }
-  return first;
-}
-
-/// Warns of sizes of a fill with a notable share of the mass but less than one body.
-void check_sizes(const Case& setup, Diagnostics& findings, std::size_t index) {
-  constexpr double good_part = 0.02;
-  const FillSpec& fill = setup.fills[index];
-  double mass = 0, lacking = 0, rarest = 1, largest = 0, below = 0;
-  for (std::size_t size = 0; size < fill.sizes.size(); ++size) {
-    const double share = fill.sizes[size].up_to - below;
-    below = fill.sizes[size].up_to;
-    const rigid::Shape& shape = setup.shapes[fill.sizes[size].shape];
-    const double of_size = share * rigid::mass_properties(shape).volume;
-    mass += of_size;
-    if (share == 0 || FillApplication(index, 0, size).count(fill) > 0) continue;
-    lacking += of_size, rarest = std::min(rarest, share), largest = sphere_of_volume(shape);
-  }
-  if (fill.count == 0 || fill.every > 0 || !(lacking > good_part * mass)) return;
-  const std::string key = fmt::format("fill[{}].count", index);
-  findings.warning(key,
-                   "{} is {}, too few for every size: there is none with a diameter of {}, although sizes "
-                   "that are missing have {:.0f} % of the mass: use {} or more",
-                   key, fill.count, shown_length(setup, largest), 100 * lacking / mass,
-                   shown(rounded_up(1 / rarest)));
-}
-
-/// Reports bodies of prescribed motion that leave the domain, with one message per entry.
-void check_prescribed(const Case& setup, Diagnostics& findings) {
-  int said_of = -1;
-  for (const BodySpec& body : setup.bodies) {
-    const WayOut out = way_out(setup, body);
-    if (body.motion != rigid::Motion::prescribed || body.entry == said_of ||
-        !(out.step < static_cast<double>(setup.steps)))
-      continue;
-    said_of = body.entry;
-    const std::string key = entry_key(body.entry) + ".velocity";
-    findings.warning(
-        key,
-        "{} takes the body out of the domain past {} by step {:.0f} of {}: {}; end the run before, or make "
-        "it slower",
-        key, coupler::side_names[coupler::Side(out.side)], std::ceil(out.step), setup.steps,
-        setup.boundary[out.side].removes_bodies() ? "it is taken out there" : "the run stops there");
-  }
-}
-
 }  // namespace
 
 std::vector<KeySection> body_sections() {
@@ -382,22 +299,6 @@ void read_bodies(TableReader& root, Case& setup) {
     OutflowSpec& outflow = setup.outflows.emplace_back();
     read_keys(table, outflow, outflow_keys);
     outflow.box.upper = snapped(outflow.box.upper, setup.cells);
-  }
-}
-
-void find_turnover_faults(const Case& setup, Diagnostics& findings) {
-  for (std::size_t i = 0; i < setup.outflows.size(); ++i) check_outflow(setup, findings, i);
-  check_prescribed(setup, findings);
-  if (!setup.outflows.empty() && !setup.has_free_bodies())
-    findings.warning("outflow", "outflow: the case has no free bodies, and no others leave");
-  for (std::size_t i = 0; i < setup.fills.size(); ++i) {
-    const FillSpec& fill = setup.fills[i];
-    check_sizes(setup, findings, i);
-    const std::string key = fmt::format("fill[{}].every", i);
-    if (fill.every == 0) continue;
-    if (fill.every >= setup.steps)
-      findings.warning(key, "{} is {}, of {} steps in all: bodies come at the start only", key, fill.every,
-                       setup.steps);
   }
 }
 

@@ -24,7 +24,7 @@ void put_at(BodySpec& body, const rigid::Vec3& point, const rigid::Extent& exten
       centre[d] -= extent.size[d] * std::floor(centre[d] / extent.size[d]);
 }
 
-Place Case::place(std::string path) const {
+Place CaseRecord::place(std::string path) const {
   for (;;) {
     if (const auto found = places.find(path); found != places.end()) return found->second;
     const auto cut = path.find_last_of(".[");

@@ -144,48 +144,44 @@ struct ContactSpec {
   double margin = 1.0;
 };
 
-struct Case : coupler::FlowSpec {
-  // text: case.toml as read, then files and --set arguments as comments, for provenance
+/// What was read, for provenance and messages.
+struct CaseRecord {
+  // text: case.toml as read, then files and --set arguments as comments
   std::string title, text;
   std::vector<std::string> files;      // AttachedFile::fingerprint of each named file, in order
   std::vector<std::string> overrides;  // the --set arguments
   std::filesystem::path directory;
-  Units units;
+  std::vector<Diagnostic> warnings;     // from reading
+  std::map<std::string, Place> places;  // of every key by its path: "fluid.density", "bodies[2].position"
 
-  ContactSpec contacts;
-  rigid::Vec3 gravity = rigid::Vec3::Zero();
-  rigid::OverTime gravity_over_time;
-  rigid::Vec3 gravity_at(double time) const { return gravity_over_time.at(time) * gravity; }
+  /// Returns the place of a key or, if it is not in the file, of the table to which it belongs.
+  Place place(std::string path) const;
+};
 
+/// The materials, shapes and kinds to which the bodies of a case refer.
+struct BodyCatalogue {
   // material 0 is "default": that of walls, and of bodies that name none
   std::vector<std::string> shape_names, material_names;
   rigid::ShapeList shapes;                      // each about its centre of mass
   std::vector<rigid::Vec3> shape_origins;       // origins of the case, in the frames of the shapes
   std::vector<rigid::Material> pair_materials;  // material_names.size()^2
-  std::vector<BodySpec> bodies;
-  std::vector<FiledBodies> filed;
-  std::optional<StartSpec> start;
-  std::vector<ContinuedSpec> continued;  // of the entries whose bodies come from there; without a place
-  std::vector<FillSpec> fills;
-  std::vector<OutflowSpec> outflows;
-  std::vector<coupler::SpringSpec> springs;
-  std::vector<CurvedWall> walls;  // other than the sides of the domain
   // names of [[bodies]] and [[fill]] entries ("light spheres", by default the shape's name); entries of one
   // name form a kind and have one shape
   std::vector<std::string> kind_names;
   std::vector<int> kind_shapes;
   std::vector<rigid::LockedAxes> kind_locks;            // per kind; empty: no kind has any
   std::map<int, rigid::PrescribedMotion> kind_motions;  // of kinds with a prescribed motion
+};
 
-  std::int64_t steps = 0;
-  std::optional<SteadySpec> steady;
-  std::int64_t balance_every = 0;  // steps between checks of load balance; 0: none
-  OutputSpec output;
-  std::vector<QuantitySpec> quantities;
-  std::vector<Diagnostic> warnings;     // from reading
-  std::map<std::string, Place> places;  // of every key by its path: "fluid.density", "bodies[2].position"
-  /// Returns the place of a key or, if it is not in the file, of the table to which it belongs.
-  Place place(std::string path) const;
+/// The bodies of a case, and how they come and leave.
+struct CaseBodies {
+  std::vector<BodySpec> bodies;
+  std::vector<FiledBodies> filed;
+  std::optional<StartSpec> start;
+  std::vector<ContinuedSpec> continued;  // of the entries whose bodies come from there; without a place
+  std::vector<FillSpec> fills;
+  std::vector<OutflowSpec> outflows;
+
   bool has_bodies() const {
     return !bodies.empty() || !filed.empty() || !fills.empty() || !continued.empty();
   }
@@ -210,6 +206,25 @@ struct Case : coupler::FlowSpec {
   bool has_sizes() const {  // within a kind
     return std::ranges::any_of(fills, [](const FillSpec& fill) { return fill.sizes.size() > 1; });
   }
+};
+
+struct Case : coupler::FlowSpec, CaseRecord, BodyCatalogue, CaseBodies {
+  Units units;
+
+  ContactSpec contacts;
+  rigid::Vec3 gravity = rigid::Vec3::Zero();
+  rigid::OverTime gravity_over_time;
+  rigid::Vec3 gravity_at(double time) const { return gravity_over_time.at(time) * gravity; }
+
+  std::vector<coupler::SpringSpec> springs;
+  std::vector<CurvedWall> walls;  // other than the sides of the domain
+
+  std::int64_t steps = 0;
+  std::optional<SteadySpec> steady;
+  std::int64_t balance_every = 0;  // steps between checks of load balance; 0: none
+  OutputSpec output;
+  std::vector<QuantitySpec> quantities;
+
   bool bodies_leave() const {
     return !outflows.empty() || std::ranges::any_of(boundary, &coupler::BoundarySpec::removes_bodies);
   }
