@@ -23,16 +23,17 @@ constexpr hsize_t least_rows = 1 << 12, most_rows = 1 << 20;
 std::vector<Column> body_columns(const BodySeriesInfo& info) {
   const std::string &l = info.length, &t = info.time, &m = info.mass;
   const std::string force = m + " " + l + "/" + t + "^2", torque = m + " " + l + "^2/" + t + "^2";
-  const std::string of_fluid =
-      "what the fluid gave the body in the step, and what a program added; without gravity and without the "
-      "fluid's hydrostatic pressure";
-  const std::string of_springs = "of springs and dampers in the step";
-  const std::string of_contacts =
-      "of contacts and lubrication films in the step; nan of bodies that are not free";
   std::vector<Column> columns;
   const auto add = [&](const char* name, auto member, const std::string& unit = "",
                        const std::string& meaning = "") {
     columns.push_back(hdf5::column_of<BodyRow>(name, member, unit, meaning));
+  };
+  const auto add_wrench = [&](const std::string& prefix, Wrench BodyRow::*of, const std::string& meaning) {
+    for (const auto& [name, part, unit] :
+         {std::tuple{"force", &Wrench::force, force}, {"torque", &Wrench::torque, torque}}) {
+      columns.push_back(hdf5::column_of<Wrench>(prefix + name, part, unit, meaning));
+      columns.back().offset += hdf5::offset_of<BodyRow>(of);
+    }
   };
   add("id", &BodyRow::id);
   add("kind", &BodyRow::kind);
@@ -41,22 +42,19 @@ std::vector<Column> body_columns(const BodySeriesInfo& info) {
   add("orientation", &BodyRow::orientation, "quaternion w, x, y, z");
   add("velocity", &BodyRow::velocity, l + "/" + t);
   add("angular_velocity", &BodyRow::angular_velocity, "rad/" + t);
-  add("force", &BodyRow::force, force, of_fluid);
-  add("torque", &BodyRow::torque, torque, of_fluid);
+  add_wrench("", &BodyRow::load,
+             "what the fluid gave the body in the step, and what a program added; without gravity and "
+             "without the fluid's hydrostatic pressure");
   add("mass", &BodyRow::mass, m);
   if (info.columns.buoyancy)
     add("buoyancy", &BodyRow::buoyancy, force,
         "of the fluid's hydrostatic pressure: the weight of the fluid displaced, upwards");
   if (info.columns.scale)
     add("scale", &BodyRow::scale, "1", "lengths of the body over those of the surface of its kind");
-  if (info.columns.springs) {
-    add("spring_force", &BodyRow::spring_force, force, of_springs);
-    add("spring_torque", &BodyRow::spring_torque, torque, of_springs);
-  }
-  if (info.columns.contacts) {
-    add("contact_force", &BodyRow::contact_force, force, of_contacts);
-    add("contact_torque", &BodyRow::contact_torque, torque, of_contacts);
-  }
+  if (info.columns.springs) add_wrench("spring_", &BodyRow::springs, "of springs and dampers in the step");
+  if (info.columns.contacts)
+    add_wrench("contact_", &BodyRow::contacts,
+               "of contacts and lubrication films in the step; nan of bodies that are not free");
   return columns;
 }
 
@@ -65,28 +63,6 @@ std::vector<Column> time_columns(const std::string& unit) {
           hdf5::column_of<TimeRow>("count", &TimeRow::count),
           hdf5::column_of<TimeRow>("step", &TimeRow::step),
           hdf5::column_of<TimeRow>("time", &TimeRow::time, unit)};
-}
-
-// ---- rows of extensible columns ----
-
-/// Creates columns of `rows` rows that may grow to `room` rows. Their space is allocated now, so that growing
-/// changes only the number of rows in each header.
-void create_columns(File& file, const std::string& group, const std::vector<Column>& columns, hsize_t rows,
-                    hsize_t room) {
-  for (const Column& c : columns) {
-    const Handle data =
-        file.create_dataset(group + c.name, c.stored_type(), hdf5::table_shape(rows, c.components),
-                            {hdf5::table_shape(room, c.components), true});
-    if (!c.unit.empty()) file.attribute(data, "unit", c.unit);
-    if (!c.meaning.empty()) file.attribute(data, "meaning", c.meaning);
-  }
-}
-
-void resize(File& file, hid_t dataset, hsize_t rows) {
-  auto shape = file.shape(dataset);
-  if (shape[0] == rows) return;
-  shape[0] = rows;
-  file.check(H5Dset_extent(dataset, shape.data()), "cannot resize a dataset (is the disk full?)");
 }
 
 // ---- the kinds ----
@@ -165,8 +141,8 @@ void create_file(const hdf5::Path& path, const BodySeriesInfo& info, const Prove
   file.numbers(root, "domain_lower", info.domain_lower);
   file.numbers(root, "domain_upper", info.domain_upper);
   file.create_group("/bodies");
-  create_columns(file, "/", time_columns(info.time), 1, time_room);
-  create_columns(file, "/bodies/", body_columns(info), rows, row_room);
+  hdf5::create_columns(file, "/", time_columns(info.time), 1, time_room);
+  hdf5::create_columns(file, "/bodies/", body_columns(info), rows, row_room);
   if (provenance) {
     write_kinds(file, info);
     file.write_provenance(*provenance);
@@ -265,9 +241,9 @@ void BodySeries::Open::cut_after(std::int64_t step) {
   n_times = table.size();
   n_rows = table.back().offset + table.back().count;
   last_step = table.back().step;
-  for (const Handle& data : times) resize(file, data, n_times);
+  for (const Handle& data : times) hdf5::resize(file, data, n_times);
   if (n_rows > 0)  // a column keeps its allocated space only while it has rows
-    for (const Handle& data : bodies) resize(file, data, n_rows);
+    for (const Handle& data : bodies) hdf5::resize(file, data, n_rows);
   file.flush();
 }
 
@@ -277,7 +253,7 @@ void BodySeries::Open::append(double time, std::int64_t step, std::uint64_t rows
     std::vector<std::byte> value;
     hdf5::gather_column<TimeRow>(
         of_times[k], 1, [&](auto) { return now; }, value);
-    resize(file, times[k], n_times + 1);
+    hdf5::resize(file, times[k], n_times + 1);
     write_rows(file, times[k], of_times[k], n_times, value);
   }
   file.flush();
@@ -375,7 +351,7 @@ void BodySeries::append(std::int64_t step, double time, std::size_t n,
     std::uint64_t first = 0;
     parallel::on_rank_0(comm_, [&] {
       first = file->n_rows;
-      resize(file->file, file->bodies[k], first + order.total);
+      hdf5::resize(file->file, file->bodies[k], first + order.total);
     });
     std::vector<std::byte> values;
     parallel::together(comm_, [&] {

@@ -32,6 +32,11 @@ struct BodyKind {
   std::vector<TriangleMesh> parts;
 };
 
+/// A force and a torque about the centre of mass; world frame.
+struct Wrench {
+  std::array<double, 3> force, torque;
+};
+
 /// A body at one time, in the units of the case.
 struct BodyRow {
   std::uint64_t id;
@@ -39,10 +44,9 @@ struct BodyRow {
   std::array<std::int32_t, 3> image;  // position + image * period is the unwrapped path
   std::array<double, 3> position;     // of the centre of mass, wrapped into the domain
   std::array<double, 4> orientation;  // w, x, y, z; body to world
-  std::array<double, 3> velocity, angular_velocity, force,
-      torque;  // world frame; torque about the centre of mass
+  std::array<double, 3> velocity, angular_velocity, buoyancy;  // world frame
+  Wrench load, contacts, springs;                              // load: of the fluid, and added by a program
   double mass;
-  std::array<double, 3> buoyancy, contact_force, contact_torque, spring_force, spring_torque;
   double scale = 1;  // size relative to the surface of its kind
 };
 

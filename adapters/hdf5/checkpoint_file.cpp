@@ -162,12 +162,11 @@ void CheckpointWriter::cells(const std::string& name, Storage storage, std::arra
       [&](int q) { return slabs.pack(value, [&](std::size_t box, void* out) { fill(q, box, out); }); });
 }
 
-void CheckpointWriter::list(const std::string& name, Storage storage, std::array<int, 3> tiles,
-                            int components, const CellBox& box, std::span<const std::uint32_t> counts,
-                            const std::function<void(int, void*)>& fill) {
-  const hdf5::TileRuns runs = hdf5::runs_of_tiles(state_->comm, tiles, box, counts);
+void CheckpointWriter::list(const std::string& name, Storage storage, const ListedTiles& tiles,
+                            int components, const std::function<void(int, void*)>& fill) {
+  const hdf5::TileRuns runs = hdf5::runs_of_tiles(state_->comm, tiles);
   const SliceExchange slices(state_->comm, runs.total, runs.mine);
-  const std::size_t entries = std::accumulate(counts.begin(), counts.end(), std::size_t{0});
+  const std::size_t entries = std::accumulate(tiles.counts.begin(), tiles.counts.end(), std::size_t{0});
   state_->add_components("/cells/" + name, storage, {hsize_t(components), runs.total}, components, slices,
                          [&](int q) {
                            std::vector<std::byte> packed(entries * H5Tget_size(hdf5::type_of(storage)));
@@ -343,10 +342,9 @@ void CheckpointReader::cells(const std::string& name, Storage storage, const std
   });
 }
 
-void CheckpointReader::list(const std::string& name, Storage storage, std::array<int, 3> tiles,
-                            int components, const CellBox& box, std::span<const std::uint32_t> counts,
-                            const std::function<void(int, const void*)>& take) const {
-  const hdf5::TileRuns runs = hdf5::runs_of_tiles(state_->comm, tiles, box, counts);
+void CheckpointReader::list(const std::string& name, Storage storage, const ListedTiles& tiles,
+                            int components, const std::function<void(int, const void*)>& take) const {
+  const hdf5::TileRuns runs = hdf5::runs_of_tiles(state_->comm, tiles);
   const std::string full = "/cells/" + name;
   const hdf5::Place place = state_->place_of(*this, full, storage, [&] {
     if (state_->file->shape(state_->file->dataset(full)) != hdf5::Shape{hsize_t(components), runs.total})

@@ -81,9 +81,9 @@ class CheckpointWriter {
              const std::function<void(int q, std::size_t box, void* out)>& fill);
 
   /// Writes a list of cells with `components` populations each, by tiles of a lattice in the order z, y, x.
-  /// This rank's tiles form a box; counts: their entries. fill(q, out) writes population q, tile by tile.
-  void list(const std::string& name, Storage, std::array<int, 3> tiles, int components, const CellBox& box,
-            std::span<const std::uint32_t> counts, const std::function<void(int q, void* out)>& fill);
+  /// fill(q, out) writes population q, tile by tile.
+  void list(const std::string& name, Storage, const ListedTiles&, int components,
+            const std::function<void(int q, void* out)>& fill);
 
   /// Writes the bodies of all ranks with stored impulses and the named columns of attached state. Each rank
   /// sorts and writes a slice, column by column.
@@ -130,8 +130,7 @@ class CheckpointReader {
              const std::function<void(int q, std::size_t box, const void* in)>& take) const;
 
   /// Reads a list, the counterpart of CheckpointWriter::list. Storage format and total length must agree.
-  void list(const std::string& name, Storage, std::array<int, 3> tiles, int components, const CellBox& box,
-            std::span<const std::uint32_t> counts,
+  void list(const std::string& name, Storage, const ListedTiles&, int components,
             const std::function<void(int q, const void* in)>& take) const;
   bool has_cells(const std::string& name) const;
 

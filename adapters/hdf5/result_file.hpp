@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -26,6 +27,13 @@ struct Provenance {
 
 /// Boxes are in global cell coordinates; those of different ranks must not overlap.
 using lbm::CellBox;
+
+/// This rank's tiles of a lattice, which form a box, and the entries that each has in a list, by z, y, x.
+struct ListedTiles {
+  std::array<int, 3> lattice;
+  CellBox box;
+  std::span<const std::uint32_t> counts;
+};
 
 /// The number type of a stored cell value.
 enum class Storage { single, double_, byte };

@@ -89,10 +89,9 @@ void SlabExchange::unpack(const std::vector<std::byte>& packed, std::size_t elem
     if (!of_box[b].empty()) take(b, of_box[b].data());
 }
 
-TileRuns runs_of_tiles(MPI_Comm comm, std::array<int, 3> tiles, const CellBox& box,
-                       std::span<const std::uint32_t> counts) {
-  const SlabExchange slabs(comm, tiles, {box});
-  const auto bytes = std::as_bytes(counts);
+TileRuns runs_of_tiles(MPI_Comm comm, const ListedTiles& tiles) {
+  const SlabExchange slabs(comm, tiles.lattice, {tiles.box});
+  const auto bytes = std::as_bytes(tiles.counts);
   const auto slab = slabs.slices().to_slice(sizeof(std::uint32_t), {bytes.begin(), bytes.end()});
   std::vector<std::uint32_t> counts_here(slab.size() / sizeof(std::uint32_t));
   std::memcpy(counts_here.data(), slab.data(), slab.size());
@@ -103,9 +102,9 @@ TileRuns runs_of_tiles(MPI_Comm comm, std::array<int, 3> tiles, const CellBox& b
   for (std::size_t tile = 0; tile < counts_here.size(); first += counts_here[tile++])
     std::memcpy(&firsts[tile * sizeof first], &first, sizeof first);
   firsts = slabs.slices().from_slice(sizeof first, firsts);
-  for (std::size_t tile = 0; tile < counts.size(); ++tile) {
+  for (std::size_t tile = 0; tile < tiles.counts.size(); ++tile) {
     std::memcpy(&first, &firsts[tile * sizeof first], sizeof first);
-    if (counts[tile] > 0) append_run(runs.mine, {first, counts[tile]});
+    if (tiles.counts[tile] > 0) append_run(runs.mine, {first, tiles.counts[tile]});
   }
   return runs;
 }

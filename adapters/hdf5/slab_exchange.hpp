@@ -56,8 +56,6 @@ struct TileRuns {
   std::vector<SliceExchange::Run> mine;
 };
 
-/// Collective. Each rank has a box of the lattice of tiles; `counts` are the entries of this rank's tiles.
-TileRuns runs_of_tiles(MPI_Comm, std::array<int, 3> tiles, const CellBox& box,
-                       std::span<const std::uint32_t> counts);
+TileRuns runs_of_tiles(MPI_Comm, const ListedTiles&);  // collective
 
 }  // namespace silt::adapters::hdf5

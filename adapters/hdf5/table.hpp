@@ -6,6 +6,7 @@
 #include <string>
 #include <type_traits>
 #include <utility>
+#include <vector>
 
 #include "adapters/hdf5/file.hpp"
 
@@ -97,6 +98,26 @@ inline void write_rows(const File& file, hid_t dataset, const Column& c, hsize_t
     file.check(H5Dwrite(dataset, c.stored_type(), memory, space, H5P_DEFAULT, values.data()),
                "cannot write " + c.name + " (is the disk full?)");
   });
+}
+
+/// Creates columns of `rows` rows that may grow to `room` rows. Their space is allocated now, so that growing
+/// changes only the number of rows in each header.
+inline void create_columns(File& file, const std::string& group, const std::vector<Column>& columns,
+                           hsize_t rows, hsize_t room) {
+  for (const Column& c : columns) {
+    const Handle data =
+        file.create_dataset(group + c.name, c.stored_type(), hdf5::table_shape(rows, c.components),
+                            {hdf5::table_shape(room, c.components), true});
+    if (!c.unit.empty()) file.attribute(data, "unit", c.unit);
+    if (!c.meaning.empty()) file.attribute(data, "meaning", c.meaning);
+  }
+}
+
+inline void resize(File& file, hid_t dataset, hsize_t rows) {
+  auto shape = file.shape(dataset);
+  if (shape[0] == rows) return;
+  shape[0] = rows;
+  file.check(H5Dset_extent(dataset, shape.data()), "cannot resize a dataset (is the disk full?)");
 }
 
 }  // namespace silt::adapters::hdf5

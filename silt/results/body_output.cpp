@@ -30,15 +30,23 @@ adapters::BodySeriesInfo series_info(const Simulation& simulation) {
   return info;
 }
 
-/// Returns the load of contacts; NaN for a body that is not free, whose load this rank does not know.
-std::array<double, 3> known_of_free(bool free, const Vec3& v, double scale) {
-  return free ? scaled(v, scale) : scaled(Vec3::Ones(), std::numeric_limits<double>::quiet_NaN());
+adapters::Wrench scaled(const coupler::BodyLoad& load, const Units& units) {
+  return {scaled(load.force, units.scale(dimension::force)),
+          scaled(load.torque, units.scale(dimension::torque))};
 }
 
-adapters::BodyRow body_row(const rigid::BodySet& bodies, std::size_t row, const coupler::BodyLoad& load,
-                           const coupler::BodyLoad& contact, const coupler::BodyLoad& spring,
-                           const Vec3& gravity, const Units& units) {
-  const double newton = units.scale(dimension::force), newton_metre = units.scale(dimension::torque);
+/// The loads of the last step, by row.
+struct Loads {
+  std::vector<coupler::BodyLoad> fluid, contacts, springs;
+};
+
+adapters::BodyRow body_row(const Simulation& simulation, std::size_t row, const Loads& loads,
+                           const Vec3& gravity) {
+  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+  const rigid::BodySet& bodies = simulation.bodies();
+  const Case& setup = simulation.setup();
+  const Units& units = setup.units;
+  const std::vector<double>& radii = simulation.scene().world.bounding_radii;
   const rigid::Quat& q = bodies.orientation[row];
   adapters::BodyRow r;
   r.id = bodies.id[row];
@@ -48,14 +56,13 @@ adapters::BodyRow body_row(const rigid::BodySet& bodies, std::size_t row, const 
   r.orientation = {q.w(), q.x(), q.y(), q.z()};
   r.velocity = scaled(bodies.velocity[row], units.scale(dimension::velocity));
   r.angular_velocity = scaled(bodies.angular_velocity[row], units.scale(dimension::angular_velocity));
-  r.force = scaled(load.force, newton);
-  r.torque = scaled(load.torque, newton_metre);
+  r.buoyancy = scaled(-bodies.displaced_mass(row) * gravity, units.scale(dimension::force));
+  r.load = scaled(loads.fluid[row], units);
+  r.contacts = {{nan, nan, nan}, {nan, nan, nan}};  // of a body that is not free this rank does not know it
+  if (bodies.is_dynamic(row)) r.contacts = scaled(loads.contacts[row], units);
+  r.springs = scaled(loads.springs[row], units);
   r.mass = units.scale(dimension::mass) * bodies.mass[row];
-  r.buoyancy = scaled(-bodies.displaced_mass(row) * gravity, newton);
-  r.contact_force = known_of_free(bodies.is_dynamic(row), contact.force, newton);
-  r.contact_torque = known_of_free(bodies.is_dynamic(row), contact.torque, newton_metre);
-  r.spring_force = scaled(spring.force, newton);
-  r.spring_torque = scaled(spring.torque, newton_metre);
+  r.scale = radii[bodies.shape[row]] / radii[setup.kind_shapes[r.kind]];
   return r;
 }
 
@@ -87,20 +94,12 @@ BodyOutput::BodyOutput(const Simulation& simulation, const std::filesystem::path
               resumed ? std::optional(simulation.steps_done()) : std::nullopt) {}
 
 void BodyOutput::append(const Simulation& simulation) {
-  const rigid::BodySet& bodies = simulation.bodies();
-  const Units& units = simulation.setup().units;
-  const auto loads = simulation.last_loads(), contacts = simulation.last_contact_loads(),
-             springs = simulation.last_spring_loads();
-  const std::vector<double>& radii = simulation.scene().world.bounding_radii;
-  const std::vector<int>& kind_shapes = simulation.setup().kind_shapes;
+  const Loads loads{simulation.last_loads(), simulation.last_contact_loads(), simulation.last_spring_loads()};
   const std::int64_t step = simulation.steps_done();
   const Vec3 gravity = simulation.setup().gravity_at(double(step) - (step > 0 ? 0.5 : -0.5));  // of the step
   parallel::with_file_name(path_.string(), [&] {
-    series_.append(step, double(step) * units.time_step, bodies.owned, [&](std::size_t row) {
-      adapters::BodyRow r = body_row(bodies, row, loads[row], contacts[row], springs[row], gravity, units);
-      r.scale = radii[bodies.shape[row]] / radii[kind_shapes[r.kind]];
-      return r;
-    });
+    series_.append(step, double(step) * simulation.setup().units.time_step, simulation.bodies().owned,
+                   [&](std::size_t row) { return body_row(simulation, row, loads, gravity); });
   });
 }
 

@@ -154,11 +154,10 @@ SavedState numbers_of(const Simulation& simulation) {
   return state;
 }
 
-void write_state(CheckpointWriter& writer, const Simulation& simulation, const Quantities& quantities,
-                 const std::optional<SteadyWatch>& steady) {
+void write_state(CheckpointWriter& writer, const Simulation& simulation, const RunHistory& run) {
   const Case& setup = simulation.setup();
   SavedState state = numbers_of(simulation);
-  const auto history = quantities.history(simulation);
+  const auto history = run.quantities.history(simulation);
   writer.set("time", double(state.step) * setup.units.time_step);
   writer.set("overrides", joined_lines(setup.overrides));
   writer.set("files", joined_lines(setup.files));
@@ -169,14 +168,14 @@ void write_state(CheckpointWriter& writer, const Simulation& simulation, const Q
     for (std::size_t k = 0; k < history[i].size(); ++k) writer.set(history_name(q, k), history[i][k]);
     writer.set(definition_name(history_name(q, 0)), definition_of(q));
   }
-  visit_means(setup, quantities.means(),
+  visit_means(setup, run.quantities.means(),
               [&](const std::string& name, const std::string& definition, const StepMean& mean) {
                 writer.set(name + ".sum", mean.sum), writer.set(name + ".count", mean.count);
                 writer.set(definition_name(name), definition);
               });
-  if (steady) {
+  if (run.steady) {
     writer.set(definition_name(watch_name), definition_of(setup, *setup.steady));
-    SteadyWatch::State watch = steady->state();
+    SteadyWatch::State watch = run.steady->state();
     visit_steady_watch(watch, Write{writer});
   }
   if (const coupler::Flow* flow = simulation.scene().flow.get()) {
@@ -203,16 +202,14 @@ std::vector<adapters::AttachedColumn> saved_columns() {
   return columns;
 }
 
-std::filesystem::path write_checkpoint(const Simulation& simulation, const Quantities& quantities,
+std::filesystem::path write_checkpoint(const Simulation& simulation, const RunHistory& run,
                                        const std::filesystem::path& folder,
-                                       const adapters::Provenance& provenance,
-                                       const std::optional<SteadyWatch>& steady, const std::string& name,
-                                       const FlowMean* mean) {
+                                       const adapters::Provenance& provenance, const std::string& name) {
   const auto path = adapters::step_path(folder, name, simulation.steps_done(), ".h5");
   parallel::with_file_name(path.string(), [&] {
     CheckpointWriter writer(simulation.scene().comm, path, provenance);
-    write_state(writer, simulation, quantities, steady);
-    if (mean) mean->save(writer, simulation);
+    write_state(writer, simulation, run);
+    if (run.mean) run.mean->save(writer, simulation);
     std::vector<std::filesystem::path> before = adapters::body_series_files(folder / "bodies.h5");
     before.insert(before.end(), {folder / "series.csv", folder / "departures.csv"});
     const OutputSpec& output = simulation.setup().output;

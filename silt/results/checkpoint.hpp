@@ -16,14 +16,20 @@
 
 namespace silt {
 
+/// What a run has accumulated over its steps, besides the state.
+struct RunHistory {
+  const Quantities& quantities;
+  const SteadyWatch* steady = nullptr;
+  const FlowMean* mean = nullptr;
+};
+
 /// Writes FOLDER/checkpoint_STEP.h5, keeps the case's number of checkpoints, and returns the path. Files with
 /// another `name` (stopped_STEP.h5 is the state at which a guard stopped) are not counted, and resume uses
 /// them only with --checkpoint. Collective. Throws std::runtime_error on every rank and leaves earlier
 /// checkpoints untouched.
-std::filesystem::path write_checkpoint(const Simulation&, const Quantities&,
+std::filesystem::path write_checkpoint(const Simulation&, const RunHistory&,
                                        const std::filesystem::path& folder, const adapters::Provenance&,
-                                       const std::optional<SteadyWatch>& = {},
-                                       const std::string& name = "checkpoint", const FlowMean* = nullptr);
+                                       const std::string& name = "checkpoint");
 
 /// Returns what the checkpoint stores about its case, for case_to_resume.
 CaseOrigin read_origin(const adapters::CheckpointReader&);

@@ -185,8 +185,8 @@ void write_cells(CheckpointWriter& writer, const Case& setup, const coupler::Flo
   });
   flow.for_levels([&](const coupler::FluidFields& fields) {
     const CellList list = list_of(tiles, fields);
-    writer.list(list_name(fields.level()), storage_of(setup), tiles.lattice, lbm::D3Q19::directions,
-                tiles.box, list.counts, [&](int q, void* out) {
+    writer.list(list_name(fields.level()), storage_of(setup), {tiles.lattice, tiles.box, list.counts},
+                lbm::D3Q19::directions, [&](int q, void* out) {
                   for (int b = 0; b < fields.blocks(); ++b)
                     take(fields, b, q, static_cast<T*>(out),
                          [&](std::size_t n) { return list.places[b][n]; });
@@ -205,8 +205,8 @@ void read_cells(const CheckpointReader& reader, const Case& setup, coupler::Flow
   for (int level = 0; level < flow.levels(); ++level) {
     coupler::FluidFields& fields = flow.fields(level);
     const CellList list = list_of(tiles, fields);
-    reader.list(list_name(level), storage_of(setup), tiles.lattice, lbm::D3Q19::directions, tiles.box,
-                list.counts, [&](int q, const void* in) {
+    reader.list(list_name(level), storage_of(setup), {tiles.lattice, tiles.box, list.counts},
+                lbm::D3Q19::directions, [&](int q, const void* in) {
                   for (int b = 0; b < fields.blocks(); ++b)
                     give(reader, fields, b, q, static_cast<const T*>(in),
                          [&](std::size_t n) { return list.places[b][n]; });

@@ -125,8 +125,9 @@ void RunOutputs::write_rows() {
 std::filesystem::path RunOutputs::write_state(const std::string& name) {
   log_departures();
   write_rows();
-  return silt::write_checkpoint(simulation_, *run_.quantities, folder_, provenance_, run_.steady, name,
-                                run_.mean ? &*run_.mean : nullptr);
+  const RunHistory history{*run_.quantities, run_.steady ? &*run_.steady : nullptr,
+                           run_.mean ? &*run_.mean : nullptr};
+  return silt::write_checkpoint(simulation_, history, folder_, provenance_, name);
 }
 
 void RunOutputs::write_checkpoint() {

@@ -39,7 +39,7 @@ class Saved {
  public:
   explicit Saved(const Simulation& simulation) : Saved(simulation, Quantities(simulation.setup())) {}
   Saved(const Simulation& simulation, const Quantities& quantities)
-      : path_(write_checkpoint(simulation, quantities, scratch_.path(),
+      : path_(write_checkpoint(simulation, {quantities}, scratch_.path(),
                                provenance_of(simulation.setup(), tests::ranks(), "auto"))) {}
 
   const std::filesystem::path& path() const { return path_; }

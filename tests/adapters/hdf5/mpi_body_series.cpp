@@ -47,12 +47,11 @@ std::vector<BodyRow> bodies(int step, int rank, int ranks) {
     for (int d = 0; d < 3; ++d) {
       r.position[d] = id + 0.1 * d + 0.001 * step;
       r.velocity[d] = std::sin(id * step + d);
-      r.force[d] = -id * d;
+      r.load.force[d] = -id * d;
     }
     r.orientation = {1, 0, 0, 1e-3 * step};
     r.mass = 0.5 * id;
-    r.contact_force = {0, double(id), 0};
-    r.contact_torque = {0, -double(step), 0};
+    r.contacts = {{0, double(id), 0}, {0, -double(step), 0}};
     rows.push_back(r);
   }
   return rows;

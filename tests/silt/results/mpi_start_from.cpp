@@ -45,8 +45,8 @@ TEST(Resume, AChangedCaseIsNotResumed) {
   MPI_Barrier(MPI_COMM_WORLD);
   const Case scene = read_case(directory, {"contacts.friction=0.25"});
   Simulation simulation(scene, MPI_COMM_WORLD);
-  const auto path =
-      write_checkpoint(simulation, Quantities(scene), scratch.path(), provenance_of(scene, ranks(), "auto"));
+  const auto path = write_checkpoint(simulation, {Quantities(scene)}, scratch.path(),
+                                     provenance_of(scene, ranks(), "auto"));
   const adapters::CheckpointReader reader(MPI_COMM_WORLD, path);
   const Case again = resumed(reader, directory, {"run.steps=900"});
   EXPECT_EQ(again.steps, 900);
@@ -95,7 +95,7 @@ TEST(Resume, ARunGoesOnOnlyWithTheFilesItBeganWith) {
   EXPECT_NEAR(rigid::mass_properties(scene.shapes[0]).volume, 4 * 4 * 4 / 6., 1e-12);
   EXPECT_TEXT(scene.text, "\n# file rock.stl: ");
   Simulation simulation(scene, MPI_COMM_WORLD);
-  const auto path = write_checkpoint(simulation, Quantities(scene), scratch.path(),
+  const auto path = write_checkpoint(simulation, {Quantities(scene)}, scratch.path(),
                                      provenance_of(scene, tests::ranks(), "auto"));
   const adapters::CheckpointReader reader(MPI_COMM_WORLD, path);
   EXPECT_EQ(resumed(reader, directory, {}).files, scene.files);
