@@ -130,8 +130,8 @@ void BodyTurnover::let_come(Scene& scene, std::int64_t steps_done, coupler::Body
   const auto shapes = centred_shapes(scene.setup);
   rigid::BodySet& bodies = scene.bodies;
   for (const AppliedFill& fill : arrivals) {
-    expected_.add(fill.first_id, fill.total, scene.rank, scene.ranks);
-    if (scene.rank == 0) counters.arrived += fill.total, counters.refused += fill.refused;
+    expected_.add(fill.first_id, fill.total, scene.rank(), scene.ranks());
+    if (scene.rank() == 0) counters.arrived += fill.total, counters.refused += fill.refused;
     fill.for_each([&](rigid::BodyId id, const BodySpec& body) {
       const std::size_t row = bodies.owned++;
       bodies.insert(row, {});

@@ -19,7 +19,7 @@ std::vector<coupler::WorkItem> in_tiles(const Scene& scene, std::int64_t work_of
   const lbm::Domain view = scene.level_view();
   for (int leaf = 0; leaf < view.blocks(); ++leaf) {
     const lbm::LeafKind& kind = view.tree().kinds()[leaf];
-    if (kind.rank != scene.rank || kind.level == levels) continue;
+    if (kind.rank != scene.rank() || kind.level == levels) continue;
     const lbm::CellBox box = view.tree().leaf(leaf).box;
     const std::int64_t of_coarsest = (work_of_a_cell * box.cells()) >> 4 * levels;
     items.push_back({box, coupler::work_of_leaf(view, leaf, work_of_a_cell) - of_coarsest});

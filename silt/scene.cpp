@@ -71,9 +71,7 @@ Scene::Scene(Case given, MPI_Comm communicator, const coupler::SavedBodies* save
     : own_setup_(std::make_shared<const Case>(std::move(given))),
       setup(*own_setup_),
       comm(communicator),
-      ranks(parallel::ranks_of(communicator)),
-      domain(coupler::make_domain(setup, ranks)) {
-  rank = parallel::rank_of(comm);
+      domain(coupler::make_domain(setup, ranks())) {
   const auto shapes = centred_shapes(setup);
   bodies.locked_of_kind = setup.kind_locks;
   world = make_world(setup, shapes);
@@ -112,19 +110,17 @@ Scene::Scene(Case given, MPI_Comm communicator, const coupler::SavedBodies* save
     springs = std::make_unique<coupler::Springs>(setup.springs, motions, extent_of(setup), comm);
   }
   if (levels)
-    level_view_ = lbm::Domain(level_views_->view(levels(level_views_->part())), domain.sides(), ranks);
-  if (setup.fluid)
-    flow = coupler::make_flow(setup, level_view_ ? *level_view_ : domain, comm, *exchange,
-                              setup.contacts.substeps);
+    levels_.view = lbm::Domain(levels_.views->view(levels(levels_.views->part())), domain.sides(), ranks());
+  if (setup.fluid) flow = new_flow();
 }
 
 /// Updates the levels of cells from the places of bodies and walls.
 void Scene::update_level_view() {
   if (!setup.coarsening) return;
-  if (!level_views_)
-    level_views_ =
+  if (!levels_.views)
+    levels_.views =
         std::make_unique<coupler::LevelViews>(setup, entrances_of(setup), domain.tree(), world, comm);
-  level_view_ = lbm::Domain(level_views_->view(bodies), domain.sides(), ranks);
+  levels_.view = lbm::Domain(levels_.views->view(bodies), domain.sides(), ranks());
 }
 
 void Scene::move_walls(std::int64_t step) {
@@ -160,7 +156,7 @@ void Scene::drive(std::int64_t step) {
 }
 
 bool Scene::may_be_cut_again() const {
-  return ranks > 1 && !setup.block_cells;
+  return ranks() > 1 && !setup.block_cells;
 }
 
 /// Changes from the equal cut to one for the predicted work of bodies, if that is clearly better.
@@ -175,9 +171,9 @@ void Scene::cut_for_bodies() {
 }
 
 void Scene::apply_cut(const lbm::CutTree& tree) {
-  domain = lbm::Domain(tree, domain.sides(), ranks);
+  domain = lbm::Domain(tree, domain.sides(), ranks());
   exchange->repartition(bodies);
-  level_views_.reset();
+  levels_.views.reset();
   update_level_view();
 }
 
@@ -186,9 +182,13 @@ void Scene::repartition(const lbm::CutTree& tree) {
   if (flow) renew_flow();
 }
 
+std::unique_ptr<coupler::Flow> Scene::new_flow() const {
+  return coupler::make_flow(setup, levels_.view ? *levels_.view : domain, comm, *exchange,
+                            setup.contacts.substeps);
+}
+
 void Scene::renew_flow() {
-  auto moved = coupler::make_flow(setup, level_view_ ? *level_view_ : domain, comm, *exchange,
-                                  setup.contacts.substeps);
+  auto moved = new_flow();
   moved->take_over(*flow);
   flow = std::move(moved);
   flow->start(bodies);
@@ -218,7 +218,7 @@ std::optional<rigid::BodyId> Scene::body_at_border() const {
 
 bool Scene::regrid() {
   update_level_view();
-  if (level_view_->tree() == flow->fields().domain().tree()) return false;
+  if (levels_.view->tree() == flow->fields().domain().tree()) return false;
   renew_flow();
   return true;
 }

@@ -15,6 +15,7 @@
 #include "coupler/forces/springs.hpp"
 #include "coupler/mapping/mapping_poses.hpp"
 #include "coupler/regions/level_views.hpp"
+#include "parallel/communicator.hpp"
 #include "rigid/rigid_step.hpp"
 #include "silt/load_balance.hpp"
 #include "silt/placement/place_bodies.hpp"
@@ -42,7 +43,6 @@ class Scene {
 
   const Case& setup;
   MPI_Comm comm;
-  int rank = 0, ranks = 1;
   lbm::Domain domain;
   rigid::World world;
   rigid::BodySet bodies;        // of this rank
@@ -62,6 +62,9 @@ class Scene {
   std::unique_ptr<coupler::Flow> flow;        // null: no [fluid]
   std::unique_ptr<coupler::Springs> springs;  // null: no [[springs]]
 
+  int rank() const { return parallel::rank_of(comm); }
+  int ranks() const { return parallel::ranks_of(comm); }
+
   /// Sets moving walls to pose and velocities after `step` steps, and to the next mapping pose.
   void move_walls(std::int64_t step);
 
@@ -78,7 +81,7 @@ class Scene {
   /// changed anything. Call between steps of the coarsest cells, after the flow has started.
   bool regrid();
   /// Returns the levels of the cells known to this rank; needs [coarsening].
-  const lbm::Domain& level_view() const { return *level_view_; }
+  const lbm::Domain& level_view() const { return *levels_.view; }
   /// Returns whether this rank knows of coarser cells closer to a box than bodies may be; needs [coarsening].
   bool has_coarser_cells_near(const rigid::BoundingBox&) const;
   std::optional<rigid::BodyId> body_at_border() const;
@@ -102,6 +105,7 @@ class Scene {
   void cut_for_bodies();
   void apply_cut(const lbm::CutTree&);
   void update_level_view();
+  std::unique_ptr<coupler::Flow> new_flow() const;
   void renew_flow();
 
   struct MovingWall {
@@ -109,8 +113,10 @@ class Scene {
     coupler::WallMapping mapping;
   };
   std::vector<MovingWall> moving_walls_;
-  std::unique_ptr<coupler::LevelViews> level_views_;  // null: no [coarsening]
-  std::optional<lbm::Domain> level_view_;
+  struct {
+    std::unique_ptr<coupler::LevelViews> views;
+    std::optional<lbm::Domain> view;  // the present one
+  } levels_;                          // null: no [coarsening]
 };
 
 }  // namespace silt

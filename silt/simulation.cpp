@@ -60,7 +60,7 @@ Simulation::Simulation(Case&& setup, MPI_Comm comm, const SavedState* saved)
              saved && saved->is_start ? saved->next_id : 0),
       coupled_step_(scene_.parts()),
       turnover_(scene_, saved && !saved->is_start ? saved->next_id : scene_.at_start.first_free_id,
-                saved && scene_.rank == 0 ? saved->momentum_brought : rigid::FixedVec3{}),
+                saved && scene_.rank() == 0 ? saved->momentum_brought : rigid::FixedVec3{}),
       faults_(scene_.setup) {
   flush_denormals_to_zero();
   if (scene_.rigid_step) scene_.rigid_step->set_observer(*this);
@@ -85,14 +85,14 @@ void Simulation::resume(const SavedState& saved,
   if (saved.step > 0) scene_.move_walls(saved.step - 1);  // as for the mapping of the last step
   if (scene_.flow) {
     set_populations(setup(), *scene_.flow);
-    scene_.flow->resume(saved.step, scene_.rank == 0 ? saved.mass_taken : rigid::FixedSum{0});
+    scene_.flow->resume(saved.step, scene_.rank() == 0 ? saved.mass_taken : rigid::FixedSum{0});
     scene_.flow->start(scene_.bodies);
   }
   step_ = saved.step;
   if (coupler::FlowControl* const control = scene_.flow ? scene_.flow->control() : nullptr)
     control->set_state(saved.flow_control, step_);
   scene_.drive(step_);
-  if (scene_.rank == 0) counters_ = saved.counters;
+  if (scene_.rank() == 0) counters_ = saved.counters;
   counters_.sweeps = saved.counters.sweeps;
   initial_ = saved.initial;
   fluid_speed_ = saved.fluid_speed, density_deviation_ = saved.density_deviation;

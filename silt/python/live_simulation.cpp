@@ -23,7 +23,7 @@ PreparedRun prepared_or_unfit(const RunOptions& options, bool resume, MPI_Comm c
 }  // namespace
 
 LiveSimulation::Files::Files(PreparedRun& run, const std::filesystem::path& folder)
-    : progress(run.extent(), run.simulation->scene().rank == 0, false), outputs(run, folder, progress) {
+    : progress(run.extent(), run.simulation->scene().rank() == 0, false), outputs(run, folder, progress) {
   parallel::together(run.simulation->scene().comm, [&] { progress.open_log(folder / "run.log"); });
   outputs.begin_log();
   outputs.start();
@@ -66,7 +66,7 @@ void LiveSimulation::step() {
       prepared_.watch();
       files_->outputs.write_due();
     } catch (const GuardStop& stop) {
-      if (simulation.scene().ranks > 1 && !dynamic_cast<const CommonGuardStop*>(&stop)) throw;
+      if (simulation.scene().ranks() > 1 && !dynamic_cast<const CommonGuardStop*>(&stop)) throw;
       end_files("guard", stop.what(), false);
       throw;
     }

@@ -91,12 +91,12 @@ auto LiveSimulation::with(Work&& work) {
     throw;
   } catch (const std::overflow_error& error) {
     const std::string text =
-        overflow_text(scene.setup, error.what(), simulation.steps_done() + 1, scene.rank);
-    if (scene.ranks == 1) throw GuardStop(text);
+        overflow_text(scene.setup, error.what(), simulation.steps_done() + 1, scene.rank());
+    if (scene.ranks() == 1) throw GuardStop(text);
     end_alone(text);
   } catch (const std::exception& error) {
-    if (scene.ranks == 1) throw;
-    end_alone(fmt::format("step {}, rank {}: {}", simulation.steps_done() + 1, scene.rank, error.what()));
+    if (scene.ranks() == 1) throw;
+    end_alone(fmt::format("step {}, rank {}: {}", simulation.steps_done() + 1, scene.rank(), error.what()));
   }
 }
 

@@ -78,7 +78,7 @@ std::unique_ptr<LiveSimulation> opened(const std::filesystem::path& directory,
     live = std::make_unique<LiveSimulation>(options, resume, MPI_COMM_WORLD);
   }
   for (const std::string& warning : live->warnings())
-    if (live->get().scene().rank == 0 && PyErr_WarnEx(PyExc_UserWarning, warning.c_str(), 1) != 0)
+    if (live->get().scene().rank() == 0 && PyErr_WarnEx(PyExc_UserWarning, warning.c_str(), 1) != 0)
       throw py::error_already_set();
   return live;
 }
@@ -96,7 +96,7 @@ void run(LiveSimulation& live, std::optional<std::int64_t> wanted) {
       for (std::int64_t i = 0; live.writes() && i < now && !live.has_ended(); ++i) live.step();
     }
     steps -= now;
-    if (live.get().scene().ranks == 1 && PyErr_CheckSignals() != 0) throw py::error_already_set();
+    if (live.get().scene().ranks() == 1 && PyErr_CheckSignals() != 0) throw py::error_already_set();
   }
 }
 
@@ -216,7 +216,7 @@ void bind_simulation(py::module_& module) {
       .def("__enter__", [](py::object self) { return self; })
       .def("__exit__",
            [](LiveSimulation& live, const py::object& error, const py::args&) {
-             if (error.is_none() || live.get().scene().ranks == 1)
+             if (error.is_none() || live.get().scene().ranks() == 1)
                live.finish();  // otherwise the error may be this rank's alone
            })
       .def_property_readonly("ended", &LiveSimulation::has_ended, "whether the case's last step is done")
@@ -243,8 +243,8 @@ void bind_simulation(py::module_& module) {
                              "the smallest box of cells, [lower, upper), that has all of this rank's fluid")
       .def_property_readonly("kinds", reads([](const Simulation& s) { return s.setup().kind_names; }))
       .def_property_readonly("title", reads([](const Simulation& s) { return s.setup().title; }))
-      .def_property_readonly("rank", reads([](const Simulation& s) { return s.scene().rank; }))
-      .def_property_readonly("ranks", reads([](const Simulation& s) { return s.scene().ranks; }));
+      .def_property_readonly("rank", reads([](const Simulation& s) { return s.scene().rank(); }))
+      .def_property_readonly("ranks", reads([](const Simulation& s) { return s.scene().ranks(); }));
   bind_changes(simulation);
 }
 

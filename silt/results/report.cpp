@@ -38,7 +38,7 @@ Spread spread(const Simulation& simulation, double mine) {
   const MPI_Comm comm = simulation.scene().comm;
   double most[2] = {mine, -mine};
   parallel::max_over_ranks(comm, std::span<double>(most));
-  return {-most[1], parallel::sum_over_ranks(comm, mine) / simulation.scene().ranks, most[0]};
+  return {-most[1], parallel::sum_over_ranks(comm, mine) / simulation.scene().ranks(), most[0]};
 }
 
 // ---- present and skipped parts ----
@@ -63,7 +63,7 @@ Json skipped_passes(const Scene& scene) {
   };
   for (int s = 0; s < int(coupler::Stage::count); ++s)
     skip(!has_stage(scene, coupler::Stage(s)), coupler::stage_names[s]);
-  skip(scene.ranks == 1, "messages between ranks");
+  skip(scene.ranks() == 1, "messages between ranks");
   skip(scene.flow && scene.setup.has_surfaces() && !scene.anything_moves, "remapping");
   skip(scene.rigid_step && scene.setup.gravity.isZero(0), "gravity");
   skip(scene.flow && !scene.setup.fluid->has_body_force(), "body force");
@@ -130,7 +130,7 @@ void add_scene(const Simulation& simulation, Json& report) {
   const Scene& scene = simulation.scene();
   const Case& c = scene.setup;
   report["title"] = c.title;
-  report["ranks"] = scene.ranks;
+  report["ranks"] = scene.ranks();
   report["blocks"] = scene.domain.blocks();
   report["cells"] = std::uint64_t(c.volume());
   report["bodies"] = simulation.body_count();

@@ -47,7 +47,7 @@ class Run {
 
  private:
   const Case& setup() const { return simulation_.setup(); }
-  bool is_alone() const { return simulation_.scene().ranks == 1; }
+  bool is_alone() const { return simulation_.scene().ranks() == 1; }
   void greet();
   void advance();
   Exit end(Exit, const std::string& reason, const std::string& text);
@@ -75,7 +75,7 @@ Run::Run(PreparedRun prepared, const fs::path& folder, const RunOptions& options
                    (options.out ? " --out " + quoted(options.out->string()) : "")),
       stop_request_(simulation_.scene().comm, options.time_limit),
       reunion_(reunion),
-      progress_(prepared_.extent(), simulation_.scene().rank == 0),
+      progress_(prepared_.extent(), simulation_.scene().rank() == 0),
       outputs_(prepared_, folder_, progress_) {}
 
 Exit Run::go() {
@@ -111,15 +111,15 @@ std::string Run::of_rank(int rank, std::int64_t step, const std::string& text) c
 /// Returns the text of an error with its rank. Ends all ranks if only this one has an error. Collective.
 std::string Run::common_text(const std::exception& error) {
   const auto* common = dynamic_cast<const parallel::CommonError*>(&error);
-  const std::string text = of_rank(common ? common->rank : simulation_.scene().rank, simulation_.steps_done(),
-                                   parallel::text_of(error));
+  const std::string text = of_rank(common ? common->rank : simulation_.scene().rank(),
+                                   simulation_.steps_done(), parallel::text_of(error));
   if (!is_alone() && !reunion_.all_ranks_arrive()) fail_alone(Exit::failed, "error", text);
   return text;
 }
 
 /// Does one step. An error of this rank alone ends all ranks, as the others wait for it.
 void Run::advance() {
-  const int rank = simulation_.scene().rank;
+  const int rank = simulation_.scene().rank();
   try {
     simulation_.step();
     prepared_.quantities->observe(simulation_);
@@ -159,8 +159,9 @@ void Run::greet() {
   const auto& n = setup().cells;
   std::string text = setup().title.empty() ? setup().directory.string() : setup().title;
   if (scene.flow) text += fmt::format(": {} x {} x {} cells", n[0], n[1], n[2]);
-  text += fmt::format("{} {} bod{}, {} rank{}", scene.flow ? "," : ":", scene.at_start.body_count,
-                      scene.at_start.body_count == 1 ? "y" : "ies", scene.ranks, scene.ranks > 1 ? "s" : "");
+  text +=
+      fmt::format("{} {} bod{}, {} rank{}", scene.flow ? "," : ":", scene.at_start.body_count,
+                  scene.at_start.body_count == 1 ? "y" : "ies", scene.ranks(), scene.ranks() > 1 ? "s" : "");
   progress_.say(text);
   if (prepared_.resumed)
     progress_.say(fmt::format("goes on from step {} to {}{}", prepared_.first_step, setup().steps,
@@ -173,7 +174,7 @@ void Run::greet() {
 
 /// Ends the run on all ranks together.
 Exit Run::end(Exit code, const std::string& reason, const std::string& text) {
-  const bool loud = simulation_.scene().rank == 0;
+  const bool loud = simulation_.scene().rank() == 0;
   progress_.finish(simulation_.steps_done(),
                    parallel::max_over_ranks(simulation_.scene().comm, simulation_.step_seconds()));
   if (code != Exit::failed && code != Exit::guard)
@@ -201,7 +202,7 @@ void Run::fail_alone(Exit code, const std::string& reason, const std::string& wh
     fmt::print(stderr, "\nsilt: {}\n", text);
     std::fflush(stderr);
     const std::string report =
-        last_report({reason, text}, simulation_.steps_done(), simulation_.scene().ranks);
+        last_report({reason, text}, simulation_.steps_done(), simulation_.scene().ranks());
     std::error_code ignored;  // reported on stderr before
     if (file >= 0 && write(file, report.data(), report.size()) == ssize_t(report.size()) && fsync(file) == 0)
       fs::rename(part, folder_ / "report.json", ignored);

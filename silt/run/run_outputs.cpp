@@ -19,7 +19,7 @@ RunOutputs::RunOutputs(PreparedRun& run, const std::filesystem::path& folder, Pr
       simulation_(*run.simulation),
       folder_(folder),
       progress_(progress),
-      provenance_(provenance_of(setup(), simulation_.scene().ranks, simulation_.scene().backend_name())) {}
+      provenance_(provenance_of(setup(), simulation_.scene().ranks(), simulation_.scene().backend_name())) {}
 
 void RunOutputs::begin_log() {
   const Scene& scene = simulation_.scene();
@@ -29,7 +29,7 @@ void RunOutputs::begin_log() {
   };
   progress_.log(fmt::format("silt {} ({}), {}, {}, {}, {}, {}, {}\n{}", provenance_.version,
                             provenance_.commit, provenance_.compiler, provenance_.host,
-                            count(scene.ranks, "rank"), count(scene.domain.blocks(), "block"),
+                            count(scene.ranks(), "rank"), count(scene.domain.blocks(), "block"),
                             instruction_set(), provenance_.created, derived_table(setup())));
   for (const Diagnostic& warning : run_.warnings) progress_.say(warning.line());
 }

@@ -117,11 +117,11 @@ Expected expected_of(const Simulation& simulation) {
   const Scene& scene = simulation.scene();
   constexpr int number = sizeof(float);
   Expected e;
-  e.fluid = halo_sent(scene.domain, scene.rank, number);
-  if (!scene.setup.has_surfaces() || scene.ranks == 1) return e;
+  e.fluid = halo_sent(scene.domain, scene.rank(), number);
+  if (!scene.setup.has_surfaces() || scene.ranks() == 1) return e;
   if (lbm::reads_beyond(scene.setup.coupling.wall_scheme)) e.fluid += pairs_sent(simulation, number);
   e.forces = 2.0 * double(copied_from(simulation).size());  // sums to owners, changes of velocity from them
-  const int around = ranks_within(scene.domain, scene.rank, scene.exchange->reach());
+  const int around = ranks_within(scene.domain, scene.rank(), scene.exchange->reach());
   for (int sub = 0; sub < scene.setup.contacts.substeps; ++sub) {
     const double begin = double(sub) / scene.setup.contacts.substeps;
     e.bodies += around + double(copied_to(simulation, begin).size());

@@ -106,13 +106,13 @@ Sent pairs_sent(const Simulation& simulation, int number) {
     x = domain.wrapped(x);
     return solid.count({x.x, x.y, x.z}) > 0;
   };
-  const CellBox mine = domain.block(scene.rank).box;
+  const CellBox mine = domain.block(scene.rank()).box;
   std::map<int, int> pairs;  // by rank
   for (int i = 1; i < lbm::D3Q19::directions; ++i)
     for_cells_at_faces(mine, [&](Int3 behind) {
       const Int3 x = behind + lbm::D3Q19::c[i];
       const int reader = domain.block_at(domain.wrapped(x)).rank;
-      if (reader != scene.rank && !is_solid(x) && is_solid(x + lbm::D3Q19::c[i])) ++pairs[reader];
+      if (reader != scene.rank() && !is_solid(x) && is_solid(x + lbm::D3Q19::c[i])) ++pairs[reader];
     });
   Sent sent;
   for (const auto& [rank, count] : pairs) sent += {1, 2.0 * count * number};

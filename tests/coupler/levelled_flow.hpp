@@ -134,7 +134,7 @@ void set_cells(Flow& flow, Of&& of) {
 /// Puts it in the place of a simulation's fluid.
 inline LevelledFlow& put_levels(Simulation& s) {
   Scene& scene = s.scene();
-  auto flow = std::make_unique<LevelledFlow>(scene.setup, three_levels(scene.ranks), 3, scene.comm);
+  auto flow = std::make_unique<LevelledFlow>(scene.setup, three_levels(scene.ranks()), 3, scene.comm);
   LevelledFlow& put = *flow;
   scene.flow = std::move(flow);
   return put;

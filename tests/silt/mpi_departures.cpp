@@ -45,7 +45,7 @@ TEST(Departures, AreToldWithStepIdAndSide) {
   EXPECT_EQ(s.counters().left, 2u);
   EXPECT_EQ(s.counters().left_by[5], 2u);
   const std::vector<Departure> left = gathered(MPI_COMM_WORLD, s.take_departures());
-  if (s.scene().rank != 0) return;
+  if (s.scene().rank() != 0) return;
   ASSERT_EQ(left.size(), 2u);
   for (int k = 0; k < 2; ++k) {
     EXPECT_EQ(left[k].step, 25);
@@ -121,7 +121,7 @@ std::uint64_t burst_hash(const CaseText& text, MPI_Comm comm) {
     hash = hash * 1000003 + std::uint64_t(d.step) * 101 + d.id * 11 + std::uint64_t(d.way);
     for (const double x : d.position) hash = hash * 31 + std::bit_cast<std::uint64_t>(x);
   }
-  EXPECT_EQ(left.size(), s.scene().rank == 0 ? 6u : 0u);
+  EXPECT_EQ(left.size(), s.scene().rank() == 0 ? 6u : 0u);
   MPI_Bcast(&hash, 1, MPI_UINT64_T, 0, comm);
   return hash;
 }
