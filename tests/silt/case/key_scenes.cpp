@@ -1,22 +1,19 @@
 #include "tests/silt/case/key_scenes.hpp"
 
 namespace silt::testing {
+namespace {
 
-SceneOfKeys in_fluid() {
-  SceneOfKeys scene;
-  scene.text =
-      CaseText().units +
-      domain_of(
-          {24, 12, 12},
-          R"({ x = "periodic", y = "periodic", z = [{ type = "no-slip" }, { type = "moving", velocity = [0.05, 0, 0] }] })") +
-      "[fluid]\nrelaxation_time = 0.8\n[gravity]\nacceleration = [0, 0, -1e-3]\n" + sphere_of("ball", 6) +
-      body_of("ball", 1.5, "name = \"one\"\nposition = [5, 6, 3.3]\nvelocity = [0.05, 0, 0]") +
-      body_of("ball", 1.5, "name = \"two\"\nposition = [11.3, 6, 3.3]") +
-      "[run]\nsteps = 24\n[[quantities]]\nname = \"lid\"\ntype = \"fluid-force\"\nside = \"z-high\"\naxis = "
-      "\"x\"\n";
+/// One spring between the bodies "one" and "two".
+std::string springs(const std::string& lines) {
+  return "[{ body = \"one\", to = \"two\", " + lines + " }]";
+}
+
+std::vector<Sample> samples_in_fluid() {
   const Overrides forced = {"fluid.body_force=[1e-4, 0, 0]"};
-  const std::string lid = "domain.boundary.z[1]";
-  scene.samples = {
+  const auto moving = [](const std::string& lines) -> Overrides {
+    return {"bodies[0].velocity=", "bodies[0].motion={ " + lines + " }"};
+  };
+  return {
       {"fluid.collision", "bgk"},
       {"fluid.magic", "0.3"},
       {"fluid.precision", "double"},
@@ -42,28 +39,104 @@ SceneOfKeys in_fluid() {
       {"coupling.lubrication_min_gap", "0.5"},
       {"contacts.resolver", "ffd"},
       {"contacts.substeps", "3"},
-      {lid + ".over_time", "{ table = [[0, 0], [10, 1]] }"},
+      {"domain.boundary.z[1].over_time", "{ table = [[0, 0], [10, 1]] }"},
       {"domain.boundary.z[0].solid_for_bodies", "false"},
       {"bodies[0].motion", "fixed", {"bodies[0].velocity="}},
       {"bodies[0].motion", "{ velocity = [0.02, 0, 0] }", {"bodies[0].velocity="}},
-      {"bodies[0].motion.axis",
-       "x",
-       {"bodies[0].velocity=", "bodies[0].motion={ angular_velocity = 0.01, axis = \"z\" }"}},
-      {"bodies[0].motion.amplitude",
-       "[0.1, 0, 0]",
-       {"bodies[0].velocity=", "bodies[0].motion={ frequency = 0.05 }"}},
-      {"bodies[0].motion.frequency",
-       "0.05",
-       {"bodies[0].velocity=", "bodies[0].motion={ amplitude = [0.1, 0, 0] }"}},
+      {"bodies[0].motion.axis", "x", moving("angular_velocity = 0.01, axis = \"z\"")},
+      {"bodies[0].motion.amplitude", "[0.1, 0, 0]", moving("frequency = 0.05")},
+      {"bodies[0].motion.frequency", "0.05", moving("amplitude = [0.1, 0, 0]")},
       {"bodies[0].locked", "[\"x\", \"y\", \"z\"]"},
       {"bodies[0].angular_velocity", "[0, 0, 0.01]"},
       {"bodies[0].orientation", "[1, 0, 0]"},
-      {"springs", "[{ body = \"one\", to = \"two\", stiffness = 1e-3, length = 5 }]"},
-      {"springs[0].damping",
-       "0.1",
-       {"springs=[{ body = \"one\", to = \"two\", stiffness = 1e-3, length = 5 }]"}},
-      {"springs[0].length", "5", {"springs=[{ body = \"one\", to = \"two\", stiffness = 1e-3 }]"}},
+      {"springs", springs("stiffness = 1e-3, length = 5")},
+      {"springs[0].damping", "0.1", {"springs=" + springs("stiffness = 1e-3, length = 5")}},
+      {"springs[0].length", "5", {"springs=" + springs("stiffness = 1e-3")}},
   };
+}
+
+std::vector<Sample> samples_between_walls() {
+  const std::string motion = "walls[1].motion";
+  const Overrides turns = {motion + "={ angular_velocity = 0.01, axis = \"z\" }"};
+  return {
+      {"walls[0].angular_velocity", "0.005"},
+      {"walls[0].material", "glass", {"contacts.friction=0.01"}},
+      {"walls[1].scale", "0.9"},
+      {"walls[1].position", "[10, 13, 8]"},
+      {"walls[1].orientation", "[1, 0, 0]"},
+      {motion, "{ velocity = [0.02, 0, 0] }"},
+      {motion + ".velocity", "[0.03, 0, 0]", turns},
+      {motion + ".angular_velocity", "0.02", {motion + "={ axis = \"z\" }"}},
+      {motion + ".axis", "x", turns},
+      {motion + ".point", "[10, 12, 8]", turns},
+      {motion + ".table", "path.csv", {motion + "={}"}},
+      {motion + ".amplitude", "[0.2, 0, 0]", {motion + "={ frequency = 0.05 }"}},
+      {motion + ".frequency", "0.05", {motion + "={ amplitude = [0.2, 0, 0] }"}},
+      {"shapes[1].parts[1].position", "[0, 0, 2]"},
+      {"shapes[1].parts[1].orientation", "[1, 0, 0]"},
+      {"shapes[2].scale", "0.9"},
+      {"domain.boundary.z[1].density", "1.001"},
+      {"coupling.wall_scheme", "bounce-back"},
+  };
+}
+
+std::vector<Sample> samples_when_dry() {
+  const Overrides far_out = {"bodies[0].velocity=[0.9, 0, 0]", "contacts.margin=2",
+                             "bodies[1].position=[30, 16, 3]", "bodies[2].position=[20, 10, 20]"};
+  const Overrides hangs = {"bodies[0].motion=\"prescribed\"", "bodies[0].velocity=[0, 0, 0]",
+                           "bodies[0].position=[8, 10, 15]", "bodies[1].position=[8, 10, 9]"};
+  return {
+      {"contacts.resolver", "ffd"},
+      {"contacts.substeps", "3"},
+      {"contacts.margin", "0.01"},
+      {"contacts.restitution", "0.5"},
+      {"contacts.friction", "0.3"},
+      {"contacts.rolling_friction", "0.1", {"contacts.friction=0.3"}},
+      {"contacts.twisting_friction", "0.1", {"bodies[0].angular_velocity=[0, 0, 0.1]"}},
+      {"contacts.cohesion", "0.5", {"contacts.friction=0.3"}},
+      {"contacts.hamaker", "1", {"contacts.hamaker_gap=0.2"}},
+      {"contacts.hamaker_gap", "0.2", {"contacts.hamaker=1"}, "0.4"},
+      {"contacts.sweeps", "1"},
+      {"contacts.impact_sweeps", "5", {"contacts.restitution=0.5"}},
+      {"material_pairs[0].restitution", "0.4"},
+      {"material_pairs[0].friction", "0.01"},
+      {"material_pairs[0].rolling_friction", "0.01", {"contacts.friction=0.3"}},
+      {"material_pairs[0].twisting_friction", "0.2", {"bodies[0].angular_velocity=[0.1, 0, 0]"}},
+      {"material_pairs[0].cohesion", "1", hangs},
+      {"material_pairs[0].hamaker", "2", {"material_pairs[0].hamaker_gap=0.2"}},
+      {"material_pairs[0].hamaker_gap", "0.4", {"material_pairs[0].hamaker=1"}, "0.3"},
+      {"bodies[0].velocity", "[0.2, 0, 0]"},
+      {"bodies[0].angular_velocity", "[0, 0.1, 0]"},
+      {"bodies[0].orientation", "{ axis = [1, 0, 0], degrees = 30 }"},
+      {"bodies[0].locked", "[\"z\"]"},
+      {"bodies[0].motion", "\"prescribed\""},
+      {"bodies[2].origin", "centre"},
+      {"bodies[0].material", "default", {"material_pairs[0].friction=0.01"}},
+      {"domain.boundary.x[1].solid_for_bodies", "false", far_out},
+      {"outflow", "[{ box = [[26, 0, 5], [40, 20, 30]] }]"},
+      {"springs", springs("stiffness = 0.1, length = 5")},
+      {"springs[0].to", "tip", {"springs=" + springs("stiffness = 0.1, length = 5")}},
+      {"springs[0].ends", "[[8, 10, 5], [16, 10, 3]]", {"springs=" + springs("stiffness = 0.1, length = 5")}},
+      {"springs[0].damping", "0.1", {"springs=" + springs("stiffness = 0")}},
+      {"springs[0].length", "6", {"springs=" + springs("stiffness = 0.1")}},
+  };
+}
+
+}  // namespace
+
+SceneOfKeys in_fluid() {
+  SceneOfKeys scene;
+  scene.text =
+      CaseText().units +
+      domain_of(
+          {24, 12, 12},
+          R"({ x = "periodic", y = "periodic", z = [{ type = "no-slip" }, { type = "moving", velocity = [0.05, 0, 0] }] })") +
+      "[fluid]\nrelaxation_time = 0.8\n[gravity]\nacceleration = [0, 0, -1e-3]\n" + sphere_of("ball", 6) +
+      body_of("ball", 1.5, "name = \"one\"\nposition = [5, 6, 3.3]\nvelocity = [0.05, 0, 0]") +
+      body_of("ball", 1.5, "name = \"two\"\nposition = [11.3, 6, 3.3]") +
+      "[run]\nsteps = 24\n[[quantities]]\nname = \"lid\"\ntype = \"fluid-force\"\nside = \"z-high\"\naxis = "
+      "\"x\"\n";
+  scene.samples = samples_in_fluid();
   scene.switches = {"fluid=",
                     "bodies=",
                     "gravity=",
@@ -147,33 +220,12 @@ position = [10, 14, 8]
       "[run]\nsteps = 16\n";
   scene.files = {{"block.ply", ply_of(rigid::testing::cuboid_mesh({-1.5, -1.5, -1.5}, {1.5, 1.5, 2}))},
                  {"path.csv", "0, 0, 0, 0, 0, 0, 0\n8, 0.1, 0, 0, 0, 0, 0.1\n16, 0.2, 0, 0, 0, 0, 0.1\n"}};
-  const std::string motion = "walls[1].motion";
-  const Overrides turns = {motion + "={ angular_velocity = 0.01, axis = \"z\" }"};
-  scene.samples = {
-      {"walls[0].angular_velocity", "0.005"},
-      {"walls[0].material", "glass", {"contacts.friction=0.01"}},
-      {"walls[1].scale", "0.9"},
-      {"walls[1].position", "[10, 13, 8]"},
-      {"walls[1].orientation", "[1, 0, 0]"},
-      {motion, "{ velocity = [0.02, 0, 0] }"},
-      {motion + ".velocity", "[0.03, 0, 0]", turns},
-      {motion + ".angular_velocity", "0.02", {motion + "={ axis = \"z\" }"}},
-      {motion + ".axis", "x", turns},
-      {motion + ".point", "[10, 12, 8]", turns},
-      {motion + ".table", "path.csv", {motion + "={}"}},
-      {motion + ".amplitude", "[0.2, 0, 0]", {motion + "={ frequency = 0.05 }"}},
-      {motion + ".frequency", "0.05", {motion + "={ amplitude = [0.2, 0, 0] }"}},
-      {"shapes[1].parts[1].position", "[0, 0, 2]"},
-      {"shapes[1].parts[1].orientation", "[1, 0, 0]"},
-      {"shapes[2].scale", "0.9"},
-      {"domain.boundary.z[1].density", "1.001"},
-      {"coupling.wall_scheme", "bounce-back"},
-  };
+  scene.samples = samples_between_walls();
   scene.switches = {"bodies=",
-                    motion + ".angular_velocity=0",
-                    motion + ".velocity=[0, 0, 0]",
-                    motion + ".amplitude=[0, 0, 0]",
-                    motion + ".frequency=0",
+                    "walls[1].motion.angular_velocity=0",
+                    "walls[1].motion.velocity=[0, 0, 0]",
+                    "walls[1].motion.amplitude=[0, 0, 0]",
+                    "walls[1].motion.frequency=0",
                     "walls[1]=",
                     "domain.boundary.z=\"no-slip\""};
   scene.coincide = {{"shapes[1].parts[1].position", "bodies"},
@@ -195,48 +247,7 @@ SceneOfKeys dry() {
               "name = \"one\"\nmaterial = \"glass\"\nposition = [8, 10, 3]\nvelocity = [0.3, 0.02, 0]") +
       body_of("ball", 1, "name = \"two\"\nmaterial = \"glass\"\nposition = [16, 10.5, 3]") +
       body_of("tip", 1, "name = \"tip\"\nposition = [30, 10, 8]") + "[run]\nsteps = 80\n";
-  const Overrides far_out = {"bodies[0].velocity=[0.9, 0, 0]", "contacts.margin=2",
-                             "bodies[1].position=[30, 16, 3]", "bodies[2].position=[20, 10, 20]"};
-  const Overrides hangs = {"bodies[0].motion=\"prescribed\"", "bodies[0].velocity=[0, 0, 0]",
-                           "bodies[0].position=[8, 10, 15]", "bodies[1].position=[8, 10, 9]"};
-  const auto spring = [](const std::string& lines) {
-    return "springs=[{ body = \"one\", to = \"two\", " + lines + " }]";
-  };
-  scene.samples = {
-      {"contacts.resolver", "ffd"},
-      {"contacts.substeps", "3"},
-      {"contacts.margin", "0.01"},
-      {"contacts.restitution", "0.5"},
-      {"contacts.friction", "0.3"},
-      {"contacts.rolling_friction", "0.1", {"contacts.friction=0.3"}},
-      {"contacts.twisting_friction", "0.1", {"bodies[0].angular_velocity=[0, 0, 0.1]"}},
-      {"contacts.cohesion", "0.5", {"contacts.friction=0.3"}},
-      {"contacts.hamaker", "1", {"contacts.hamaker_gap=0.2"}},
-      {"contacts.hamaker_gap", "0.2", {"contacts.hamaker=1"}, "0.4"},
-      {"contacts.sweeps", "1"},
-      {"contacts.impact_sweeps", "5", {"contacts.restitution=0.5"}},
-      {"material_pairs[0].restitution", "0.4"},
-      {"material_pairs[0].friction", "0.01"},
-      {"material_pairs[0].rolling_friction", "0.01", {"contacts.friction=0.3"}},
-      {"material_pairs[0].twisting_friction", "0.2", {"bodies[0].angular_velocity=[0.1, 0, 0]"}},
-      {"material_pairs[0].cohesion", "1", hangs},
-      {"material_pairs[0].hamaker", "2", {"material_pairs[0].hamaker_gap=0.2"}},
-      {"material_pairs[0].hamaker_gap", "0.4", {"material_pairs[0].hamaker=1"}, "0.3"},
-      {"bodies[0].velocity", "[0.2, 0, 0]"},
-      {"bodies[0].angular_velocity", "[0, 0.1, 0]"},
-      {"bodies[0].orientation", "{ axis = [1, 0, 0], degrees = 30 }"},
-      {"bodies[0].locked", "[\"z\"]"},
-      {"bodies[0].motion", "\"prescribed\""},
-      {"bodies[2].origin", "centre"},
-      {"bodies[0].material", "default", {"material_pairs[0].friction=0.01"}},
-      {"domain.boundary.x[1].solid_for_bodies", "false", far_out},
-      {"outflow", "[{ box = [[26, 0, 5], [40, 20, 30]] }]"},
-      {"springs", "[{ body = \"one\", to = \"two\", stiffness = 0.1, length = 5 }]"},
-      {"springs[0].to", "tip", {spring("stiffness = 0.1, length = 5")}},
-      {"springs[0].ends", "[[8, 10, 5], [16, 10, 3]]", {spring("stiffness = 0.1, length = 5")}},
-      {"springs[0].damping", "0.1", {spring("stiffness = 0")}},
-      {"springs[0].length", "6", {spring("stiffness = 0.1")}},
-  };
+  scene.samples = samples_when_dry();
   scene.switches = {"gravity=",
                     "contacts.resolver=\"ffd\"",
                     "contacts.restitution=1",
