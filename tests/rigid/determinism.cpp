@@ -42,8 +42,8 @@ void add_falling(Scene& s, int n, int shape, double mass) {
   std::uniform_real_distribution<> u(-1, 1);
   const Quat q = Quat(u(random), u(random), u(random), u(random)).normalized();
   const Vec3 x(0.4 + 0.75 * (n % 4), 0.4 + 0.75 * (n / 4 % 4), 0.4 + 0.75 * (n / 16));
-  s.add_with_id(10 + 3 * n, shape, x, {u(random), u(random), u(random)}, {5 * u(random), 5 * u(random), 0},
-                mass, q);
+  s.add_with_id(10 + 3 * n, shape, {x, q}, {u(random), u(random), u(random)},
+                {5 * u(random), 5 * u(random), 0}, mass);
 }
 
 Compound star() {
@@ -102,9 +102,9 @@ Scene carousel(unsigned order) {
   const int turntable = s.shape(plate);
   for (const int id : shuffled(24, order))
     s.add_with_id(10 + 3 * id, shapes[id % 3],
-                  {1.8 + 0.6 * (id % 5), 1.9 + 0.7 * (id / 5 % 4), 2.2 + id / 20}, Vec3::Zero(),
+                  {{1.8 + 0.6 * (id % 5), 1.9 + 0.7 * (id / 5 % 4), 2.2 + id / 20}}, Vec3::Zero(),
                   {0, 0, 0.1 * id}, 1 + id % 3);
-  s.add_with_id(1000, turntable, {3, 3, 1}, {0.2, 0, 0}, {0, 0.05, 2}, 1);
+  s.add_with_id(1000, turntable, {{3, 3, 1}}, {0.2, 0, 0}, {0, 0.05, 2});
   s.bodies.motion[s.row(1000)] = Motion::prescribed;
   s.floor();
   return s;

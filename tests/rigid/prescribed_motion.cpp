@@ -230,8 +230,7 @@ TEST(LockedAxes, EachIsHeldByItself) {
   for (int axis = 0; axis < 3; ++axis) {
     Scene s = with_locked(locked_about(axis), 0, 0);
     const Quat turn = Quat(0.8, 0.3, -0.2, 0.4).normalized();
-    s.add_with_id(0, s.shape(Box{Vec3(0.3, 0.1, 0.05)}), Vec3(50, 50, 50), Vec3::Zero(), Vec3::Zero(), 1,
-                  turn);
+    s.add_with_id(0, s.shape(Box{Vec3(0.3, 0.1, 0.05)}), {Vec3(50, 50, 50), turn});
     s.start();
     const Vec3 alpha = s.bodies.inverse_inertia_W(0) * torque;
     const Mat3 r = turn.toRotationMatrix();
@@ -247,8 +246,8 @@ TEST(LockedAxes, EachIsHeldByItself) {
 /// A body that turns about one axis keeps its speed, however its principal axes lie.
 TEST(LockedAxes, ASkewBoxTurnsEvenlyAboutItsAxis) {
   Scene s = with_locked(locked_about(0) | locked_about(1), 0, 0);
-  s.add_with_id(0, s.shape(Box{Vec3(0.3, 0.1, 0.05)}), Vec3(50, 50, 50), Vec3::Zero(), Vec3(0, 0, 3), 1,
-                Quat(0.8, 0.3, -0.2, 0.4).normalized());
+  s.add_with_id(0, s.shape(Box{Vec3(0.3, 0.1, 0.05)}),
+                {Vec3(50, 50, 50), Quat(0.8, 0.3, -0.2, 0.4).normalized()}, Vec3::Zero(), Vec3(0, 0, 3));
   s.start();
   const double energy = s.w(0)[2];
   s.run(1000);

@@ -42,11 +42,11 @@ struct Scene {
   /// A body of density 1 times `mass` / its volume. Returns its id; ids count up from 0.
   BodyId add(int shape, const Vec3& x, const Vec3& v = Vec3::Zero(), const Vec3& w = Vec3::Zero(),
              double mass = 1) {
-    return add_with_id(next_id_++, shape, x, v, w, mass);
+    return add_with_id(next_id_++, shape, {x}, v, w, mass);
   }
-  BodyId add_with_id(BodyId id, int shape, const Vec3& x, const Vec3& v, const Vec3& w, double mass,
-                     const Quat& q = Quat::Identity()) {
-    append(id, shape, x, q, mass);
+  BodyId add_with_id(BodyId id, int shape, const Pose& pose, const Vec3& v = Vec3::Zero(),
+                     const Vec3& w = Vec3::Zero(), double mass = 1) {
+    append(id, shape, pose.position, pose.orientation, mass);
     bodies.reindex();
     bodies.set_velocity(bodies.row_of(id), v, w);
     return id;

@@ -86,12 +86,11 @@ struct ExchangeScene {
     return static_cast<int>(world.shapes.size()) - 1;
   }
   void add(BodyId id, int shape, const Vec3& x, const Vec3& v = Vec3::Zero(), const Vec3& w = Vec3::Zero(),
-           const rigid::Quat& q = rigid::Quat::Identity(), rigid::Motion motion = rigid::Motion::free) {
+           const rigid::Quat& q = rigid::Quat::Identity()) {
     const rigid::MassProperties p = rigid::mass_properties(world.shapes[shape]);
     rigid::BodyRecord r;
     r.id = id;
     r.shape = shape;
-    r.motion = motion;
     r.mass = p.volume;
     Eigen::Map<rigid::Mat3>{r.inertia_B} = p.inertia;
     Eigen::Map<Vec3>{r.position} = x;

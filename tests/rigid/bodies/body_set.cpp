@@ -99,7 +99,7 @@ TEST(BodySet, InsertSortEraseFind) {
 TEST(BodySet, RecordsCarryEverything) {
   testing::Scene s(0, 0);
   const int shape = s.shape(Box{{1, 2, 3}});
-  s.add_with_id(7, shape, {1, 2, 3}, {4, 5, 6}, {0.1, 0.2, 0.3}, 5, Quat(0.5, 0.5, -0.5, 0.5));
+  s.add_with_id(7, shape, {{1, 2, 3}, Quat(0.5, 0.5, -0.5, 0.5)}, {4, 5, 6}, {0.1, 0.2, 0.3}, 5);
   s.bodies.image[0] = {1, -2, 3};
   AttachedState& held = s.bodies.attached_state[0];
   for (std::size_t k = 0; k < AttachedState::size; ++k) held.bytes[k] = std::byte(7 * k + 1);

@@ -12,19 +12,19 @@ class BroadPhases : public EachBroadPhase {};
 TEST_P(BroadPhases, AgainstAllPairs) {
   for (int mask = 0; mask < 8; ++mask)
     expect_equal_to_brute(
-        Cloud(300, {10, 8, 6}, {bool(mask & 1), bool(mask & 2), bool(mask & 4)}, 0.5, 0.5, 0, mask), 100);
+        Cloud(300, {{10, 8, 6}, {bool(mask & 1), bool(mask & 2), bool(mask & 4)}}, 0.5, 0.5, 0, mask), 100);
 }
 
 TEST_P(BroadPhases, DomainsOfOneToThreeCells) {
   for (double size : {1.15, 1.7, 2.3, 3.4, 4.5})  // cells of about 1.1
     for (int mask = 1; mask < 8; ++mask)
-      expect_equal_to_brute(Cloud(40, {size, 2 * size, 6}, {bool(mask & 1), bool(mask & 2), bool(mask & 4)},
+      expect_equal_to_brute(Cloud(40, {{size, 2 * size, 6}, {bool(mask & 1), bool(mask & 2), bool(mask & 4)}},
                                   0.42, 0.42, 0, 100 + mask),
                             1);
 }
 
 TEST_P(BroadPhases, APairMeetsThroughSeveralImages) {
-  Cloud cloud(2, {1, 50, 50}, {true, false, false}, 0.4, 0, 0, 1);
+  Cloud cloud(2, {{1, 50, 50}, {true, false, false}}, 0.4, 0, 0, 1);
   cloud.bodies.position = {Vec3(0.2, 25, 25), Vec3(0.7, 25, 25)};
   cloud.bodies.motion = {Motion::free, Motion::free};
   const std::vector<Key> keys = cloud.found_by(*broad_phase);
@@ -34,12 +34,12 @@ TEST_P(BroadPhases, APairMeetsThroughSeveralImages) {
 }
 
 TEST_P(BroadPhases, MixedSizes) {
-  expect_equal_to_brute(Cloud(600, {20, 20, 20}, {true, true, true}, 0.3, 4, 5, 9), 100);
-  expect_equal_to_brute(Cloud(400, {20, 20, 20}, {true, false, true}, 0.05, 6, 3, 10), 100);
+  expect_equal_to_brute(Cloud(600, {{20, 20, 20}, {true, true, true}}, 0.3, 4, 5, 9), 100);
+  expect_equal_to_brute(Cloud(400, {{20, 20, 20}, {true, false, true}}, 0.05, 6, 3, 10), 100);
 }
 
 TEST_P(BroadPhases, WallsAreApart) {
-  Cloud cloud(50, {10, 10, 2}, {true, true, false}, 0.5, 0.5, 0, 2);
+  Cloud cloud(50, {{10, 10, 2}, {true, true, false}}, 0.5, 0.5, 0, 2);
   add_wall_rows(cloud.bodies, 1);
   std::vector<CandidatePair> pairs;
   const WallSurface floor{Vec3::Zero(), Vec3::UnitZ()};
@@ -56,7 +56,7 @@ TEST_P(BroadPhases, WallsAreApart) {
 TEST_P(BroadPhases,
        CostGrowsLinearly) {  // of all pairs the cost would grow 64-fold; processor time, the best of nine
   const auto seconds = [name = GetParam()](int count, double edge, double large, int large_ones) {
-    Cloud cloud(count, Vec3::Constant(edge), {true, true, true}, 0.5, large, large_ones, 5);
+    Cloud cloud(count, {Vec3::Constant(edge), {true, true, true}}, 0.5, large, large_ones, 5);
     const auto broad_phase = adapters::make_broad_phase(name);
     std::vector<CandidatePair> pairs;
     (*broad_phase)(cloud.bodies, cloud.extent, cloud.reach, {}, pairs);
@@ -78,20 +78,20 @@ TEST_P(BroadPhases,
 }
 
 TEST_P(BroadPhases, SizesAThousandTimesApart) {
-  expect_equal_to_brute(Cloud(400, {20, 20, 20}, {true, true, false}, 0.01, 10, 2, 11), 100);
+  expect_equal_to_brute(Cloud(400, {{20, 20, 20}, {true, true, false}}, 0.01, 10, 2, 11), 100);
 }
 
 TEST_P(BroadPhases, OneBodyHasNoPartner) {
   for (const double radius : {0.1, 0.9})  // the larger one would meet its own image
-    EXPECT_TRUE(Cloud(1, {1, 1, 1}, {true, true, true}, radius, 0, 0, 3).found_by(*broad_phase).empty());
+    EXPECT_TRUE(Cloud(1, {{1, 1, 1}, {true, true, true}}, radius, 0, 0, 3).found_by(*broad_phase).empty());
 }
 
 TEST_P(BroadPhases, NoBodies) {
-  EXPECT_TRUE(Cloud(0, {1, 1, 1}, {true, false, true}, 0.1, 0, 0, 3).found_by(*broad_phase).empty());
+  EXPECT_TRUE(Cloud(0, {{1, 1, 1}, {true, false, true}}, 0.1, 0, 0, 3).found_by(*broad_phase).empty());
 }
 
 TEST_P(BroadPhases, AllAtOnePlace) {
-  Cloud cloud(120, {5, 5, 5}, {true, true, true}, 0.4, 0, 0, 4);
+  Cloud cloud(120, {{5, 5, 5}, {true, true, true}}, 0.4, 0, 0, 4);
   for (Vec3& x : cloud.bodies.position) x = Vec3(0.1, 4.9, 2);
   expect_equal_to_brute(cloud, 5000);
   for (Reach& r : cloud.reach) r = {0, 0};  // points that coincide
@@ -99,7 +99,7 @@ TEST_P(BroadPhases, AllAtOnePlace) {
 }
 
 TEST_P(BroadPhases, TouchingToTheLastBits) {
-  Cloud cloud(2, {10, 10, 10}, {true, false, false}, 1, 0, 0, 4);
+  Cloud cloud(2, {{10, 10, 10}, {true, false, false}}, 1, 0, 0, 4);
   cloud.bodies.motion = {Motion::free, Motion::free};
   cloud.reach = {{0.75, 0.25}, {0.5, 0.5}};
   for (const double from : {2.0, 9.0}) {  // the second time through the periodic side

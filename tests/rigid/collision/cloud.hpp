@@ -17,10 +17,7 @@ struct Cloud {
   std::vector<Reach> reach;
   Extent extent;
 
-  Cloud(int count, Vec3 size, std::array<bool, 3> periodic, double small, double large, int large_ones,
-        unsigned seed) {
-    extent.size = size;
-    extent.periodic = periodic;
+  Cloud(int count, const Extent& in, double small, double large, int large_ones, unsigned seed) : extent(in) {
     std::mt19937 g(seed);
     std::uniform_real_distribution<> u(0, 1);
     std::vector<BodyId> ids(count);
@@ -30,7 +27,8 @@ struct Cloud {
     for (int i = 0; i < count; ++i) {
       BodyRecord r;
       r.id = ids[i];
-      for (int d = 0; d < 3; ++d) r.position[d] = size[d] * u(g) + (periodic[d] ? 0.0 : 0.05 * (u(g) - 0.5));
+      for (int d = 0; d < 3; ++d)
+        r.position[d] = in.size[d] * u(g) + (in.periodic[d] ? 0.0 : 0.05 * (u(g) - 0.5));
       r.motion = u(g) < 0.2 ? Motion::fixed : Motion::free;
       const double radius = i < large_ones ? large * (0.5 + u(g)) : small * (0.7 + 0.6 * u(g));
       by_id[r.id] = {radius, 0.1 * radius * u(g)};

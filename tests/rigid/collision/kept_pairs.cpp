@@ -12,7 +12,7 @@ TEST_P(KeptPairsOf, FollowsBodiesOverManySteps) {
   std::mt19937 g(7);
   std::normal_distribution<> normal;
   for (const std::array<bool, 3> periodic : {std::array{true, true, true}, std::array{false, true, false}}) {
-    Cloud all(250, {9, 8, 7}, periodic, 0.4, 2, 2, 21);
+    Cloud all(250, {{9, 8, 7}, periodic}, 0.4, 2, 2, 21);
     for (int step = 0; step < 100; ++step) {
       for (std::size_t row = 0; row < all.bodies.size(); ++row) {
         Vec3& x = all.bodies.position[row];
@@ -42,7 +42,7 @@ TEST_P(KeptPairsOf, FollowsBodiesThatCreep) {
   std::mt19937 g(8);
   std::normal_distribution<> normal;
   for (const Vec3& size : {Vec3(5, 4, 4), Vec3(0.8, 4, 6)}) {
-    Cloud cloud(80, size, {true, true, false}, 0.4, 0.5, 2, 22);
+    Cloud cloud(80, {size, {true, true, false}}, 0.4, 0.5, 2, 22);
     std::vector<Vec3> velocity(80);
     for (Vec3& v : velocity) v = 1e-3 * Vec3(normal(g), normal(g), normal(g));
     for (int step = 0; step < 600; ++step) {
@@ -70,7 +70,7 @@ struct FallingCloud {
 
   FallingCloud(const Vec3& common, double own_speed, bool all_fall, double width = 6, double small = 0.3,
                double large = 1.5)
-      : cloud(200, {width, width, 40}, {true, true, false}, small, large, 3, 23), velocity(common) {
+      : cloud(200, {{width, width, 40}, {true, true, false}}, small, large, 3, 23), velocity(common) {
     std::mt19937 g(9);
     std::normal_distribution<> normal;
     for (std::size_t row = 0; row < cloud.bodies.size(); ++row) {
@@ -204,7 +204,7 @@ TEST(KeptPairs, BodiesThatComeAndGoCostFewSearches) {
 
 /// Bodies in a row along x, whose radii and positions are told.
 struct Row {
-  Cloud cloud{0, {60, 9, 9}, {true, false, false}, 0, 0, 0, 1};
+  Cloud cloud{0, {{60, 9, 9}, {true, false, false}}, 0, 0, 0, 1};
   std::unique_ptr<BroadPhase> grid = adapters::make_broad_phase("grid");
 
   Row() {  // and small ones that make it worth while to keep pairs
@@ -268,10 +268,10 @@ TEST(KeptPairs, AFallThatAllShareCostsNoMoreSearchesThanRest) {
 
 /// The pairs that were there before must not show.
 TEST_P(KeptPairsOf, KeepsNothingThatShows) {
-  const Cloud before(300, {10, 8, 6}, {true, false, true}, 0.7, 2, 3, 30);
-  const Cloud after(200, {10, 8, 6}, {true, false, true}, 0.4, 3, 2, 31);
+  const Cloud before(300, {{10, 8, 6}, {true, false, true}}, 0.7, 2, 3, 30);
+  const Cloud after(200, {{10, 8, 6}, {true, false, true}}, 0.4, 3, 2, 31);
   before.found_by(*broad_phase);
-  Cloud(0, {1, 1, 1}, {}, 0.1, 0, 0, 3).found_by(*broad_phase);
+  Cloud(0, {{1, 1, 1}, {}}, 0.1, 0, 0, 3).found_by(*broad_phase);
   EXPECT_EQ(after.found_by(*broad_phase), after.found_by(*adapters::make_broad_phase("grid")));
 }
 

@@ -265,10 +265,10 @@ TEST(Cohesion, OfVanDerWaalsIsThatOfTheCurvatures) {
   }
   // rods of unlike radii that cross at a right angle: the geometric mean (Israelachvili)
   Scene rods(0, 0);
-  rods.add_with_id(0, rods.shape(Capsule{0.1, 0.5}), Vec3(50, 50, 50), Vec3::Zero(), Vec3::Zero(), 1,
-                   rotation_between(Vec3::UnitZ(), Vec3::UnitX()));
-  rods.add_with_id(1, rods.shape(Cylinder{0.4, 1}), Vec3(50, 50, 49.5 - near), Vec3::Zero(), Vec3::Zero(), 1,
-                   rotation_between(Vec3::UnitZ(), Vec3::UnitY()));
+  rods.add_with_id(0, rods.shape(Capsule{0.1, 0.5}),
+                   {Vec3(50, 50, 50), rotation_between(Vec3::UnitZ(), Vec3::UnitX())});
+  rods.add_with_id(1, rods.shape(Cylinder{0.4, 1}),
+                   {Vec3(50, 50, 49.5 - near), rotation_between(Vec3::UnitZ(), Vec3::UnitY())});
   EXPECT_NEAR(pull_on(rods), unit * 0.2, 1e-6 * unit);
   Scene balls(0, 0);  // far apart for their size
   const int ball = balls.shape(Sphere{0.01});

@@ -29,8 +29,8 @@ inline std::vector<std::pair<Shape, double>> flat_grounds() {
 inline Scene on_plate(const std::pair<Shape, double>& plate, const Shape& body, double height,
                       const Quat& q = Quat::Identity()) {
   Scene s(0, 0.9);
-  s.add_with_id(0, s.shape(body), Vec3(10, 10, 10 + height), Vec3::Zero(), Vec3::Zero(), 1, q);
-  s.add_with_id(1, s.shape(plate.first), Vec3(11, 9, 10 - plate.second), Vec3::Zero(), Vec3::Zero(), 1);
+  s.add_with_id(0, s.shape(body), {Vec3(10, 10, 10 + height), q});
+  s.add_with_id(1, s.shape(plate.first), {Vec3(11, 9, 10 - plate.second)});
   s.bodies.motion[s.row(1)] = Motion::fixed;
   return s;
 }

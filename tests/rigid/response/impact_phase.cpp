@@ -109,8 +109,8 @@ TEST(ImpactPhase, BoxLandsFlatAndOnItsEdge) {
   const double tilt = 0.3;
   const Vec3 corner(0.5, 0, -0.25);
   const Vec3 turned = Eigen::AngleAxisd(tilt, Vec3::UnitY()) * corner;
-  s.add_with_id(7, box, {30, 10, -turned[2] + 5e-4}, {0, 0, -1}, Vec3::Zero(), 1,
-                Quat(Eigen::AngleAxisd(tilt, Vec3::UnitY())));
+  s.add_with_id(7, box, {{30, 10, -turned[2] + 5e-4}, Quat(Eigen::AngleAxisd(tilt, Vec3::UnitY()))},
+                {0, 0, -1});
   s.floor();
   s.start();
   s.run(1);
@@ -131,9 +131,9 @@ Scene crowd(double restitution, double friction) {  // flies together, balls and
   std::uniform_real_distribution<> u(-0.05, 0.05);
   for (int i = 0; i < 27; ++i) {
     const Vec3 d(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1);
-    s.add_with_id(i, i % 2 ? ball : box, Vec3::Constant(10) + 1.1 * d + Vec3(u(random), u(random), u(random)),
-                  -d + Vec3(u(random), u(random), u(random)), 10 * Vec3(u(random), u(random), u(random)),
-                  1 + i % 3);
+    s.add_with_id(
+        i, i % 2 ? ball : box, {Vec3::Constant(10) + 1.1 * d + Vec3(u(random), u(random), u(random))},
+        -d + Vec3(u(random), u(random), u(random)), 10 * Vec3(u(random), u(random), u(random)), 1 + i % 3);
   }
   return s;
 }

@@ -79,10 +79,10 @@ std::vector<Partner> round_partners() {
 BodyId put(Scene& s, const Partner& partner, bool lower_id, const Twist& motion, const Twist& ball,
            double height = 0.2503) {
   const int ball_shape = s.shape(Sphere{radius}), shape = s.shape(partner.shape);
-  s.add_with_id(lower_id ? 3 : 7, shape, partner.centre, motion.v, motion.w, 1, partner.turn);
+  s.add_with_id(lower_id ? 3 : 7, shape, {partner.centre, partner.turn}, motion.v, motion.w);
   const bool moves = !motion.v.isZero(0) || !motion.w.isZero(0);
   s.bodies.motion[s.row(lower_id ? 3 : 7)] = moves ? Motion::prescribed : Motion::fixed;
-  const BodyId id = s.add_with_id(5, ball_shape, {50, 50, radius + height}, ball.v, ball.w, 1);
+  const BodyId id = s.add_with_id(5, ball_shape, {{50, 50, radius + height}}, ball.v, ball.w);
   s.start();
   return id;
 }
@@ -176,11 +176,11 @@ TEST_F(Rebound, OfABoxOnItsEdge) {
   for (const BodyId plate : {BodyId(3), BodyId(7), first_wall_id}) {
     Scene s(0.5, 0.3);
     const int box = s.shape(Box{{0.5, 0.5, 0.25}}), below = s.shape(Box{{3, 3, 0.5}});
-    s.add_with_id(5, box, {50, 50, 2.5e-3 - lowest[2]}, {0.7, 0.4, -3}, {0.5, 1, 2}, 1, tilt);
+    s.add_with_id(5, box, {{50, 50, 2.5e-3 - lowest[2]}, tilt}, {0.7, 0.4, -3}, {0.5, 1, 2});
     if (plate == first_wall_id) {
       s.floor();
     } else {
-      s.add_with_id(plate, below, {50.5, 49.5, -0.5}, Vec3::Zero(), Vec3::Zero(), 1);
+      s.add_with_id(plate, below, {{50.5, 49.5, -0.5}});
       s.bodies.motion[s.row(plate)] = Motion::fixed;
     }
     s.start();

@@ -30,7 +30,7 @@ Scene alone(const Shape& shape, double friction, const Vec3& gravity, double hei
             const Quat& q = Quat::Identity(), const Vec3& v = Vec3::Zero()) {
   Scene s(0, friction);
   s.world.gravity = gravity;
-  s.add_with_id(0, s.shape(shape), {10, 10, height}, v, Vec3::Zero(), 1, q);
+  s.add_with_id(0, s.shape(shape), {{10, 10, height}, q}, v);
   s.floor();
   s.start();
   return s;
@@ -195,8 +195,7 @@ TEST_F(FacetedBodies, StacksOfPrismsComeToRest) {
     const int prism = s.shape(hexagonal_prism(0.5, 0.25));
     std::array<Vec3, 5> settled;
     for (int i = 0; i < 5; ++i)
-      s.add_with_id(i, prism, {10, 10, 0.25 + 0.5 * i}, Vec3::Zero(), Vec3::Zero(), 1,
-                    Quat(Eigen::AngleAxisd(turn * i, Vec3::UnitZ())));
+      s.add_with_id(i, prism, {{10, 10, 0.25 + 0.5 * i}, Quat(Eigen::AngleAxisd(turn * i, Vec3::UnitZ()))});
     s.floor();
     s.start();
     s.run(2000);
