@@ -94,6 +94,16 @@ template <class Mask>
   return found != 0;
 }
 
+template <class V>
+[[gnu::always_inline]] inline auto lane_of(const V& v, int lane) {
+  return v[lane];
+}
+/// Converts the elements of a vector.
+template <class To, class From>
+[[gnu::always_inline]] inline To converted(const From& from) {
+  return __builtin_convertvector(from, To);
+}
+
 /// Operations on vectors of n numbers T, and of as many integers.
 template <class T, int n = vector_bytes / int(sizeof(T))>
 struct Lanes {
@@ -191,6 +201,12 @@ struct Lanes {
     }
 #endif
     for (int l = 0; l < count; ++l) to[offset[l]] = values[l];
+  }
+  static Real gather(const T* from, const Whole& offset) {
+    return gather(from, reinterpret_cast<const std::int32_t*>(&offset));
+  }
+  static void scatter(T* to, const Whole& offset, const Real& values) {
+    scatter(to, reinterpret_cast<const std::int32_t*>(&offset), values);
   }
 
  private:

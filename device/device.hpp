@@ -11,29 +11,30 @@
 #include <utility>
 #include <vector>
 
-// SILT_DEVICES declares functions of passes for the builds of all devices; SILT_ON takes that of one, and
-// SILT_OFF_CPU that of one other than `cpu` where this has none.
+#include "cpu/isa.hpp"
+
+// SILT_DEVICES declares functions of passes for the builds of all devices, those of `host` as kernels for
+// each instruction set; SILT_ON takes that of one, and SILT_OFF_CPU that of one other than `cpu` where this
+// has none.
 #define SILT_DEVICES(...) \
   namespace cpu {         \
   __VA_ARGS__             \
   }                       \
-  namespace host {        \
-  __VA_ARGS__             \
-  }                       \
   namespace gpu {         \
   __VA_ARGS__             \
-  }
+  }                       \
+  SILT_BUILDS(__VA_ARGS__)
 #if defined(SILT_CUDA)
-#define SILT_OFF_CPU(device, pass) (device == Device::gpu ? gpu::pass : host::pass)
+#define SILT_OFF_CPU(device, pass) (device == Device::gpu ? gpu::pass : SILT_CHOSEN(pass))
 #else
-#define SILT_OFF_CPU(device, pass) host::pass
+#define SILT_OFF_CPU(device, pass) SILT_CHOSEN(pass)
 #endif
 #define SILT_ON(device, pass) (device == Device::cpu ? cpu::pass : SILT_OFF_CPU(device, pass))
 
 namespace silt {
 
 /// `cpu`: the vector kernels of the processor. `host`: the passes of a graphics processor as loops on the
-/// processor, for tests. `gpu`: a graphics processor.
+/// processor, over vectors of entries, for tests. `gpu`: a graphics processor.
 enum class Device : std::uint8_t { cpu, host, gpu };
 inline constexpr std::array<std::string_view, 3> device_names = {"cpu", "host", "gpu"};
 

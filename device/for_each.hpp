@@ -1,10 +1,10 @@
 #pragma once
-// Passes: loops over entries in any order. Only for files built for a device (SILT_BUILD: cpu, host or gpu),
-// which include this first; functions that run there are SILT_DEVICE. The build for `cpu` (SILT_AT_ONCE) runs
-// a pass when it is called, that for `host` at the next wait().
+// Passes: loops over entries in any order. Only for files built for a device (SILT_BUILD: cpu, gpu, or an
+// instruction set, for `host`), which include this first; functions that run there are SILT_DEVICE. The build
+// for `cpu` (SILT_AT_ONCE) runs a pass when it is called, those for `host` at the next wait().
+#include <algorithm>
 #include <bit>
 #include <cstdint>
-#include <functional>
 #include <stdexcept>
 #include <string>
 #include <type_traits>
@@ -78,7 +78,7 @@ __global__ void one_of(std::int64_t entries, const Body body) {
 template <class Body>
 __global__ void one_of_rows(int entries, const Body body) {
   const int k = int(blockIdx.y * blockDim.x + threadIdx.x);
-  if (k < entries) body(k, int(blockIdx.x));
+  if (k < entries) body(k, int(blockIdx.x), 1);
 }
 
 template <class Body>
@@ -100,7 +100,7 @@ void for_each(std::int64_t entries, const Body& body) {
   one_of<<<unsigned((entries + threads - 1) / threads), threads>>>(entries, body);
   check(cudaGetLastError());
 }
-/// Calls body(k, row) for 0 <= k < entries and 0 <= row < rows.
+/// Calls body(k, row, 1) for 0 <= k < entries and 0 <= row < rows.
 template <class Body>
 void for_rows(int entries, int rows, const Body& body) {
   constexpr int warp = 32, most = 256;
@@ -150,8 +150,9 @@ void in_turn(const Work& work) {
 }
 inline void wait() {}
 #else
-inline void in_turn(std::function<void()> work) {
-  defer_work(std::move(work));
+template <class Work>
+void in_turn(const Work& work) {
+  defer_work(work);
 }
 inline void wait() {
   run_deferred_work();
@@ -169,12 +170,13 @@ void for_each(std::int64_t entries, const Body& body) {
     }
   });
 }
+/// Calls body(k, row, count) for up to Body::together entries at a time, from k on.
 template <class Body>
 void for_rows(int entries, int rows, const Body& body) {
   in_turn([entries, rows, body] {
+    const Body own = body;  // in registers
     for (int row = 0; row < rows; ++row)
-#pragma GCC ivdep
-      for (int k = 0; k < entries; ++k) body(k, row);
+      for (int k = 0; k < entries; k += Body::together) own(k, row, std::min(Body::together, entries - k));
   });
 }
 template <class Body>

@@ -2,7 +2,9 @@
 
 #include <sys/mman.h>
 
+#include <cstring>
 #include <map>
+#include <memory>
 #include <new>
 #include <utility>
 #include <vector>
@@ -42,18 +44,23 @@ LockedMemory& locked_memory() {
   return *memory;
 }
 
-std::vector<std::function<void()>> yet_to_do;
+struct Deferred {
+  void (*run)(const void*);
+  std::unique_ptr<std::byte[]> work;
+};
+std::vector<Deferred> yet_to_do;
 
 }  // namespace
 
-void defer_work(std::function<void()> work) {
-  yet_to_do.push_back(std::move(work));
+void defer_work(void (*run)(const void*), const void* work, std::size_t bytes) {
+  yet_to_do.push_back({run, std::make_unique<std::byte[]>(bytes)});
+  std::memcpy(yet_to_do.back().work.get(), work, bytes);
 }
 
 void run_deferred_work() {
   if (yet_to_do.empty()) return;
   locked_memory().lock(false);
-  for (const auto& work : yet_to_do) work();
+  for (const Deferred& one : yet_to_do) one.run(one.work.get());
   yet_to_do.clear();
   locked_memory().lock(true);
 }

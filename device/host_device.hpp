@@ -1,13 +1,20 @@
 #pragma once
 // The device `host` emulates the worst case of a graphics processor, for tests: passes and copies run only
 // when the program waits for them, and the device's own memory is accessible only to them.
-#include <functional>
+#include <cstddef>
 #include <memory_resource>
+#include <type_traits>
 
 namespace silt {
 
-/// Defers work to the next wait, after all work deferred before.
-void defer_work(std::function<void()>);
+/// Defers run(work) to the next wait, after all work deferred before, and copies the bytes of `work`.
+void defer_work(void (*run)(const void* work), const void* work, std::size_t bytes);
+/// Defers work(), which is copied as a graphics processor copies the arguments of a launch.
+template <class Work>
+void defer_work(const Work& work) {
+  static_assert(std::is_trivially_copyable_v<Work> && alignof(Work) <= alignof(std::max_align_t));
+  defer_work([](const void* of) { (*static_cast<const Work*>(of))(); }, &work, sizeof work);
+}
 void run_deferred_work();
 
 std::pmr::memory_resource* own_memory_of_host();

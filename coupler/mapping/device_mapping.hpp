@@ -23,12 +23,13 @@ inline constexpr double most_change = 0.25;
 
 /// Returns the rate of a distance that is `middle` at the middle of a mapping and `last` after `steps` more.
 /// Wall formulas amplify if the surface passes the cell (q < 0): allowed for a few steps only.
-template <class T>
-SILT_DEVICE inline T rate_of(T middle, T last, double steps) {
+template <class T, class V>
+SILT_DEVICE inline V rate_of(const V& middle, const V& last, double steps) {
   constexpr double few = 4;
   const T least = steps > few ? T(0) : T(-0.1), per_step = T(1 / steps);
-  const T largest = T(most_change), most = std::min(largest, middle - least);
-  return std::clamp(last - middle, -most, most) * per_step;
+  const V room = middle - least, largest = V{} + T(most_change), most = room < largest ? room : largest;
+  const V change = last - middle, lowest = -most, limited = change < lowest ? lowest : change;
+  return (most < limited ? most : limited) * per_step;
 }
 
 /// A group whose links follow from the solid bits alone: of open cells in rows [y0, y1) of a mask.

@@ -1,5 +1,5 @@
 // The passes of device_mapping.hpp, for the one file per device other than `cpu` that includes this
-// (SILT_BUILD, SILT_SCALAR).
+// (SILT_BUILD): a vector of links at a time, or one link (SILT_SCALAR).
 #include <algorithm>
 #include <cstring>
 #include <type_traits>
@@ -75,17 +75,20 @@ struct ListGroup {
 };
 
 template <class T>
-SILT_DEVICE T distance_of(const std::uint32_t* place, const lbm::SILT_BUILD::PlaceOrigin<T>& origin,
-                          const SurfaceView<T>& surface, T past) {
+SILT_DEVICE typename Lanes<T>::Real distance_of(const std::uint32_t* place,
+                                                const lbm::SILT_BUILD::PlaceOrigin<T>& origin,
+                                                const SurfaceView<T>& surface, T past) {
   const lbm::SILT_BUILD::Places<T> at(place, origin);
   if (surface.count > 1) return distance_to_any(at, surface, past);
-  T found{};
+  typename Lanes<T>::Real found{};
   with_kind(surface.parts[0].kind, [&](auto kind) { found = distance_to_part<kind()>(at, surface, past); });
   return found;
 }
 
 template <class T>
 struct MeasureGroup {
+  using L = Lanes<T>;
+  using V = typename L::Real;
   LinksToMap<T> all;
 
   SILT_DEVICE SurfaceView<T> view(const SurfaceAtTime& at) const {
@@ -97,33 +100,50 @@ struct MeasureGroup {
   SILT_DEVICE void operator()(std::int64_t k, const Team& member) const {
     const GroupToMap& group = all.groups[k];
     const SurfaceToMap<T>& surface = all.surfaces[group.surface];
+    if (member.lane == 0) pad(group, surface.place + group.begin);
     measure(group, surface, member);
     if (surface.arm != 0) add_resistance_of(group, surface, member);
   }
+  /// Completes the last vector of places by copies, since all of them are read.
+  SILT_DEVICE static void pad(const GroupToMap& group, std::uint32_t* place) {
+    for (std::uint32_t l = group.count; l % L::count != 0; ++l) place[l] = place[l - 1];
+  }
+  /// Sets whole vectors of distances and rates.
   SILT_DEVICE void measure(const GroupToMap& group, const SurfaceToMap<T>& surface,
                            const Team& member) const {
-    for (int l = int(group.begin) + member.lane; l < int(group.begin + group.count); l += member.size) {
+    for (int n = L::count * member.lane; n < int(group.count); n += L::count * member.size) {
+      const int l = int(group.begin) + n;
       const auto at = [&](const SurfaceAtTime& time, T past) {
         return distance_of(surface.place + l, origin(group, time), view(time), past);
       };
-      T& q = surface.q[l];
-      if (!group.crossing) q = lbm::follows_distance(group.scheme) ? at(surface.now, T(0)) : T(0.5);
+      V q = V{} + T(0.5);
+      if (group.crossing)
+        q = load<V>(surface.q + l);
+      else if (lbm::follows_distance(group.scheme))
+        q = at(surface.now, T(0));
+      store(surface.q + l, q);
       if (surface.steps > 0)
-        surface.rate[l] = group.crossing ? T(0) : rate_of(q, at(surface.last, T(most_change)), surface.steps);
+        store(surface.rate + l,
+              group.crossing ? V{} : rate_of<T>(q, at(surface.last, T(most_change)), surface.steps));
     }
   }
   SILT_DEVICE void add_resistance_of(const GroupToMap& group, const SurfaceToMap<T>& surface,
                                      const Team& member) const {
-    using Term = std::conditional_t<sizeof(T) == 4, std::int32_t, std::int64_t>;
+    using Terms = std::conditional_t<sizeof(T) == 4, typename L::Whole, typename L::Quanta>;
     using lbm::SILT_BUILD::resistance_entries, lbm::SILT_BUILD::push_entries;
-    std::int64_t h[resistance_entries + push_entries] = {};
-    for (int l = int(group.begin) + member.lane; l < int(group.begin + group.count); l += member.size) {
-      const lbm::SILT_BUILD::Places<T> at(surface.place + l, origin(group, surface.now));
-      lbm::SILT_BUILD::add_resistance<T>(at, true, surface.arm, [&](int e, T term) { h[e] += Term(term); });
+    typename L::Quanta h[resistance_entries + push_entries] = {};
+    for (int l = L::count * member.lane; l < int(group.count); l += L::count * member.size) {
+      const lbm::SILT_BUILD::Places<T> at(surface.place + group.begin + l, origin(group, surface.now));
+      lbm::SILT_BUILD::add_resistance<T>(
+          at, L::below(int(group.count) - l), surface.arm,
+          [&](int e, const V& term) { h[e] += converted<typename L::Quanta>(converted<Terms>(term)); });
     }
     lbm::ResistanceSums& sums = all.resistance[group.surface];
-    for (int e = 0; e < resistance_entries; ++e) member.add(h[e], sums.h[e]);
-    for (int e = 0; e < push_entries; ++e) member.add(h[resistance_entries + e], sums.push[e]);
+    for (int e = 0; e < resistance_entries + push_entries; ++e) {
+      std::int64_t sum = 0;
+      for (int k = 0; k < L::count; ++k) sum += lane_of(h[e], k);
+      member.add(sum, e < resistance_entries ? sums.h[e] : sums.push[e - resistance_entries]);
+    }
   }
 };
 

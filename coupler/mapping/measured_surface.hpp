@@ -75,7 +75,7 @@ class MeasuredSurface {
       distance_kernel<T, T>()({links.place.data() + group.begin, padded, group.corner}, frame, parts_.view(),
                               T(most_change), last);
       const T* const middle = links.q.data() + group.begin;
-      for (int l = 0; l < padded; ++l) last[l] = rate_of(middle[l], last[l], steps);
+      for (int l = 0; l < padded; ++l) last[l] = rate_of<T>(middle[l], last[l], steps);
     }
   }
 

@@ -103,14 +103,6 @@ class LaneTotals {
     return __builtin_convertvector(std::bit_cast<Parts>(v).part[part], W);
 #endif
   }
-  template <class Lanes>
-  [[gnu::always_inline]] SILT_DEVICE static auto lane_of(const Lanes& v, [[maybe_unused]] int lane) {
-#if defined(SILT_SCALAR)
-    return v;
-#else
-    return v[lane];
-#endif
-  }
 
   FixedSum<T, mass_quantum, n> mass_;
   FixedSum<T, CellTotals::square_quantum, n> mass_square_;

@@ -4,6 +4,7 @@
 // The populations that arrive at a cell along pair i, opposite i are in slots A and B; the one that leaves
 // along i goes to B, the one against it to A. Parity only decides where A and B are: one pass serves all
 // steps.
+#include <cmath>
 #include <type_traits>
 
 #include "cpu/lanes.hpp"
@@ -38,6 +39,61 @@ struct AllLanes {
   }
 };
 
+#if !defined(SILT_SCALAR)
+/// Masks the lanes of a vector beyond the first `cells`.
+template <class V, class T>
+struct FirstLanes {
+  static constexpr int count = sizeof(V) / sizeof(T);
+  decltype(V{} < V{}) inside;
+  explicit FirstLanes(std::ptrdiff_t cells) {
+    V lane;
+    for (int i = 0; i < count; ++i) lane[i] = T(i);
+    inside = lane < (V{} + T(cells));
+  }
+  V operator()(const V& inner, const V& outer) const { return inside ? inner : outer; }
+};
+#endif
+
+/// Calls found(offset, speed) for cells that are too fast or whose speed is not a number, at the cost of a
+/// comparison and a branch.
+template <class T, class Found>
+struct Watch {
+  T limit, scale;  // of the squares from the model; the squares over squared speeds
+  Found found;
+  template <class V, class Keep>
+  [[gnu::always_inline]] SILT_DEVICE void see(const V& square, std::ptrdiff_t x, const Keep& keep) const {
+    const V seen = keep(square, V{});
+    if (any_lane(!(seen <= V{} + limit))) [[unlikely]]
+      note(seen, x);
+  }
+  template <class V>
+  [[gnu::noinline, gnu::cold]] SILT_DEVICE void note(const V seen, std::ptrdiff_t x) const {
+    for (int i = 0; i < Lanes<T>::count; ++i)
+      if (const T square = lane_of(seen, i); !(square <= limit))
+        found(x + i, std::sqrt(double(square) / double(scale)));
+  }
+};
+struct Unseen {
+  template <class V, class Keep>
+  [[gnu::always_inline]] SILT_DEVICE void see(const V&, std::ptrdiff_t, const Keep&) const {}
+};
+
+template <class T>
+using QuantaLanes = typename VectorOf<ExcessQuanta<T>, Lanes<T>::count>::type;
+
+/// Subtracts the excess of a vector of cells from their populations.
+template <class T>
+[[gnu::always_inline]] SILT_DEVICE inline void take_excess_of_cells(const Slots<T>& slots, std::ptrdiff_t x,
+                                                                    ExcessQuanta<T>* excess, T stress_share) {
+  using V = typename Lanes<T>::Real;
+  const auto quanta = load<QuantaLanes<T>>(excess + x);
+  if (!any_lane(quanta != QuantaLanes<T>{})) return;
+  const auto g = [&](int i) { return load<V>(slots.arriving(i) + x); };
+  const auto given = given_up<T>(converted<V>(quanta), stress_share, g);
+  for (int i = 0; i < D3Q19::directions; ++i) store(slots.arriving(i) + x, V(given.left(i, g(i))));
+  store(excess + x, QuantaLanes<T>{});
+}
+
 /// Prefetches populations: hardware prefetchers follow too few streams for nineteen arrays.
 struct Prefetch {
 #if defined(SILT_SCALAR)
@@ -64,7 +120,7 @@ struct NothingGivenUp {
 template <class Model, bool source, class V, class T, class Keep, class Watch, class Given = NothingGivenUp>
 [[gnu::always_inline]] SILT_DEVICE inline void collide(const Slots<T>& slots, std::ptrdiff_t x,
                                                        const CollisionRates<T>& r, const Keep& keep,
-                                                       Watch& watch, const Given& given = {}) {
+                                                       const Watch& watch, const Given& given = {}) {
   constexpr Prefetch prefetch;
   V sum[D3Q19::pairs + 1], difference[D3Q19::pairs];
   const auto arriving = [&](int i, const T* from) __attribute__((always_inline)) {

@@ -10,39 +10,6 @@
 namespace silt::lbm::SILT_BUILD {
 namespace {
 
-/// Masks the lanes of a vector beyond the first `cells`.
-template <class V, class T>
-struct FirstLanes {
-  static constexpr int count = sizeof(V) / sizeof(T);
-  decltype(V{} < V{}) inside;
-  explicit FirstLanes(std::ptrdiff_t cells) {
-    V lane;
-    for (int i = 0; i < count; ++i) lane[i] = T(i);
-    inside = lane < (V{} + T(cells));
-  }
-  V operator()(const V& inner, const V& outer) const { return inside ? inner : outer; }
-};
-/// Records cells that are too fast or whose speed is not a number, at the cost of a comparison and a branch.
-template <class V, class T>
-struct Watch {
-  T limit, scale;  // of the squares from the model; the squares over squared speeds
-  std::vector<FastCell>& found;
-  template <class Keep>
-  [[gnu::always_inline]] void see(const V& square, std::ptrdiff_t x, const Keep& keep) {
-    const V seen = keep(square, V{});
-    if (any_lane(!(seen <= V{} + limit))) [[unlikely]]
-      note(seen, x);
-  }
-  [[gnu::noinline, gnu::cold]] void note(const V seen, std::ptrdiff_t x) {
-    for (int i = 0; i < int(sizeof(V) / sizeof(T)); ++i)
-      if (!(seen[i] <= limit)) found.push_back({x + i, std::sqrt(double(seen[i]) / double(scale))});
-  }
-};
-struct Unseen {
-  template <class V, class Keep>
-  [[gnu::always_inline]] void see(const V&, std::ptrdiff_t, const Keep&) {}
-};
-
 template <class T>
 inline void close_row(T* first, const std::vector<RowEnd<T>>& ends) {
   for (const RowEnd<T>& end : ends) first[end.to] = end.wall ? first[end.from] + end.addend : first[end.from];
@@ -58,9 +25,6 @@ struct Pass {
   FirstLanes<typename VectorOf<T>::type, T> rest_of_row;
 };
 
-template <class T>
-using QuantaLanes = typename VectorOf<ExcessQuanta<T>, vector_bytes / int(sizeof(T))>::type;
-
 /// Subtracts the excess of a cell from its populations.
 template <class T>
 void take_excess_of_cell(const Slots<T>& slots, std::ptrdiff_t cell, Block<T>& block) {
@@ -71,22 +35,15 @@ void take_excess_of_cell(const Slots<T>& slots, std::ptrdiff_t cell, Block<T>& b
 /// Does so for all cells of a block.
 template <class T>
 void take_excess_of_block(Block<T>& block, Parity parity) {
-  using V = typename VectorOf<T>::type;
-  constexpr int width = vector_bytes / sizeof(T);
+  constexpr int width = Lanes<T>::count;
   const Slots<T> slots(block, parity);
   for (int z = 0; z < block.size().z; ++z)
     for (int y = 0; y < block.size().y; ++y) {
       if (!block.has_excess(y, z)) continue;
       std::ptrdiff_t x = block.cell(0, y, z);
       const std::ptrdiff_t end = x + block.size().x;
-      for (; x + width <= end; x += width) {
-        const auto quanta = load<QuantaLanes<T>>(block.excess() + x);
-        if (!any_lane(quanta != QuantaLanes<T>{})) continue;
-        const auto g = [&](int i) { return load<V>(slots.arriving(i) + x); };
-        const auto given = given_up<T>(V(__builtin_convertvector(quanta, V)), block.stress_share(), g);
-        for (int i = 0; i < D3Q19::directions; ++i) store(slots.arriving(i) + x, V(given.left(i, g(i))));
-        store(block.excess() + x, QuantaLanes<T>{});
-      }
+      for (; x + width <= end; x += width)
+        take_excess_of_cells(slots, x, block.excess(), block.stress_share());
       for (; x < end; ++x) take_excess_of_cell(slots, x, block);
     }
 }
@@ -95,7 +52,7 @@ void take_excess_of_block(Block<T>& block, Parity parity) {
 /// `row_end`. Kept out of the loop over rows, where it would take registers.
 template <class Model, bool source, class T, class Watch>
 [[gnu::noinline]] void collide_with_excess(const Pass<T>& pass, std::ptrdiff_t x, std::ptrdiff_t end,
-                                           std::ptrdiff_t row_end, Watch& watch) {
+                                           std::ptrdiff_t row_end, const Watch& watch) {
   using V = typename VectorOf<T>::type;
   ExcessQuanta<T>* const excess = pass.block.excess();
   for (; x < end; x += vector_bytes / sizeof(T)) {
@@ -105,7 +62,7 @@ template <class Model, bool source, class T, class Watch>
       continue;
     }
     const auto g = [&](int i) { return load<V>(pass.slots.arriving(i) + x); };
-    const auto given = given_up<T>(V(__builtin_convertvector(quanta, V)), pass.block.stress_share(), g);
+    const auto given = given_up<T>(converted<V>(quanta), pass.block.stress_share(), g);
     collide<Model, source, V>(pass.slots, x, pass.rates, AllLanes{}, watch, given);
     store(excess + x, QuantaLanes<T>{});
   }
@@ -114,7 +71,7 @@ template <class Model, bool source, class T, class Watch>
 
 /// `watch` receives the cells' squared speeds and offsets; `linked`: cells of the block may have links.
 template <class Model, bool source, bool linked, class T, class Watch>
-[[gnu::noinline]] void row_range(const Pass<T> pass, RowRange range, Watch& watch) {
+[[gnu::noinline]] void row_range(const Pass<T> pass, RowRange range, const Watch& watch) {
   using V = typename VectorOf<T>::type;
   constexpr int width = vector_bytes / sizeof(T);
   const int nx = pass.block.size().x, whole = nx / width * width;
@@ -138,8 +95,9 @@ void planes(Block<T>& block, Parity parity, const CollisionRates<T>& rates, RowR
   const Pass<T> pass{
       block, parity, rates, {block, parity}, FirstLanes<V, T>(block.size().x % int(sizeof(V) / sizeof(T)))};
   const T scale = Model::square_scale(rates);
-  Watch<V, T> watch{T(speed_of_sound * speed_of_sound) * scale, scale, watched.found};
-  Unseen unseen;
+  const auto note = [&](std::ptrdiff_t cell, double speed) { watched.found.push_back({cell, speed}); };
+  const Watch<T, decltype(note)> watch{T(speed_of_sound * speed_of_sound) * scale, scale, note};
+  const Unseen unseen;
   for (int z = range.z0; z < range.z1;) {
     const int plane = std::min(watched.next(z), range.z1);
     if (z < plane) row_range<Model, source, linked>(pass, {range.y0, range.y1, z, plane}, unseen);

@@ -1,6 +1,6 @@
 #pragma once
-// The passes over all cells of a block, cell by cell: collision, giving up excess, totals. For builds for a
-// device (SILT_BUILD, SILT_SCALAR).
+// The passes over all cells of a block: collision, giving up excess, totals. For builds for a device
+// (SILT_BUILD): a vector of cells at a time, or one cell (SILT_SCALAR).
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -35,23 +35,13 @@ struct FastList {
   unsigned count;
 };
 
-template <class T>
-struct Watch {
-  T limit, scale;
+struct AddFast {
   FastList* list;
   int block;
-
-  template <class Keep>
-  SILT_DEVICE void see(T square, std::ptrdiff_t x, const Keep&) const {
-    if (square <= limit) return;
+  SILT_DEVICE void operator()(std::ptrdiff_t x, double speed) const {
     const unsigned k = next_of(&list->count);
-    if (k < FastList::room) list->cells[k] = {block, {x, std::sqrt(double(square) / double(scale))}};
+    if (k < FastList::room) list->cells[k] = {block, {x, speed}};
   }
-};
-
-struct NoWatch {
-  template <class T, class Keep>
-  SILT_DEVICE void see(const T&, std::ptrdiff_t, const Keep&) const {}
 };
 
 /// The watched planes, one per period from `first` on.
@@ -75,11 +65,18 @@ struct CollideCells {
   CellsOfRows cells;
   Planes planes;
   Watch watch;
-  [[gnu::always_inline]] SILT_DEVICE void operator()(int x, int row) const {
-    collide<Model, source, T>(slots, cells.row_at(row % cells.ny, planes(row / cells.ny)) + x, rates,
-                              AllLanes{}, watch);
+  static constexpr int together = Lanes<T>::count;
+  [[gnu::always_inline]] SILT_DEVICE void operator()(int x, int row, int count) const {
+    using V = typename Lanes<T>::Real;
+    const std::ptrdiff_t at = cells.row_at(row % cells.ny, planes(row / cells.ny)) + x;
+    if (count == together) return collide<Model, source, V>(slots, at, rates, AllLanes{}, watch);
+#if !defined(SILT_SCALAR)
+    collide<Model, source, V>(slots, at, rates, FirstLanes<V, T>(count), watch);
+#endif
   }
-  void run() const { for_rows(cells.nx, planes.count() * cells.ny, *this); }
+  void run() const {
+    for_rows(cells.nx, planes.count() * cells.ny, *this);
+  }
 };
 
 template <class T>
@@ -88,9 +85,12 @@ struct TakeExcess {
   ExcessQuanta<T>* excess;
   T stress_share;
   CellsOfRows cells;
-  SILT_DEVICE void operator()(int x, int row) const {
+  static constexpr int together = Lanes<T>::count;
+  SILT_DEVICE void operator()(int x, int row, int count) const {
     const std::ptrdiff_t at = cells.row_at(row) + x;
-    take_excess<T>(excess[at], stress_share, [&](int i) -> T& { return slots.arriving(i)[at]; });
+    if (count == together) return take_excess_of_cells(slots, at, excess, stress_share);
+    for (int n = 0; n < count; ++n)
+      take_excess<T>(excess[at + n], stress_share, [&](int i) -> T& { return slots.arriving(i)[at + n]; });
   }
 };
 template <class T>
@@ -113,7 +113,8 @@ struct CloseRows {
   CellsOfRows cells;
   int count = 0;
   RowEnd<T> ends[10];  // five populations leave at each end
-  SILT_DEVICE void operator()(int k, int row) const {
+  static constexpr int together = 1;
+  SILT_DEVICE void operator()(int k, int row, int) const {
     const RowEnd<T> end = ends[k];
     T* const first = data + cells.row_at(row);
     first[end.to] = end.wall ? first[end.from] + end.addend : first[end.from];
@@ -138,13 +139,14 @@ void stream_collide(int b, Block<T>& block, Parity parity, const CollisionRates<
   take_excess_of(block, parity, range);
   with_model(rates, [&]<class Model>(Model) {
     const T scale = Model::square_scale(rates);
-    const Watch<T> watch{T(speed_of_sound * speed_of_sound) * scale, scale, &fast_list(), b};
+    using WatchFast = Watch<T, AddFast>;
+    const WatchFast watch{T(speed_of_sound * speed_of_sound) * scale, scale, {&fast_list(), b}};
     constexpr int period = WatchedPlanes::period;
     const int first = ((first_watched - range.z0) % period + period) % period, planes = range.z1 - range.z0;
     const auto collide_all = [&]<bool source>(std::bool_constant<source>) {
       const Slots<T> slots(block, parity);
-      CollideCells<Model, source, T, OthersInTurn, NoWatch>{slots, rates, cells, {first, planes}, {}}.run();
-      CollideCells<Model, source, T, WatchedInTurn, Watch<T>>{slots, rates, cells, {first, planes}, watch}
+      CollideCells<Model, source, T, OthersInTurn, Unseen>{slots, rates, cells, {first, planes}, {}}.run();
+      CollideCells<Model, source, T, WatchedInTurn, WatchFast>{slots, rates, cells, {first, planes}, watch}
           .run();
     };
     if (rates.has_force())

@@ -73,11 +73,7 @@ SILT_DEVICE ExcessLanes<T> excess_quanta(const typename Lanes<T>::Real& x) {
     y += y > V{} ? V{} + T(0.5) : V{} - T(0.5);
     y = y < V{} + most ? y : V{} + most;  // not a number is clamped, too
     y = y > V{} - most ? y : V{} - most;
-#if defined(SILT_SCALAR)
-    return ExcessQuanta<T>(y);
-#else
-    return __builtin_convertvector(y, ExcessLanes<T>);
-#endif
+    return converted<ExcessLanes<T>>(y);
   }
 }
 

@@ -1,4 +1,5 @@
-// The passes of link_passes.hpp, for the one file per device that includes this (SILT_BUILD, SILT_SCALAR).
+// The passes of link_passes.hpp, for the one file per device that includes this (SILT_BUILD): a vector of
+// links at a time, or one link (SILT_SCALAR).
 #include "device/for_each.hpp"
 #include "lbm/walls/link_exchange.hpp"
 #include "lbm/walls/link_passes.hpp"
@@ -36,14 +37,25 @@ struct LinksOfGroup {
   }
 };
 
-/// One link.
+/// Writes the values of the first `count` links of a vector.
+template <class T>
+SILT_DEVICE void scatter(T* to, const typename Lanes<T>::Whole& slots, const typename Lanes<T>::Real& values,
+                         int count) {
+  if (count >= Lanes<T>::count) return Lanes<T>::scatter(to, slots, values);
+  for (int k = 0; k < count; ++k) to[lane_of(slots, k)] = lane_of(values, k);
+}
+
+/// A vector of links.
 template <WallScheme scheme, class T>
 struct LinkAt {
+  using L = Lanes<T>;
+  using V = typename L::Real;
+  using Whole = typename L::Whole;
   const LinksOfGroup<T>& links;
   int l;
   Places<T> at;
-  T q;
-  std::int32_t back;  // the slot that the surface writes
+  V q;
+  Whole back;  // the slots that the surface writes
 
   SILT_DEVICE LinkAt(const LinksOfGroup<T>& links, int l)
       : links(links),
@@ -51,43 +63,56 @@ struct LinkAt {
         at(links.surface.place + links.group.begin + l, links.origin),
         q(links.distance.at(l)),
         back(at.slots(links.pass.slots->back)) {}
-  SILT_DEVICE std::int32_t out() const { return at.slots(links.pass.slots->out); }
-  SILT_DEVICE SlotsBehind<std::int32_t> slots() const {
-    return {out(), back, links.pass.slots->step[at.direction]};
+  SILT_DEVICE Whole out() const { return at.slots(links.pass.slots->out); }
+  SILT_DEVICE SlotsBehind<Whole> slots() const {
+    return {out(), back, L::look_up(links.pass.slots->step, at.direction)};
   }
-  SILT_DEVICE T operator()(int row) const {
-    if (row == out_row) return links.corner[out()];
+  SILT_DEVICE V operator()(int row) const {
+    if (row == out_row) return L::gather(links.corner, out());
     if constexpr (scheme == WallScheme::single_cell_gap)
-      return links.corner[at.cell + links.pass.slots->out[row - out_row]];
-    return links.corner[row == behind_row ? slots().behind : slots().against];
+      return L::gather(links.corner, at.cell + links.pass.slots->out[row - out_row]);
+    return L::gather(links.corner, row == behind_row ? slots().behind : slots().against);
   }
-  SILT_DEVICE BeyondPair<T> beyond() const {
-    if (links.group.across)
-      return links.pass.pairs_across[links.surface.across[links.group.across_begin + l]];
-    return {links.corner[slots().away], links.corner[slots().toward]};
+  SILT_DEVICE BeyondPair<V> beyond() const {
+    if (!links.group.across)
+      return {L::gather(links.corner, slots().away), L::gather(links.corner, slots().toward)};
+    T away[L::count], toward[L::count];
+    for (int k = 0; k < L::count; ++k) {
+      const BeyondPair<T>& pair =
+          links.pass.pairs_across[links.surface.across[links.group.across_begin + l + k]];
+      away[k] = pair.away, toward[k] = pair.toward;
+    }
+    return {load<V>(away), load<V>(toward)};
   }
-  SILT_DEVICE OppositeWall<T> opposite() const {
+  SILT_DEVICE OppositeWall<V> opposite() const {
     if (scheme != WallScheme::single_cell_gap || !links.surface.opposite_q) return {};
-    return {links.surface.opposite_q[links.group.opposite + l],
-            links.surface.opposite_u[links.group.opposite + l]};
+    return {load<V>(links.surface.opposite_q + links.group.opposite + l),
+            load<V>(links.surface.opposite_u + links.group.opposite + l)};
   }
-  SILT_DEVICE void give(ExcessQuanta<T> given) const { add_to(links.excess[at.cell], given); }
+  SILT_DEVICE void give(const ExcessLanes<T>& given) const {
+    for (int k = 0; k < L::count; ++k)
+      add_to(links.excess[lane_of(at.cell, k)], ExcessQuanta<T>(lane_of(given, k)));
+  }
 };
 
-/// Applies a member's share of a group, `together` links at a time: reads them all before it writes.
+/// Applies a member's share of a group, `together` vectors of links at a time: reads them all before it
+/// writes.
 template <WallScheme scheme, int together, class T>
 SILT_DEVICE void apply_group(const LinksOfGroup<T>& links, const Team& member) {
+  using L = Lanes<T>;
   GroupStep<T> step(links.step.motion, links.pass.fluid, links.pass.galilean, links.step.limit);
   const int count = int(links.group.count);
-  for (int first = together * member.lane; first < count; first += together * member.size) {
-    T passed[together];
-    std::int32_t back[together];
-    const int end = first + together <= count ? together : count - first;
-    for (int k = 0; k < end; ++k) {
-      const LinkAt<scheme, T> link(links, first + k);
-      passed[k] = step.template apply<scheme>(link, true), back[k] = link.back;
-    }
-    for (int k = 0; k < end; ++k) links.corner[back[k]] = passed[k];
+  constexpr int some = together * L::count;
+  for (int first = some * member.lane; first < count; first += some * member.size) {
+    typename L::Real passed[together];
+    typename L::Whole back[together];
+    for (int k = 0; k < together; ++k)
+      if (const int l = first + k * L::count; l < count) {
+        const LinkAt<scheme, T> link(links, l);
+        passed[k] = step.template apply<scheme>(link, L::below(count - l)), back[k] = link.back;
+      }
+    for (int k = 0; k < together; ++k)
+      if (const int l = first + k * L::count; l < count) scatter(links.corner, back[k], passed[k], count - l);
   }
   step.sums.add_to(links.sums, [&](std::int64_t term, std::int64_t& sum) { member.add(term, sum); });
   member.add(step.sums.in_range() ? 0 : 1, links.sums.invalid);
@@ -95,11 +120,13 @@ SILT_DEVICE void apply_group(const LinksOfGroup<T>& links, const Team& member) {
 
 template <class T>
 SILT_DEVICE void correct_group(const LinksOfGroup<T>& links, const Team& member) {
+  using L = Lanes<T>;
   const Motion<T> u(links.step.motion);
-  for (int l = member.lane; l < int(links.group.count); l += member.size) {
+  const int count = int(links.group.count);
+  for (int l = L::count * member.lane; l < count; l += L::count * member.size) {
     const Places<T> at(links.surface.place + links.group.begin + l, links.origin);
-    T& back = links.corner[at.slots(links.pass.slots->back)];
-    back = corrected<T>(back, at, u);
+    const auto back = at.slots(links.pass.slots->back);
+    scatter(links.corner, back, corrected<T>(L::gather(links.corner, back), at, u), count - l);
   }
 }
 
@@ -115,7 +142,7 @@ struct ListGroups {
   }
 };
 
-/// The two ends of a crossing link are neighbours in their group.
+/// The two ends of a crossing link are neighbours in their group, and in one vector.
 template <class T, bool crossing>
 struct ApplyLinks {
   LinkPass<T> pass;
@@ -124,7 +151,7 @@ struct ApplyLinks {
     const LinksOfGroup<T> links(pass, groups[k]);
     if (links.group.crossing != crossing) return;
     with_scheme(links.group.scheme, [&](auto scheme) {
-      constexpr int together = crossing ? 2 : 1;
+      constexpr int together = crossing && Lanes<T>::count == 1 ? 2 : 1;
       apply_group<scheme(), together>(links, member);
     });
   }

@@ -1,4 +1,3 @@
-#define SILT_BUILD host
-#define SILT_SCALAR
+// The passes of the device `host`, built once per instruction set.
 #include "lbm/passes/block_passes.hpp"
 #include "lbm/passes/passes_build.hpp"
