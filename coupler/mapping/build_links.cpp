@@ -48,34 +48,63 @@ class LinkWriter {
         surface_(scheme, meshes, device),
         groups_(scheme) {}
 
-  /// Builds the links of a body, whose frame is already set. `radius` is its bounding radius, or 0 if its
-  /// resistance is not needed.
+  /// Builds the links of a body, whose frame is already set, or has a device count them. `radius` is its
+  /// bounding radius, or 0 if its resistance is not needed.
   void body(const BodyMask& mask, const rigid::Shape& shape, const MappedMotion& mapped, double radius,
             SurfaceLinks<T>& surface) {
-    mask_ = &mask, by_cells_.clear();
+    mask_ = &mask;
+    const BitFrame& frame = mask.frame();
+    if (mask.any && (frame.pitch > 1 << lbm::place_x_bits || frame.size.y > 1 << lbm::place_y_bits))
+      throw std::invalid_argument(
+          "a body or wall of more than 4096 cells across a block; use smaller domain.blocks");
     lbm::CutLinks<T>& links = surface.links;
+    if (mask.any && surface_.leaves_to_device(shape)) {
+      device_.add_mask(surface, mask, mask.before < 0 ? nullptr : &map_.masks_before[mask.before]);
+      return counted_.push_back({&mask, &shape, &mapped, radius, &surface});
+    }
     groups_.begin(links);
     if (mask.any) write(shape, links.frame);
     const int exponent = lbm::resistance_exponent(radius);
-    if (mask.any && surface_.leaves_to_device()) {
-      groups_.end_for_device(by_cells_, device_);
-      const BodyMask* const before = mask.before < 0 ? nullptr : &map_.masks_before[mask.before];
-      surface_.leave_to_device(surface, mask, before, by_cells_, shape, mapped,
-                               radius > 0 ? T(std::ldexp(1.0, -exponent)) : T(0));
-      return tell_device(surface);
-    }
     groups_.end();
     surface.device.cells.clear();
     surface_.set_rates(links, shape, mapped);
     if (radius > 0) surface.resistance = lbm::resistance_of(links, exponent);
     if (!device_.has_links()) return;
     to_device(links.place, links.q, links.rate, links.across);
+    surface.gap_places = groups_.gap_places();
     tell_device(surface);
+  }
+  /// Lets the device list and measure the links that it counts.
+  void finish() {
+    device_.count();
+    for (std::size_t n = 0; n < counted_.size(); ++n) {
+      const auto& [mask, shape, mapped, radius, surface] = counted_[n];
+      mask_ = mask;
+      const lbm::SurfaceFrame& frame = surface->links.frame;
+      surface_.reset(*shape, map_, *mask, frame);
+      groups_.begin(surface->links);
+      device_.for_slabs(n, [&](int z, const KindCounts& counts) {
+        groups_.add_counted(counts, mask->frame().low + Int3{0, 0, z});
+      });
+      if (surface_.has_crossings()) crossing_groups(frame);
+      groups_.end_for_device(device_);
+      surface_.leave_to_device(*surface, n, *shape, *mapped,
+                               radius > 0 ? T(std::ldexp(1.0, -lbm::resistance_exponent(radius))) : T(0));
+      tell_device(*surface);
+    }
+    device_.run();
   }
 
  private:
+  /// A surface whose links a device counts.
+  struct Counted {
+    const BodyMask* mask;
+    const rigid::Shape* shape;
+    const MappedMotion* mapped;
+    double radius;
+    SurfaceLinks<T>* surface;
+  };
   void tell_device(SurfaceLinks<T>& surface) {
-    surface.gap_places = groups_.gap_places();
     const std::span<const lbm::LinkGroup> groups = surface.links.groups;
     auto& copy = surface.device;
     copy.groups.clear(), copy.groups.resize(groups.size()), copy.record.resize(1);
@@ -86,9 +115,6 @@ class LinkWriter {
 
   void write(const rigid::Shape& shape, const lbm::SurfaceFrame& at) {
     const BitFrame& frame = mask_->frame();
-    if (frame.pitch > 1 << lbm::place_x_bits || frame.size.y > 1 << lbm::place_y_bits)
-      throw std::invalid_argument(
-          "a body or wall of more than 4096 cells across a block; use smaller domain.blocks");
     surface_.reset(shape, map_, *mask_, at);
     const Int3 n = map_.box.size;
     solid_.reset(frame);
@@ -157,9 +183,6 @@ class LinkWriter {
     for (std::uint32_t k = clear; k < list.n; ++k) groups_.defer(GapKind::single_cell, list, k);
     list.n = clear;
     if (lbm::reads_beyond(scheme_)) defer_gaps_and_pairs(list);
-    if (list.n > 0)
-      by_cells_.push_back({std::uint32_t(groups_.count()), std::uint16_t(y0), std::uint16_t(y1),
-                           std::uint8_t(planes.count), ready < 0});
     groups_.add(list, scheme_);
   }
 
@@ -215,7 +238,7 @@ class LinkWriter {
   LinkGroups<T> groups_;
   BitWindow solid_, inner_, rim_;
   std::vector<std::uint32_t> single_cell_, beyond_;
-  std::vector<ListedGroup> by_cells_;  // of the current body
+  std::vector<Counted> counted_;
 };
 
 /// Returns the cell that contains the reference point of an image, and the offset in it, equal in all blocks.
@@ -267,7 +290,7 @@ void build_links(const BlockMap& map, const rigid::World& world, const rigid::Bo
     writer.body(mask, world.shapes[shape], coupling_of(bodies, mask.row).mapped,
                 wants_resistance ? world.bounding_radii[shape] : 0, surfaces[k]);
   });
-  device.run();
+  writer.finish();
 }
 
 template void build_links(const BlockMap&, const rigid::World&, const rigid::BodySet&,

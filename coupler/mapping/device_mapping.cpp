@@ -17,12 +17,41 @@ template <class T>
 void DeviceMapping<T>::begin(const BlockMap& map, lbm::WallScheme scheme) {
   if (!has_links()) return;
   map_ = &map, scheme_ = scheme;
-  wanted_.clear(), groups_.host().clear(), surfaces_.host().clear(), parts_.host().clear();
-  planes_.host().clear(), words_.host().clear(), runs_.host().clear(), told_.host().clear();
+  wanted_.clear(), first_slab_.clear();
+  clear();
   const std::vector<std::uint64_t>& now = map.solid.all();
   const bool is_new = solid_.size() != now.size();
   if (is_new) solid_.resize(now.size());
   add_words(solid_.data(), now.data(), is_new ? nullptr : map.before.all().data(), now.size());
+}
+
+template <class T>
+void DeviceMapping<T>::add_mask(SurfaceLinks<T>& surface, const BodyMask& mask, const BodyMask* before) {
+  const BitFrame& frame = mask.frame();
+  const std::size_t words = frame.words();
+  DeviceArray<std::uint64_t>& cells = surface.device.cells;
+  const bool is_known = before && before->frame() == frame && cells.size() == words + 1;
+  if (!is_known) cells.clear();
+  cells.resize(words + 1);  // the word after the last may be read
+  add_words(cells.data(), mask.bits.words(), is_known ? before->bits.words() : nullptr, words);
+  const auto number = std::uint32_t(masks_.size());
+  first_slab_.push_back(std::uint32_t(slabs_.size()));
+  masks_.host().push_back({frame, cells.data()});
+  for (int z = 1; z < frame.size.z - 1; z += SlabToMap::most_planes)
+    slabs_.host().push_back(
+        {number, std::int16_t(z), std::int16_t(std::min(SlabToMap::most_planes, frame.size.z - 1 - z))});
+}
+
+template <class T>
+void DeviceMapping<T>::count() {
+  if (!has_links()) return;
+  first_slab_.push_back(std::uint32_t(slabs_.size()));
+  counts_.host().resize(slabs_.size());
+  bits_ = {words_.send(),       words_.size(), masks_.send(),  slabs_.send(),       slabs_.size(),
+           counts_.make_room(), solid_.data(), map_->box.size, map_->solid.words(), scheme_};
+  SILT_OFF_CPU(device_, count_links)(bits_);
+  counts_.fetch();
+  lbm::wait(device_);
 }
 
 template <class T>
@@ -38,27 +67,27 @@ SurfaceAtTime DeviceMapping<T>::listed(const rigid::SurfaceView<T>& surface, con
 }
 
 template <class T>
-void DeviceMapping<T>::add(SurfaceLinks<T>& surface, const BodyMask& mask, const BodyMask* before,
-                           std::span<const ListedGroup> by_cells, const rigid::SurfaceView<T>& view, T arm) {
-  const BitFrame& frame = mask.frame();
-  const std::size_t words = frame.words();
-  DeviceArray<std::uint64_t>& cells = surface.device.cells;
-  const bool is_known = before && before->frame() == frame && cells.size() == words + 1;
-  if (!is_known) cells.clear();
-  cells.resize(words + 1);  // the word after the last may be read
-  add_words(cells.data(), mask.bits.words(), is_known ? before->bits.words() : nullptr, words);
+void DeviceMapping<T>::add(SurfaceLinks<T>& surface, std::size_t n, const rigid::SurfaceView<T>& view,
+                           T arm) {
   lbm::CutLinks<T>& links = surface.links;
-  for (std::uint32_t k = 0; k < links.groups.size(); ++k) {
-    const lbm::LinkGroup& g = links.groups[k];
-    ListedGroup listed{};
-    if (!by_cells.empty() && by_cells.front().number == k)
-      listed = by_cells.front(), by_cells = by_cells.subspan(1);
+  auto group = links.groups.begin();
+  for_slabs(n, [&](int, const KindCounts& counts) {
+    SlabLists lists{{}, nullptr, std::uint32_t(gaps_.size())};
+    for (int kind = 0; kind < link_kinds; ++kind) {
+      if (counts[kind] == 0) continue;
+      lists.place[kind] = links.place.data() + group->begin;
+      if (group->across) lists.across = links.across.data() + group->across_begin;
+      ++group;
+    }
+    lists_.host().push_back(lists);
+    if (lbm::knows_opposite_wall(scheme_))
+      gaps_.host().resize(gaps_.size() + counts[int(LinkKind::single_cell)]);
+  });
+  for (const lbm::LinkGroup& g : links.groups)
     groups_.host().push_back(
-        {std::uint32_t(surfaces_.size()), g.begin, g.count, g.corner, g.scheme, g.crossing, listed});
-  }
+        {std::uint32_t(surfaces_.size()), g.begin, g.count, g.corner, g.scheme, g.crossing});
   const SurfaceAtTime now = this->listed(view, links.frame);
-  surfaces_.host().push_back(
-      {links.fluid, now, now, 0, arm, frame, cells.data(), links.place.data(), links.q.data(), nullptr});
+  surfaces_.host().push_back({now, now, 0, arm, links.place.data(), links.q.data(), nullptr});
   wanted_.push_back(&surface);
 }
 
@@ -75,15 +104,35 @@ template <class T>
 void DeviceMapping<T>::run() {
   if (!has_links()) return;
   resistance_.host().resize(surfaces_.size());
-  const LinksToMap<T> pass{groups_.send(), groups_.size(),      surfaces_.send(), resistance_.clear(),
-                           parts_.send(),  planes_.send(),      words_.send(),    words_.size(),
-                           runs_.send(),   runs_.size(),        told_.send(),     solid_.data(),
-                           map_->box.size, map_->solid.words(), scheme_};
+  std::uint32_t* const gaps = gaps_.size() > 0 ? gaps_.make_room() : nullptr;
+  const LinksToMap<T> pass{bits_,
+                           lists_.send(),
+                           gaps,
+                           lbm::PlacesAcross<lbm::D3Q19>(map_->box.size),
+                           groups_.send(),
+                           groups_.size(),
+                           surfaces_.send(),
+                           resistance_.clear(),
+                           parts_.send(),
+                           planes_.send(),
+                           runs_.send(),
+                           runs_.size(),
+                           told_.send()};
   SILT_OFF_CPU(device_, map_links<T>)(pass);
-  resistance_.fetch();
+  resistance_.fetch(), gaps_.fetch();
   lbm::wait(device_);
-  for (std::size_t k = 0; k < wanted_.size(); ++k)
-    if (surfaces_.host()[k].arm != 0) wanted_[k]->resistance = resistance_.host()[k];
+  const std::uint32_t* gap = gaps_.host().data();
+  for (std::size_t k = 0; k < wanted_.size(); ++k) {
+    SurfaceLinks<T>& surface = *wanted_[k];
+    if (surfaces_.host()[k].arm != 0) surface.resistance = resistance_.host()[k];
+    surface.gap_places.clear();
+    for (const lbm::LinkGroup& g : surface.links.groups)
+      if (g.scheme == lbm::WallScheme::single_cell_gap && lbm::knows_opposite_wall(scheme_)) {
+        surface.gap_places.insert(surface.gap_places.end(), gap, gap + g.count);
+        surface.gap_places.resize(lbm::padded(std::uint32_t(surface.gap_places.size())));
+        gap += g.count;
+      }
+  }
 }
 
 template class DeviceMapping<float>;

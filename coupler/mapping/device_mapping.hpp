@@ -1,7 +1,9 @@
 #pragma once
-// Builds the links of a block's bodies by passes of a device (device/for_each.hpp): lists links from the bits
-// of bodies, then sets wall distances, their rates, and the resistance of bodies with convex parts, one team
-// per group of links. Only bits that changed are sent to the device.
+// Builds the links of a block's bodies by passes of a device (device/for_each.hpp): counts the links of each
+// kind from the bits of bodies, then lists them, and sets wall distances, their rates, and the resistance of
+// bodies with convex parts, one team per group of links. Only bits that changed are sent to the device, and
+// only the counts come back, and the places of links that know the wall on the other side of their gap.
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -10,6 +12,7 @@
 #include "coupler/mapping/block_links.hpp"
 #include "coupler/mapping/cell_bits.hpp"
 #include "device/mirror.hpp"
+#include "lbm/walls/places_across.hpp"
 #include "rigid/shapes/surface_kinds.hpp"
 
 namespace silt::coupler {
@@ -32,12 +35,30 @@ SILT_DEVICE inline V rate_of(const V& middle, const V& last, double steps) {
   return (most < limited ? most : limited) * per_step;
 }
 
-/// A group whose links follow from the solid bits alone: of open cells in rows [y0, y1) of a mask.
-struct ListedGroup {
-  std::uint32_t number;  // index in the surface's groups
-  std::uint16_t y0, y1;
-  std::uint8_t planes;
-  bool rim;
+/// The kinds of links that follow from the solid bits: the scheme's own; in gaps of one and of two cells;
+/// with the cell behind in another block.
+enum class LinkKind : std::uint8_t { own, single_cell, two_cells, across, count };
+inline constexpr int link_kinds = int(LinkKind::count);
+using KindCounts = std::array<std::uint32_t, link_kinds>;
+
+/// The bits of a surface on a device: the cells that are its own.
+struct MaskToMap {
+  BitFrame frame;
+  const std::uint64_t* cells;
+};
+
+/// As many planes of a mask, from `z` on, as the places of one group reach.
+struct SlabToMap {
+  static constexpr int most_planes = 1 << lbm::place_z_bits;
+  std::uint32_t mask;
+  std::int16_t z, planes;
+};
+
+/// Where the links of a slab are listed: their first places by kind, the first indices of their pairs across,
+/// and the first place among those that return to the processor.
+struct SlabLists {
+  std::uint32_t *place[link_kinds], *across;
+  std::uint32_t first_gap;
 };
 
 /// A surface at one time: the ranges of its parts and planes, and its frame.
@@ -49,12 +70,9 @@ struct SurfaceAtTime {
 
 template <class T>
 struct SurfaceToMap {
-  lbm::WallFluid<T> fluid;
   SurfaceAtTime now, last;  // at the middle of the mapping's steps, and in the last of them
   double steps;             // from now to last; 0: distances have no rates
   T arm;                    // 2^-exponent of the resistance; 0: not needed
-  BitFrame frame;
-  const std::uint64_t* cells;  // bits of the surface in `frame`
   std::uint32_t* place;
   T *q, *rate;
 };
@@ -63,8 +81,7 @@ struct GroupToMap {
   std::uint32_t surface, begin, count;
   lbm::Int3 corner;
   lbm::WallScheme scheme;
-  bool crossing;       // its distances are given
-  ListedGroup listed;  // no planes: its links are given
+  bool crossing;  // its distances are given
 };
 
 /// A changed word of bits and its address.
@@ -78,25 +95,37 @@ struct HostCopy {
   std::uint32_t first, count;
 };
 
-/// The arrays of the passes.
+/// The bits of a block and the slabs of its surfaces whose links are counted and listed.
+struct BitsToMap {
+  const ChangedWord* words;
+  std::size_t word_count;
+  const MaskToMap* masks;
+  const SlabToMap* slabs;
+  std::size_t slab_count;
+  KindCounts* counts;          // per slab
+  const std::uint64_t* solid;  // CellBits of the block
+  lbm::Int3 size;
+  int solid_words;  // per row
+  lbm::WallScheme scheme;
+  lbm::Components directions = lbm::components<lbm::D3Q19>;
+};
+
+/// The arrays of the passes that list and measure links.
 template <class T>
 struct LinksToMap {
+  BitsToMap bits;
+  const SlabLists* lists;  // per slab
+  std::uint32_t* gaps;     // places of all links that know the wall on the other side
+  lbm::PlacesAcross<lbm::D3Q19> pairs;
   const GroupToMap* groups;
   std::size_t group_count;
   const SurfaceToMap<T>* surfaces;
   lbm::ResistanceSums* resistance;  // per surface
   const rigid::SurfacePart<T>* parts;
   const rigid::Plane<T>* planes;
-  const ChangedWord* words;
-  std::size_t word_count;
   const HostCopy* runs;
   std::size_t run_count;
   const std::uint32_t* told;
-  const std::uint64_t* solid;  // CellBits of the block
-  lbm::Int3 size;
-  int solid_words;  // per row
-  lbm::WallScheme scheme;
-  lbm::Components directions = lbm::components<lbm::D3Q19>;
 };
 
 /// The mapping of one block by its device; does nothing for `cpu`.
@@ -109,10 +138,19 @@ class DeviceMapping {
 
   /// Copies the block's solid bits to the device. Call first.
   void begin(const BlockMap&, lbm::WallScheme);
-  /// Queues a surface: the link lists of the given groups, and all wall distances. `before` is the mask of
-  /// its last links, if any; `arm` is SurfaceToMap::arm.
-  void add(SurfaceLinks<T>&, const BodyMask&, const BodyMask* before, std::span<const ListedGroup>,
-           const rigid::SurfaceView<T>&, T arm);
+  /// Queues a surface whose links shall be counted. `before` is the mask of its last links, if any.
+  void add_mask(SurfaceLinks<T>&, const BodyMask&, const BodyMask* before);
+  /// Counts the links of all these surfaces.
+  void count();
+  /// Calls visit(z, counts) for the slabs of the n-th of them; z is the first plane in its frame.
+  template <class Visit>
+  void for_slabs(std::size_t n, Visit&& visit) const {
+    for (std::uint32_t k = first_slab_[n]; k < first_slab_[n + 1]; ++k)
+      visit(slabs_.host()[k].z, counts_.host()[k]);
+  }
+  /// Queues the n-th of them, with groups for the counts of its slabs: lists its links, sets wall distances,
+  /// and the resistance. `arm` is SurfaceToMap::arm.
+  void add(SurfaceLinks<T>&, std::size_t n, const rigid::SurfaceView<T>&, T arm);
   /// Queues a copy of values to an array in memory_of the device.
   template <class Value>
   void upload(std::span<const Value> values, Value* to) {
@@ -131,12 +169,23 @@ class DeviceMapping {
 
  private:
   SurfaceAtTime listed(const rigid::SurfaceView<T>&, const lbm::SurfaceFrame&);
+  void clear() {
+    const auto all = [](auto&... lists) { (lists.host().clear(), ...); };
+    all(masks_, slabs_, counts_, lists_, gaps_, groups_, surfaces_, parts_, planes_, words_, runs_, told_);
+  }
   void add_words(std::uint64_t* to, const std::uint64_t* now, const std::uint64_t* before, std::size_t count);
 
   Device device_;
   const BlockMap* map_ = nullptr;
   lbm::WallScheme scheme_{};
   DeviceArray<std::uint64_t> solid_{memory_of(device_)};
+  BitsToMap bits_{};
+  Mirror<MaskToMap> masks_{device_};
+  Mirror<SlabToMap> slabs_{device_};
+  std::vector<std::uint32_t> first_slab_;  // per mask, and the end of the last
+  Mirror<KindCounts> counts_{device_};
+  Mirror<SlabLists> lists_{device_};
+  Mirror<std::uint32_t> gaps_{device_};
   std::vector<SurfaceLinks<T>*> wanted_;
   Mirror<GroupToMap> groups_{device_};
   Mirror<SurfaceToMap<T>> surfaces_{device_};
@@ -148,6 +197,6 @@ class DeviceMapping {
   Mirror<std::uint32_t> told_{device_};
 };
 
-SILT_DEVICES(template <class T> void map_links(const LinksToMap<T>&);)
+SILT_DEVICES(void count_links(const BitsToMap&); template <class T> void map_links(const LinksToMap<T>&);)
 
 }  // namespace silt::coupler

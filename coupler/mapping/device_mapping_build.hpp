@@ -27,49 +27,109 @@ struct CopyTold {
   }
 };
 
-/// Lists the links of a group by direction and row.
-template <class T>
-struct ListGroup {
-  LinksToMap<T> all;
+/// The links of a slab, 64 cells of a row and one direction at a time.
+struct LinksOfSlab {
+  const BitsToMap& all;
+  const SlabToMap& slab;
+  const MaskToMap& mask;
+  lbm::Int3 corner;
+
+  SILT_DEVICE LinksOfSlab(const BitsToMap& all, std::int64_t k)
+      : all(all),
+        slab(all.slabs[k]),
+        mask(all.masks[slab.mask]),
+        corner(mask.frame.low + lbm::Int3{0, 0, slab.z}) {}
+
+  /// The links of up to 64 cells along one direction, by kind.
+  struct Found {
+    lbm::Int3 at, c;  // the first cell, from the corner of the slab
+    int direction;
+    std::uint64_t cells[link_kinds];
+  };
 
   SILT_DEVICE std::uint64_t solid(lbm::Int3 x) const {
     return CellBits::from(all.solid + CellBits::row(all.size, x.y, x.z, all.solid_words), x.x);
   }
   SILT_DEVICE std::uint64_t inside(lbm::Int3 x) const { return cells_of_block(x, all.size, 0, false); }
-  /// Returns those of 64 open cells of a row, from x on, that have a link along c in this group.
-  SILT_DEVICE std::uint64_t with_link(const SurfaceToMap<T>& surface, bool rim, lbm::Int3 x,
-                                      lbm::Int3 c) const {
-    std::uint64_t cells = cells_of_block(x, all.size, lbm::link_reach(all.scheme), rim);
-    if (!cells) return 0;
-    const BitFrame& frame = surface.frame;
-    cells &= cells_between(x.x, frame.low.x, frame.low.x + frame.size.x) & ~solid(x);
-    cells &= BitWindow::from(frame, surface.cells, x + c);
-    if (!cells) return 0;
-    if (lbm::reads_behind(all.scheme)) cells &= ~solid(x - c);
-    if (lbm::reads_beyond(all.scheme)) cells &= inside(x - c) & ~solid(x - c - c);
-    return cells;
+  SILT_DEVICE void set(Found& found) const {
+    const lbm::Int3 x = corner + found.at, c = found.c;
+    const BitFrame& frame = mask.frame;
+    std::uint64_t left = inside(x);
+    if (!left) return;
+    left &= cells_between(x.x, frame.low.x, frame.low.x + frame.size.x) & ~solid(x);
+    left &= BitWindow::from(frame, mask.cells, x + c);
+    const auto take = [&](LinkKind kind, std::uint64_t cells) {
+      found.cells[int(kind)] = left & cells, left &= ~cells;
+    };
+    if (left && lbm::reads_behind(all.scheme)) take(LinkKind::single_cell, solid(x - c));
+    if (left && lbm::reads_beyond(all.scheme)) {
+      take(LinkKind::two_cells, solid(x - c - c));
+      take(LinkKind::across, ~inside(x - c));
+    }
+    found.cells[int(LinkKind::own)] = left;
   }
-  SILT_DEVICE void operator()(std::int64_t k, const Team& member) const {
-    const GroupToMap& group = all.groups[k];
-    const ListedGroup& listed = group.listed;
-    const SurfaceToMap<T>& surface = all.surfaces[group.surface];
-    std::uint32_t* const place = surface.place + group.begin;
-    const int rows = listed.y1 - listed.y0, words = (surface.frame.size.x + 63) / 64;
-    const int in_direction = listed.planes * rows * words;
-    std::uint32_t n = 0;
+  /// Calls visit(found) the same number of times in all threads of a team.
+  template <class Visit>
+  SILT_DEVICE void visit_all(const Team& member, Visit&& visit) const {
+    const int rows = mask.frame.size.y - 2, words = (mask.frame.size.x + 63) / 64;
+    const int in_direction = slab.planes * rows * words;
     for (int first = 0; first < in_direction * (lbm::D3Q19::directions - 1); first += member.size) {
-      const int e = first + member.lane, direction = 1 + e / in_direction, in = e % in_direction;
-      const lbm::Int3 at{in % words * 64, listed.y0 + in / words % rows, in / words / rows};
-      std::uint64_t cells = 0;
-      if (direction < lbm::D3Q19::directions) {
-        const std::int32_t packed = all.directions.packed[direction];
-        const lbm::Int3 c{lbm::SILT_BUILD::component(packed, 0), lbm::SILT_BUILD::component(packed, 1),
-                          lbm::SILT_BUILD::component(packed, 2)};
-        cells = with_link(surface, listed.rim, group.corner + at, c);
+      const int e = first + member.lane, in = e % in_direction;
+      Found found{{in % words * 64, 1 + in / words % rows, in / words / rows}, {}, 1 + e / in_direction, {}};
+      if (found.direction < lbm::D3Q19::directions) {
+        const std::int32_t packed = all.directions.packed[found.direction];
+        found.c = {lbm::SILT_BUILD::component(packed, 0), lbm::SILT_BUILD::component(packed, 1),
+                   lbm::SILT_BUILD::component(packed, 2)};
+        set(found);
       }
-      std::uint32_t to = member.before(std::uint32_t(bits_in(cells)), n);
-      for (; cells; cells &= cells - 1)
-        place[to++] = lbm::link_place(at + lbm::Int3{lowest_bit(cells), 0, 0}, direction);
+      visit(found);
+    }
+  }
+};
+
+struct CountSlab {
+  BitsToMap all;
+  SILT_DEVICE void operator()(std::int64_t k, const Team& member) const {
+    KindCounts n{};
+    LinksOfSlab(all, k).visit_all(member, [&](const LinksOfSlab::Found& found) {
+      for (int kind = 0; kind < link_kinds; ++kind) n[kind] += std::uint32_t(bits_in(found.cells[kind]));
+    });
+    const auto sum = [](std::uint32_t a, std::uint32_t b) { return a + b; };
+    for (std::uint32_t& of : n) of = member.joined(of, sum);
+    if (member.lane == 0) all.counts[k] = n;
+  }
+};
+
+inline void count_links(const BitsToMap& all) {
+  for_each(std::int64_t(all.word_count), SetWords{all.words});
+  for_teams(std::int64_t(all.slab_count), CountSlab{all});
+}
+
+template <class T>
+struct ListSlab {
+  LinksToMap<T> all;
+
+  SILT_DEVICE void operator()(std::int64_t k, const Team& member) const {
+    const LinksOfSlab links(all.bits, k);
+    const SlabLists& lists = all.lists[k];
+    std::uint32_t n[link_kinds] = {};
+    links.visit_all(member, [&](const LinksOfSlab::Found& found) {
+      for (int kind = 0; kind < link_kinds; ++kind) {
+        std::uint64_t cells = found.cells[kind];
+        std::uint32_t to = member.before(std::uint32_t(bits_in(cells)), n[kind]);
+        for (; cells; cells &= cells - 1, ++to) {
+          const lbm::Int3 at = found.at + lbm::Int3{lowest_bit(cells), 0, 0};
+          const std::uint32_t place = lbm::link_place(at, found.direction);
+          lists.place[kind][to] = place;
+          if (kind == int(LinkKind::across))
+            lists.across[to] = all.pairs(links.corner + at, found.direction, found.c);
+          if (kind == int(LinkKind::single_cell) && all.gaps) all.gaps[lists.first_gap + to] = place;
+        }
+      }
+    });
+    if (member.lane == 0 && n[int(LinkKind::across)] > 0) {
+      std::uint32_t l = n[int(LinkKind::across)];
+      for (; l % Lanes<T>::count != 0; ++l) lists.across[l] = lists.across[l - 1];
     }
   }
 };
@@ -95,7 +155,7 @@ struct MeasureGroup {
     return {all.parts + at.first_part, at.parts, all.planes + at.first_plane};
   }
   SILT_DEVICE lbm::SILT_BUILD::PlaceOrigin<T> origin(const GroupToMap& group, const SurfaceAtTime& at) const {
-    return {group.corner, at.frame, all.directions.packed};
+    return {group.corner, at.frame, all.bits.directions.packed};
   }
   SILT_DEVICE void operator()(std::int64_t k, const Team& member) const {
     const GroupToMap& group = all.groups[k];
@@ -149,9 +209,8 @@ struct MeasureGroup {
 
 template <class T>
 void map_links(const LinksToMap<T>& all) {
-  for_each(std::int64_t(all.word_count), SetWords{all.words});
   for_teams(std::int64_t(all.run_count), CopyTold<T>{all});
-  for_teams(std::int64_t(all.group_count), ListGroup<T>{all});
+  for_teams(std::int64_t(all.bits.slab_count), ListSlab<T>{all});
   for_teams(std::int64_t(all.group_count), MeasureGroup<T>{all});
 }
 

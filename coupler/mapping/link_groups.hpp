@@ -70,11 +70,8 @@ class LinkGroups {
   void add(const LinkList<T>& list, WallScheme scheme) {
     if (list.n == 0) return;
     list.pad(list.place), list.pad(list.q);
-    links_->groups.push_back({used_, list.n, scheme, list.corner, list.ready, gaps_});
-    used_ += lbm::padded(list.n);
-    if (scheme == WallScheme::single_cell_gap && knows_opposite_) gaps_ += lbm::padded(list.n);
+    add_group(list, scheme);
   }
-  std::size_t count() const { return links_->groups.size(); }
   void end_deferred() {
     for (auto& kinds : deferred_)
       for (Deferred& deferred : kinds) end_deferred(deferred);
@@ -91,24 +88,29 @@ class LinkGroups {
     links_->across.assign(across_.begin(), across_.end());
     links_->opposite_q.assign(gaps_, T(0)), links_->opposite_u.assign(gaps_, T(0));
   }
-  /// Leaves the places of the groups `by_cells` and all distances except of crossing links to a device, which
-  /// neither pads groups nor reads the padding.
-  void end_for_device(std::span<const ListedGroup> by_cells, DeviceMapping<T>& device) {
+  /// Adds groups, in the order of the kinds, for links that a device has counted from a corner on.
+  void add_counted(const KindCounts& counts, lbm::Int3 corner) {
+    for (int kind = 0; kind < link_kinds; ++kind) {
+      if (counts[kind] == 0) continue;
+      const bool own = kind == int(LinkKind::own);
+      LinkList<T> list = this->list(corner, -1, counts[kind]);
+      list.n = counts[kind];
+      add_group(list, deferred_[0][own ? int(GapKind::across) : kind - 1].scheme);
+      lbm::LinkGroup& group = links_->groups.back();
+      group.across = kind == int(LinkKind::across), group.across_begin = std::uint32_t(across_.size());
+      if (group.across) across_.resize(across_.size() + lbm::padded(group.count));
+    }
+  }
+  /// Makes room for all links, whose places and distances a device sets, except those of crossing links.
+  void end_for_device(DeviceMapping<T>& device) {
     const auto room = [](auto& values, std::size_t count) { values.clear(), values.resize(count); };
     const auto tell = [&](const lbm::LinkGroup& g, const auto& from, auto& to) {
       device.upload(std::span(from.data() + g.begin, g.count), to.data() + g.begin);
     };
     room(links_->place, used_), room(links_->q, used_), room(links_->across, across_.size());
     room(links_->opposite_q, gaps_), room(links_->opposite_u, gaps_);
-    for (const lbm::LinkGroup& g : links_->groups) {
-      const bool is_listed = !by_cells.empty() && &g == &links_->groups[by_cells.front().number];
-      if (is_listed)
-        by_cells = by_cells.subspan(1);
-      else
-        tell(g, place_, links_->place);
-      if (g.crossing) tell(g, q_, links_->q);
-    }
-    if (!across_.empty()) device.upload(std::span<const std::uint32_t>(across_), links_->across.data());
+    for (const lbm::LinkGroup& g : links_->groups)
+      if (g.crossing) tell(g, place_, links_->place), tell(g, q_, links_->q);
   }
   /// Returns the places of links that use the opposite wall, group by group.
   std::vector<std::uint32_t> gap_places() const {
@@ -129,6 +131,11 @@ class LinkGroups {
     int ready = -1;
   };
 
+  void add_group(const LinkList<T>& list, WallScheme scheme) {
+    links_->groups.push_back({used_, list.n, scheme, list.corner, list.ready, gaps_});
+    used_ += lbm::padded(list.n);
+    if (scheme == WallScheme::single_cell_gap && knows_opposite_) gaps_ += lbm::padded(list.n);
+  }
   LinkList<T> list(lbm::Int3 corner, int ready, std::size_t links) {
     const std::size_t room = used_ + links + 3 * lbm::link_lanes;
     if (place_.size() < room) place_.resize(room * 3 / 2), q_.resize(place_.size());

@@ -42,16 +42,18 @@ class MeasuredSurface {
       mesh_.set(list.corner, list.place, list.n, list.q);
     else if (way_ == Way::tube)
       distance_kernel<double, T>()(links, *frame_, tube_.view(), 0.0, list.q);
-    else if (!device_.has_links())
+    else
       distance_kernel<T, T>()(links, *frame_, parts_.view(), T(0), list.q);
   }
-  bool leaves_to_device() const { return device_.has_links() && (!follows_ || way_ == Way::parts); }
-  /// Queues the surface for the device: its listed groups, distances, rates and resistance.
-  void leave_to_device(SurfaceLinks<T>& surface, const BodyMask& mask, const BodyMask* before,
-                       std::span<const ListedGroup> by_cells, const rigid::Shape& shape,
+  bool leaves_to_device(const rigid::Shape& shape) const {
+    return device_.has_links() && (!follows_ || !(std::holds_alternative<rigid::Mesh>(shape) ||
+                                                  std::holds_alternative<rigid::Tube>(shape)));
+  }
+  /// Queues the n-th surface that the device has counted: its groups, distances, rates and resistance.
+  void leave_to_device(SurfaceLinks<T>& surface, std::size_t n, const rigid::Shape& shape,
                        const MappedMotion& mapped, T arm) {
     surface.links.rate.clear();
-    device_.add(surface, mask, before, by_cells, parts_.view(), arm);
+    device_.add(surface, n, parts_.view(), arm);
     const double steps = steps_with_rates(surface.links, mapped);
     if (steps == 0) return;
     parts_.reset(shape, mapped.pose_after(steps).orientation);

@@ -6,7 +6,6 @@
 // solid cells on either side of a face, from which the pairs to copy follow without requests.
 #include <mpi.h>
 
-#include <array>
 #include <bit>
 #include <cstdint>
 #include <span>
@@ -15,44 +14,9 @@
 #include "lbm/blocks/domain.hpp"
 #include "lbm/exchange/slot_exchange.hpp"
 #include "lbm/walls/cut_links.hpp"
+#include "lbm/walls/places_across.hpp"
 
 namespace silt::lbm {
-
-/// The indices of a block's pairs across: one for each cell x and direction i with x - c_i outside the block.
-/// Faces are counted whole, so some indices are unused.
-template <class Lattice>
-class PlacesAcross {
- public:
-  explicit PlacesAcross(Int3 block_size) : size_(block_size) {
-    for (int i = 1; i < Lattice::directions; ++i)
-      for (int d = 0; d < 3; ++d) {
-        first_[i][d] = count_;
-        if (Lattice::c[i][d] != 0)
-          count_ += std::uint32_t(size_[(d + 1) % 3]) * std::uint32_t(size_[(d + 2) % 3]);
-      }
-  }
-  /// Returns the last axis along which the link of a cell enters the block.
-  static int axis_of(Int3 cell, int direction, Int3 block_size) {
-    int d = 2;
-    while (Lattice::c[direction][d] == 0 || cell[d] != (Lattice::c[direction][d] > 0 ? 0 : block_size[d] - 1))
-      --d;
-    return d;
-  }
-  /// Returns the index of a pair; the cell must lie in the block, the cell behind it outside.
-  std::uint32_t operator()(Int3 cell, int direction) const {
-    const int d = axis_of(cell, direction, size_);
-    const int e = d == 0 ? 1 : 0, f = d == 2 ? 1 : 2;  // along the face, in the order of cells in memory
-    return first_[direction][d] + std::uint32_t(cell[f]) * std::uint32_t(size_[e]) + std::uint32_t(cell[e]);
-  }
-  /// Returns the number of indices.
-  std::uint32_t count() const { return count_; }
-
- private:
-  Int3 size_;
-  std::array<std::array<std::uint32_t, 3>, Lattice::directions>
-      first_{};  // by direction and the axis of the face
-  std::uint32_t count_ = 0;
-};
 
 /// Holds copies of the pairs of cells x and directions i with x - c_i outside their block. A pair whose x -
 /// c_i is beyond a side of the domain that is not periodic stays 0.
