@@ -1,5 +1,7 @@
 #include "device/device.hpp"
 
+#include <sys/resource.h>
+
 #include <cstring>
 #include <new>
 
@@ -51,7 +53,8 @@ std::string choose(Device device, int rank, int ranks) {
 }
 
 std::pmr::memory_resource* memory_of(Device device) {
-  return device == Device::gpu ? cuda::memory() : std::pmr::new_delete_resource();
+  if (device == Device::gpu) return cuda::memory();
+  return device == Device::host ? shared_memory_of_host() : std::pmr::new_delete_resource();
 }
 
 std::pmr::memory_resource* message_memory(Device device) {
@@ -66,18 +69,26 @@ std::pmr::memory_resource* own_memory(Device device) {
 void copy_in_turn(Device device, void* to, const void* from, std::size_t bytes) {
   if (device == Device::gpu)
     cuda::copy_in_turn(to, from, bytes);
-  else
+  else if (device == Device::host)
     defer_work([=] { std::memcpy(to, from, bytes); });
 }
 void clear_in_turn(Device device, void* memory, std::size_t bytes) {
   if (device == Device::gpu)
     cuda::clear_in_turn(memory, bytes);
-  else
+  else if (device == Device::host)
     defer_work([=] { std::memset(memory, 0, bytes); });
 }
 
-std::shared_ptr<void> zeroed_on_gpu(std::size_t bytes) {
-  return cuda::zeroed(bytes);
+std::shared_ptr<void> zeroed_on(Device device, std::size_t bytes) {
+  return device == Device::gpu ? cuda::zeroed(bytes) : zeroed_on_host(bytes);
+}
+
+BusBytes bus_bytes(Device device) {
+  BusBytes bytes = counting::on_bus;
+  rusage use{};
+  if (device == Device::host) bytes.pages = pages_touched_on_host();
+  if (device == Device::gpu && getrusage(RUSAGE_SELF, &use) == 0) bytes.pages = std::uint64_t(use.ru_minflt);
+  return bytes;
 }
 
 }  // namespace silt

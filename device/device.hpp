@@ -56,8 +56,9 @@ std::pmr::memory_resource* own_memory(Device);
 void copy_in_turn(Device, void* to, const void* from, std::size_t bytes);
 /// Sets bytes of the device's own memory to zero, asynchronously, in order with its passes.
 void clear_in_turn(Device, void* memory, std::size_t bytes);
-/// Returns zeroed memory for both processors, whose pages migrate. Throws std::bad_alloc.
-std::shared_ptr<void> zeroed_on_gpu(std::size_t bytes);
+/// Returns zeroed memory for both processors, whose pages migrate, of a device other than `cpu`. Throws
+/// std::bad_alloc.
+std::shared_ptr<void> zeroed_on(Device, std::size_t bytes);
 
 /// Allocator of arrays, mostly in such memory, whose new elements are uninitialised, for a device to write.
 template <class T>
@@ -78,15 +79,17 @@ struct UnwrittenElements : std::pmr::polymorphic_allocator<T> {
 template <class T>
 using DeviceArray = std::vector<T, UnwrittenElements<T>>;
 
-/// Bytes that this rank's processor exchanges with its device; populations only in messages.
+/// Bytes that this rank's processor exchanges with its device; populations only in messages. `pages`: those
+/// of memory_of() and zeroed_on() that the processor touched after passes had run; on a graphics processor
+/// all page faults of the process, of which these are a part.
 struct BusBytes {
-  std::uint64_t to_device = 0, from_device = 0;
+  std::uint64_t to_device = 0, from_device = 0, pages = 0;
   BusBytes& operator+=(const BusBytes& b) {
-    to_device += b.to_device, from_device += b.from_device;
+    to_device += b.to_device, from_device += b.from_device, pages += b.pages;
     return *this;
   }
   BusBytes operator-(const BusBytes& b) const {
-    return {to_device - b.to_device, from_device - b.from_device};
+    return {to_device - b.to_device, from_device - b.from_device, pages - b.pages};
   }
 };
 namespace counting {
@@ -99,9 +102,7 @@ constexpr std::size_t bytes_of(const Value& value) {
     return sizeof value;
 }
 }  // namespace counting
-inline const BusBytes& bus_bytes() {
-  return counting::on_bus;
-}
+BusBytes bus_bytes(Device);
 /// Count values, and the elements of lists, that go to or come from a device other than `cpu`.
 template <class... Values>
 void to_device(const Values&... values) {

@@ -1,7 +1,11 @@
 #include "device/host_device.hpp"
 
+#include <signal.h>
 #include <sys/mman.h>
+#include <unistd.h>
 
+#include <atomic>
+#include <cstdint>
 #include <cstring>
 #include <map>
 #include <memory>
@@ -22,11 +26,20 @@ class LockedMemory final : public std::pmr::memory_resource {
     for (const auto& [memory, bytes] : all_)
       mprotect(memory, bytes, locked ? PROT_NONE : PROT_READ | PROT_WRITE);
   }
+  bool has(const void* at) const {
+    auto next = all_.upper_bound(const_cast<void*>(at));
+    if (next == all_.begin()) return false;
+    --next;
+    return static_cast<const char*>(at) < static_cast<const char*>(next->first) + next->second;
+  }
 
  private:
   void* do_allocate(std::size_t bytes, std::size_t) override {
     void* const memory = mmap(nullptr, bytes, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
     if (memory == MAP_FAILED) throw std::bad_alloc();
+#if defined(MADV_HUGEPAGE)
+    madvise(memory, bytes, MADV_HUGEPAGE);
+#endif
     all_[memory] = bytes;
     return memory;
   }
@@ -34,7 +47,9 @@ class LockedMemory final : public std::pmr::memory_resource {
     munmap(memory, bytes);
     all_.erase(memory);
   }
-  bool do_is_equal(const std::pmr::memory_resource& other) const noexcept override { return this == &other; }
+  bool do_is_equal(const std::pmr::memory_resource& other) const noexcept override {
+    return this == &other;
+  }
 
   std::map<void*, std::size_t> all_;
 };
@@ -42,6 +57,31 @@ class LockedMemory final : public std::pmr::memory_resource {
 LockedMemory& locked_memory() {
   static auto* const memory = new LockedMemory;  // outlives all arrays
   return *memory;
+}
+
+std::atomic<std::uint64_t> pages_touched;
+struct sigaction before_ours;
+
+void count_and_unlock(int signal, siginfo_t* found, void* context);
+
+/// Memory for both processors: a page that the program touches is counted and unlocked.
+LockedMemory& shared_memory() {
+  static auto* const memory = [] {
+    struct sigaction ours {};
+    ours.sa_sigaction = count_and_unlock, ours.sa_flags = SA_SIGINFO;
+    sigaction(SIGSEGV, &ours, &before_ours);
+    return new LockedMemory;
+  }();
+  return *memory;
+}
+
+void count_and_unlock(int signal, siginfo_t* found, void*) {
+  const auto page = std::uintptr_t(sysconf(_SC_PAGESIZE)), at = std::uintptr_t(found->si_addr) / page * page;
+  if (shared_memory().has(found->si_addr) &&
+      mprotect(reinterpret_cast<void*>(at), page, PROT_READ | PROT_WRITE) == 0)
+    ++pages_touched;
+  else
+    sigaction(signal, &before_ours, nullptr);  // comes again, to the handler that was there before
 }
 
 struct Deferred {
@@ -59,15 +99,25 @@ void defer_work(void (*run)(const void*), const void* work, std::size_t bytes) {
 
 void run_deferred_work() {
   if (yet_to_do.empty()) return;
-  locked_memory().lock(false);
+  locked_memory().lock(false), shared_memory().lock(false);
   for (const Deferred& one : yet_to_do) one.run(one.work.get());
   yet_to_do.clear();
-  locked_memory().lock(true);
+  locked_memory().lock(true), shared_memory().lock(true);
 }
 
 std::pmr::memory_resource* own_memory_of_host() {
   static auto* const pool = new UntouchedPool(&locked_memory());
   return pool;
+}
+std::pmr::memory_resource* shared_memory_of_host() {
+  static auto* const pool = new UntouchedPool(&shared_memory());
+  return pool;
+}
+std::shared_ptr<void> zeroed_on_host(std::size_t bytes) {
+  return {shared_memory().allocate(bytes), [bytes](void* p) { shared_memory().deallocate(p, bytes); }};
+}
+std::uint64_t pages_touched_on_host() {
+  return pages_touched;
 }
 
 }  // namespace silt

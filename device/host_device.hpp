@@ -1,7 +1,10 @@
 #pragma once
 // The device `host` emulates the worst case of a graphics processor, for tests: passes and copies run only
-// when the program waits for them, and the device's own memory is accessible only to them.
+// when the program waits for them, the device's own memory is accessible only to them, and pages of memory
+// for both processors are counted when the program touches them after passes have run.
 #include <cstddef>
+#include <cstdint>
+#include <memory>
 #include <memory_resource>
 #include <type_traits>
 
@@ -18,5 +21,8 @@ void defer_work(const Work& work) {
 void run_deferred_work();
 
 std::pmr::memory_resource* own_memory_of_host();
+std::pmr::memory_resource* shared_memory_of_host();
+std::shared_ptr<void> zeroed_on_host(std::size_t bytes);
+std::uint64_t pages_touched_on_host();
 
 }  // namespace silt

@@ -154,13 +154,14 @@ void Fluid<T>::pass_over(std::size_t b, RowRange rows) {
   constexpr int period = WatchedPlanes::period;
   const int first = int(passes_ % period) - blocks_[b].box().lower.z % period;
   const int watched = (first + period) % period;
-  passes_on<T>(device_).stream_collide(int(b), blocks_[b], parity_, *rates_, rows, watched);
+  passes_on<T>(device_).stream_collide(int(b), blocks_[b], parity_, *rates_, rows, watched,
+                                       fast_list(device_));
 }
 
 template <class T>
 void Fluid<T>::end_pass() {
   parity_ = flipped(parity_), ++passes_;
-  for (const auto& [b, fast] : passes_on<T>(device_).take_fast_cells())
+  for (const auto& [b, fast] : take_fast_cells(device_))
     fast_cells_.push_back({b, blocks_[b].cell_at(fast.cell), fast.speed});
 }
 

@@ -215,7 +215,7 @@ void Simulation::step() {
   balance_work();
   const coupler::BodyChanges changes = turnover_.before_step(scene_, step_, counters_);
   const parallel::Traffic before = parallel::traffic();
-  const BusBytes on_bus_before = bus_bytes();
+  const BusBytes on_bus_before = bus_bytes(scene_.setup.device);
   parallel::begin_step_of_traffic();
   scene_.move_walls(step_);
   contact_loads_.clear(), contact_moments_.clear();
@@ -232,7 +232,8 @@ void Simulation::step() {
   check_.finish(*scene_.exchange, scene_.bodies, turnover_.expected());  // of the last step
   if (scene_.anything_moves && step_ % guard_interval == 0)
     check_.start(*scene_.exchange, scene_.bodies, turnover_.expected(), step_);
-  effort_.traffic += parallel::traffic() - before, effort_.bus += bus_bytes() - on_bus_before;
+  effort_.traffic += parallel::traffic() - before,
+      effort_.bus += bus_bytes(scene_.setup.device) - on_bus_before;
   effort_.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }
 

@@ -272,18 +272,20 @@ template <class T>
 void FluidForces<T>::correct(lbm::Block<T>& block, BlockLinks<T>& links, const rigid::BodySet& bodies,
                              std::span<const double> corrections) {
   std::vector<typename BlockLinks<T>::Group> open;
+  std::vector<lbm::SurfaceIncrement> increments(links.at_once.size());
   for (std::uint32_t k = 0; k < links.surfaces.size(); ++k) {
     SurfaceLinks<T>& surface = links.surfaces[k];
     if (surface.finished || !bodies.is_dynamic(surface.row)) continue;
     const double* const d = corrections.data() + surface.row * 6;
+    if (k < increments.size()) {
+      std::copy_n(d, 3, increments[k].v), std::copy_n(d + 3, 3, increments[k].omega);
+      continue;
+    }
     set_motion(surface.motion, Vec3(d[0], d[1], d[2]), Vec3(d[3], d[4], d[5]));
-    if (is_at_rest(surface.motion)) continue;
-    if (k < links.at_once.size())
-      links.at_once.set_increment(k, surface.motion);
-    else
+    if (!is_at_rest(surface.motion))
       for (std::uint32_t g = 0; g < surface.links.groups.size(); ++g) open.push_back({k, g});
   }
-  links.at_once.correct(block, links.slots);
+  links.at_once.correct(block, increments);
   lbm::ListedLinks listed;
   links.for_groups(open, 0, open.size(), [&](const auto& surface, const auto& group, const auto& next) {
     lbm::correct_cut_links<T>({block, links.slots, surface.links, group, next, nullptr, &listed, true},

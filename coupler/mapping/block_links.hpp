@@ -130,7 +130,7 @@ struct BlockLinks {
   void begin_step() {
     gaps.set(surfaces);
     for (std::size_t k = 0; k < at_once.size(); ++k)
-      at_once.set_motion(k, surfaces[k].motion, surfaces[k].links.frame.reach, surfaces[k].links.age);
+      at_once.set_motion(k, surfaces[k].motion, surfaces[k].links.age);
   }
   void apply_at_once(lbm::Block<T>& block, lbm::ForceForm form) {
     if (at_once.size() > 0) at_once.apply(block, surfaces.front().links.fluid, slots, pairs_across, form);

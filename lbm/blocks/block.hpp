@@ -76,8 +76,8 @@ class Block {
     constexpr int skew = 27 * line;  // spreads 19 directions evenly over a page, and fewer well enough
     direction_ += (skew - direction_ % page + page) % page;
     if (device != Device::cpu) direction_ = (direction_ + together - 1) / together * together;
-    if (device == Device::gpu)
-      memory_ = std::static_pointer_cast<T[]>(zeroed_on_gpu(bytes()));
+    if (device != Device::cpu)
+      memory_ = std::static_pointer_cast<T[]>(zeroed_on(device, bytes()));
     else
       memory_ = zeroed<T>(std::size_t(direction_) * directions);
     first_ = memory_.get();
@@ -142,8 +142,9 @@ class Block {
     stress_share_ = stress_share;
     if (!excess_) {
       const std::size_t cells = excess_cells();
-      if (device == Device::gpu)
-        excess_ = std::static_pointer_cast<ExcessQuanta<T>[]>(zeroed_on_gpu(cells * sizeof(ExcessQuanta<T>)));
+      if (device != Device::cpu)
+        excess_ =
+            std::static_pointer_cast<ExcessQuanta<T>[]>(zeroed_on(device, cells * sizeof(ExcessQuanta<T>)));
       else
         excess_ = zeroed<ExcessQuanta<T>>(cells);
       excess_rows_.assign(std::size_t(box_.size.y) * box_.size.z, 0);

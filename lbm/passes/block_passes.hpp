@@ -3,8 +3,6 @@
 // (SILT_BUILD): a vector of cells at a time, or one cell (SILT_SCALAR).
 #include <algorithm>
 #include <cmath>
-#include <memory>
-#include <vector>
 
 #include "device/for_each.hpp"
 #include "lbm/blocks/lane_totals.hpp"
@@ -28,19 +26,12 @@ struct CellsOfRows {
   SILT_DEVICE std::ptrdiff_t row_at(int k) const { return row_at(k % ny, k / ny); }
 };
 
-/// Fast cells in the order found; beyond `room` they are only counted.
-struct FastList {
-  static constexpr unsigned room = 4096;
-  FastInBlock cells[room];
-  unsigned count;
-};
-
 struct AddFast {
-  FastList* list;
+  FastList list;
   int block;
   SILT_DEVICE void operator()(std::ptrdiff_t x, double speed) const {
-    const unsigned k = next_of(&list->count);
-    if (k < FastList::room) list->cells[k] = {block, {x, speed}};
+    const unsigned k = next_of(list.count);
+    if (k < FastList::room) list.cells[k] = {block, {x, speed}};
   }
 };
 
@@ -121,18 +112,9 @@ struct CloseRows {
   }
 };
 
-inline FastList& fast_list() {
-#if defined(__CUDACC__)
-  static const auto list = std::static_pointer_cast<FastList>(zeroed_on_gpu(sizeof(FastList)));
-#else
-  static const auto list = std::make_unique<FastList>();
-#endif
-  return *list;
-}
-
 template <class T>
 void stream_collide(int b, Block<T>& block, Parity parity, const CollisionRates<T>& rates, RowRange range,
-                    int first_watched) {
+                    int first_watched, const FastList& fast) {
   const CellsOfRows cells(block, range);
   const int rows = std::max(range.y1 - range.y0, 0) * std::max(range.z1 - range.z0, 0);
   if (rows == 0) return;
@@ -140,7 +122,7 @@ void stream_collide(int b, Block<T>& block, Parity parity, const CollisionRates<
   with_model(rates, [&]<class Model>(Model) {
     const T scale = Model::square_scale(rates);
     using WatchFast = Watch<T, AddFast>;
-    const WatchFast watch{T(speed_of_sound * speed_of_sound) * scale, scale, {&fast_list(), b}};
+    const WatchFast watch{T(speed_of_sound * speed_of_sound) * scale, scale, {fast, b}};
     constexpr int period = WatchedPlanes::period;
     const int first = ((first_watched - range.z0) % period + period) % period, planes = range.z1 - range.z0;
     const auto collide_all = [&]<bool source>(std::bool_constant<source>) {
@@ -157,15 +139,6 @@ void stream_collide(int b, Block<T>& block, Parity parity, const CollisionRates<
   CloseRows<T> close{block.data(), cells, 0, {}};
   for (const RowEnd<T>& end : block.row_ends(parity)) close.ends[close.count++] = end;
   for_rows(close.count, rows, close);
-}
-
-inline std::vector<FastInBlock> take_fast_cells() {
-  silt::SILT_BUILD::wait();
-  FastList& list = fast_list();
-  std::vector<FastInBlock> found(list.cells, list.cells + std::min(list.count, FastList::room));
-  list.count = 0;
-  from_device(list.count, found);
-  return found;
 }
 
 template <class T>

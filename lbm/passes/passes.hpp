@@ -2,11 +2,11 @@
 // The passes of the fluid, as built for each device: dense pass, moving slots, outlets, borders between
 // levels, single cells and totals. All builds give the same bits.
 #include <span>
-#include <vector>
 
 #include "device/device.hpp"
 #include "lbm/blocks/moments.hpp"
 #include "lbm/collision/stream_collide.hpp"
+#include "lbm/passes/fast_list.hpp"
 #include "lbm/passes/level_border_rows.hpp"
 #include "lbm/passes/outlet.hpp"
 #include "lbm/passes/slot_lists.hpp"
@@ -32,20 +32,13 @@ struct ListedCells {
   const Block* blocks;
 };
 
-/// A fast cell of a block of a fluid.
-struct FastInBlock {
-  int block;
-  FastCell at;
-};
-
 /// Most passes return before they are done on a device other than `cpu`.
 template <class T>
 struct Passes {
   /// Collides and streams the rows of block b. Examines every WatchedPlanes::period-th plane from
-  /// `first_watched` on.
-  void (*stream_collide)(int b, Block<T>&, Parity, const CollisionRates<T>&, RowRange, int first_watched);
-  /// Returns the fast cells found since the last call, in any order; waits for all passes.
-  std::vector<FastInBlock> (*take_fast_cells)();
+  /// `first_watched` on, and adds fast cells to the list.
+  void (*stream_collide)(int b, Block<T>&, Parity, const CollisionRates<T>&, RowRange, int first_watched,
+                         const FastList&);
   /// Returns when all passes are done and the CPU may read the results.
   void (*wait)();
   /// Copies slots; adds addends[k] to the values of the k-th pair if there are addends.

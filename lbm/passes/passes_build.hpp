@@ -152,10 +152,9 @@ void return_from_outlet(const OutletCells<T>& cells, const SideCondition& side) 
 
 template <class T>
 const Passes<T>& passes() {
-  static constexpr Passes<T> passes = {stream_collide<T>, take_fast_cells,       silt::SILT_BUILD::wait,
-                                       move_slots<T>,     return_from_outlet<T>, carry_packets<T>,
-                                       cross_border<T>,   gather_moments<T>,     give_masses<T>,
-                                       take_excess<T>,    total_rows<T>};
+  static constexpr Passes<T> passes = {
+      stream_collide<T>, silt::SILT_BUILD::wait, move_slots<T>,  return_from_outlet<T>, carry_packets<T>,
+      cross_border<T>,   gather_moments<T>,      give_masses<T>, take_excess<T>,        total_rows<T>};
   return passes;
 }
 template const Passes<float>& passes();

@@ -2,26 +2,20 @@
 #define SILT_BUILD cpu
 #define SILT_SCALAR
 #define SILT_AT_ONCE
-#include <utility>
 #include <vector>
 
 #include "lbm/passes/passes.hpp"
 
 namespace silt::lbm::SILT_BUILD {
 
-std::vector<FastInBlock> fast_list;  // since the last take_fast_cells()
-
 template <class T>
 void stream_collide(int b, Block<T>& block, Parity parity, const CollisionRates<T>& rates, RowRange range,
-                    int first_watched) {
+                    int first_watched, const FastList& list) {
   static std::vector<FastCell> found;  // of these rows
   found.clear();
   lbm::stream_collide(block, parity, rates, range, {first_watched, found});
-  for (const FastCell& fast : found) fast_list.push_back({b, fast});
-}
-
-std::vector<FastInBlock> take_fast_cells() {
-  return std::exchange(fast_list, {});
+  for (const FastCell& fast : found)
+    if (const unsigned k = (*list.count)++; k < FastList::room) list.cells[k] = {b, fast};
 }
 
 template <class T>

@@ -178,7 +178,7 @@ struct SurfaceMotion {
 };
 
 /// Returns the largest |f* + f_opp| whose terms stay in range (method.md, equation 22).
-inline double largest_exchange(double reach, const SurfaceMotion& m) {
+SILT_DEVICE inline double largest_exchange(double reach, const SurfaceMotion& m) {
   double u = 0;
   for (int k = 0; k < 3; ++k) u += std::fabs(m.v[k]) + reach * std::fabs(m.omega[k]);
   return 32 / ((1 + reach) * (1 + u));

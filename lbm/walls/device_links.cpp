@@ -7,28 +7,17 @@ namespace silt::lbm {
 
 template <class T>
 void DeviceLinks<T>::clear() {
-  surfaces_.host().clear(), first_group_.host().clear(), opposites_.host().clear();
+  surfaces_.host().clear(), steps_.host().clear(), first_group_.host().clear(), opposites_.host().clear();
   group_count_ = 0, is_listed_ = has_crossings_ = false;
 }
 
 template <class T>
 void DeviceLinks<T>::add(const DeviceSurface<T>* surface, std::span<const LinkGroup> groups) {
-  surfaces_.host().push_back({surface, {}, 0, T(0), false});
+  surfaces_.host().push_back(surface);
+  steps_.host().resize(surfaces_.size());
   first_group_.host().push_back(group_count_);
   group_count_ += std::uint32_t(groups.size());
   for (const LinkGroup& group : groups) has_crossings_ |= group.crossing;
-}
-
-template <class T>
-void DeviceLinks<T>::set_motion(std::size_t k, const SurfaceMotion& motion, double reach, T age) {
-  SurfaceStep<T>& surface = surfaces_.host()[k];
-  surface.motion = motion, surface.age = age, surface.limit = largest_exchange(reach, motion);
-  surface.open = false;
-}
-
-template <class T>
-void DeviceLinks<T>::set_increment(std::size_t k, const SurfaceMotion& increment) {
-  surfaces_.host()[k].motion = increment, surfaces_.host()[k].open = true;
 }
 
 template <class T>
@@ -37,15 +26,16 @@ const LinkPasses<T>& DeviceLinks<T>::passes() const {
 }
 
 template <class T>
-LinkPass<T> DeviceLinks<T>::pass_over(Block<T>& block, const LinkSlots& slots) {
-  slots_.host().assign(1, slots);
+LinkPass<T> DeviceLinks<T>::pass_over(Block<T>& block) {
   return {block.data() + block.middle(),
           std::int32_t(block.row_stride()),
           std::int32_t(block.plane_stride()),
           block.excess(),
-          slots_.send(),
+          slots_.device(),
           {},
-          surfaces_.send(),
+          surfaces_.device(),
+          steps_.device(),
+          increments_.device(),
           sums_.device(),
           nullptr,
           false};
@@ -56,7 +46,7 @@ template <class T>
 void DeviceLinks<T>::list_groups() {
   if (is_listed_) return;
   is_listed_ = true;
-  opposites_.send();
+  opposites_.send(), surfaces_.send();
   groups_.clear(), groups_.resize(group_count_);
   passes().list_groups({surfaces_.device(), surfaces_.size()}, first_group_.send(), groups_.data());
 }
@@ -66,11 +56,11 @@ void DeviceLinks<T>::apply(Block<T>& block, const WallFluid<T>& fluid, const Lin
                            const BeyondPair<T>* pairs_across, ForceForm form) {
   if (size() == 0) return;
   sums_.host().resize(surfaces_.size());
-  sums_.clear();
-  LinkPass<T> pass = pass_over(block, slots);
+  sums_.clear(), slots_.host().assign(1, slots), slots_.send(), steps_.send();
+  list_groups();
+  LinkPass<T> pass = pass_over(block);
   pass.fluid = fluid, pass.pairs_across = pairs_across;
   pass.galilean = form == ForceForm::galilean;
-  list_groups();
   passes().set_opposites({opposites_.device(), opposites_.size()}, pass);
   passes().apply(groups_, pass);
   // last, since other links read what crossing links write
@@ -80,9 +70,10 @@ void DeviceLinks<T>::apply(Block<T>& block, const WallFluid<T>& fluid, const Lin
 }
 
 template <class T>
-void DeviceLinks<T>::correct(Block<T>& block, const LinkSlots& slots) {
+void DeviceLinks<T>::correct(Block<T>& block, std::span<const SurfaceIncrement> increments) {
   if (size() == 0) return;
-  passes().correct(groups_, pass_over(block, slots));
+  increments_.host().assign(increments.begin(), increments.end()), increments_.send();
+  passes().correct(groups_, pass_over(block));
   wait(device_);
 }
 

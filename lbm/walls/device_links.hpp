@@ -33,14 +33,15 @@ DeviceSurface<T> device_surface(CutLinks<T>& links, const LinkGroup* groups) {
           first(links.opposite_u)};
 }
 
-/// A surface in the current step.
+/// A surface in the current step: its motion, and the age of its wall distances.
 template <class T>
 struct SurfaceStep {
-  const DeviceSurface<T>* surface;
-  SurfaceMotion motion;  // in a correction: the increment
-  double limit;          // of the populations on a link (largest_exchange)
+  SurfaceMotion motion;
   T age;
-  bool open;  // include its links in this pass
+};
+/// The increment of a surface's velocity in a correction; all zero: its links are left as they are.
+struct SurfaceIncrement {
+  double v[3] = {}, omega[3] = {};
 };
 
 struct GroupOfSurface {
@@ -113,26 +114,26 @@ class DeviceLinks {
   void add(const OppositeLink<T>& link) { opposites_.host().push_back(link); }
   std::size_t size() const { return surfaces_.size(); }  // number of surfaces
 
-  /// Sets the motion of surface k in the next step, the largest distance of its links' cells from its
-  /// reference point, and the age of its wall distances.
-  void set_motion(std::size_t k, const SurfaceMotion&, double reach, T age);
+  /// Sets the motion of surface k in the next step, and the age of its wall distances.
+  void set_motion(std::size_t k, const SurfaceMotion& motion, T age) { steps_.host()[k] = {motion, age}; }
   /// Writes the populations that links return, adds to their cells' excess, sums force and torque.
   void apply(Block<T>&, const WallFluid<T>&, const LinkSlots&, const BeyondPair<T>* pairs_across, ForceForm);
   const LinkSums& sums(std::size_t k) const { return sums_.host()[k]; }
 
-  /// Sets the increment of surface k for correct(); surfaces without one are not corrected.
-  void set_increment(std::size_t k, const SurfaceMotion&);
-  /// Corrects the populations that these surfaces returned.
-  void correct(Block<T>&, const LinkSlots&);
+  /// Corrects the populations that surfaces returned, for an increment of the velocity of each; after
+  /// apply().
+  void correct(Block<T>&, std::span<const SurfaceIncrement>);
 
  private:
   const LinkPasses<T>& passes() const;
-  LinkPass<T> pass_over(Block<T>&, const LinkSlots&);
+  LinkPass<T> pass_over(Block<T>&);
   void list_groups();
 
   Device device_;
-  Mirror<SurfaceStep<T>> surfaces_{device_};
-  Mirror<LinkSums> sums_{device_};                          // per surface
+  Mirror<const DeviceSurface<T>*> surfaces_{device_};
+  Mirror<SurfaceStep<T>> steps_{device_};  // this and the next two: per surface
+  Mirror<SurfaceIncrement> increments_{device_};
+  Mirror<LinkSums> sums_{device_};
   Mirror<std::uint32_t> first_group_{device_};              // per surface, among all groups
   DeviceArray<GroupOfSurface> groups_{memory_of(device_)};  // of all surfaces
   std::uint32_t group_count_ = 0;

@@ -24,7 +24,8 @@ template <class T>
 struct Motion {
   using V = typename Lanes<T>::Real;
   T v[3], o[3];
-  SILT_DEVICE explicit Motion(const SurfaceMotion& m) {
+  template <class Velocity>  // SurfaceMotion or SurfaceIncrement
+  SILT_DEVICE explicit Motion(const Velocity& m) {
     for (int k = 0; k < 3; ++k) {
       v[k] = T(m.v[k]);
       o[k] = T(m.omega[k]);

@@ -14,15 +14,17 @@ struct LinkPass {
   ExcessQuanta<T>* excess;  // of cell 0 of the block
   const LinkSlots* slots;
   WallFluid<T> fluid;
-  const SurfaceStep<T>* surfaces;
-  LinkSums* sums;  // of the surfaces
+  const DeviceSurface<T>* const* surfaces;
+  const SurfaceStep<T>* steps;         // this and the following: of the surfaces
+  const SurfaceIncrement* increments;  // of a correction
+  LinkSums* sums;
   const BeyondPair<T>* pairs_across;
   bool galilean;
 };
 
 template <class T>
 struct LinkPasses {
-  void (*list_groups)(std::span<const SurfaceStep<T>>, const std::uint32_t* first, GroupOfSurface*);
+  void (*list_groups)(std::span<const DeviceSurface<T>* const>, const std::uint32_t* first, GroupOfSurface*);
   void (*set_opposites)(std::span<const OppositeLink<T>>, const LinkPass<T>&);
   void (*apply)(std::span<const GroupOfSurface>, const LinkPass<T>&);
   void (*apply_crossing)(std::span<const GroupOfSurface>, const LinkPass<T>&);

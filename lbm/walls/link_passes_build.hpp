@@ -21,8 +21,8 @@ struct LinksOfGroup {
 
   SILT_DEVICE LinksOfGroup(const LinkPass<T>& pass, const GroupOfSurface& of)
       : pass(pass),
-        step(pass.surfaces[of.surface]),
-        surface(*step.surface),
+        step(pass.steps[of.surface]),
+        surface(*pass.surfaces[of.surface]),
         group(surface.groups[of.number]),
         sums(pass.sums[of.surface]),
         origin(group.corner, surface.frame, pass.slots->components),
@@ -100,7 +100,9 @@ struct LinkAt {
 template <WallScheme scheme, int together, class T>
 SILT_DEVICE void apply_group(const LinksOfGroup<T>& links, const Team& member) {
   using L = Lanes<T>;
-  GroupStep<T> step(links.step.motion, links.pass.fluid, links.pass.galilean, links.step.limit);
+  const SurfaceMotion& motion = links.step.motion;
+  GroupStep<T> step(motion, links.pass.fluid, links.pass.galilean,
+                    largest_exchange(links.surface.frame.reach, motion));
   const int count = int(links.group.count);
   constexpr int some = together * L::count;
   for (int first = some * member.lane; first < count; first += some * member.size) {
@@ -119,9 +121,10 @@ SILT_DEVICE void apply_group(const LinksOfGroup<T>& links, const Team& member) {
 }
 
 template <class T>
-SILT_DEVICE void correct_group(const LinksOfGroup<T>& links, const Team& member) {
+SILT_DEVICE void correct_group(const LinksOfGroup<T>& links, const SurfaceIncrement& increment,
+                               const Team& member) {
   using L = Lanes<T>;
-  const Motion<T> u(links.step.motion);
+  const Motion<T> u(increment);
   const int count = int(links.group.count);
   for (int l = L::count * member.lane; l < count; l += L::count * member.size) {
     const Places<T> at(links.surface.place + links.group.begin + l, links.origin);
@@ -132,11 +135,11 @@ SILT_DEVICE void correct_group(const LinksOfGroup<T>& links, const Team& member)
 
 template <class T>
 struct ListGroups {
-  const SurfaceStep<T>* surfaces;
+  const DeviceSurface<T>* const* surfaces;
   const std::uint32_t* first;
   GroupOfSurface* groups;
   SILT_DEVICE void operator()(std::int64_t k, const Team& member) const {
-    const std::uint32_t count = surfaces[k].surface->group_count;
+    const std::uint32_t count = surfaces[k]->group_count;
     for (auto n = std::uint32_t(member.lane); n < count; n += std::uint32_t(member.size))
       groups[first[k] + n] = {std::uint32_t(k), n};
   }
@@ -162,9 +165,10 @@ struct CorrectLinks {
   LinkPass<T> pass;
   const GroupOfSurface* groups;
   SILT_DEVICE void operator()(std::int64_t k, const Team& member) const {
-    const LinksOfGroup<T> links(pass, groups[k]);
-    if (!links.step.open) return;
-    correct_group(links, member);
+    const SurfaceIncrement& increment = pass.increments[groups[k].surface];
+    bool is_zero = true;
+    for (int d = 0; d < 3; ++d) is_zero &= increment.v[d] == 0 && increment.omega[d] == 0;
+    if (!is_zero) correct_group(LinksOfGroup<T>(pass, groups[k]), increment, member);
   }
 };
 
@@ -176,14 +180,14 @@ struct SetOpposites {
     const std::int32_t packed = pass.slots->components[links[k].direction];
     const Int3 along{component(packed, 0), component(packed, 1), component(packed, 2)};
     set_opposite(links[k], along, [&](std::uint32_t n) -> SurfaceInGap<T> {
-      const DeviceSurface<T>& of = *pass.surfaces[n].surface;
-      return {of.frame, pass.surfaces[n].motion, of.q, of.opposite_q, of.opposite_u};
+      const DeviceSurface<T>& of = *pass.surfaces[n];
+      return {of.frame, pass.steps[n].motion, of.q, of.opposite_q, of.opposite_u};
     });
   }
 };
 
 template <class T>
-void list_groups(std::span<const SurfaceStep<T>> surfaces, const std::uint32_t* first,
+void list_groups(std::span<const DeviceSurface<T>* const> surfaces, const std::uint32_t* first,
                  GroupOfSurface* groups) {
   for_teams(std::int64_t(surfaces.size()), ListGroups<T>{surfaces.data(), first, groups});
 }

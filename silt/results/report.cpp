@@ -270,7 +270,7 @@ Json traffic_of(const Simulation& simulation, const parallel::Traffic& mine, dou
                        {"bytes_per_step", a_step(mine.bytes).mean}});
 }
 
-/// Returns the bytes of all ranks per step; the total also per present body.
+/// Returns the bytes and touched pages of all ranks per step; the total of bytes also per present body.
 Json bus_of(const Simulation& simulation, double steps) {
   const auto a_step = [&](std::uint64_t bytes) {
     return parallel::sum_over_ranks(simulation.scene().comm, steps > 0 ? double(bytes) / steps : 0);
@@ -280,7 +280,8 @@ Json bus_of(const Simulation& simulation, double steps) {
                bodies = double(simulation.body_count());
   return Json::object({{"bytes_to_device_per_step", to},
                        {"bytes_from_device_per_step", from},
-                       {"bytes_per_body_and_step", bodies > 0 ? (to + from) / bodies : unknown}});
+                       {"bytes_per_body_and_step", bodies > 0 ? (to + from) / bodies : unknown},
+                       {"pages_touched_per_step", a_step(bytes.pages)}});
 }
 
 /// Returns the balance of the ranks' time in stages without waiting.

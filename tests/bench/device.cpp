@@ -214,7 +214,7 @@ double copying(Device device, [[maybe_unused]] std::int64_t bytes) {
   if (device != Device::gpu) return 0;
   Spread rate;
 #if defined(SILT_CUDA)
-  const auto memory = zeroed_on_gpu(std::size_t(2 * bytes));
+  const auto memory = zeroed_on(Device::gpu, std::size_t(2 * bytes));
   char* const from = static_cast<char*>(memory.get());
   for (int r = 0; r < 12; ++r) {
     const double t = seconds([&] { copy_on_gpu(from + bytes, from, bytes); });

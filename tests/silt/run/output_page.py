@@ -15,7 +15,7 @@ import silt_results  # on the path by silt_test
 PAGE = ROOT / "cases" / "OUTPUT.md"
 
 # of a run that was stopped, of one that went on, with coarser cells, with bodies of many sizes, on a graphics processor
-SOMETIMES = {"exit_text", "resumed_at", "levels", "sizes", "bodies/scale", "bodies/spring_force", "bodies/spring_torque", "card", "bus", "bus.bytes_per_body_and_step"}
+SOMETIMES = {"exit_text", "resumed_at", "levels", "sizes", "bodies/scale", "bodies/spring_force", "bodies/spring_torque", "card", "bus", "bus.bytes_per_body_and_step", "bus.pages_touched_per_step"}
 
 
 def section(name):
