@@ -12,6 +12,7 @@
 #include "coupler/mapping/build_links.hpp"
 #include "coupler/mapping/map_bodies.hpp"
 #include "coupler/mapping/mapping_poses.hpp"
+#include "coupler/mapping/passed_mass.hpp"
 #include "coupler/mapping/refill.hpp"
 #include "coupler/mapping/side_columns.hpp"
 #include "coupler/regions/level_views.hpp"
@@ -118,8 +119,7 @@ class FlowOf final : public Flow {
     fluid_.end_pass();
   }
   void communicate() override {
-    fluid_.give_masses(passed_.cells, passed_.masses);
-    passed_ = {};
+    passed_.give(fluid_);
     fluid_.exchange();
     levels_.end_step();
     if (pairs_) pairs_->exchange(fluid_.blocks(), fluid_.parity());
@@ -220,8 +220,7 @@ class FlowOf final : public Flow {
     take_cells(+1, cells.covered, bodies, changes);
     refill(fluid_, map_.blocks(), cells, bodies, changes.gone, uncovered_);
     take_cells(-1, cells.uncovered, bodies, changes);
-    passed_ = pass_on_mass(fluid_, map_.blocks(), cells);
-    account_.take_mass(passed_.left);
+    account_.take_mass(passed_.weigh(fluid_, map_.blocks(), cells));
     counts_.covered = cells.covered.size(), counts_.uncovered = cells.uncovered.size();
     rebuild_links(bodies);
   }
@@ -318,8 +317,8 @@ class FlowOf final : public Flow {
   std::vector<BlockLinks<T>> links_;
   std::vector<DeviceMapping<T>> mappings_;  // per block
   MeshDistances meshes_{map_.meshes()};
-  UncoveredCells uncovered_{fluid_.device()};
-  PassedMass passed_;                         // of the current step
+  UncoveredCells<T> uncovered_{fluid_.device()};
+  PassedMass<T> passed_{fluid_.device()};     // of the current step
   std::optional<lbm::PairsAcross<T>> pairs_;  // for schemes that read beyond
   std::vector<SideColumns> columns_;          // per block, for pairs_
   bool pushes_bodies_;

@@ -219,27 +219,33 @@ Moments Fluid<T>::moments(int b, Int3 x) const {
 }
 
 template <class T>
-ListedCells<T> Fluid<T>::listed(std::span<const LocalCell> cells) {
-  listed_blocks_.host().resize(blocks_.size()), listed_cells_.host().resize(cells.size());
+void Fluid<T>::list_blocks(CellLists<T>& lists) {
+  lists.blocks.host().resize(blocks_.size());
   for (std::size_t b = 0; b < blocks_.size(); ++b) {
-    auto& listed = listed_blocks_.host()[b];
+    auto& listed = lists.blocks.host()[b];
     listed.data = blocks_[b].data(), listed.excess = blocks_[b].excess();
     listed.stress_share = blocks_[b].stress_share();
     for (int i = 0; i < D3Q19::directions; ++i)
       listed.arriving[i] = blocks_[b].arriving(i, parity_), listed.step[i] = blocks_[b].step(i);
   }
-  for (std::size_t k = 0; k < cells.size(); ++k) {
-    Block<T>& block = blocks_[cells[k].block];
-    listed_cells_.host()[k] = {block.data() + block.cell(cells[k].cell), cells[k].block};
-  }
-  return {listed_cells_.send(), std::int64_t(cells.size()), listed_blocks_.send()};
+  lists.blocks.send();
+}
+
+template <class T>
+ListedCells<T> Fluid<T>::listed(std::span<const LocalCell> cells, CellLists<T>& lists) {
+  list_blocks(lists);
+  lists.cells.host().resize(cells.size());
+  for (std::size_t k = 0; k < cells.size(); ++k)
+    lists.cells.host()[k] = {std::uint32_t(blocks_[cells[k].block].cell(cells[k].cell)),
+                             std::uint32_t(cells[k].block)};
+  return {lists.cells.send(), std::int64_t(cells.size()), lists.blocks.device()};
 }
 
 template <class T>
 std::span<const Moments> Fluid<T>::moments(std::span<const LocalCell> cells) {
   std::pmr::vector<Moments>& found = cell_moments_.host();
   found.resize(cells.size());
-  passes_on<T>(device_).gather_moments(listed(cells), cell_moments_.make_room(), nullptr);
+  passes_on<T>(device_).gather_moments(listed(cells, listed_), cell_moments_.make_room(), nullptr);
   cell_moments_.fetch(), wait(device_);
   return found;
 }
@@ -248,7 +254,7 @@ template <class T>
 std::span<const double> Fluid<T>::densities(std::span<const LocalCell> cells) {
   std::pmr::vector<double>& found = cell_densities_.host();
   found.resize(cells.size());
-  passes_on<T>(device_).gather_moments(listed(cells), nullptr, cell_densities_.make_room());
+  passes_on<T>(device_).gather_moments(listed(cells, listed_), nullptr, cell_densities_.make_room());
   cell_densities_.fetch(), wait(device_);
   return found;
 }
@@ -281,7 +287,7 @@ void Fluid<T>::give_masses(std::span<const LocalCell> cells, std::span<const std
   for (const auto& [b, x] : cells)
     blocks_[b].hold_excess({x.y, x.y + 1, x.z, x.z + 1}, T(spec_.bulk_stress_given_up()), device_);
   cell_masses_.host().assign(masses.begin(), masses.end());
-  passes_on<T>(device_).give_masses(listed(cells), cell_masses_.send());
+  passes_on<T>(device_).give_masses(listed(cells, listed_), cell_masses_.send());
   wait(device_);
 }
 

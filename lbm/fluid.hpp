@@ -117,10 +117,17 @@ class Fluid {
   std::span<const Moments> moments(std::span<const LocalCell>);
   /// Returns the density deviations of single cells; a device sends a tenth of the data of moments().
   std::span<const double> densities(std::span<const LocalCell>);
+  /// Lets the cell and its neighbours have an excess.
+  void hold_excess_around(const LocalCell& at) {
+    const auto& [b, x] = at;
+    blocks_[b].hold_excess({x.y - 1, x.y + 2, x.z - 1, x.z + 2}, T(spec_.bulk_stress_given_up()), device_);
+  }
   /// Adds masses (quanta of excess.hpp) to single cells at their next collision; a cell may get several.
   void give_masses(std::span<const LocalCell>, std::span<const std::int64_t>);
-  /// Returns single cells as passes address them; valid until the next call of listed() or moments().
-  ListedCells<T> listed(std::span<const LocalCell>);
+  /// Returns single cells as passes address them, in these lists.
+  ListedCells<T> listed(std::span<const LocalCell>, CellLists<T>&);
+  /// Lists the blocks again, whose parity or excess has changed.
+  void list_blocks(CellLists<T>&);
   void moments(int b, const CellBox&, MomentArrays&) const;
   /// Return the totals of rows of cells; for many rows, in memory that the device reaches.
   CellTotals totals(int b, const LocalRows&) const;
@@ -150,9 +157,7 @@ class Fluid {
   Parity parity_ = Parity::settled;
   std::int64_t passes_ = 0;
   std::vector<Fast> fast_cells_;
-  // single cells for passes
-  Mirror<typename ListedCells<T>::Cell> listed_cells_{device_};
-  Mirror<typename ListedCells<T>::Block> listed_blocks_{device_};
+  CellLists<T> listed_{device_};  // this and the following: single cells for passes
   Mirror<Moments> cell_moments_{device_};
   Mirror<double> cell_densities_{device_};
   Mirror<std::int64_t> cell_masses_{device_};

@@ -71,7 +71,7 @@ std::vector<lbm::Moments> remote_moments(lbm::Fluid<T>& fluid, const std::vector
 
 template <class T>
 void list_uncovered(lbm::Fluid<T>& fluid, const std::vector<BlockMap>& maps, const ChangedCells& changed,
-                    UncoveredCells& all) {
+                    UncoveredCells<T>& all) {
   const std::vector<lbm::Moments> remote = remote_moments(fluid, maps, changed);
   const lbm::Domain& domain = fluid.domain();
   const int rank = parallel::rank_of(fluid.comm());
@@ -141,7 +141,7 @@ std::vector<lbm::LocalCell> places(const std::vector<CoveredCell>& cells) {
 
 template <class T>
 void refill(lbm::Fluid<T>& fluid, const std::vector<BlockMap>& maps, const ChangedCells& cells,
-            const rigid::BodySet& bodies, const rigid::BodySet& gone, UncoveredCells& uncovered) {
+            const rigid::BodySet& bodies, const rigid::BodySet& gone, UncoveredCells<T>& uncovered) {
   const auto& domain = fluid.domain();
   const auto& force = fluid.spec().force;
   list_uncovered(fluid, maps, cells, uncovered);
@@ -155,117 +155,14 @@ void refill(lbm::Fluid<T>& fluid, const std::vector<BlockMap>& maps, const Chang
       for (int d = 0; d < 3; ++d) uncovered.cells.host()[n].momentum[d] = v[d] - 0.5 * force[d];
     }
   }
-  const RefillCells<T> pass{fluid.listed(places(cells.uncovered)), uncovered.cells.send(),
+  const RefillCells<T> pass{fluid.listed(places(cells.uncovered), uncovered.listed), uncovered.cells.send(),
                             uncovered.told.send(), force};
   SILT_ON(fluid.device(), refill_cells<T>)(pass);
 }
 
 template void refill(lbm::Fluid<float>&, const std::vector<BlockMap>&, const ChangedCells&,
-                     const rigid::BodySet&, const rigid::BodySet&, UncoveredCells&);
+                     const rigid::BodySet&, const rigid::BodySet&, UncoveredCells<float>&);
 template void refill(lbm::Fluid<double>&, const std::vector<BlockMap>&, const ChangedCells&,
-                     const rigid::BodySet&, const rigid::BodySet&, UncoveredCells&);
-
-namespace {
-
-/// Returns bits of cells that turned solid or fluid, with ghost cells.
-auto changed_bits(const BlockMap& map) {
-  return [&map](int y, int z, int k) { return map.before.at(y, z)[k] ^ map.solid.at(y, z)[k]; };
-}
-
-template <class T>
-class PassOn {
- public:
-  PassOn(lbm::Fluid<T>& fluid, const std::vector<BlockMap>& maps)
-      : fluid_(fluid), maps_(maps), domain_(fluid.domain()), rank_(parallel::rank_of(fluid.comm())) {}
-
-  /// Divides the mass of a cell evenly, but for the last quanta, among neighbours that were and are fluid.
-  /// Returns the mass if there are none.
-  std::int64_t share(const CoveredCell& c, std::int64_t mass) {
-    const BlockMap& map = maps_[c.block];
-    int neighbours[lbm::D3Q19::directions], count = 0;
-    for (int k = 1; k < lbm::D3Q19::directions; ++k)
-      if (map.was_and_is_fluid(c.cell + lbm::D3Q19::c[k])) neighbours[count++] = k;
-    if (count == 0) return mass;
-    for (int n = 0; n < count; ++n) {
-      const std::int64_t part = mass / (count - n);
-      mass -= part;
-      give(c, neighbours[n], part);
-    }
-    return 0;
-  }
-
-  /// Receives the shares from cells of other ranks; returns all shares.
-  PassedMass finish() {
-    if (domain_.ranks() > 1) take_from_others();
-    return std::move(all_);
-  }
-
- private:
-  void give(const CoveredCell& c, int k, std::int64_t part) {
-    const BlockMap& map = maps_[c.block];
-    const Int3 y = c.cell + lbm::D3Q19::c[k];
-    if (map.has(y)) return give({c.block, y}, part);
-    const Int3 g = domain_.wrapped(map.box.lower + y);
-    const lbm::BlockPlace there = domain_.block_at(g);
-    const int block = domain_.local_index(there, rank_);
-    if (block >= 0) return give({block, g - there.box.lower}, part);
-    sent_.add(domain_.rank_at(g), map.box.lower + c.cell, k);
-    parts_.push_back(double(part));
-  }
-
-  void give(const lbm::LocalCell& cell, std::int64_t mass) {
-    all_.cells.push_back(cell), all_.masses.push_back(mass);
-  }
-
-  void take_from_others() {
-    SharedNeighbours<double> wanted(domain_);
-    for (int b = 0; b < int(maps_.size()); ++b) {
-      const BlockMap& map = maps_[b];
-      for_ghosts(map, changed_bits(map), [&](Int3 x) {
-        const Int3 cell = map.box.lower + x;
-        const int rank = domain_.rank_at(domain_.wrapped(cell));
-        for (int k = 1; rank != rank_ && k < lbm::D3Q19::directions; ++k) {
-          const Int3 y = x + lbm::D3Q19::c[k];
-          if (!map.has(y) || !map.was_and_is_fluid(y)) continue;
-          wanted.add(rank, cell, k);
-          all_.cells.push_back({b, y});
-        }
-      });
-    }
-    const std::vector<double> found = sent_.exchange(fluid_.comm(), 8, parts_, wanted);
-    for (const double mass : found) all_.masses.push_back(std::int64_t(mass));
-  }
-
-  lbm::Fluid<T>& fluid_;
-  const std::vector<BlockMap>& maps_;
-  const lbm::Domain& domain_;
-  int rank_;
-  PassedMass all_;
-  SharedNeighbours<double> sent_{domain_};
-  std::vector<double> parts_;
-};
-
-}  // namespace
-
-template <class T>
-PassedMass pass_on_mass(lbm::Fluid<T>& fluid, const std::vector<BlockMap>& maps,
-                        const ChangedCells& changed) {
-  constexpr double quantum = lbm::excess_quantum<T>;
-  PassOn<T> pass(fluid, maps);
-  std::int64_t left = 0;
-  const auto share = [&](const std::vector<CoveredCell>& cells, int sign) {
-    const std::span<const double> densities = fluid.densities(places(cells));
-    for (std::size_t n = 0; n < cells.size(); ++n)
-      left += pass.share(cells[n], sign * std::llrint(densities[n] / quantum));
-  };
-  share(changed.covered, +1);
-  share(changed.uncovered, -1);
-  PassedMass passed = pass.finish();
-  passed.left = std::llrint(double(left) * quantum / lbm::mass_quantum);
-  return passed;
-}
-
-template PassedMass pass_on_mass(lbm::Fluid<float>&, const std::vector<BlockMap>&, const ChangedCells&);
-template PassedMass pass_on_mass(lbm::Fluid<double>&, const std::vector<BlockMap>&, const ChangedCells&);
+                     const rigid::BodySet&, const rigid::BodySet&, UncoveredCells<double>&);
 
 }  // namespace silt::coupler

@@ -1,12 +1,9 @@
 #pragma once
-// Cells that turn solid (covered) or fluid (uncovered): populations of the latter, mass of both.
+// Cells that turn solid (covered) or fluid (uncovered), and populations of the latter.
 //
 // All populations that arrive at an uncovered cell are in its own block at either parity, so refilling is
 // local. It averages over neighbours that were and are fluid. The moments of neighbours on other ranks are
 // sent; both ends find them from their own maps, ghost cells included.
-//
-// A covered cell gives its density deviation to the fluid around it and an uncovered cell takes it from there
-// (method.md, equations 46 and 47), so that moving bodies conserve mass with any sides.
 #include <mpi.h>
 
 #include "coupler/mapping/refill_cell.hpp"
@@ -35,10 +32,12 @@ std::vector<lbm::LocalCell> places(const std::vector<CoveredCell>&);
 rigid::Vec3 nearest_arm(const lbm::Domain&, const rigid::Vec3& position, lbm::Int3 global_cell);
 
 /// Uncovered cells, and moments of neighbours in other blocks, as passes read them. Kept to reuse the memory.
+template <class T>
 struct UncoveredCells {
   Mirror<UncoveredCell> cells;
   Mirror<lbm::Moments> told;
-  explicit UncoveredCells(Device device) : cells(device), told(device) {}
+  lbm::CellLists<T> listed;
+  explicit UncoveredCells(Device device) : cells(device), told(device), listed(device) {}
 };
 
 /// Sets uncovered cells to the mean density of their neighbours, the body's velocity at the cell, and the
@@ -47,19 +46,6 @@ struct UncoveredCells {
 /// neighbouring blocks.
 template <class T>
 void refill(lbm::Fluid<T>&, const std::vector<BlockMap>&, const ChangedCells&, const rigid::BodySet&,
-            const rigid::BodySet& gone, UncoveredCells&);
-
-/// The masses that cells of this rank get from covered and uncovered neighbours, in quanta of
-/// lbm/blocks/excess.hpp. They are added after collision, since their sum with an older excess would be
-/// rounded.
-struct PassedMass {
-  std::vector<lbm::LocalCell> cells;
-  std::vector<std::int64_t> masses;
-  rigid::FixedSum left = 0;  // in lbm::mass_quantum, of cells without a fluid neighbour
-};
-
-/// Computes the masses. Call after refill(), before covered cells change. Collective over neighbour ranks.
-template <class T>
-PassedMass pass_on_mass(lbm::Fluid<T>&, const std::vector<BlockMap>&, const ChangedCells&);
+            const rigid::BodySet& gone, UncoveredCells<T>&);
 
 }  // namespace silt::coupler

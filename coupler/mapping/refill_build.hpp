@@ -1,4 +1,7 @@
-// The pass of refill_cell.hpp, for the one file per device that includes this (SILT_BUILD).
+// The passes of refill_cell.hpp, for the one file per device that includes this (SILT_BUILD).
+#include <cmath>
+#include <cstdint>
+
 #include "coupler/mapping/refill_cell.hpp"
 #include "device/for_each.hpp"
 
@@ -11,5 +14,44 @@ void refill_cells(const RefillCells<T>& cells) {
 }
 template void refill_cells(const RefillCells<float>&);
 template void refill_cells(const RefillCells<double>&);
+
+template <class T>
+struct WeighCells {
+  PassingCells<T> all;
+  SILT_DEVICE void operator()(std::int64_t k) const {
+    const auto quanta = std::llrint(all.listed.moments(k).density_deviation / lbm::excess_quantum<T>);
+    all.masses[k] = k < all.covered ? quanta : -quanta;
+    if (all.neighbours[k] == 0) add_to(*all.left, all.masses[k]);
+  }
+};
+
+/// Divides the mass of a cell evenly, but for the last quanta.
+template <class T>
+struct ShareMasses {
+  PassingCells<T> all;
+  SILT_DEVICE void operator()(std::int64_t k) const {
+    std::int64_t mass = all.masses[k];
+    int shares = bits_in(all.neighbours[k]);
+    for (std::uint32_t left = all.neighbours[k]; left; left &= left - 1, --shares) {
+      const std::int64_t part = mass / shares;
+      mass -= part;
+      add_to(all.listed.excess(k)[all.listed.block_of(k).step[lowest_bit(left)]],
+             lbm::ExcessQuanta<T>(-part));
+    }
+  }
+};
+
+template <class T>
+void weigh_cells(const PassingCells<T>& cells) {
+  for_each(cells.listed.count, WeighCells<T>{cells});
+}
+template <class T>
+void share_masses(const PassingCells<T>& cells) {
+  for_each(cells.listed.count, ShareMasses<T>{cells});
+}
+template void weigh_cells(const PassingCells<float>&);
+template void weigh_cells(const PassingCells<double>&);
+template void share_masses(const PassingCells<float>&);
+template void share_masses(const PassingCells<double>&);
 
 }  // namespace silt::coupler::SILT_BUILD

@@ -56,18 +56,17 @@ struct RefillCells {
 
   static constexpr int ahead = 2;
   void fetch(std::int64_t k) const {
-    const auto& cell = listed.cells[k];
-    const auto& block = listed.blocks[cell.block];
+    const auto& block = listed.block_of(k);
     for (const std::ptrdiff_t step : block.step)
-      for (const std::ptrdiff_t arriving : block.arriving) prefetch_to_read(cell.data + step + arriving);
+      for (const std::ptrdiff_t arriving : block.arriving) prefetch_to_read(listed.data(k) + step + arriving);
   }
   SILT_DEVICE void operator()(std::int64_t k) const {
-    const auto& at = listed.cells[k];
-    const auto& block = listed.blocks[at.block];
+    const auto& block = listed.block_of(k);
     const UncoveredCell& cell = uncovered[k];
+    T* const data = listed.data(k);
     const T* g[lbm::D3Q19::directions];
-    for (int i = 0; i < lbm::D3Q19::directions; ++i) g[i] = at.data + block.arriving[i];
-    lbm::ExcessQuanta<T>* const excess = block.excess ? block.excess + (at.data - block.data) : nullptr;
+    for (int i = 0; i < lbm::D3Q19::directions; ++i) g[i] = data + block.arriving[i];
+    lbm::ExcessQuanta<T>* const excess = listed.excess(k);
     const auto moments_at = [&](std::ptrdiff_t step) {
       return excess ? lbm::moments_of<T>(g, step, excess[step], block.stress_share)
                     : lbm::moments_of<T>(g, step);
@@ -82,12 +81,24 @@ struct RefillCells {
       constexpr lbm::Int3 c = lbm::D3Q19::c[i()];
       const double arriving = lbm::equilibrium(c, lbm::D3Q19::w(i()), means.density, cell.momentum) +
                               means.grad_part(c, lbm::D3Q19::w(i()));
-      at.data[block.arriving[i()]] = T(arriving);
+      data[block.arriving[i()]] = T(arriving);
     });
     if (excess) *excess = 0;
   }
 };
 
-SILT_DEVICES(template <class T> void refill_cells(const RefillCells<T>&);)
+/// Cells that pass their mass on to neighbours in their block that were and are fluid, as bits by direction.
+/// The first `covered` of them give it away, the others take it.
+template <class T>
+struct PassingCells {
+  lbm::ListedCells<T> listed;
+  std::int64_t covered;
+  const std::uint32_t* neighbours;
+  std::int64_t *masses, *left;  // in quanta of lbm/blocks/excess.hpp; `left`: of cells without a neighbour
+};
+
+SILT_DEVICES(template <class T> void refill_cells(const RefillCells<T>&);
+             template <class T> void weigh_cells(const PassingCells<T>&);
+             template <class T> void share_masses(const PassingCells<T>&);)
 
 }  // namespace silt::coupler

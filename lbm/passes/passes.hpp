@@ -3,7 +3,7 @@
 // levels, single cells and totals. All builds give the same bits.
 #include <span>
 
-#include "device/device.hpp"
+#include "device/mirror.hpp"
 #include "lbm/blocks/moments.hpp"
 #include "lbm/collision/stream_collide.hpp"
 #include "lbm/passes/fast_list.hpp"
@@ -13,13 +13,12 @@
 
 namespace silt::lbm {
 
-/// Single cells of a fluid: the block of each, and its `data` plus the offset of the cell. Per block: where
-/// the populations arriving at a cell are, the steps along c_i, and the excess of the cell at `data`.
+/// Single cells of a fluid: the block of each, and its offset there (Block::cell). Per block: where the
+/// populations arriving at a cell are, the steps along c_i, and the excess of the cell at `data`.
 template <class T>
 struct ListedCells {
   struct Cell {
-    T* data;
-    int block;
+    std::uint32_t offset, block;
   };
   struct Block {
     std::ptrdiff_t arriving[D3Q19::directions], step[D3Q19::directions];
@@ -30,6 +29,26 @@ struct ListedCells {
   const Cell* cells;
   std::int64_t count;
   const Block* blocks;
+  SILT_DEVICE const Block& block_of(std::int64_t k) const { return blocks[cells[k].block]; }
+  SILT_DEVICE T* data(std::int64_t k) const { return block_of(k).data + cells[k].offset; }
+  /// Returns the excess of a cell; null if its block has none.
+  SILT_DEVICE ExcessQuanta<T>* excess(std::int64_t k) const {
+    return block_of(k).excess ? block_of(k).excess + cells[k].offset : nullptr;
+  }
+  SILT_DEVICE Moments moments(std::int64_t k) const {
+    const Block& block = block_of(k);
+    const T* g[D3Q19::directions];
+    for (int i = 0; i < D3Q19::directions; ++i) g[i] = data(k) + block.arriving[i];
+    return block.excess ? moments_of<T>(g, 0, *excess(k), block.stress_share) : moments_of<T>(g, 0);
+  }
+};
+
+/// The arrays of ListedCells.
+template <class T>
+struct CellLists {
+  Mirror<typename ListedCells<T>::Cell> cells;
+  Mirror<typename ListedCells<T>::Block> blocks;
+  explicit CellLists(Device device) : cells(device), blocks(device) {}
 };
 
 /// Most passes return before they are done on a device other than `cpu`.

@@ -78,18 +78,10 @@ struct GatherMoments {
   double* densities;
   static constexpr int ahead = 6;
   void fetch(std::int64_t k) const {
-    const auto& cell = of.cells[k];
-    for (const std::ptrdiff_t arriving : of.blocks[cell.block].arriving)
-      prefetch_to_read(cell.data + arriving);
+    for (const std::ptrdiff_t arriving : of.block_of(k).arriving) prefetch_to_read(of.data(k) + arriving);
   }
   SILT_DEVICE void operator()(std::int64_t k) const {
-    const auto& cell = of.cells[k];
-    const auto& block = of.blocks[cell.block];
-    const T* g[D3Q19::directions];
-    for (int i = 0; i < D3Q19::directions; ++i) g[i] = cell.data + block.arriving[i];
-    const Moments m = block.excess
-                          ? moments_of<T>(g, 0, block.excess[cell.data - block.data], block.stress_share)
-                          : moments_of<T>(g, 0);
+    const Moments m = of.moments(k);
     if (moments)
       moments[k] = m;
     else
@@ -131,11 +123,7 @@ template <class T>
 struct GiveMasses {
   ListedCells<T> cells;
   const std::int64_t* masses;
-  SILT_DEVICE void operator()(std::int64_t k) const {
-    const auto& cell = cells.cells[k];
-    const auto& block = cells.blocks[cell.block];
-    add_to(block.excess[cell.data - block.data], ExcessQuanta<T>(-masses[k]));
-  }
+  SILT_DEVICE void operator()(std::int64_t k) const { add_to(*cells.excess(k), ExcessQuanta<T>(-masses[k])); }
 };
 
 template <class T>
