@@ -132,6 +132,16 @@ SILT_DEVICE void add_to(Whole& sum, Whole term) {
   sum += term;
 #endif
 }
+/// Flips a bit of a stream of words, others of which other threads may flip simultaneously.
+SILT_DEVICE inline void flip_bit(std::uint64_t* words, std::uint32_t bit) {
+  const std::uint64_t of_word = std::uint64_t{1} << (bit & 63);
+#if defined(__CUDA_ARCH__)
+  atomicXor(reinterpret_cast<unsigned long long*>(words + (bit >> 6)),
+            static_cast<unsigned long long>(of_word));
+#else
+  words[bit >> 6] ^= of_word;
+#endif
+}
 /// Increments a count and returns its previous value.
 SILT_DEVICE inline unsigned next_of(unsigned* count) {
 #if defined(__CUDA_ARCH__)
@@ -188,6 +198,9 @@ void for_teams(std::int64_t entries, const Body& body) {
 template <class Whole>
 void add_to(Whole& sum, Whole term) {
   sum += term;
+}
+inline void flip_bit(std::uint64_t* words, std::uint32_t bit) {
+  words[bit >> 6] ^= std::uint64_t{1} << (bit & 63);
 }
 inline unsigned next_of(unsigned* count) {
   return (*count)++;

@@ -35,7 +35,9 @@ struct BitFrame {
            c.z < low.z + size.z;
   }
   /// Returns a mask of the bits of one row in a word.
-  std::uint64_t row_bits() const { return pitch >= 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << pitch) - 1; }
+  SILT_DEVICE std::uint64_t row_bits() const {
+    return pitch >= 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << pitch) - 1;
+  }
   bool operator==(const BitFrame& o) const { return low == o.low && size == o.size; }
 };
 
@@ -100,6 +102,14 @@ SILT_DEVICE inline std::uint64_t cells_between(int x, int from, int to) {
   const int a = std::clamp(from - x, 0, 64), b = std::clamp(to - x, 0, 64);
   if (a >= b) return 0;
   return (~std::uint64_t{0} >> (64 - (b - a))) << a;
+}
+
+/// Returns which of 64 cells from x on lie in a frame and may be set: not in its first and last rows and
+/// planes.
+SILT_DEVICE inline std::uint64_t shared_cells(const BitFrame& f, lbm::Int3 x) {
+  if (x.y <= f.low.y || x.z <= f.low.z || x.y >= f.low.y + f.size.y - 1 || x.z >= f.low.z + f.size.z - 1)
+    return 0;
+  return cells_between(x.x, f.low.x, f.low.x + f.size.x);
 }
 
 /// Returns 64 cells of a row of a block of n cells, from x on: set are those at least `reach` cells from the

@@ -1,17 +1,43 @@
 #include "coupler/mapping/device_mapping.hpp"
 
+#include <bit>
+
 #include "coupler/mapping/solid_map.hpp"
 #include "lbm/passes/passes.hpp"
 
 namespace silt::coupler {
 
-/// Adds the words that changed since the device received `before`, or all words if it is null.
 template <class T>
-void DeviceMapping<T>::add_words(std::uint64_t* to, const std::uint64_t* now, const std::uint64_t* before,
-                                 std::size_t count) {
-  for (std::size_t k = 0; k < count; ++k)
-    if (!before || now[k] != before[k]) words_.host().push_back({to + k, now[k]});
+void DeviceMapping<T>::add_words(std::uint64_t* to, const std::uint64_t* now, std::size_t count) {
+  for (std::size_t k = 0; k < count; ++k) words_.host().push_back({to + k, now[k]});
 }
+
+/// Ends the flips of a stream.
+template <class T>
+void DeviceMapping<T>::end_flips(std::uint64_t* words) {
+  const FlippedBits last = flipped_.size() == 0 ? FlippedBits{} : flipped_.host().back();
+  const std::uint32_t first = last.first + last.count, count = std::uint32_t(flips_.size()) - first;
+  if (count > 0) flipped_.host().push_back({words, first, count});
+}
+
+namespace {
+/// Adds the indices of set bits, from `bit` on.
+void add_bits(std::uint64_t bits, std::size_t bit, std::pmr::vector<std::uint32_t>& to) {
+  for (; bits; bits &= bits - 1) to.push_back(std::uint32_t(bit) + std::uint32_t(std::countr_zero(bits)));
+}
+
+/// Adds the bits of a window that differ from those that the one before had in the same cells.
+void add_flips(const BitWindow& now, const BitWindow& before, std::pmr::vector<std::uint32_t>& to) {
+  const BitFrame &f = now.frame(), &b = before.frame();
+  for (int z = f.low.z; z < f.low.z + f.size.z; ++z)
+    for (int y = f.low.y; y < f.low.y + f.size.y; ++y)
+      for (int x = 0; x < f.pitch; x += 64) {
+        const std::uint64_t common = shared_cells(b, {f.low.x + x, y, z}) & f.row_bits();
+        const std::uint64_t was = common ? before.from({f.low.x + x, y, z}) & common : 0;
+        add_bits(now.row(x, y, z) ^ was, f.row(y, z) + std::size_t(x), to);
+      }
+}
+}  // namespace
 
 template <class T>
 void DeviceMapping<T>::begin(const BlockMap& map, lbm::WallScheme scheme) {
@@ -20,9 +46,12 @@ void DeviceMapping<T>::begin(const BlockMap& map, lbm::WallScheme scheme) {
   wanted_.clear(), first_slab_.clear();
   clear();
   const std::vector<std::uint64_t>& now = map.solid.all();
-  const bool is_new = solid_.size() != now.size();
-  if (is_new) solid_.resize(now.size());
-  add_words(solid_.data(), now.data(), is_new ? nullptr : map.before.all().data(), now.size());
+  if (solid_.size() != now.size()) {
+    solid_.resize(now.size());
+    return add_words(solid_.data(), now.data(), now.size());
+  }
+  for (std::size_t k = 0; k < now.size(); ++k) add_bits(now[k] ^ map.before.all()[k], 64 * k, flips_.host());
+  end_flips(solid_.data());
 }
 
 template <class T>
@@ -30,10 +59,18 @@ void DeviceMapping<T>::add_mask(SurfaceLinks<T>& surface, const BodyMask& mask, 
   const BitFrame& frame = mask.frame();
   const std::size_t words = frame.words();
   DeviceArray<std::uint64_t>& cells = surface.device.cells;
-  const bool is_known = before && before->frame() == frame && cells.size() == words + 1;
-  if (!is_known) cells.clear();
-  cells.resize(words + 1);  // the word after the last may be read
-  add_words(cells.data(), mask.bits.words(), is_known ? before->bits.words() : nullptr, words);
+  const bool is_known = before && cells.size() == before->frame().words() + 1;
+  if (!is_known || !(before->frame() == frame)) {
+    left_.push_back(std::move(cells));
+    cells = DeviceArray<std::uint64_t>(words + 1, memory_of(device_));  // the word after the last may be read
+    if (is_known) moved_.host().push_back({before->frame(), frame, left_.back().data(), cells.data()});
+  }
+  if (is_known) {
+    add_flips(mask.bits, before->bits, flips_.host());
+    end_flips(cells.data());
+  } else {
+    add_words(cells.data(), mask.bits.words(), words);
+  }
   const auto number = std::uint32_t(masks_.size());
   first_slab_.push_back(std::uint32_t(slabs_.size()));
   masks_.host().push_back({frame, cells.data()});
@@ -47,7 +84,8 @@ void DeviceMapping<T>::count() {
   if (!has_links()) return;
   first_slab_.push_back(std::uint32_t(slabs_.size()));
   counts_.host().resize(slabs_.size());
-  bits_ = {words_.send(),       words_.size(), masks_.send(),  slabs_.send(),       slabs_.size(),
+  bits_ = {words_.send(),       words_.size(), moved_.send(),  moved_.size(),       flipped_.send(),
+           flipped_.size(),     flips_.send(), masks_.send(),  slabs_.send(),       slabs_.size(),
            counts_.make_room(), solid_.data(), map_->box.size, map_->solid.words(), scheme_};
   SILT_OFF_CPU(device_, count_links)(bits_);
   counts_.fetch();

@@ -84,9 +84,20 @@ struct GroupToMap {
   bool crossing;  // its distances are given
 };
 
-/// A changed word of bits and its address.
-struct ChangedWord {
+/// A word of bits and its address.
+struct NewWord {
   std::uint64_t *at, bits;
+};
+/// A stream of bits some of which change: `flips` from `first` on are their indices.
+struct FlippedBits {
+  std::uint64_t* words;
+  std::uint32_t first, count;
+};
+/// The cells of a surface move to another frame, with those that lie in both.
+struct MovedFrame {
+  BitFrame from, to;
+  const std::uint64_t* old;
+  std::uint64_t* cells;
 };
 
 /// A run of 32-bit words that the host has listed, to be copied to a device array.
@@ -97,8 +108,13 @@ struct HostCopy {
 
 /// The bits of a block and the slabs of its surfaces whose links are counted and listed.
 struct BitsToMap {
-  const ChangedWord* words;
+  const NewWord* words;
   std::size_t word_count;
+  const MovedFrame* moved;
+  std::size_t moved_count;
+  const FlippedBits* flipped;
+  std::size_t flipped_count;
+  const std::uint32_t* flips;
   const MaskToMap* masks;
   const SlabToMap* slabs;
   std::size_t slab_count;
@@ -171,9 +187,12 @@ class DeviceMapping {
   SurfaceAtTime listed(const rigid::SurfaceView<T>&, const lbm::SurfaceFrame&);
   void clear() {
     const auto all = [](auto&... lists) { (lists.host().clear(), ...); };
-    all(masks_, slabs_, counts_, lists_, gaps_, groups_, surfaces_, parts_, planes_, words_, runs_, told_);
+    all(masks_, slabs_, counts_, lists_, gaps_, groups_, surfaces_, parts_, planes_, words_, moved_, flipped_,
+        flips_, runs_, told_);
+    left_.clear();
   }
-  void add_words(std::uint64_t* to, const std::uint64_t* now, const std::uint64_t* before, std::size_t count);
+  void add_words(std::uint64_t* to, const std::uint64_t* now, std::size_t count);
+  void end_flips(std::uint64_t* words);
 
   Device device_;
   const BlockMap* map_ = nullptr;
@@ -192,7 +211,11 @@ class DeviceMapping {
   Mirror<lbm::ResistanceSums> resistance_{device_};
   Mirror<rigid::SurfacePart<T>> parts_{device_};
   Mirror<rigid::Plane<T>> planes_{device_};
-  Mirror<ChangedWord> words_{device_};
+  Mirror<NewWord> words_{device_};
+  Mirror<MovedFrame> moved_{device_};
+  Mirror<FlippedBits> flipped_{device_};
+  Mirror<std::uint32_t> flips_{device_};
+  std::vector<DeviceArray<std::uint64_t>> left_;  // cells in frames of before
   Mirror<HostCopy> runs_{device_};
   Mirror<std::uint32_t> told_{device_};
 };

@@ -13,8 +13,37 @@
 namespace silt::coupler::SILT_BUILD {
 
 struct SetWords {
-  const ChangedWord* words;
+  const NewWord* words;
   SILT_DEVICE void operator()(std::int64_t k) const { *words[k].at = words[k].bits; }
+};
+
+/// Sets all words of a frame, which may have several rows each.
+struct MoveFrame {
+  const MovedFrame* moved;
+  SILT_DEVICE void operator()(std::int64_t k, const Team& member) const {
+    const auto& [from, to, old, cells] = moved[k];
+    const int words_a_plane = to.plane, rows_a_word = to.pitch < 64 ? 64 / to.pitch : 1;
+    for (int w = member.lane; w < words_a_plane * to.size.z; w += member.size) {
+      const int bit = w % words_a_plane * 64;  // in the plane
+      std::uint64_t word = 0;
+      for (int r = 0; r < rows_a_word; ++r) {
+        const lbm::Int3 at = to.low + lbm::Int3{bit % to.pitch, bit / to.pitch + r, w / words_a_plane};
+        const std::uint64_t shared = shared_cells(from, at) & to.row_bits();
+        if (shared) word |= (BitWindow::from(from, old, at) & shared) << (r * to.pitch & 63);
+      }
+      cells[w] = word;
+    }
+  }
+};
+
+struct FlipBits {
+  const FlippedBits* flipped;
+  const std::uint32_t* flips;
+  SILT_DEVICE void operator()(std::int64_t k, const Team& member) const {
+    const FlippedBits& of = flipped[k];
+    for (std::uint32_t n = std::uint32_t(member.lane); n < of.count; n += std::uint32_t(member.size))
+      flip_bit(of.words, flips[of.first + n]);
+  }
 };
 
 template <class T>
@@ -102,6 +131,8 @@ struct CountSlab {
 
 inline void count_links(const BitsToMap& all) {
   for_each(std::int64_t(all.word_count), SetWords{all.words});
+  for_teams(std::int64_t(all.moved_count), MoveFrame{all.moved});
+  for_teams(std::int64_t(all.flipped_count), FlipBits{all.flipped, all.flips});
   for_teams(std::int64_t(all.slab_count), CountSlab{all});
 }
 
