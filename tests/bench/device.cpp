@@ -186,7 +186,8 @@ void measure_levels(Device device, int n, Figures& out) {
       mlups.middle();
 }
 
-/// Moving spheres in a box: cells updated in a second, the seconds of each stage, bytes over the bus.
+/// Moving spheres in a box: cells updated in a second, the seconds of each stage, bytes over the bus and
+/// pages touched in a step. For the device `host` its time over that of the kernels.
 void measure_bodies(Device device, const Layers& layers, Figures& out) {
   MovingLayers scene(layers, {"run.device=" + std::string(device_names[int(device)])});
   const lbm::Int3 n = layers.cells();
@@ -197,16 +198,24 @@ void measure_bodies(Device device, const Layers& layers, Figures& out) {
   const BusBytes bus = scene.simulation().bus_bytes_in_steps() - before;
   const double mlups = cells / scene.whole().middle() * 1e-6;
   const std::size_t bodies = scene.simulation().bodies().owned;
+  const double bytes = double(bus.to_device + bus.from_device) / (turns * steps) / double(bodies),
+               pages = double(bus.pages) / (turns * steps);
   printf(
       "layers %c of %s in %d x %d x %d: %.0f MLUPS, %.0f links, %zu bodies, %.0f bytes a body and step over "
-      "the bus;",
-      layers.name, layers.body.c_str(), n.x, n.y, n.z, mlups, scene.links(), bodies,
-      double(bus.to_device + bus.from_device) / (turns * steps) / double(bodies));
+      "the bus, %.1f pages touched a step;",
+      layers.name, layers.body.c_str(), n.x, n.y, n.z, mlups, scene.links(), bodies, bytes, pages);
   for (int k = 0; k < int(coupler::Stage::count); ++k)
     if (const double ms = scene.seconds_of(coupler::Stage(k)) * 1e3; ms > 0.005)
       printf(" %s %.2f ms", std::string(coupler::stage_names[k]).c_str(), ms);
   printf("\n");
-  out.figures[std::string("device.bodies.") + layers.name + "." + layers.body + ".mlups"] = mlups;
+  const std::string key = std::string("device.bodies.") + layers.name + "." + layers.body;
+  out.figures[key + ".mlups"] = mlups;
+  out.figures[key + ".bytes"] = bytes, out.figures[key + ".pages"] = pages;
+  if (device != Device::host) return;
+  MovingLayers kernels(layers);
+  for (int r = 0; r < turns; ++r) kernels.take_turn(steps);
+  out.figures[key + ".over_kernels"] = scene.whole().middle() / kernels.whole().middle();
+  printf("  over the kernels: %.2f\n", out.figures[key + ".over_kernels"]);
 }
 
 /// Bytes a second, read and written, in copying.

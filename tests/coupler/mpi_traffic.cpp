@@ -2,12 +2,15 @@
 // passes, and the fluid beside them does not notice.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <fstream>
+#include <memory>
 #include <stdexcept>
 
 #include "lbm/blocks/equal_cut.hpp"
+#include "lbm/passes/passes.hpp"
 #include "silt/simulation.hpp"
 #include "tests/coupler/single_cells.hpp"
 #include "tests/silt/case/case_text.hpp"
@@ -63,8 +66,24 @@ TEST(Traffic, OnlyWhatHasChangedCrossesTheBus) {
     constexpr int steps = 27;
     for (int i = 0; i < steps; ++i) simulation.step();
     const BusBytes& bytes = simulation.bus_bytes_in_steps();
-    EXPECT_LT(double(bytes.to_device + bytes.from_device) / steps / 27, 1000) << diameter;
+    EXPECT_LT(double(bytes.to_device + bytes.from_device) / steps / 27, 400) << diameter;
+    EXPECT_EQ(bytes.pages, 0u) << diameter;
   }
+}
+
+TEST(Traffic, PagesOfADeviceThatTheProcessorTouchesAreCounted) {
+  const auto page = std::size_t(sysconf(_SC_PAGESIZE));
+  const std::shared_ptr<void> memory = zeroed_on(Device::host, 8 * page);
+  auto* const bytes = static_cast<volatile char*>(memory.get());
+  const std::uint64_t before = bus_bytes(Device::host).pages;
+  const auto touched = [&] { return bus_bytes(Device::host).pages - before; };
+  bytes[0] = 1, bytes[page - 1] = 2, bytes[5 * page] = 3;
+  EXPECT_EQ(touched(), 2u);
+  clear_in_turn(Device::host, memory.get(), 1);
+  lbm::wait(Device::host);
+  EXPECT_EQ(touched(), 2u);
+  EXPECT_EQ(bytes[0] + bytes[page - 1] + bytes[5 * page], 0 + 2 + 3);
+  EXPECT_EQ(touched(), 4u);
 }
 
 /// A box that leaves a channel of 16 cells, driven along x; cut across y into `blocks` cells.
