@@ -66,13 +66,13 @@ class LinkWriter {
     if (mask.any) write(shape, links.frame);
     const int exponent = lbm::resistance_exponent(radius);
     groups_.end();
-    surface.device.cells.clear();
+    surface.device.cells.clear(), surface.device.groups.clear();
     surface_.set_rates(links, shape, mapped);
     if (radius > 0) surface.resistance = lbm::resistance_of(links, exponent);
     if (!device_.has_links()) return;
     to_device(links.place, links.q, links.rate, links.across);
     surface.gap_places = groups_.gap_places();
-    tell_device(surface);
+    tell_device(surface, [](const lbm::LinkGroup&) { return true; });
   }
   /// Lets the device list and measure the links that it counts.
   void finish() {
@@ -88,9 +88,10 @@ class LinkWriter {
       });
       if (surface_.has_crossings()) crossing_groups(frame);
       groups_.end_for_device(device_);
+      surface->device.groups.clear(), surface->device.groups.resize(surface->links.groups.size());
       surface_.leave_to_device(*surface, n, *shape, *mapped,
                                radius > 0 ? T(std::ldexp(1.0, -lbm::resistance_exponent(radius))) : T(0));
-      tell_device(*surface);
+      tell_device(*surface, [](const lbm::LinkGroup& g) { return g.crossing; });
     }
     device_.run();
   }
@@ -104,11 +105,14 @@ class LinkWriter {
     double radius;
     SurfaceLinks<T>* surface;
   };
-  void tell_device(SurfaceLinks<T>& surface) {
-    const std::span<const lbm::LinkGroup> groups = surface.links.groups;
+  /// Sends the record of a surface and its groups from the first one on that the device does not make.
+  void tell_device(SurfaceLinks<T>& surface, bool (*is_sent)(const lbm::LinkGroup&)) {
+    const auto& groups = surface.links.groups;
+    const auto first = std::find_if(groups.begin(), groups.end(), is_sent);
     auto& copy = surface.device;
-    copy.groups.clear(), copy.groups.resize(groups.size()), copy.record.resize(1);
-    device_.upload(groups, copy.groups.data());
+    copy.groups.resize(groups.size()), copy.record.resize(1);
+    if (first != groups.end())
+      device_.upload(std::span(first, groups.end()), copy.groups.data() + (first - groups.begin()));
     const lbm::DeviceSurface<T> record = lbm::device_surface(surface.links, copy.groups.data());
     device_.upload(std::span(&record, 1), copy.record.data());
   }

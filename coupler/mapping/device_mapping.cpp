@@ -108,24 +108,15 @@ template <class T>
 void DeviceMapping<T>::add(SurfaceLinks<T>& surface, std::size_t n, const rigid::SurfaceView<T>& view,
                            T arm) {
   lbm::CutLinks<T>& links = surface.links;
-  auto group = links.groups.begin();
-  for_slabs(n, [&](int, const KindCounts& counts) {
-    SlabLists lists{{}, nullptr, std::uint32_t(gaps_.size())};
-    for (int kind = 0; kind < link_kinds; ++kind) {
-      if (counts[kind] == 0) continue;
-      lists.place[kind] = links.place.data() + group->begin;
-      if (group->across) lists.across = links.across.data() + group->across_begin;
-      ++group;
-    }
-    lists_.host().push_back(lists);
-    if (lbm::knows_opposite_wall(scheme_))
-      gaps_.host().resize(gaps_.size() + counts[int(LinkKind::single_cell)]);
-  });
-  for (const lbm::LinkGroup& g : links.groups)
-    groups_.host().push_back(
-        {std::uint32_t(surfaces_.size()), g.begin, g.count, g.corner, g.scheme, g.crossing});
   const SurfaceAtTime now = this->listed(view, links.frame);
-  surfaces_.host().push_back({now, now, 0, arm, links.place.data(), links.q.data(), nullptr});
+  surfaces_.host().push_back({now, now, 0, arm, links.place.data(), links.across.data(), links.q.data(),
+                              nullptr, surface.device.groups.data(), first_slab_[n],
+                              first_slab_[n + 1] - first_slab_[n], group_count_,
+                              std::uint32_t(links.groups.size()), std::uint32_t(gaps_.size())});
+  group_count_ += std::uint32_t(links.groups.size());
+  for (const lbm::LinkGroup& g : links.groups)
+    if (g.scheme == lbm::WallScheme::single_cell_gap && lbm::knows_opposite_wall(scheme_))
+      gaps_.host().resize(gaps_.size() + g.count);
   wanted_.push_back(&surface);
 }
 
@@ -143,13 +134,16 @@ void DeviceMapping<T>::run() {
   if (!has_links()) return;
   resistance_.host().resize(surfaces_.size());
   std::uint32_t* const gaps = gaps_.size() > 0 ? gaps_.make_room() : nullptr;
+  lists_.clear(), lists_.resize(slabs_.size());
+  groups_.clear(), groups_.resize(group_count_);
   const LinksToMap<T> pass{bits_,
-                           lists_.send(),
+                           lists_.data(),
                            gaps,
                            lbm::PlacesAcross<lbm::D3Q19>(map_->box.size),
-                           groups_.send(),
+                           groups_.data(),
                            groups_.size(),
                            surfaces_.send(),
+                           surfaces_.size(),
                            resistance_.clear(),
                            parts_.send(),
                            planes_.send(),

@@ -54,6 +54,34 @@ struct SlabToMap {
   std::int16_t z, planes;
 };
 
+/// The scheme of a block and the room that links of a surface have taken in its arrays so far.
+struct LinkRoom {
+  lbm::WallScheme scheme;
+  std::uint32_t used = 0, gaps = 0, across = 0;  // of place and q; of opposite_q; of CutLinks::across
+  SILT_DEVICE lbm::LinkGroup group(std::uint32_t count, lbm::WallScheme of, lbm::Int3 corner, int ready) {
+    const lbm::LinkGroup g{used, count, of, corner, ready, gaps};
+    used += lbm::padded(count);
+    if (of == lbm::WallScheme::single_cell_gap && lbm::knows_opposite_wall(scheme))
+      gaps += lbm::padded(count);
+    return g;
+  }
+  SILT_DEVICE lbm::LinkGroup group_across(std::uint32_t count, lbm::Int3 corner, int ready) {
+    lbm::LinkGroup g = group(count, scheme, corner, ready);
+    g.across = true, g.across_begin = across;
+    across += lbm::padded(count);
+    return g;
+  }
+  /// Returns the group of links that a device counts from a corner on.
+  SILT_DEVICE lbm::LinkGroup group(LinkKind kind, std::uint32_t count, lbm::Int3 corner) {
+    if (kind == LinkKind::across) return group_across(count, corner, -1);
+    return group(count,
+                 kind == LinkKind::own           ? scheme
+                 : kind == LinkKind::single_cell ? lbm::WallScheme::single_cell_gap
+                                                 : lbm::two_cell_gap_scheme(scheme),
+                 corner, -1);
+  }
+};
+
 /// Where the links of a slab are listed: their first places by kind, the first indices of their pairs across,
 /// and the first place among those that return to the processor.
 struct SlabLists {
@@ -73,15 +101,16 @@ struct SurfaceToMap {
   SurfaceAtTime now, last;  // at the middle of the mapping's steps, and in the last of them
   double steps;             // from now to last; 0: distances have no rates
   T arm;                    // 2^-exponent of the resistance; 0: not needed
-  std::uint32_t* place;
+  std::uint32_t *place, *across;
   T *q, *rate;
+  lbm::LinkGroup* groups;  // of its slabs, then those of crossing links, which are given
+  std::uint32_t first_slab, slabs;
+  std::uint32_t first_group, group_count;  // among all groups
+  std::uint32_t first_gap;                 // among links that know the wall on the other side
 };
 
 struct GroupToMap {
-  std::uint32_t surface, begin, count;
-  lbm::Int3 corner;
-  lbm::WallScheme scheme;
-  bool crossing;  // its distances are given
+  std::uint32_t surface, number;
 };
 
 /// A word of bits and its address.
@@ -130,12 +159,13 @@ struct BitsToMap {
 template <class T>
 struct LinksToMap {
   BitsToMap bits;
-  const SlabLists* lists;  // per slab
-  std::uint32_t* gaps;     // places of all links that know the wall on the other side
+  SlabLists* lists;     // per slab
+  std::uint32_t* gaps;  // places of all links that know the wall on the other side
   lbm::PlacesAcross<lbm::D3Q19> pairs;
-  const GroupToMap* groups;
+  GroupToMap* groups;
   std::size_t group_count;
   const SurfaceToMap<T>* surfaces;
+  std::size_t surface_count;
   lbm::ResistanceSums* resistance;  // per surface
   const rigid::SurfacePart<T>* parts;
   const rigid::Plane<T>* planes;
@@ -187,9 +217,9 @@ class DeviceMapping {
   SurfaceAtTime listed(const rigid::SurfaceView<T>&, const lbm::SurfaceFrame&);
   void clear() {
     const auto all = [](auto&... lists) { (lists.host().clear(), ...); };
-    all(masks_, slabs_, counts_, lists_, gaps_, groups_, surfaces_, parts_, planes_, words_, moved_, flipped_,
-        flips_, runs_, told_);
-    left_.clear();
+    all(masks_, slabs_, counts_, gaps_, surfaces_, parts_, planes_, words_, moved_, flipped_, flips_, runs_,
+        told_);
+    left_.clear(), group_count_ = 0;
   }
   void add_words(std::uint64_t* to, const std::uint64_t* now, std::size_t count);
   void end_flips(std::uint64_t* words);
@@ -203,10 +233,11 @@ class DeviceMapping {
   Mirror<SlabToMap> slabs_{device_};
   std::vector<std::uint32_t> first_slab_;  // per mask, and the end of the last
   Mirror<KindCounts> counts_{device_};
-  Mirror<SlabLists> lists_{device_};
+  DeviceArray<SlabLists> lists_{memory_of(device_)};
+  DeviceArray<GroupToMap> groups_{memory_of(device_)};
+  std::uint32_t group_count_ = 0;
   Mirror<std::uint32_t> gaps_{device_};
   std::vector<SurfaceLinks<T>*> wanted_;
-  Mirror<GroupToMap> groups_{device_};
   Mirror<SurfaceToMap<T>> surfaces_{device_};
   Mirror<lbm::ResistanceSums> resistance_{device_};
   Mirror<rigid::SurfacePart<T>> parts_{device_};

@@ -136,6 +136,35 @@ inline void count_links(const BitsToMap& all) {
   for_teams(std::int64_t(all.slab_count), CountSlab{all});
 }
 
+/// Makes the groups of a surface for the counts of its slabs, as LinkGroups does, and the lists of its slabs.
+template <class T>
+struct MakeGroups {
+  LinksToMap<T> all;
+
+  SILT_DEVICE void operator()(std::int64_t k) const {
+    const SurfaceToMap<T>& surface = all.surfaces[k];
+    LinkRoom room{all.bits.scheme};
+    lbm::LinkGroup* to = surface.groups;
+    std::uint32_t gap = surface.first_gap;
+    for (std::uint32_t n = surface.first_slab; n < surface.first_slab + surface.slabs; ++n) {
+      const lbm::Int3 corner = LinksOfSlab(all.bits, n).corner;
+      SlabLists& lists = all.lists[n];
+      lists.first_gap = gap;
+      for (int kind = 0; kind < link_kinds; ++kind) {
+        const std::uint32_t count = all.bits.counts[n][kind];
+        if (count == 0) continue;
+        const lbm::LinkGroup group = room.group(LinkKind(kind), count, corner);
+        lists.place[kind] = surface.place + group.begin;
+        if (group.across) lists.across = surface.across + group.across_begin;
+        if (group.scheme == lbm::WallScheme::single_cell_gap) gap += count;
+        *to++ = group;
+      }
+    }
+    for (std::uint32_t g = 0; g < surface.group_count; ++g)
+      all.groups[surface.first_group + g] = {std::uint32_t(k), g};
+  }
+};
+
 template <class T>
 struct ListSlab {
   LinksToMap<T> all;
@@ -185,22 +214,23 @@ struct MeasureGroup {
   SILT_DEVICE SurfaceView<T> view(const SurfaceAtTime& at) const {
     return {all.parts + at.first_part, at.parts, all.planes + at.first_plane};
   }
-  SILT_DEVICE lbm::SILT_BUILD::PlaceOrigin<T> origin(const GroupToMap& group, const SurfaceAtTime& at) const {
+  SILT_DEVICE lbm::SILT_BUILD::PlaceOrigin<T> origin(const lbm::LinkGroup& group,
+                                                     const SurfaceAtTime& at) const {
     return {group.corner, at.frame, all.bits.directions.packed};
   }
   SILT_DEVICE void operator()(std::int64_t k, const Team& member) const {
-    const GroupToMap& group = all.groups[k];
-    const SurfaceToMap<T>& surface = all.surfaces[group.surface];
+    const SurfaceToMap<T>& surface = all.surfaces[all.groups[k].surface];
+    const lbm::LinkGroup& group = surface.groups[all.groups[k].number];
     if (member.lane == 0) pad(group, surface.place + group.begin);
     measure(group, surface, member);
-    if (surface.arm != 0) add_resistance_of(group, surface, member);
+    if (surface.arm != 0) add_resistance_of(group, surface, all.resistance[all.groups[k].surface], member);
   }
   /// Completes the last vector of places by copies, since all of them are read.
-  SILT_DEVICE static void pad(const GroupToMap& group, std::uint32_t* place) {
+  SILT_DEVICE static void pad(const lbm::LinkGroup& group, std::uint32_t* place) {
     for (std::uint32_t l = group.count; l % L::count != 0; ++l) place[l] = place[l - 1];
   }
   /// Sets whole vectors of distances and rates.
-  SILT_DEVICE void measure(const GroupToMap& group, const SurfaceToMap<T>& surface,
+  SILT_DEVICE void measure(const lbm::LinkGroup& group, const SurfaceToMap<T>& surface,
                            const Team& member) const {
     for (int n = L::count * member.lane; n < int(group.count); n += L::count * member.size) {
       const int l = int(group.begin) + n;
@@ -218,8 +248,8 @@ struct MeasureGroup {
               group.crossing ? V{} : rate_of<T>(q, at(surface.last, T(most_change)), surface.steps));
     }
   }
-  SILT_DEVICE void add_resistance_of(const GroupToMap& group, const SurfaceToMap<T>& surface,
-                                     const Team& member) const {
+  SILT_DEVICE void add_resistance_of(const lbm::LinkGroup& group, const SurfaceToMap<T>& surface,
+                                     lbm::ResistanceSums& sums, const Team& member) const {
     using Terms = std::conditional_t<sizeof(T) == 4, typename L::Whole, typename L::Quanta>;
     using lbm::SILT_BUILD::resistance_entries, lbm::SILT_BUILD::push_entries;
     typename L::Quanta h[resistance_entries + push_entries] = {};
@@ -229,17 +259,19 @@ struct MeasureGroup {
           at, L::below(int(group.count) - l), surface.arm,
           [&](int e, const V& term) { h[e] += converted<typename L::Quanta>(converted<Terms>(term)); });
     }
-    lbm::ResistanceSums& sums = all.resistance[group.surface];
-    for (int e = 0; e < resistance_entries + push_entries; ++e) {
+    const auto sum_of = [](const typename L::Quanta& lanes) {
       std::int64_t sum = 0;
-      for (int k = 0; k < L::count; ++k) sum += lane_of(h[e], k);
-      member.add(sum, e < resistance_entries ? sums.h[e] : sums.push[e - resistance_entries]);
-    }
+      for (int k = 0; k < L::count; ++k) sum += lane_of(lanes, k);
+      return sum;
+    };
+    for (int e = 0; e < resistance_entries; ++e) member.add(sum_of(h[e]), sums.h[e]);
+    for (int e = 0; e < push_entries; ++e) member.add(sum_of(h[resistance_entries + e]), sums.push[e]);
   }
 };
 
 template <class T>
 void map_links(const LinksToMap<T>& all) {
+  for_each(std::int64_t(all.surface_count), MakeGroups<T>{all});
   for_teams(std::int64_t(all.run_count), CopyTold<T>{all});
   for_teams(std::int64_t(all.bits.slab_count), ListSlab<T>{all});
   for_teams(std::int64_t(all.group_count), MeasureGroup<T>{all});

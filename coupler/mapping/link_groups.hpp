@@ -39,7 +39,7 @@ enum class GapKind { single_cell, two_cells, across, count };
 template <class T>
 class LinkGroups {
  public:
-  explicit LinkGroups(WallScheme scheme) : knows_opposite_(lbm::knows_opposite_wall(scheme)) {
+  explicit LinkGroups(WallScheme scheme) : scheme_(scheme) {
     for (auto& kinds : deferred_) {
       kinds[int(GapKind::single_cell)].scheme = WallScheme::single_cell_gap;
       kinds[int(GapKind::two_cells)].scheme = lbm::two_cell_gap_scheme(scheme);
@@ -49,7 +49,7 @@ class LinkGroups {
 
   void begin(lbm::CutLinks<T>& links) {
     links_ = &links;
-    links.groups.clear(), across_.clear(), used_ = gaps_ = 0;
+    links.groups.clear(), across_.clear(), room_ = {scheme_};
   }
   /// Begins a list with room for `room` links in `planes` planes.
   LinkList<T> list(lbm::Int3 corner, int planes, int ready, std::size_t room) {
@@ -70,7 +70,7 @@ class LinkGroups {
   void add(const LinkList<T>& list, WallScheme scheme) {
     if (list.n == 0) return;
     list.pad(list.place), list.pad(list.q);
-    add_group(list, scheme);
+    links_->groups.push_back(room_.group(list.n, scheme, list.corner, list.ready));
   }
   void end_deferred() {
     for (auto& kinds : deferred_)
@@ -83,23 +83,15 @@ class LinkGroups {
     links_->groups.back().crossing = true;
   }
   void end() {
-    links_->place.assign(place_.begin(), place_.begin() + used_);
-    links_->q.assign(q_.begin(), q_.begin() + used_);
+    links_->place.assign(place_.begin(), place_.begin() + room_.used);
+    links_->q.assign(q_.begin(), q_.begin() + room_.used);
     links_->across.assign(across_.begin(), across_.end());
-    links_->opposite_q.assign(gaps_, T(0)), links_->opposite_u.assign(gaps_, T(0));
+    links_->opposite_q.assign(room_.gaps, T(0)), links_->opposite_u.assign(room_.gaps, T(0));
   }
   /// Adds groups, in the order of the kinds, for links that a device has counted from a corner on.
   void add_counted(const KindCounts& counts, lbm::Int3 corner) {
-    for (int kind = 0; kind < link_kinds; ++kind) {
-      if (counts[kind] == 0) continue;
-      const bool own = kind == int(LinkKind::own);
-      LinkList<T> list = this->list(corner, -1, counts[kind]);
-      list.n = counts[kind];
-      add_group(list, deferred_[0][own ? int(GapKind::across) : kind - 1].scheme);
-      lbm::LinkGroup& group = links_->groups.back();
-      group.across = kind == int(LinkKind::across), group.across_begin = std::uint32_t(across_.size());
-      if (group.across) across_.resize(across_.size() + lbm::padded(group.count));
-    }
+    for (int kind = 0; kind < link_kinds; ++kind)
+      if (counts[kind] > 0) links_->groups.push_back(room_.group(LinkKind(kind), counts[kind], corner));
   }
   /// Makes room for all links, whose places and distances a device sets, except those of crossing links.
   void end_for_device(DeviceMapping<T>& device) {
@@ -107,15 +99,15 @@ class LinkGroups {
     const auto tell = [&](const lbm::LinkGroup& g, const auto& from, auto& to) {
       device.upload(std::span(from.data() + g.begin, g.count), to.data() + g.begin);
     };
-    room(links_->place, used_), room(links_->q, used_), room(links_->across, across_.size());
-    room(links_->opposite_q, gaps_), room(links_->opposite_u, gaps_);
+    room(links_->place, room_.used), room(links_->q, room_.used), room(links_->across, room_.across);
+    room(links_->opposite_q, room_.gaps), room(links_->opposite_u, room_.gaps);
     for (const lbm::LinkGroup& g : links_->groups)
       if (g.crossing) tell(g, place_, links_->place), tell(g, q_, links_->q);
   }
   /// Returns the places of links that use the opposite wall, group by group.
   std::vector<std::uint32_t> gap_places() const {
     std::vector<std::uint32_t> all;
-    if (!knows_opposite_) return all;
+    if (!lbm::knows_opposite_wall(scheme_)) return all;
     for (const lbm::LinkGroup& g : links_->groups)
       if (g.scheme == WallScheme::single_cell_gap)
         all.insert(all.end(), place_.begin() + g.begin, place_.begin() + g.begin + lbm::padded(g.count));
@@ -131,15 +123,10 @@ class LinkGroups {
     int ready = -1;
   };
 
-  void add_group(const LinkList<T>& list, WallScheme scheme) {
-    links_->groups.push_back({used_, list.n, scheme, list.corner, list.ready, gaps_});
-    used_ += lbm::padded(list.n);
-    if (scheme == WallScheme::single_cell_gap && knows_opposite_) gaps_ += lbm::padded(list.n);
-  }
   LinkList<T> list(lbm::Int3 corner, int ready, std::size_t links) {
-    const std::size_t room = used_ + links + 3 * lbm::link_lanes;
+    const std::size_t room = room_.used + links + 3 * lbm::link_lanes;
     if (place_.size() < room) place_.resize(room * 3 / 2), q_.resize(place_.size());
-    return {corner, ready, place_.data() + used_, q_.data() + used_};
+    return {corner, ready, place_.data() + room_.used, q_.data() + room_.used};
   }
   LinkList<T> copied(const std::vector<std::uint32_t>& place, const std::vector<T>& q, lbm::Int3 corner,
                      int ready) {
@@ -160,13 +147,12 @@ class LinkGroups {
     from.place.clear(), from.pair.clear(), from.q.clear(), from.ready = -1;
   }
 
-  bool knows_opposite_;
+  WallScheme scheme_;
   lbm::CutLinks<T>* links_ = nullptr;  // of the current body
   std::vector<std::uint32_t> place_;
   std::vector<T> q_;
   std::vector<std::uint32_t> across_;
-  std::uint32_t used_ = 0;                     // of place_ and q_
-  std::uint32_t gaps_ = 0;                     // of opposite_q and opposite_u
+  LinkRoom room_{scheme_};
   Deferred deferred_[2][int(GapKind::count)];  // inner groups, groups at the rim
 };
 
