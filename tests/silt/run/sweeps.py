@@ -57,6 +57,10 @@ class Sweeps(SiltTest):
         said = self.sweep("--vary", "fluid.relaxation_time=0.7", "--set", "run.steps=20", code=2)
         self.assertIn("has runs with another --set or --unset: choose another folder with --out, or begin again with --overwrite", said)
 
+    def test_warnings_of_its_runs_are_said(self):
+        said = self.sweep("--vary", "shapes[0].radius=2.5,3")
+        self.assertEqual(re.findall("    (warning: .*below 6 its drag is inaccurate)", said), ["warning: bodies[0].shape: shape 'ball' is 5 cells across; below 6 its drag is inaccurate"])
+
     def test_a_run_that_was_broken_off_goes_on(self):
         text = CASE.replace("steps = 60", "steps = 1200").replace("every = 25", "every = 300").replace("fields = { every = 20 }\nbodies = { every = 7 }\n", "")
         self.write(text)
