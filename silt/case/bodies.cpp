@@ -48,7 +48,9 @@ constexpr std::tuple file_keys{
 
 constexpr std::tuple start_keys{
     Key{"from", &StartSpec::from, Text{},
-        "folder of another run's results, of which the newest checkpoint counts, or a checkpoint", required}};
+        "folder of another run's results, of which the newest checkpoint counts, or a checkpoint", required},
+    Key{"position", &StartSpec::position, Vector{dimension::length},
+        "of a run without a fluid: where its origin is, as in a longer domain with room before a bed"}};
 
 constexpr auto is_at_random = [](const FillSpec& fill) { return fill.arrangement == Arrangement::random; };
 constexpr Rule of_sites{If::refused, is_at_random,

@@ -102,7 +102,8 @@ struct OutflowSpec {
 
 /// Starts the run from the end of another.
 struct StartSpec {
-  std::string from;  // a folder of results or a checkpoint, relative to the case
+  std::string from;                            // a folder of results or a checkpoint, relative to the case
+  rigid::Vec3 position = rigid::Vec3::Zero();  // of the other run's origin; its bodies alone come
 };
 
 // The sides of the domain and the curved walls in it: domain.boundary and [[walls]].

@@ -82,7 +82,7 @@ BodyRecord body_from(const BodyRecord& was, const ContinuedSpec& entry,
   BodySpec body = entry;
   body.shape = shape_of(was, entry, shapes, scales.length, setup);
   const CentredShape& shape = shapes[body.shape];
-  const Vec3 x = Vec3(was.position) / scales.length;
+  const Vec3 shift = setup.start->position, x = Vec3(was.position) / scales.length + shift;
   for (int d = 0; d < 3; ++d)
     if (!(x[d] >= 0 && x[d] <= setup.cells[d]))
       throw std::runtime_error(
@@ -99,7 +99,8 @@ BodyRecord body_from(const BodyRecord& was, const ContinuedSpec& entry,
   BodyRecord r = body_record(was.id, body, shape, setup.fluid.has_value());
   std::copy_n(was.image, 3, r.image);
   coupler::coupling_of(r.attached_state).mapped =  // at rest there
-      scales.length == 1 ? coupler::coupling_of(was.attached_state).mapped.pose() : body.pose;
+      scales.length == 1 && shift.isZero(0) ? coupler::coupling_of(was.attached_state).mapped.pose()
+                                            : body.pose;
   return r;
 }
 
@@ -218,9 +219,13 @@ void write_origin_of_start(adapters::CheckpointWriter& writer, const Case& setup
 
 SavedState start_from(const CheckpointReader& reader, const Case& setup) {
   const Scales scales = scales_of(reader, setup);
-  if (takes_fluid(reader, setup)) require_fluid(reader, setup, scales.length);
+  const bool shifted = !setup.start->position.isZero(0);
+  if (takes_fluid(reader, setup)) {
+    if (shifted) reader.refuse_case("it has a fluid, which initial.position cannot shift");
+    require_fluid(reader, setup, scales.length);
+  }
   SavedState state = state_from(reader, setup, scales);
-  require_room_beside(state.bodies.records, !has_same_walls(reader, setup, scales.length), setup,
+  require_room_beside(state.bodies.records, shifted || !has_same_walls(reader, setup, scales.length), setup,
                       coupler::make_domain(setup, parallel::ranks_of(reader.comm())), reader.comm());
   return state;
 }

@@ -295,6 +295,31 @@ TEST(StartFrom, ADryPackingIsFloodedAndTheRunGoesOnToTheSameBits) {
   expect_goes_on(*start, 15);
 }
 
+/// A bed finds room before it: the fluid of a longer domain knows it at its new place.
+TEST(StartFrom, ADryPackingIsShifted) {
+  CaseText dry = free_spheres();
+  dry.fluid = "";
+  const Ended other(dry, 5);
+  CaseText wet = followers();
+  wet.domain = domain_of({24, 24, 36});
+  const auto start = other.start(wet, MPI_COMM_WORLD, {"initial.position=[0, 0, 7]"});
+  const auto height = [](const Simulation& s) {
+    const std::size_t row = s.bodies().row_of(1);
+    return tests::sum_over_ranks(row < s.bodies().owned ? s.bodies().position[row][2] : 0);
+  };
+  const auto there = other.saved->go_on(dry.read());
+  EXPECT_EQ(height(*start), height(*there) + 7);
+  start->run(10);
+  expect_goes_on(*start, 10);
+  EXPECT_TEXT(tests::error_of<std::runtime_error>(
+                  [&] { other.start(wet, MPI_COMM_WORLD, {"initial.position=[0, 0, 30]"}); }),
+              "outside of the 24 x 24 x 36 cells");
+  EXPECT_TEXT(tests::error_of<std::runtime_error>([&] {
+                Ended(free_spheres(), 5).start(followers(), MPI_COMM_WORLD, {"initial.position=[0, 0, 1]"});
+              }),
+              "it has a fluid, which initial.position cannot shift");
+}
+
 /// The bodies of a fill keep their sizes under another viscosity, and the shape of the case, which no body
 /// has, may be of any size.
 TEST(StartFrom, BodiesOfManySizesGoOn) {
