@@ -7,6 +7,7 @@
 #include <limits>
 #include <numbers>
 
+#include "parallel/collectives.hpp"
 #include "rigid/bodies/body_set.hpp"
 #include "rigid/shapes/shape.hpp"
 #include "silt/case/case.hpp"
@@ -80,6 +81,32 @@ std::optional<Diagnostic> pressure_warning(const Case& setup, const rigid::BodyS
                     setup.units.si
                         ? time_step_cure(setup, factor)
                         : fmt::format("give all velocities times {}", shown(rounded_down(factor))))};
+  }
+  return {};
+}
+
+std::optional<Diagnostic> inlet_warning(const Case& setup, const rigid::BodySet& bodies,
+                                        const rigid::World& world, MPI_Comm comm) {
+  constexpr double noticeable = 0.01;
+  for (int side = 0; setup.fluid && side < 6; ++side) {
+    if (!setup.boundary[side].is_inlet()) continue;
+    const int axis = side / 2;
+    double covered = 0;
+    for (std::size_t row = 0; row < bodies.owned; ++row) {
+      const double radius = sphere_of_volume(world.shapes[bodies.shape[row]]) / 2;
+      const double x = bodies.position[row][axis], centre = 0.5;  // of the first layer of cells
+      const double way = (side % 2 == 0 ? x : setup.cells[axis] - x) - centre;
+      covered += std::numbers::pi * std::max(0., radius * radius - way * way);
+    }
+    const double share = parallel::sum_over_ranks(comm, covered) * setup.cells[axis] / setup.volume();
+    if (share <= noticeable) continue;
+    return Diagnostic{
+        Diagnostic::Severity::warning, setup.place(side_key(side)),
+        fmt::format(
+            "bodies cover {:.0f} % of the inlet {}, where nothing flows in: the flow is less than its "
+            "velocity times the area of the side; leave half a diameter or more between them and the "
+            "side (bodies of a dry run: initial.position)",
+            100 * share, side_key(side))};
   }
   return {};
 }

@@ -1,5 +1,7 @@
 #pragma once
-// Predicts the pressure drop of a stream through the bodies in it, before a run.
+// Predicts the pressure drop of a stream through the bodies in it, and what bodies cover of an inlet.
+#include <mpi.h>
+
 #include <optional>
 
 #include "rigid/bodies/world.hpp"
@@ -17,5 +19,9 @@ struct Case;
 /// compressible. Their drag follows Beetstra, van der Hoef and Kuipers (AIChE J. 53 (2007) 489) at the solid
 /// fraction between the first and the last body; that of free bodies is at most their weight in the fluid.
 std::optional<Diagnostic> pressure_warning(const Case&, const rigid::BodySet&, const rigid::World&);
+
+/// Warns if bodies, as spheres of the same volume, cover a part of an inlet at the start: nothing flows in
+/// there. Collective; each rank has its own bodies.
+std::optional<Diagnostic> inlet_warning(const Case&, const rigid::BodySet&, const rigid::World&, MPI_Comm);
 
 }  // namespace silt

@@ -16,6 +16,7 @@
 #include "silt/results/body_output.hpp"
 #include "silt/results/checkpoint.hpp"
 #include "silt/results/definitions.hpp"
+#include "silt/run/foreseen_pressure.hpp"
 #include "silt/run/run_estimate.hpp"
 
 namespace silt {
@@ -228,6 +229,9 @@ PreparedRun prepare_scene(const RunOptions& options, MPI_Comm comm) {
   if (prepared.simulation->setup().output.mean) prepared.mean.emplace(*prepared.simulation);
   return prepared;
 }
+  const Scene& made = prepared.simulation->scene();
+  if (const auto found = inlet_warning(made.setup, prepared.simulation->bodies(), made.world, comm))
+    prepared.warnings.push_back(*found);
 
 PreparedRun prepare_run(const RunOptions& options, MPI_Comm comm, const fs::path& folder) {
   PreparedRun prepared = prepare_scene(options, comm);

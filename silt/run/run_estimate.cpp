@@ -284,6 +284,8 @@ RunEstimate estimate_run(const Case& setup, std::span<const rigid::BodyRecord> c
   const double share = setup.coarsening ? foresee_levels(setup, all, costs.cell, items, estimate) : 1;
   if (setup.coarsening) costs.cell = 0;  // items contain the work of cells
   if (const auto found = pressure_warning(setup, all.bodies, all.world)) estimate.doubts.push_back(*found);
+  if (const auto found = inlet_warning(setup, all.bodies, all.world, MPI_COMM_SELF))
+    estimate.doubts.push_back(*found);
   coupler::WorkShares shares = shares_of(domain, costs.cell, items);
   if (ranks > 1 && !setup.block_cells) {
     const coupler::WorkShares better = foreseen_cut(domain.cells(), costs.cell, items, ranks);

@@ -65,6 +65,17 @@ steps = 4000
         self.assertIsNone(self.column(0.02 * float(foreseen[2])**2))  # drag here is of the first power of the speed
         self.assertIsNone(self.column(0.02, "free"))  # they weigh less than that
 
+    def test_bodies_that_cover_an_inlet(self):
+        """As much less flows in as is foreseen, and none of a ball that leaves half a diameter."""
+        covered = r"warning: bodies cover (\d+) % of the inlet domain.boundary.z\[0\]"
+        for height, wanted in ((4, True), (9, False)):
+            self.write(self.COLUMN % (0.01, 0.01, "fixed", f"[6, 6, {height}]") + '[[quantities]]\nname = "rate"\ntype = "flow-rate"\nat = 20\n')
+            foreseen = re.search(covered, self.silt("check", self.case).stdout)
+            run = self.silt("run", self.case, "--overwrite", "--steps", 2000)
+            self.assertEqual((bool(foreseen), bool(re.search(covered, run.stdout + run.stderr))), (wanted, wanted))
+            found = 100 * (1 - self.report()["quantities"]["rate"] / (0.01 * 144))
+            self.assertLess(abs(found - float(foreseen[1] if foreseen else 0)), 2.5, found)
+
     def test_output_takes_time(self):
         """Whatever is written adds to what is foreseen."""
         self.write(self.LARGE.replace("fields = { every = 20 }\nbodies = { every = 7 }\ncheckpoint = { every = 25, keep = 3 }\n", ""))
