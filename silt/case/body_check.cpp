@@ -323,6 +323,7 @@ void find_density_faults(const Case& setup, Diagnostics& findings) {
                      shown(density), lightest_fluid, heaviest_fluid);
   for (const Entry& entry : entries_of(setup))
     if (entry.smallest) check_density(setup, findings, entry);
+  for (const Entry& entry : continued_entries_of(setup)) check_density(setup, findings, entry);
 }
 
 void find_body_faults(const Case& setup, Diagnostics& findings) {
@@ -332,6 +333,8 @@ void find_body_faults(const Case& setup, Diagnostics& findings) {
     if (entry.largest && !setup.fluid) check_specks(setup, findings, entry);
     if (entry.largest && entry.motion != rigid::Motion::fixed) check_room(setup, findings, entry);
   }
+  if (setup.fluid)
+    for (const Entry& entry : continued_entries_of(setup)) check_cells_across(setup, findings, entry);
   check_backend(setup, findings);
   for (std::size_t i = 0; i < setup.fills.size(); ++i) check_fill(setup, findings, i);
   if (!has_errors(findings.list)) check_fill_rooms(setup, findings);

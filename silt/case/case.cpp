@@ -55,4 +55,13 @@ std::vector<Entry> entries_of(const Case& setup) {
   return entries;
 }
 
+std::vector<Entry> continued_entries_of(const Case& setup) {
+  std::vector<Entry> entries;
+  for (const ContinuedSpec& body : setup.continued) {
+    Entry& entry = entries.emplace_back(Entry{body, fmt::format("bodies[{}]", body.entry), body.motion});
+    entry.shape = body.sizes.front().shape;
+  }
+  return entries;
+}
+
 }  // namespace silt

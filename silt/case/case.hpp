@@ -249,6 +249,8 @@ struct Entry : EntrySpec {
   bool moves() const { return velocity.norm() + angular_velocity.norm() > 0; }
 };
 std::vector<Entry> entries_of(const Case&);
+/// Returns those whose bodies come from another run, each with its smallest shape and without a count.
+std::vector<Entry> continued_entries_of(const Case&);
 
 /// Returns the boxes in which bodies may arrive during the run.
 std::vector<rigid::BoundingBox> entrances_of(const Case&);

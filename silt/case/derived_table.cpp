@@ -151,8 +151,9 @@ void add_fluid(const Case& setup, Table& table) {
 /// Adds bodies of one kind; of a fill of many sizes `kind` has the largest shape, `smallest` the other.
 void add_kind(const Case& setup, Table& table, const std::string& name, const Entry& kind, int smallest) {
   const rigid::Shape& shape = setup.shapes[kind.shape];
-  table.line(name, fmt::format("{} of shape '{}' ({})", kind.count, setup.shape_names[kind.shape],
-                               rigid::shape_name(shape)));
+  table.line(name, fmt::format("{} of shape '{}' ({})",
+                               kind.count > 0 ? fmt::to_string(kind.count) : "those of initial.from,",
+                               setup.shape_names[kind.shape], rigid::shape_name(shape)));
   table.quantity(smallest == kind.shape ? "  cells across" : "  cells across, smallest",
                  rigid::least_width(setup.shapes[smallest]), dimension::length);
   table.line("  density ratio", "", shown(kind.density));
@@ -234,6 +235,8 @@ void add_bodies(const Case& setup, Table& table) {
   if (given > most_lines) table.line("", fmt::format("and {} more entries", given - most_lines));
   for (const Entry& entry : entries)
     volume += static_cast<double>(entry.count) * rigid::mass_properties(setup.shapes[entry.shape]).volume;
+  for (const Entry& entry : continued_entries_of(setup))
+    add_kind(setup, table, fmt::format("{} {}", entry.key, setup.kind_names[entry.kind]), entry, entry.shape);
   for (std::size_t i = 0; i < setup.fills.size(); ++i) {
     const FillSpec& fill = setup.fills[i];
     Entry all{fill, fmt::format("fill[{}]", i)};
@@ -247,7 +250,9 @@ void add_bodies(const Case& setup, Table& table) {
   }
   for (std::size_t i = 0; i < setup.outflows.size(); ++i)
     table.line(fmt::format("outflow[{}]", i), shown_box(setup, setup.outflows[i].box));
-  table.line("volume fraction", fmt::format("{:.2f} %", 100 * volume / setup.volume()));
+  table.line("volume fraction",
+             fmt::format("{:.2f} %{}", 100 * volume / setup.volume(),
+                         setup.continued.empty() ? "" : ", those of initial.from besides"));
   table.line("collision backend", setup.contacts.backend);
   table.line("contact resolver", setup.contacts.resolver);
   if (setup.fluid) table.line("lubrication", setup.has_lubrication() ? "on" : "off");

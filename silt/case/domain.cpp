@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "silt/case/case_check.hpp"
 #include "silt/case/case_sections.hpp"
 
 namespace silt {
@@ -11,8 +12,10 @@ namespace {
 
 // the lattice value of units.max_velocity: compressibility error ~ u^2 = 0.25 %
 constexpr double target_lattice_velocity = 0.05;
-// cells by which a size may differ from a whole number, for rounded decimals
-constexpr double cell_count_tolerance = 1e-6;
+/// Returns how many cells `cells` may differ from a whole number, for rounded decimals: 1 in a million.
+double cell_count_tolerance(double cells) {
+  return unseen * std::max(1., cells);
+}
 constexpr double most_cells_an_axis = 1 << 20;
 
 constexpr std::tuple system_keys{
@@ -184,6 +187,23 @@ void read_boundary(TableReader& domain, Case& setup) {
   for (int axis = 0; axis < 3; ++axis) read_axis(boundary, axis, setup);
 }
 
+bool are_whole(const rigid::Vec3& cells) {
+  return std::ranges::all_of(cells, [](double n) {
+    return std::round(n) >= 1 && std::abs(n - std::round(n)) <= cell_count_tolerance(n);
+  });
+}
+
+/// Returns ", or use units.cell_size = 0.000333333333333", the next smaller one that fits the domain, or "".
+std::string fitting_cell(const Case& setup, const rigid::Vec3& size) {
+  constexpr int tries = 64;
+  const double cell = setup.units.cell_size, shortest = size.minCoeff();
+  if (!setup.units.si || !(shortest > 0)) return "";
+  for (int n = int(std::ceil(shortest / cell)), end = n + tries; n < end; ++n)
+    if (are_whole(size * n / shortest))
+      return fmt::format(", or use units.cell_size = {:.12g}", shortest / n);
+  return "";
+}
+
 void read_cells(TableReader& domain, Case& setup) {
   const auto size = domain.vector("size");
   if (!size || !domain.context().units_known) return;
@@ -195,11 +215,11 @@ void read_cells(TableReader& domain, Case& setup) {
                          shown(cells[d]), most_cells_an_axis);
     setup.cells[d] = static_cast<int>(whole[d]);
   }
-  if ((cells - whole).cwiseAbs().maxCoeff() > cell_count_tolerance)
-    domain.fail(
-        "size",
-        "domain.size is {}; it must be whole multiples of the cell size {}, at least one; the nearest is {}",
-        shown(*size), shown(cell), shown(rigid::Vec3(whole * cell)));
+  if (!are_whole(cells))
+    domain.fail("size",
+                "domain.size is {}; it must be whole multiples of the cell size {}, at least one; the "
+                "nearest is {}{}",
+                shown(*size), shown(cell), shown(rigid::Vec3(whole * cell)), fitting_cell(setup, *size));
 }
 
 void read_blocks(TableReader& domain, Case& setup) {
@@ -275,7 +295,7 @@ void check_flows(const Case& setup, Diagnostics& findings) {
 }  // namespace
 
 double snapped(double x, int cells) {
-  return x > cells && x <= cells + cell_count_tolerance ? cells : x;
+  return x > cells && x <= cells + cell_count_tolerance(cells) ? cells : x;
 }
 
 rigid::Vec3 snapped(const rigid::Vec3& x, const std::array<int, 3>& cells) {

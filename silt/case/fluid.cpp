@@ -239,17 +239,29 @@ std::string shorter_steps(const Case& setup) {
                                       shown(factor * setup.fluid->kinematic_viscosity));
 }
 
+/// Returns "if fluid.dynamic_viscosity is in mPa s, write 0.01 (Pa s); else ", or "" where another key gives
+/// it.
+std::string millipascal_slip(const Case& setup) {
+  constexpr double millipascals = 1000;
+  const std::string_view key = viscosity_key(setup);
+  if (!setup.units.si || key != "fluid.dynamic_viscosity") return "";
+  const double found = setup.units.physical(setup.fluid->kinematic_viscosity, dimension::viscosity);
+  return fmt::format("if {} is in mPa s, write {} (Pa s); else ", key,
+                     shown(found * setup.units.density / millipascals));
+}
+
 void check_thick(const Case& setup, Diagnostics& findings, double tau) {
   const std::string found = fmt::format("the relaxation time is {}", shown(tau)), cure = shorter_steps(setup);
   const std::string factor = shown(rounded_up((tau - 0.5) / (usual_relaxation - 0.5)));
   const std::string doubt =
       ", and if the viscosity is meant, it is too large for this time step by a factor of " + factor;
+  const std::string unit = tau > high_relaxation ? millipascal_slip(setup) : "";
   if (tau > most_relaxation)
-    findings.error(viscosity_key(setup), "{}; at most {} is possible: {}{}", found, shown(most_relaxation),
-                   cure, doubt);
+    findings.error(viscosity_key(setup), "{}; at most {} is possible: {}{}{}", found, shown(most_relaxation),
+                   unit, cure, doubt);
   else
-    findings.warning(viscosity_key(setup), "{}; above {} walls and slow flow lose accuracy: {}{}", found,
-                     doubtful_relaxation_high, cure, tau > high_relaxation ? doubt : "");
+    findings.warning(viscosity_key(setup), "{}; above {} walls and slow flow lose accuracy: {}{}{}", found,
+                     doubtful_relaxation_high, unit, cure, tau > high_relaxation ? doubt : "");
 }
 
 void check_thin(const Case& setup, Diagnostics& findings, double tau) {
@@ -270,8 +282,10 @@ bool is_in_another_unit(const Case& setup, Diagnostics& findings) {
   const std::string slip = viscosity_slip(setup);
   const std::string text = fmt::format(
       "the kinematic viscosity is {} m2/s; fluids have {} (a liquid metal) to {} (thick syrup), water has "
-      "1e-06, which is 1 mm2/s{}{}",
-      shown(found), shown(thinnest), shown(thickest), slip.empty() ? "" : ": ", slip);
+      "1e-06, which is 1 mm2/s{}{}{}",
+      shown(found), shown(thinnest), shown(thickest),
+      setup.places.count("fluid.dynamic_viscosity") ? " (a dynamic viscosity of 0.001 Pa s)" : "",
+      slip.empty() ? "" : ": ", slip);
   if (slip.empty() || tau <= most_relaxation)
     findings.warning(viscosity_key(setup), "{}", text);
   else

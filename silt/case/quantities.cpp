@@ -238,6 +238,11 @@ void find_quantity_faults(const Case& setup, Diagnostics& findings) {
     if (quantity.over && (*quantity.over)[0] > end)
       findings.warning(entry + ".over",
                        "{}.over begins after the end of the run: the quantity will have no value", entry);
+    else if (quantity.over && (*quantity.over)[1] > end + 0.5)
+      findings.warning(entry + ".over",
+                       "{}.over ends at {}, after the end of the run at {}: what is taken ends there too",
+                       entry, shown(setup.units.physical((*quantity.over)[1], dimension::time)),
+                       shown(setup.units.physical(end, dimension::time)));
     if ((type.takes(Q::time) && quantity.time >= end) ||
         (type.takes(Q::instant) && std::isfinite(quantity.time) && quantity.time > end))
       findings.warning(entry + ".time",

@@ -327,13 +327,21 @@ void add_quantities(const Simulation& simulation, const Quantities& quantities, 
   for (const auto& [name, value] : quantities.in_last_step()) report["quantities_in_last_step"][name] = value;
 }
 
+std::string meaning_of(const Case& setup, const QuantitySpec& q) {
+  const std::string_view meaning = quantity_type(q.type).meaning;
+  if (!q.over) return std::string(meaning);
+  const auto time = [&](double steps) { return shown(setup.units.physical(steps, dimension::time)); };
+  return fmt::format("{}; here the {} of what it is in the steps from {} to {}", meaning,
+                     q.deviation ? "standard deviation" : "mean", time((*q.over)[0]), time((*q.over)[1]));
+}
+
 Json quantity_types_of(const Case& setup) {
   Json types = Json::object();
   for (const QuantitySpec& q : setup.quantities) {
     const QuantityType& type = quantity_type(q.type);
     const std::string unit =
         type.unit.empty() ? setup.units.unit_text(type.dimension) : std::string(type.unit);
-    types[q.name] = Json::object({{"type", type.name}, {"unit", unit}, {"meaning", type.meaning}});
+    types[q.name] = Json::object({{"type", type.name}, {"unit", unit}, {"meaning", meaning_of(setup, q)}});
   }
   return types;
 }

@@ -1,7 +1,9 @@
 // What an estimate says: its table and its warnings.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <thread>
 
 #include "silt/case/case.hpp"
 #include "silt/run/run_estimate.hpp"
@@ -27,9 +29,10 @@ std::string seconds_text(double seconds) {
 }  // namespace
 
 std::string estimate_table(const Case& setup, const RunEstimate& e) {
-  std::string text =
-      fmt::format("estimate (to a factor of 2 or so, on {} rank{} of this machine, on idle cores)\n", e.ranks,
-                  e.ranks > 1 ? "s" : "");
+  const int cores = std::max(1, int(std::thread::hardware_concurrency()));
+  std::string text = fmt::format(
+      "estimate (to a factor of 2 or so, on {} rank{} of this machine, on idle cores{})\n", e.ranks,
+      e.ranks > 1 ? "s" : "", e.ranks > cores ? fmt::format(", of which it has {}", cores) : "");
   const auto line = [&](const char* name, const std::string& value) {
     text += fmt::format("  {:<24}  {}\n", name, value);
   };

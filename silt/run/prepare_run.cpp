@@ -147,11 +147,14 @@ std::unique_ptr<adapters::CheckpointReader> checkpoint_of_start(const Case& setu
   auto there = adapters::list_checkpoints(from);
   if (from.extension() == ".h5") there = {{0, from}};
   if (there.empty())
-    throw CaseError(
-        setup.place("initial.from"),
-        fmt::format("initial.from is '{}', and there is no checkpoint in {}; let the other run write "
-                    "one at its end (output.checkpoint), or name one",
-                    setup.start->from, from.string()));
+    throw CaseError(setup.place("initial.from"),
+                    fs::exists(from)
+                        ? fmt::format("initial.from is '{}', and there is no checkpoint in {}; let the other "
+                                      "run write one at its end (output.checkpoint), or name one",
+                                      setup.start->from, from.string())
+                        : fmt::format("initial.from is '{}', and {} does not exist; name the folder of the "
+                                      "other run's results, from that of the case",
+                                      setup.start->from, from.lexically_normal().string()));
   return first_sound_checkpoint(there, comm, note);
 }
 
@@ -226,12 +229,12 @@ PreparedRun prepare_scene(const RunOptions& options, MPI_Comm comm) {
     prepared.simulation = std::make_unique<Simulation>(std::move(*setup), comm);
     prepared.simulation->start_quietly();
   }
-  if (prepared.simulation->setup().output.mean) prepared.mean.emplace(*prepared.simulation);
-  return prepared;
-}
   const Scene& made = prepared.simulation->scene();
   if (const auto found = inlet_warning(made.setup, prepared.simulation->bodies(), made.world, comm))
     prepared.warnings.push_back(*found);
+  if (prepared.simulation->setup().output.mean) prepared.mean.emplace(*prepared.simulation);
+  return prepared;
+}
 
 PreparedRun prepare_run(const RunOptions& options, MPI_Comm comm, const fs::path& folder) {
   PreparedRun prepared = prepare_scene(options, comm);

@@ -40,6 +40,7 @@ class Program(SiltTest):
             said = [self.silt(command, next_case, *options, code=2).stderr for command in ("check", "run")]
             self.assertEqual(*said)
             return said[0]
+        self.assertRegex(fault("--set", "initial.from='../cse/out'"), "initial.from is '../cse/out', and .*/cse/out does not exist; name the folder of the other run's results")
         self.assertRegex(fault(), "case.toml:.*initial.from is '../case/out', and there is no checkpoint in .*output.checkpoint")
         self.silt("run", self.case)
         self.assertIn("has not the shape that the case gives 'ball'", fault("--set", "shapes[0].radius=2"))
