@@ -129,7 +129,7 @@ struct CountSlab {
   }
 };
 
-inline void count_links(const BitsToMap& all) {
+void count_links(const BitsToMap& all) {
   for_each(std::int64_t(all.word_count), SetWords{all.words});
   for_teams(std::int64_t(all.moved_count), MoveFrame{all.moved});
   for_teams(std::int64_t(all.flipped_count), FlipBits{all.flipped, all.flips});
