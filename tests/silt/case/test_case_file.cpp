@@ -83,7 +83,7 @@ TEST(CaseFile, PlacesOnASideMayBeBeyondItByRounding) {
   EXPECT_EQ(setup.quantities[1].height, 20);
   EXPECT_EQ(setup.output.probes[0].points[0], corner);
   EXPECT_EQ(setup.output.slices[0].upper[2], 20);
-  EXPECT_TEXT(c.fault({"quantities[1].at=0.006000001"}), "must lie in the domain");
+  EXPECT_TEXT(c.fault({"quantities[1].at=0.00600002"}), "must lie in the domain");
 }
 
 TEST(CaseFile, RevolutionsAMinute) {
