@@ -180,11 +180,7 @@ struct BodySeries::Open {
   std::vector<Handle> bodies, times;
   std::size_t n_times = 0, n_rows = 0;  // complete ones
   std::int64_t last_step = -1;
-  struct Before {
-    std::uint64_t times, rows;
-  };
-  std::optional<Before> before;  // of the files before this one, once bodies.vtkhdf shows them all
-  hdf5::Path name;               // of the file in the end
+  hdf5::Path name;                            // of the file in the end
   std::unique_ptr<hdf5::TemporaryFile> part;  // until its first time is whole
 
   Open(const hdf5::Path& path, const BodySeriesInfo& info)
@@ -276,34 +272,30 @@ BodySeries::BodySeries(MPI_Comm comm, const std::filesystem::path& path, BodySer
       }
       std::filesystem::remove(files.back());
     }
-    if (open_)
-      show(*open_);
-    else
-      std::filesystem::remove(path_over_time());
+    write_over_time();
   });
 }
 
-std::filesystem::path BodySeries::path_over_time() const {
-  return std::filesystem::path(path_).replace_extension(".vtkhdf");
-}
-
 /// Writes bodies.vtkhdf for the files that are there, of which the last is open.
-void BodySeries::show(Open& last) const {
+void BodySeries::write_over_time() {
   std::vector<hdf5::BodyFile> files;
-  Open::Before before{0, 0};
+  times_ = 0;
   const auto add = [&](const Open& of) {
-    files.push_back({of.name.filename().string(), of.file.room(of.bodies[0]), of.whole_times()});
+    files.push_back({of.name.filename().string(), of.whole_times()});
+    times_ += files.back().times.size();
   };
   for (const auto& path : body_series_files(path_))
-    if (path.filename() != last.name.filename()) {
-      add(Open(path, info_));
-      before.times += files.back().times.size();
-      for (const TimeRow& time : files.back().times) before.rows += time.count;
-    }
-  add(last);
-  if (hdf5::write_bodies_over_time(path_over_time(), last.of_bodies, files,
-                                   last.file.room(last.times[0]) - last.n_times))
-    last.before = before;
+    if (!open_ || path.filename() != open_->name.filename()) add(Open(path, info_));
+  if (open_) add(*open_);
+  hdf5::write_bodies_over_time(std::filesystem::path(path_).replace_extension(".vtkhdf"), body_columns(info_),
+                               files);
+  times_shown_ = times_;
+}
+
+void BodySeries::show_all_times() {
+  parallel::on_rank_0(comm_, [&] {
+    if (open_ && times_shown_ < times_) write_over_time();
+  });
 }
 
 /// Begins the next file, under a temporary name.
@@ -371,13 +363,10 @@ void BodySeries::append(std::int64_t step, double time, std::size_t n,
       hdf5::sync_to_disk(part->path());
       part->rename_to(file->name);
     }
-    if (const auto& before = file->before)
-      hdf5::add_bodies(path_over_time(), before->times + file->n_times - 1,
-                       {time, step, before->rows + file->n_rows - order.total, order.total});
-    else
-      show(*file);
     open_ = file;
     last_step_ = step;
+    ++times_;
+    if (times_ - times_shown_ > times_ / 64) write_over_time();
   });
 }
 

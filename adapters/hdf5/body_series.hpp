@@ -69,10 +69,11 @@ std::vector<std::filesystem::path> body_series_files(const std::filesystem::path
 /// BodySeries is the open series. Every call is collective. The files can be read while the run goes on, and
 /// whoever reads sees an append as a whole or not at all, whenever the run is killed: a file gets its name
 /// with its first time and has the space of all it will take, so that an append changes only the lengths of
-/// the columns in their headers, after the rows are written; a time counts once every column reaches it. Then
-/// bodies.vtkhdf, which shows all files to VTK, shows it too (over_time.hpp). Each file has twice the room of
-/// the one before, within bounds: N rows take less than 10 + N / 2^20 files unless one time has more. Errors
-/// are std::runtime_error on every rank, naming the file and the reason.
+/// the columns in their headers, after the rows are written; a time counts once every column reaches it. Each
+/// file has twice the room of the one before, within bounds: N rows take less than 10 + N / 2^20 files unless
+/// one time has more. bodies.vtkhdf, which shows all files to VTK (over_time.hpp), is written anew with each
+/// of the first times, then whenever the times it lacks are a 64th of all. Errors are std::runtime_error on
+/// every rank, naming the file and the reason.
 class BodySeries {
  public:
   /// Starts a series and removes an existing one; with `after`, continues an existing one after that step and
@@ -85,13 +86,15 @@ class BodySeries {
   /// sort slices of the rows, column by column; rank 0 writes them, with one slice and one piece in memory.
   void append(std::int64_t step, double time, std::size_t n, const std::function<BodyRow(std::size_t)>& row);
 
+  /// Makes bodies.vtkhdf show all times, at the end of a run.
+  void show_all_times();
+
   /// Returns the step of the last time, -1 if there is none (known on rank 0).
   std::int64_t last_step() const { return last_step_; }
 
  private:
   struct Open;
-  std::filesystem::path path_over_time() const;
-  void show(Open& last) const;
+  void write_over_time();
   std::shared_ptr<Open> begin_file(const Open* last, std::int64_t step, std::uint64_t rows) const;
   MPI_Comm comm_;
   std::filesystem::path path_;
@@ -99,6 +102,7 @@ class BodySeries {
   Provenance provenance_;
   std::shared_ptr<Open> open_;  // on rank 0, between two appends
   std::int64_t last_step_ = -1;
+  std::size_t times_ = 0, times_shown_ = 0;  // of all files, of bodies.vtkhdf (on rank 0)
 };
 
 }  // namespace silt::adapters

@@ -188,6 +188,9 @@ Handle File::create_virtual(const std::string& name, hid_t type, const Shape& sh
                         "shape of " + part.dataset);
     check(H5Sselect_hyperslab(space, H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr),
           "cannot select rows");
+    check(H5Sselect_hyperslab(source, H5S_SELECT_SET, Shape(part.shape.size(), 0).data(), nullptr,
+                              part.shape.data(), nullptr),
+          "cannot select rows");  // these alone, also when that dataset has grown
     check(H5Pset_virtual(list, space, part.file.c_str(), part.dataset.c_str(), source),
           "cannot take " + name + " from " + part.file);
   }

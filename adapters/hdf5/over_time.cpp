@@ -9,7 +9,7 @@ namespace {
 const std::string steps_group = "/VTKHDF/Steps/", point_data = "/VTKHDF/PointData/",
                   point_offsets = "/VTKHDF/Steps/PointDataOffsets/";
 
-/// Begins a file of so many times, and of others to come.
+/// Begins a file of so many times.
 File start_file(const Path& path, const std::string& type, std::size_t n) {
   File file = File::create(path, Format::classic);
   const Handle vtk = file.create_group("/VTKHDF"), steps = file.create_group(steps_group);
@@ -28,11 +28,13 @@ std::vector<std::int64_t> numbers_from(std::int64_t first, std::size_t n) {
   return numbers;
 }
 
+/// Puts a file that write(its path) makes in the place of another. It does not wait for the disk: if the
+/// machine fails, a run that goes on writes the file anew.
 template <class Write>
-void write_anew(const Path& path, Write&& write) {
+void replace(const Path& path, Write&& write) {
   TemporaryFile part(path.string() + ".part", true);
   write(part.path()).close();
-  part.rename_to(path);
+  std::filesystem::rename(part.path(), path);
 }
 
 // ---- images ----
@@ -66,11 +68,26 @@ bool is_of(const Path& path, const ImageTimes& images) {
   }
 }
 
-/// Adds a step to a file that is there and has foreseen it. Returns whether it could.
-bool add_in_place(const Path& path, std::int64_t step, const ImageTimes& images) {
+/// Makes the first of the foreseen steps, now n of them, those that the file has. Readers copy all of Values
+/// to a list of NSteps numbers, so both must change at once: do this before the file gets its name.
+void write_times(File& file, const std::vector<std::int64_t>& steps, std::size_t n, double time_step) {
+  const Handle values = file.dataset(steps_group + "Values");
+  const hsize_t size = n;
+  std::vector<double> times;
+  for (std::size_t k = 0; k < n; ++k) times.push_back(double(steps[k]) * time_step);
+  file.check(H5Dset_extent(values, &size), "cannot resize the list of times");
+  file.check(H5Dwrite(values, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, times.data()),
+             "cannot write the times (is the disk full?)");
+  file.overwrite(file.group(steps_group), "NSteps", std::int64_t(n));
+}
+
+/// Adds a step to a copy of a file that has foreseen it, which takes its place. Returns whether it could.
+bool add_to_copy(const Path& path, std::int64_t step, const ImageTimes& images) {
   if (!std::filesystem::exists(path)) return false;
   try {
-    File file = File::open(path, true);
+    TemporaryFile part(path.string() + ".part", true);
+    std::filesystem::copy_file(path, part.path(), std::filesystem::copy_options::overwrite_existing);
+    File file = File::open(part.path(), true);
     if (!shows(file, images, true)) return false;
     const Handle group = file.group(steps_group), data = file.dataset("/step");
     std::vector<std::int64_t> steps(file.shape(data)[0]);
@@ -78,10 +95,11 @@ bool add_in_place(const Path& path, std::int64_t step, const ImageTimes& images)
                "cannot read the steps");
     const auto n = std::find(steps.begin(), steps.end(), step) - steps.begin();
     if (n == 0 || n == std::ssize(steps) || n > file.number_in<std::int64_t>(group, "NSteps")) return false;
-    file.overwrite(group, "NSteps", n + 1);
+    write_times(file, steps, n + 1, images.time_step);
     file.close();
+    std::filesystem::rename(part.path(), path);
     return true;
-  } catch (const Error&) {
+  } catch (const std::exception&) {
     return false;
   }
 }
@@ -114,7 +132,7 @@ void create_array(File& file, const std::string& name, const ImageArray& array,
 
 void add_image(const Path& folder, const std::string& name, std::int64_t step, const ImageTimes& images) {
   const Path path = folder / (name + ".vtkhdf");
-  if (add_in_place(path, step, images)) return;
+  if (add_to_copy(path, step, images)) return;
   std::vector<std::int64_t> steps{step};
   for (const StepFile& file : step_files(folder, name, ".hdf"))
     if (file.step < step && is_of(file.path, images)) steps.push_back(file.step);
@@ -128,11 +146,10 @@ void add_image(const Path& folder, const std::string& name, std::int64_t step, c
        step += images.every)
     steps.push_back(step);
   if (steps.back() < images.last) steps.push_back(std::min(step, images.last));
-  std::vector<double> times;
-  for (const std::int64_t s : steps) times.push_back(double(s) * images.time_step);
-  write_anew(path, [&](const Path& part) {
+  replace(path, [&](const Path& part) {
     File file = start_file(part, "ImageData", n);
-    file.write_list(steps_group + "Values", H5T_IEEE_F64LE, times);
+    file.create_dataset(steps_group + "Values", H5T_IEEE_F64LE, {n}, {{steps.size()}, true});
+    write_times(file, steps, n, images.time_step);
     images.write_grid(file, file.group("/VTKHDF"));
     file.write_list("/step", H5T_STD_I64LE, steps);
     file.write_list("/offset", H5T_STD_I64LE, numbers_from(0, steps.size()));
@@ -148,10 +165,6 @@ void add_image(const Path& folder, const std::string& name, std::int64_t step, c
 // ---- bodies ----
 
 namespace {
-
-const std::vector<Column> row_columns{column_of<TimeRow>(steps_group + "Values", &TimeRow::time),
-                                      column_of<TimeRow>(steps_group + "PointOffsets", &TimeRow::offset),
-                                      column_of<TimeRow>("/VTKHDF/NumberOfPoints", &TimeRow::count)};
 
 /// Makes each body a vertex, at most `most` of them at a time, of `rows` in all. All times share one list of
 /// numbers. Where a time's begin in Offsets VTK counts from its cell offset on, one more for each part
@@ -184,69 +197,49 @@ void write_vertices(File& file, std::size_t times, std::size_t most, std::size_t
 
 }  // namespace
 
-bool write_bodies_over_time(const Path& path, const std::vector<Column>& columns,
-                            const std::vector<BodyFile>& files, hsize_t time_room) {
-  std::vector<TimeRow> times;
-  std::vector<std::uint64_t> first_rows;
+void write_bodies_over_time(const Path& path, const std::vector<Column>& columns,
+                            const std::vector<BodyFile>& files) {
+  std::vector<double> times;
+  std::vector<std::uint64_t> counts, offsets, first_rows{0};
   std::uint64_t rows = 0, most = 0;
   for (const BodyFile& file : files) {
-    first_rows.push_back(rows);
-    for (TimeRow time : file.times) {
-      time.offset = rows;
+    for (const TimeRow& time : file.times) {
+      times.push_back(time.time);
+      counts.push_back(time.count);
+      offsets.push_back(rows);
       rows += time.count;
-      times.push_back(time);
+      most = std::max(most, time.count);
     }
-    most = std::max<std::uint64_t>(most, file.row_room);
+    first_rows.push_back(rows);
   }
-  const std::size_t n = times.size(), room = n + time_room;
+  const std::size_t n = times.size();
   if (n < 2) {
     std::filesystem::remove(path);
-    return false;
+    return;
   }
-  times.resize(room);
-  write_anew(path, [&](const Path& part) {
+  replace(path, [&](const Path& part) {
     File file = start_file(part, "PolyData", n);
-    for (const Column& c : row_columns) {
-      std::vector<std::byte> bytes;
-      gather_column<TimeRow>(
-          c, room, [&](std::size_t k) { return times[k]; }, bytes);
-      write_rows(file, file.create_dataset(c.name, c.stored_type(), {room}), c, 0, bytes);
-    }
-    file.write_list(steps_group + "PartOffsets", H5T_STD_I64LE, numbers_from(0, room));
-    file.write_list(steps_group + "NumberOfParts", H5T_STD_I64LE, std::vector<std::int64_t>(room, 1));
-    const std::uint64_t all = first_rows.back() + files.back().row_room;
-    write_vertices(file, room, most, all);
+    file.write_list(steps_group + "Values", H5T_IEEE_F64LE, times);
+    file.write_list("/VTKHDF/NumberOfPoints", H5T_STD_I64LE, counts);
+    file.write_list(steps_group + "PointOffsets", H5T_STD_I64LE, offsets);
+    file.write_list(steps_group + "PartOffsets", H5T_STD_I64LE, numbers_from(0, n));
+    file.write_list(steps_group + "NumberOfParts", H5T_STD_I64LE, std::vector<std::int64_t>(n, 1));
+    write_vertices(file, n, most, rows);
     for (const Column& c : columns) {
       const bool points = c.name == "position";
       std::vector<VirtualRows> parts;
-      for (std::size_t k = 0; k < files.size(); ++k) {
-        const std::uint64_t end = k + 1 < files.size() ? first_rows[k + 1] : all;
-        if (end > first_rows[k])
-          parts.push_back({first_rows[k], end - first_rows[k], files[k].name, "/bodies/" + c.name,
-                           table_shape(end - first_rows[k], c.components)});
-      }
+      for (std::size_t k = 0; k < files.size(); ++k)
+        if (const std::uint64_t of_file = first_rows[k + 1] - first_rows[k])
+          parts.push_back({first_rows[k], of_file, files[k].name, "/bodies/" + c.name,
+                           table_shape(of_file, c.components)});
       const Handle data = file.create_virtual(points ? "/VTKHDF/Points" : point_data + c.name,
-                                              c.stored_type(), table_shape(all, c.components), parts);
+                                              c.stored_type(), table_shape(rows, c.components), parts);
       if (!c.unit.empty()) file.attribute(data, "unit", c.unit);
       if (!points) file.link(steps_group + "PointOffsets", point_offsets + c.name);
     }
     return file;
   });
   H5garbage_collect();  // HDF5 would keep the memory of the lists for the next file
-  return true;
-}
-
-void add_bodies(const Path& path, std::size_t n, const TimeRow& time) {
-  File file = File::open(path, true);
-  for (const Column& c : row_columns) {
-    std::vector<std::byte> value;
-    gather_column<TimeRow>(
-        c, 1, [&](auto) { return time; }, value);
-    write_rows(file, file.dataset(c.name), c, n, value);
-  }
-  file.flush();
-  file.overwrite(file.group(steps_group), "NSteps", std::int64_t(n + 1));
-  file.close();
 }
 
 }  // namespace silt::adapters::hdf5

@@ -5,10 +5,9 @@
 //   fields.vtkhdf  VTKHDF/PointData/velocity  --  rows of /pages/velocity/0, 128, ...  --  fields_STEP.hdf
 //   bodies.vtkhdf  VTKHDF/PointData/velocity  --  bodies.h5, bodies_STEP.h5
 //
-// Such a file is written with room for times to come, and under a temporary name. A time is added by raising
-// the attribute NSteps, which HDF5 writes in one piece, so a run may be killed at any moment. There is no
-// file of fewer than two times, because VTK takes a single one for a file without times. Only rank 0 calls
-// all this.
+// Such a file never changes: one of more times takes its place, so that a run may be killed at any moment and
+// readers see NSteps and the lists that must be as long agree. There is no file of fewer than two times,
+// because VTK takes a single one for a file without times. Only rank 0 calls all this.
 #include <array>
 #include <functional>
 #include <string>
@@ -46,19 +45,14 @@ struct TimeRow {
   std::uint64_t offset, count;
 };
 
-/// BodyFile is a file of a series of bodies: the rows it has room for, and its times.
+/// BodyFile is a file of a series of bodies, and its times.
 struct BodyFile {
   std::string name;
-  hsize_t row_room;
   std::vector<TimeRow> times;
 };
 
-/// Writes the file anew for a series of these columns, with room for so many more times in the last of its
-/// files, in which offsets count from its first row. Returns whether it did: of fewer than two times it only
-/// removes the file that is there.
-bool write_bodies_over_time(const Path&, const std::vector<Column>&, const std::vector<BodyFile>&,
-                            hsize_t time_room);
-/// Adds the n-th time, counted from 0, its offset among all rows.
-void add_bodies(const Path&, std::size_t n, const TimeRow&);
+/// Writes the file anew for a series of these columns. Of fewer than two times it only removes the file that
+/// is there.
+void write_bodies_over_time(const Path&, const std::vector<Column>&, const std::vector<BodyFile>&);
 
 }  // namespace silt::adapters::hdf5

@@ -23,6 +23,8 @@ class BodyOutput {
              bool resumed);
   /// Appends the present bodies with forces and torques of the last step. Collective.
   void append(const Simulation&);
+  /// Makes bodies.vtkhdf show all times, at the end of a run. Collective.
+  void finish() { series_.show_all_times(); }
 
  private:
   std::filesystem::path path_;

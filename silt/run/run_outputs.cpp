@@ -86,6 +86,7 @@ void RunOutputs::write_due() {
   if (simulation_.scene().flow && (looks || fields)) simulation_.checked_totals();
   if (looks) log_departures();
   write_bodies_and_fields();
+  if (ended && bodies_) bodies_->finish();
   if (looks) write_rows();
   if (ended && run_.mean) run_.mean->write(simulation_, folder_, provenance_);
   // Before the checkpoint: a run killed in between resumes from the one before, and writes the report again.
@@ -139,12 +140,15 @@ void RunOutputs::write_checkpoint() {
 void RunOutputs::interrupt(const std::string& text) {
   write_report("interrupted", text, true);  // before the checkpoint to which its row belongs
   write_checkpoint();
+  if (bodies_) bodies_->finish();
 }
 
 std::filesystem::path RunOutputs::write_stopped_state() {
   const auto path = write_state("stopped");
   if (simulation_.scene().flow) write_flow_fields(simulation_, setup().output.fields, folder_, provenance_);
-  if (bodies_) bodies_->append(simulation_);
+  if (!bodies_) return path;
+  bodies_->append(simulation_);
+  bodies_->finish();
   return path;
 }
 
