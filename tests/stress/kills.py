@@ -1,9 +1,10 @@
 #!/usr/bin/python3
 """Runs that are killed while they write, and gone on with: kills.py --silt SILT --preload LIBRARY [--writes
-N] [--appends N] [--rows N] [--moments N] [--ranks N] [--seed N]. Each is killed in the middle of one of its
+N] [--appends N] [--rows N] [--moments N] [--ranks N] [--seed N] [--wet]. With --wet they have a fluid, and write fields
+and slices too. Each is killed in the middle of one of its
 changes of the result folder (N of them, evenly spread over the run, over the appends to bodies.h5 around the
 one that goes on in another file, or over the changes of series.csv and report.json; fault_at_write.cpp) or at
-a random moment, without warning. Then the series of the bodies and their file over time must be readable and hold
+a random moment, without warning. Then the series of the bodies and the files over time must be readable and hold
 frames as they were written, and the run that goes on must come to the same bits, files, rows of series.csv and report
 as one that nobody killed."""
 import argparse
@@ -16,13 +17,22 @@ import tempfile
 import time
 
 from whole_run import Whole, finish, over_time, start
-from silt_runs import domain_of, fill_of, shape_of  # on the path by whole_run
+from silt_runs import WALLS_ACROSS_Z, domain_of, fill_of, shape_of  # on the path by whole_run
 
 CASE = (domain_of([160, 160, 160]) + "[gravity]\nacceleration = [0, 0, -1e-3]\n" +
         shape_of("ball", "sphere", "radius = 2") + fill_of("ball", 2, 3000, "gap = 0.5") +
         "[run]\nsteps = 40\n" +
         "[output]\nbodies = { every = 1 }\ncheckpoint = { every = 10, keep = 2 }\n" +
         "report = { every = 5 }\n")
+
+# Bodies are dropped in as the run goes on, so times have ever more of them.
+WET = (domain_of([16, 16, 24], WALLS_ACROSS_Z) + "[fluid]\nrelaxation_time = 0.8\n" +
+       "[gravity]\nacceleration = [0, 0, -1e-4]\n" + shape_of("ball", "sphere", "radius = 2.5") +
+       fill_of("ball", 2, 1, "every = 30", "gap = 0.5", "box = [[0, 0, 16], [16, 16, 24]]", "velocity = [0, 0, -0.05]") +
+       "[run]\nsteps = 90\n" +
+       "[output]\nbodies = { every = 1 }\nfields = { every = 15 }\n" +
+       "checkpoint = { every = 30, keep = 2 }\nreport = { every = 30 }\n" +
+       '[[output.slices]]\nname = "middle"\nbox = [[0, 8, 0], [16, 8, 24]]\nevery = 6\n')
 
 parser = argparse.ArgumentParser(description=__doc__)
 parser.add_argument("--silt", required=True)
@@ -33,6 +43,7 @@ parser.add_argument("--rows", type=int, default=0)
 parser.add_argument("--moments", type=int, default=0)
 parser.add_argument("--ranks", type=int, default=1)
 parser.add_argument("--seed", type=int, default=1)
+parser.add_argument("--wet", action="store_true")
 options = parser.parse_args()
 
 
@@ -89,7 +100,7 @@ def main():
     with tempfile.TemporaryDirectory(prefix="silt-kills-") as folder:
         scratch = pathlib.Path(folder)
         case = scratch / "case.toml"
-        case.write_text(CASE)
+        case.write_text(WET if options.wet else CASE)
         log = scratch / "log"
         out = scratch / "whole"
         begin = time.time()
@@ -97,8 +108,10 @@ def main():
         duration = time.time() - begin
         whole = Whole(out)
         changes = min(scratch.glob("log*")).read_text().splitlines()  # of rank 0
-        begins, *_, ends = [i for i, change in enumerate(changes) if "/bodies_" in change and ".h5.part" in change]
-        first, last = 2 * begins - ends, 2 * ends - begins  # an append before and one behind
+        first = last = 0
+        if options.appends:
+            begins, *_, ends = [i for i, change in enumerate(changes) if "/bodies_" in change and ".h5.part" in change]
+            first, last = 2 * begins - ends, 2 * ends - begins  # an append before and one behind
         print(f"{len(changes)} changes, of them {last - first} of three appends", flush=True)
         of_rows = [i for i, change in enumerate(changes) if "/series.csv" in change or "/report.json" in change]
         chosen = [of_rows[i] for i in spread(0, len(of_rows), options.rows)]
