@@ -23,11 +23,11 @@ double squeeze_integral(double h, double least, double cutoff) {
   return rigid::elementary::log(end / least) - (end - least) / cutoff;
 }
 
-/// Returns the mean of 1 / h - 1 / cutoff over the gap's change in the step, which may be large.
-double mean_squeeze(const rigid::LubricatedGap& gap, double least, double cutoff) {
-  if (std::abs(gap.travel) <= negligible_travel * std::max(gap.width, least))
-    return std::max(0.0, 1 / std::max(gap.width, least) - 1 / cutoff);
-  const double end = std::max(gap.width + gap.travel, 0.0), begin = std::max(gap.width, 0.0);
+/// Returns the mean of 1 / h - 1 / cutoff over a change of the gap from this width, which may be large.
+double mean_squeeze(double width, double travel, double least, double cutoff) {
+  if (std::abs(travel) <= negligible_travel * std::max(width, least))
+    return std::max(0.0, 1 / std::max(width, least) - 1 / cutoff);
+  const double end = std::max(width + travel, 0.0), begin = std::max(width, 0.0);
   if (end == begin) return 1 / least - 1 / cutoff;
   return (squeeze_integral(end, least, cutoff) - squeeze_integral(begin, least, cutoff)) / (end - begin);
 }
@@ -80,8 +80,12 @@ rigid::LubricationResistance Lubrication::operator()(const rigid::LubricatedGap&
   const double width = std::max(gap.width, least), drag = std::numbers::pi * viscosity_ * radius;
   const ResolvedFlow& of = gap.at_side ? resolved_.side : resolved_.bodies;
   const double resolved = of.base + of.width * width + of.cells * std::sqrt(cells_in_gap(gap));
-  return {12 * drag / gap.curvature_sum() * mean_squeeze(gap, least, 1 / resolved),
-          2 * drag * log_excess(width, of.slip_gap), 1.2 * drag * log_excess(width, of.rolling_gap)};
+  const auto squeeze = [&](double from, double travel) {
+    return 12 * drag / gap.curvature_sum() * mean_squeeze(from, travel, least, 1 / resolved);
+  };
+  const bool meets = gap.width + gap.travel < 0;
+  return {squeeze(gap.width, gap.travel), 2 * drag * log_excess(width, of.slip_gap),
+          1.2 * drag * log_excess(width, of.rolling_gap), meets ? squeeze(0, gap.width - gap.travel) : 0};
 }
 
 std::shared_ptr<const rigid::LubricationLaw> make_lubrication(const FluidSpec& fluid,

@@ -12,6 +12,8 @@ namespace silt::rigid {
 /// Force per relative velocity of the surfaces, lattice units. All zero: no lubrication film.
 struct LubricationResistance {
   double normal = 0, sliding = 0, rolling = 0;
+  double leaving =
+      0;  // of squeezing, where the surfaces meet in the step: mean over the way back from contact
   explicit operator bool() const { return normal != 0 || sliding != 0 || rolling != 0; }
 };
 

@@ -16,18 +16,21 @@ inline double lever_arms(const Contact& c) {
 }
 
 /// The velocity that closes the gap or, for a contact that would be reached, that of Newton's restitution.
-/// The approach velocity is that before the kick (so that a body at rest does not bounce), less the film.
+/// The approach velocity is that before the kick (so that a body at rest does not bounce). A film takes from
+/// it what it takes over the gap, and from the rebound what it takes from contact to where the step ends
+/// (L4).
 struct Target {
   double velocity;
   double impact_change = 0;  // change of velocity by the impact, if any
 };
 inline Target target_of(const Contact& c, double dt, double reduced_mass, const Vec3& before) {
-  const double closing = c.gap > 0 ? -c.gap / dt : 0.0;
-  const double speed = c.normal.dot(before) / (1 + dt * c.lubrication.normal / reduced_mass);
-  const bool hits = speed < 0 && (c.gap <= 0 || c.gap + dt * speed < 0);
-  if (!hits) return {closing};
-  const double target = std::max(closing, -c.restitution * speed);
-  return {target, target - speed};
+  const double gap = std::max(c.gap, 0.0), closing = gap > 0 ? -gap / dt : 0.0;
+  const double approach = c.normal.dot(before);
+  if (!(approach < 0 && (gap == 0 || gap + dt * approach < 0))) return {closing};
+  const double speed = approach + gap * c.lubrication.normal / reduced_mass;
+  if (speed >= 0) return {closing};  // the film stops it before
+  const double rebound = -c.restitution * speed, film = c.lubrication.leaving / reduced_mass;
+  return {std::max(0.0, rebound - gap * film) / (1 + dt * film), rebound - speed};
 }
 
 /// Largest opening of a contact that still counts as pressed, relative to the lever arms.

@@ -9,6 +9,7 @@
 #include "coupler/forces/gap_cells.hpp"
 #include "coupler/forces/lubrication.hpp"
 #include "cpu/isa.hpp"
+#include "tests/rigid/scene.hpp"
 
 namespace silt::coupler::testing {
 namespace {
@@ -154,6 +155,30 @@ TEST(Lubrication, ALayerOfCellsInTheGapIsResolvedBetterThanNone) {
   const double on_cells = law(gap).normal;
   gap.middle[2] = 0;
   EXPECT_GT(law(gap).normal, 1.3 * on_cells);
+}
+
+/// A film takes from a velocity its resistance over the way, down as up: K ln(cutoff / least) in all.
+TEST(Lubrication, WhatABounceLosesDependsNeitherOnTheStepNorOnThePlace) {
+  const double radius = 5, least = 5e-3, start = 1, speed = 0.05;
+  for (const auto& [stokes, restitution] : {std::pair(27.0, 0.97), {27.0, 0.6}, {152.0, 0.97}}) {
+    const double film = std::log(1 / everywhere.base / least) / stokes;
+    const double exact = restitution * (1 - film) - film;
+    ASSERT_GT(exact, 0.1);
+    for (const double dt : {1.0, 0.1})
+      for (const double place : {0.0, 0.2, 0.4, 0.6, 0.8}) {
+        rigid::testing::Scene s(restitution, 0);
+        s.world.lubrication = std::make_shared<Lubrication>(mu, resolved, least);
+        const double mass = stokes * 6 * pi * mu * radius * radius / speed;
+        const rigid::BodyId ball =
+            s.add(s.shape(rigid::Sphere{radius}), {50, 50, radius + start + place * speed * dt},
+                  {0, 0, -speed}, {}, mass);
+        s.floor();
+        s.start();
+        s.run(static_cast<int>(6 * start / (speed * exact * dt)), dt);
+        EXPECT_GT(s.x(ball)[2], radius + start);
+        EXPECT_NEAR(s.v(ball)[2] / speed, exact, dt == 1 ? 0.035 : 0.004) << stokes << " " << place;
+      }
+  }
 }
 
 TEST(Lubrication, IsCappedAtTheLeastGap) {
