@@ -148,11 +148,14 @@ void RigidStep::apply_velocities(BodySet& bodies, double dt) {
       angular_impulse = r * (bodies.inertia_B[row] * (r.transpose() * contacts));
       bodies.angular_momentum[row] += angular_impulse;
     }
-    if (observer)
+    if (observer && !bodies.locked(row))
       observer->contact_impulse(bodies, row, bodies.mass[row] * (v - bodies.velocity[row]), angular_impulse);
     bodies.velocity[row] = v;
     bodies.angular_velocity[row] = w;
   }
+  for (const ContactSum& sum : velocities_.on_locked)
+    if (observer && sum.row < bodies.owned)
+      observer->contact_impulse(bodies, sum.row, sum.impulse, sum.moment);
   const double share = 1 - resolver_.first_kick();
   if (share == 0) return;
   for (std::size_t row = 0; row < bodies.owned; ++row)

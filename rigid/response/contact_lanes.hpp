@@ -117,6 +117,7 @@ struct alignas(64) BlockContact : LaneContact {
 /// The lubrication film of a BlockContact, as in LubricatedGroup but without rolling.
 struct alignas(64) BlockLubrication {
   Real8 normal_stiffness, normal_damped, tangential_damped;
+  Real8 normal_held, tangential_held;  // z where k is 0, between bodies that locked axes hold; else 0
 };
 
 /// The moments against rolling and twisting of a BlockContact, as in RollingGroup.

@@ -23,14 +23,18 @@ struct Rounds {
   static Numbers normal(const BlockContact& c, const BlockLubrication* lubrication, Numbers stop,
                         Numbers u_n) {
     const Numbers hard = c.normal_impulse + (c.target - u_n) * c.inverse_k_n;
-    return larger(lubrication ? lubrication->normal_damped * stop : Numbers(), hard);
+    if (!lubrication) return larger(Numbers(), hard);
+    const Numbers held = lubrication->normal_held;
+    return choose(held > 0, Numbers() - held * u_n, larger(lubrication->normal_damped * stop, hard));
   }
   static Vector tangential(const BlockContact& c, const BlockLubrication* lubrication, const Vector& stop,
-                           Numbers stop_n, Numbers p_n) {
+                           const Vector& slip, Numbers stop_n, Numbers p_n) {
     if (!lubrication) return into_cone(stop, c.friction * p_n);
     const Numbers pressing = lubrication->normal_stiffness * (p_n - lubrication->normal_damped * stop_n);
     const Vector rubbed = into_cone(stop, c.friction * pressing);
-    return rubbed + (stop - rubbed) * lubrication->tangential_damped;
+    const Numbers held = lubrication->tangential_held;
+    return choose(held > 0, slip * (Numbers() - held),
+                  rubbed + (stop - rubbed) * lubrication->tangential_damped);
   }
 
   /// Solves (C4) for the normal impulse, then (C5) for the tangential one.
@@ -40,8 +44,9 @@ struct Rounds {
     const Numbers u_n = dot(u, n), stop_n = old_n - u_n * c.inverse_k_n,
                   p_n = normal(c, lubrication, stop_n, u_n);
     const Numbers d_n = choose(active, p_n - old_n, Numbers{});
-    const Vector s = u + load(c.k_normal) * d_n, stop_t = old_t - (s - n * dot(s, n)) * c.inverse_k_t;
-    const Vector p_t = tangential(c, lubrication, stop_t, stop_n, p_n);
+    const Vector s = u + load(c.k_normal) * d_n, slip = s - n * dot(s, n),
+                 stop_t = old_t - slip * c.inverse_k_t;
+    const Vector p_t = tangential(c, lubrication, stop_t, slip, stop_n, p_n);
     const Vector d_t = choose(active, p_t - old_t, Vector{});
     c.normal_impulse = choose(active, p_n, old_n);
     store(c.tangential_impulse, choose(active, p_t, old_t));

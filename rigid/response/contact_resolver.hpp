@@ -84,6 +84,12 @@ struct OtherImpulse {
   Vec3 impulse, moment;  // W; the moment is about the contact point
 };
 
+/// The sum of a body's contact impulses in a step, and of their moments about its centre of mass; W.
+struct ContactSum {
+  std::size_t row;
+  Vec3 impulse, moment;
+};
+
 /// Velocities during a step, one entry per row of the BodySet, set for rows with a contact.
 struct StepVelocities {
   bool start = false;                     // in: the first step, without stored impulses
@@ -96,6 +102,7 @@ struct StepVelocities {
       rebounds;  // in: least separation velocity of each contact after the impact phase; or empty
   bool wants_all_impulses = false;           // in: false: only for walls and fixed bodies
   std::vector<OtherImpulse> other_impulses;  // appended, for pairs with an owned free body
+  std::vector<ContactSum> on_locked;  // out: of bodies with locked axes, whose velocities do not tell them
   bool records_impulses(const BodySet& bodies, std::size_t row_a, std::size_t row_b) const {
     return wants_all_impulses || !bodies.is_dynamic(row_a) || !bodies.is_dynamic(row_b);
   }

@@ -136,6 +136,8 @@ void set_lubrication(BlockLubrication& lanes, int l, const PairToSolve& p, std::
   lanes.normal_stiffness[l] = 1 + p.dt * resistance.normal * k_n;
   lanes.normal_damped[l] = damped(p.dt * resistance.normal, k_n);
   lanes.tangential_damped[l] = damped(p.dt * resistance.sliding, k_t);
+  lanes.normal_held[l] = k_n > 0 ? 0 : p.dt * resistance.normal;
+  lanes.tangential_held[l] = k_t > 0 ? 0 : p.dt * resistance.sliding;
 }
 
 }  // namespace

@@ -124,7 +124,9 @@ void SffdResolver::start(const Step& step) {
     }
     if (settings_.warm_start) warm_start(p, step, stored);
   });
-  clear_locked_axes();
+  for (const std::size_t row : locked_)
+    step.velocities.on_locked.push_back({row, Vec3::Zero(), Vec3::Zero()});
+  clear_locked_axes(&step.velocities.on_locked);
   for (const std::size_t row : involved_) apply_sum(state_[row], row, state_[row].number);
 }
 
@@ -269,7 +271,7 @@ SffdResolver::Rest SffdResolver::sweep_to_rest(const Step& step, std::vector<Bod
       for (const std::size_t row : involved_) sums_[row] = {};
       const bool plain = i >= std::min(sweeps.most, sweeps.accelerated);
       found = lanes_.sweep(state, sums_, {i, plain, sweeps.push, sweeps.tolerance});
-      clear_locked_axes();
+      clear_locked_axes(sweeps.push ? nullptr : &step.velocities.on_locked);
       for (const std::size_t row : involved_) apply_sum(state[row], row, sums_[row].changed);
     }
     if (found.solved) result.sweeps = i;
@@ -371,7 +373,7 @@ ResolverStatistics SffdResolver::resolve(BodySet& bodies, const std::vector<Cont
                                          StepVelocities& velocities, BodyExchange& exchange) {
   const Step step{bodies, contacts, dt, velocities, exchange};
   ResolverStatistics statistics;
-  velocities.push.clear();
+  velocities.push.clear(), velocities.on_locked.clear();
   statistics.contacts = collect_pairs(bodies, contacts);
   if (contacts.empty()) {
     finish(step, statistics);

@@ -81,11 +81,12 @@ class SffdResolver : public ContactResolver {
     return {b.inverse_mass * Eigen::Map<const Vec3>(sums_[row].impulse),
             b.inverse_inertia * Eigen::Map<const Vec3>(sums_[row].angular)};
   }
-  /// Removes the sums along locked axes.
-  void clear_locked_axes() {
-    for (const std::size_t row : locked_) {
-      Eigen::Map<Vec3> sum{sums_[row].impulse};
-      sum = without_locked(bodies_[row].locked, sum);
+  /// Removes the sums along locked axes, which the contacts' impulses on these bodies include.
+  void clear_locked_axes(std::vector<ContactSum>* all) {
+    for (std::size_t k = 0; k < locked_.size(); ++k) {
+      Eigen::Map<Vec3> sum{sums_[locked_[k]].impulse};
+      if (all) (*all)[k].impulse += sum, (*all)[k].moment += Eigen::Map<Vec3>{sums_[locked_[k]].angular};
+      sum = without_locked(bodies_[locked_[k]].locked, sum);
     }
   }
   void apply_sum(BodyState&, std::size_t row, double number) const;

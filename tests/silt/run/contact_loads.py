@@ -80,6 +80,35 @@ class ContactLoads(SiltTest):
         self.near(rows["contact_force"], [-down, 0, -MASS * slope[2]])
         self.near(rows["contact_torque"], [0, down * RADIUS, 0])
 
+    def test_a_locked_body_bears_what_lies_on_it(self):
+        """The ball rests on a post that all axes hold, and one that only may turn, a radius beside its top."""
+        every_axis = '["x", "y", "z", "rotation x", "rotation y", "rotation z"]'
+        for locked, turned in ((every_axis, 0), ('["x", "y", "z"]', 0.3)):
+            post = f"""position = [{16 - 2 * RADIUS * turned}, 8, {3 + 2 * RADIUS * math.sqrt(1 - turned**2)}]
+[[bodies]]
+shape = "ball"
+name = "post"
+density = 1
+locked = {locked}
+position = [16, 8, 3]
+"""
+            rows = self.last(SCENE.replace("position = [16, 8, 3]\n", post), "--set", "run.steps=20").at(-1)
+            ball, post = rows["contact_force"]
+            self.near(ball, -post, 1e-12)
+            self.assertGreater(ball[2], 0.9 * (1 - turned**2) * MASS * GRAVITY)
+            self.assertLess(np.abs(rows["contact_torque"]).max(), 1e-12 * MASS * GRAVITY * RADIUS)
+
+    def test_a_locked_body_feels_films_as_a_free_one(self):
+        """A ball towed to the floor, and one so heavy that it moves on: the forces of the last step."""
+        towed = WET.replace("[0, 0, -1e-5]", "[0, 0, 0]").replace("position = [16, 8, 3]", "velocity = [0, 0, -1e-3]\nposition = [16, 8, 3.24]")
+        all_axes = 'locked = ["x", "y", "z", "rotation x", "rotation y", "rotation z"]\nposition ='
+        films = []
+        for scene in (towed.replace("position =", all_axes), towed.replace("density = 2.5", "density = 1e7")):
+            rows = self.last(scene, "--set", "run.steps=100", "--set", "output.bodies.every=100").at(-1)
+            films.append(rows["contact_force"][0])
+        self.assertGreater(films[0][2], 0.1 * 6 * math.pi * 0.1 * RADIUS**2 * 1e-3 / 0.14)
+        self.near(films[0], films[1], 1e-3)
+
     def test_impacts_act_on_both(self):
         two = """position = [10, 8, 8]
 velocity = [0.05, 0.01, 0]
