@@ -4,9 +4,14 @@ Reference: the wet over the dry coefficient of restitution follows exp(-35 / St*
 for solid spheres and drops (D. Legendre, C. Daniel, P. Guiraud, Phys. Fluids 17 (2005) 097105), with the measurements of
 G. Joseph, R. Zenit, M. Hunt, A. Rosenwinkel, J. Fluid Mech. 433 (2001) 329 and P. Gondret, M. Lance, L. Petit, Phys. Fluids 14
 (2002) 643 scattered about it by some 0.1 (reference/04_wet_rebound.toml). Oils and steel balls are those of Gondret et
-al. Both velocities are those at a gap of 0.1 diameters, on the way down and up; U in St* is the former. The film
-stops growing at 1e-4 radii: a steel ball's surface gives way there to the pressure (R. Davis, J.-M. Serayssol, E. Hinch, J. Fluid
-Mech. 163 (1986) 479: 0.2 micrometres at 2 mm and 0.5 m/s in the thickest oil). The figure is found less reference, times 100.
+al. Both velocities are those at a gap of 0.2 diameters, on the way down and up; U in St* is the former. The figure is found less
+reference, times 100.
+
+The film stops growing at 1e-3 radii, the program's default. On the way down steel gives way to its pressure at 1e-4 radii or two
+(R. Davis, J.-M. Serayssol, E. Hinch, J. Fluid Mech. 163 (1986) 479), on the way up oil cannot pull by more than the pressure of the air
+p: below sqrt(3 mu R v / p), 1e-2 radii, it hardly holds the ball. What a film takes goes with the logarithm of the gap, so one
+resistance for both ways has the geometric mean, 1e-3. E. Biegert, B. Vowinckel, E. Meiburg, J. Comput. Phys. 340 (2017) 105, fit 3e-3
+to the trajectory at St 27; a test of waLBerla has 5e-4.
 
 Trajectories: heights of the gap and times after the first contact at which the ball turns between bounces, read off Gondret et
 al.'s figures at Stokes numbers 27 and 152. The ball starts 3 diameters over the plate, so much faster than in the experiment that it
@@ -26,7 +31,7 @@ BALLS = {"st50": (STEEL, 0.003, 953, 0.020), "st90": (STEEL, 0.004, 953, 0.020),
 SIZES = (10, 15)           # cells across the ball
 BOX = (4, 4, 6)            # diameters
 START = 4.5                # of the ball's lowest point over the plate, diameters
-GAP = 0.1                  # at which the velocities are taken, diameters
+GAP = 0.2                  # at which the velocities are taken, diameters
 LATTICE_VELOCITY = 0.05    # of free fall
 SCATTER = 10
 
@@ -34,7 +39,7 @@ SCATTER = 10
 TRAJECTORIES = {"st27": ((STEEL, 0.006, 965, 0.100), 0.518, 1.25, [(1.972, 0.0192)]),
                 "st152": ((STEEL, 0.003, 935, 0.010), 0.586, 1.10, [(7.466, 0.040), (2.234, 0.106), (0.520, 0.140), (0.096, 0.156)])}
 TRAJECTORY_BOX, TRAJECTORY_START = (6, 6, 8), 3
-HEIGHT_LIMIT, TIME_LIMIT = 30, 15   # percent: of a scatter of 10 points in a restitution of 0.4 to 0.8
+HEIGHT_LIMIT, TIME_LIMIT = 10, 10   # percent
 
 GOALS = [Goal(f"accuracy.wet_rebound.{name}.d{D}.difference", SCATTER) for name in BALLS for D in SIZES]
 GOALS += [Goal(f"accuracy.wet_rebound.{name}.d{D}.apex{n}.{what}", limit) for name, (*_, apexes) in TRAJECTORIES.items() for D in SIZES
@@ -43,8 +48,6 @@ SHORT_GOALS = [Goal("accuracy.wet_rebound.st90.d15.difference", SCATTER), Goal("
                Goal("accuracy.wet_rebound.st152.d10.short.apex1.time", 5)]
 GONDRET = dict(source="Gondret, Lance, Petit, Phys. Fluids 14 (2002) 643, trajectories, as digitised in a test of PARTIES",
                doi="10.1063/1.1427920", kind="experiment")
-CRITICAL = ("so near the Stokes number of 10 to 20 below which no ball bounces the last hundredth of a cell of the film decides: heights are 43 to "
-            "66 % too low, least with 100 sub-steps; exp(-35 / St*) itself gives 1.2 mm, 40 % too low")
 CLAIMS = {}
 for ball, (*_, apexes) in TRAJECTORIES.items():
     for n, (height, time) in enumerate(apexes, 1):
@@ -52,7 +55,7 @@ for ball, (*_, apexes) in TRAJECTORIES.items():
             for what, value in (("height over the plate in mm", height), ("time after the first contact in s", time)):
                 CLAIMS[f"accuracy.wet_rebound.{ball}.d{form}.apex{n}.{what.split()[0]}"] = Claim(
                     f"{what} of the top after bounce {n}", f"ball on a plate under oil, {ball}", "D = {D}", **GONDRET, expected=value,
-                    uncertainty="10 points of restitution", note=CRITICAL * (ball == "st27"))
+                    uncertainty="10 points of restitution")
 CLAIMS |= {
     "accuracy.wet_rebound.{ball}.d{D}.difference": Claim(
         "restitution, wet over dry, times 100", "ball on a plate under oil, {ball}", "D = {D}",
@@ -79,7 +82,7 @@ def case_of(ball, D, fall, first, box, start, duration):
         f"A ball of {1000 * diameter:g} mm and {density_of_ball:g} kg/m3 falls on a plate under oil", si(cell, LATTICE_VELOCITY * cell / fall),
         domain=dict(size=size, boundary=dict(x="periodic", y="periodic", z="no-slip")),
         fluid=dict(density=density, kinematic_viscosity=mu / density), gravity=dict(acceleration=[0, 0, -9.81]),
-        coupling=dict(lubrication_min_gap=1e-4 * diameter / 2), contacts=dict(restitution=0.97, substeps=10),
+        contacts=dict(restitution=0.97, substeps=10),
         shapes=[sphere(diameter, "ball")],
         bodies=[dict(shape="ball", density=density_of_ball, velocity=[0, 0, -first],
                      position=[size[0] / 2 + 0.31 * cell, size[1] / 2 + 0.17 * cell, (start + 0.5) * diameter])],
