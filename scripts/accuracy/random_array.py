@@ -86,28 +86,28 @@ def exact(setup, fineness):
     return {"K": sum(flow.force(i)[0] for i in range(FEW)) / (FEW * 6 * math.pi)}
 
 
-def a_run(key, phi, diameter, number, seed, offset, settings):
+def case_of(phi, diameter, number, seed, offset):
     cells = round(edge(phi, number) * diameter / 2)
     a = cells / edge(phi, number)
     factor = sum(between(phi)) / 2
     drive = number * 6 * math.pi * scene.VISCOSITY * a * factor * scene.speed(2 * a) / cells**3
     steps = max(600, round(8 * cells**2 / (4 * math.pi**2 * scene.VISCOSITY)))
     positions = ", ".join(scene.vector((a * x + offset) % cells) for x in array(phi, seed, number))
-    text = scene.case(f"Random array, {number} spheres, solid fraction {phi:g}, {2 * a:.3g} cells across", (cells,) * 3,
+    return scene.case(f"Random array, {number} spheres, solid fraction {phi:g}, {2 * a:.3g} cells across", (cells,) * 3,
                       f'type = "sphere"\ndiameter = {2 * a!r}',
                       [f'[[bodies]]\nshape = "body"\ndensity = 1\nmotion = "fixed"\npositions = [{positions}]'], steps,
                       fluid=f"body_force = {scene.vector((drive, 0, 0))}", quantities="x")
-    return Run(key, text, {"D": diameter, **settings})
 
 
 def many(phi, diameter):
-    return [a_run(f"phi{phi:g}.d{diameter}.array{seed}", phi, diameter, NUMBER, seed, np.zeros(3), {"phi": phi, "array": seed})
-            for seed in range(REALISATIONS[diameter])]
+    return [Run(f"phi{phi:g}.d{diameter}.array{seed}", case_of(phi, diameter, NUMBER, seed, np.zeros(3)),
+                {"D": diameter, "phi": phi, "array": seed}) for seed in range(REALISATIONS[diameter])]
 
 
 def few(setup, diameter):
-    return [a_run(f"{setup}.d{diameter}.place{n}", float(setup.removeprefix("few.phi")), diameter, FEW, 0, np.array(offset),
-                  {"setup": setup, "place": n}) for n, offset in enumerate(scene.offsets(4))]
+    phi = float(setup.removeprefix("few.phi"))
+    return [Run(f"{setup}.d{diameter}.place{n}", case_of(phi, diameter, FEW, 0, np.array(offset)),
+                {"D": diameter, "setup": setup, "place": n}) for n, offset in enumerate(scene.offsets(4))]
 
 
 def runs(level):

@@ -15,6 +15,7 @@ sphere that is to leave the vertical begins with a tenth of the velocity sideway
 immersed boundary method has 1.206 (15 cells) and 1.227 (36) at 144, 1.243 (15) and 1.307 (48) at 178.46, 1.323 (48) at 190, 1.395 (36)
 at 250.
 """
+import collections
 import numpy as np
 from case_text import case_text, sphere
 from problem import Claim, Found, Goal, Run
@@ -22,7 +23,6 @@ from problem import Claim, Found, Goal, Run
 DIAMETER = 20                                # cells; with 8 the relaxation time would be 0.51: unstable
 RATIO, GALILEO, REFERENCE = 1.5, 144.0, 1.2855
 WIDTH, NARROW = 7, 5                         # diameters
-BELOW, ABOVE = 3, 7                          # diameters from the sphere to inlet and outlet
 VELOCITY = 0.08                              # cells a step
 TIMES = 30                                   # diameters the sphere settles
 REGIMES = {144.0: (1.285, 0, 50), 178.46: (1.356, 0.1245, 100), 190.0: (1.376, 0.136, 100),
@@ -31,10 +31,15 @@ REGIME_LIMITS = {15: 4, 24: 1, 36: 1}        # percent, by cells across
 SIDEWAYS_LIMIT = 10
 SHORT_TIMES = 15
 DISTANCES = (0.5, 0.6, 0.7, 1)               # diameters from the sphere up to which cells are finest
+# In diameters: the width, from the sphere to inlet and outlet, and the distance up to which cells are finest. A fall lasts `times` diameters.
+Box = collections.namedtuple("Box", "width below above distance", defaults=(3, 7, None))
+Fall = collections.namedtuple("Fall", "galileo reference times sideways", defaults=(GALILEO, REFERENCE, TIMES, 0))
 WAKE = 1.5                                   # the same, where the wake leaves the vertical
 
 
-def case_of(diameter, width, galileo, reference, collision, distance, below, above, times, sideways=0):
+def case_of(diameter, box, fall, collision):
+    width, below, above, distance = box
+    galileo, reference, times, sideways = fall
     scale = VELOCITY / reference  # sqrt((rho - 1) g d)
     every = int(0.5 * diameter / VELOCITY / 4) * 4
     inflow = [0, 0, VELOCITY]
@@ -53,28 +58,30 @@ def case_of(diameter, width, galileo, reference, collision, distance, below, abo
         run=dict(steps=2 * times * every), output=dict(bodies=dict(every=every)))
 
 
-def run_of(diameter, width, collision="trt", distance=None, below=BELOW, above=ABOVE, times=TIMES):
-    levels = f".levels2.distance{distance:g}" if distance else ""
-    text = case_of(diameter, width, GALILEO, REFERENCE, collision, distance, below, above, times)
-    return Run(f"d{diameter}.w{width}" + (f".{collision}" if collision != "trt" else "") + levels, text, dict(D=diameter, width=width))
+def run_of(diameter, box, collision="trt", times=TIMES):
+    levels = f".levels2.distance{box.distance:g}" if box.distance else ""
+    return Run(f"d{diameter}.w{box.width}" + (f".{collision}" if collision != "trt" else "") + levels,
+               case_of(diameter, box, Fall(times=times), collision), dict(D=diameter, width=box.width))
 
 
 def regime_run(diameter, galileo):
     vertical, horizontal, times = REGIMES[galileo]
-    text = case_of(diameter, 2 * WIDTH, galileo, vertical, "regularised", WAKE, 6, 10, times, 0 if horizontal == 0 else 0.1)
+    fall = Fall(galileo, vertical, times, 0 if horizontal == 0 else 0.1)
+    text = case_of(diameter, Box(2 * WIDTH, 6, 10, WAKE), fall, "regularised")
     return Run(f"ga{galileo:g}.d{diameter}", text, dict(D=diameter, galileo=galileo))
 
 
-ONE_WIDTH = run_of(DIAMETER, WIDTH, "regularised").key
-LEVELS = [run_of(DIAMETER, WIDTH, "regularised", distance).key for distance in DISTANCES]
-WIDE = run_of(DIAMETER, 2 * WIDTH, "regularised", DISTANCES[1], below=6, above=10, times=50)
+ONE_WIDTH = run_of(DIAMETER, Box(WIDTH), "regularised").key
+LEVELLED = [run_of(DIAMETER, Box(WIDTH, distance=distance), "regularised") for distance in DISTANCES]
+LEVELS = [run.key for run in LEVELLED]
+WIDE = run_of(DIAMETER, Box(2 * WIDTH, 6, 10, DISTANCES[1]), "regularised", 50)
 GOALS = [Goal("accuracy.settling_sphere.error", 3.0), Goal(f"accuracy.settling_sphere.{WIDE.key}.error", 1.0),
          Goal(f"accuracy.settling_sphere.{LEVELS[1]}.difference", 0.3),
          Goal(f"accuracy.settling_sphere.{LEVELS[1]}.speedup", 1e9, low=8)]
 GOALS += [Goal(f"accuracy.settling_sphere.ga{galileo:g}.d{D}.vertical", limit) for galileo in REGIMES for D, limit in REGIME_LIMITS.items()]
 GOALS += [Goal(f"accuracy.settling_sphere.ga{galileo:g}.d{D}.horizontal", SIDEWAYS_LIMIT) for galileo, (_, horizontal, _) in REGIMES.items()
           if horizontal for D in (24, 36)]
-SHORT = run_of(15, WIDTH, "regularised", DISTANCES[1], times=SHORT_TIMES)
+SHORT = run_of(15, Box(WIDTH, distance=DISTANCES[1]), "regularised", SHORT_TIMES)
 SHORT_GOALS = [Goal(f"accuracy.settling_sphere.{SHORT.key}.error", 8)]
 DUSEK = dict(source="Uhlmann, Dušek, Int. J. Multiphase Flow 59 (2014) 221, spectral elements", doi="10.1016/j.ijmultiphaseflow.2013.10.010",
              kind="computation")
@@ -101,8 +108,7 @@ def runs(level):
     if level == "short":
         return [SHORT]
     regimes = [regime_run(D, galileo) for D in REGIME_LIMITS for galileo in REGIMES]
-    return [*regimes, run_of(DIAMETER, WIDTH), run_of(DIAMETER, NARROW), run_of(DIAMETER, WIDTH, "regularised"),
-            *(run_of(DIAMETER, WIDTH, "regularised", distance) for distance in DISTANCES), WIDE]
+    return [*regimes, run_of(DIAMETER, Box(WIDTH)), run_of(DIAMETER, Box(NARROW)), run_of(DIAMETER, Box(WIDTH), "regularised"), *LEVELLED, WIDE]
 
 
 def measure(run, outcome):

@@ -30,8 +30,7 @@ STEEL, CARBIDE = 7800.0, 14800.0  # kg/m3; tungsten carbide: a high Stokes numbe
 BALLS = {"st50": (STEEL, 0.003, 953, 0.020), "st90": (STEEL, 0.004, 953, 0.020), "st130": (STEEL, 0.003, 935, 0.010),
          "st160": (CARBIDE, 0.003, 953, 0.020), "st275": (CARBIDE, 0.004, 953, 0.020)}
 SIZES = (10, 15)           # cells across the ball
-BOX = (4, 4, 6)            # diameters
-START = 4.5                # of the ball's lowest point over the plate, diameters
+BATH = (4, 4, 6), 4.5      # its size, and the ball's lowest point over the plate at the start, diameters
 GAP = 0.2                  # at which the velocities are taken, diameters
 LATTICE_VELOCITY = 0.05    # of free fall
 SCATTER = 10
@@ -39,7 +38,7 @@ SCATTER = 10
 # named by Gondret's Stokes number: as BALLS; speed of impact, m/s; of the start over that; heights in mm, times in s
 TRAJECTORIES = {"st27": ((STEEL, 0.006, 965, 0.100), 0.518, 1.25, [(1.972, 0.0192)]),
                 "st152": ((STEEL, 0.003, 935, 0.010), 0.586, 1.10, [(7.466, 0.040), (2.234, 0.106), (0.520, 0.140), (0.096, 0.156)])}
-TRAJECTORY_BOX, TRAJECTORY_START = (6, 6, 8), 3
+TRAJECTORY_BATH = (6, 6, 8), 3
 HEIGHT_LIMIT, TIME_LIMIT = 10, 10   # percent
 
 GOALS = [Goal(f"accuracy.wet_rebound.{name}.d{D}.difference", SCATTER) for name in BALLS for D in SIZES]
@@ -74,10 +73,11 @@ def terminal_velocity(ball, diameter, density, mu):
     return v
 
 
-def case_of(ball, D, fall, first, box, start, duration):
+def case_of(ball, D, fall, first, bath, duration):
     """Returns the case of a ball that falls from `start` diameters at `first`; `duration` is in steps, fall in m/s: LATTICE_VELOCITY."""
     density_of_ball, diameter, density, mu = ball
     cell = diameter / D
+    box, start = bath
     size = [n * diameter for n in box]
     return case_text(
         f"A ball of {1000 * diameter:g} mm and {density_of_ball:g} kg/m3 falls on a plate under oil", si(cell, LATTICE_VELOCITY * cell / fall),
@@ -92,7 +92,7 @@ def case_of(ball, D, fall, first, box, start, duration):
 
 def run_of(name, D):
     fall = terminal_velocity(*BALLS[name])
-    text = case_of(BALLS[name], D, fall, 0.9 * fall, BOX, START, round(1.35 * START * D / LATTICE_VELOCITY))
+    text = case_of(BALLS[name], D, fall, 0.9 * fall, BATH, round(1.35 * BATH[1] * D / LATTICE_VELOCITY))
     return Run(f"{name}.d{D}", text, dict(ball=name, D=D))
 
 
@@ -100,8 +100,8 @@ def trajectory_of(name, D, tops=None):
     """Returns the run of a trajectory, to the first `tops` tops."""
     ball, impact, faster, apexes = TRAJECTORIES[name]
     apexes = apexes[:tops]
-    duration = 1.1 * TRAJECTORY_START * ball[1] / impact + 1.15 * apexes[-1][1]
-    text = case_of(ball, D, impact, faster * impact, TRAJECTORY_BOX, TRAJECTORY_START, round(duration * impact * D / (LATTICE_VELOCITY * ball[1])))
+    duration = 1.1 * TRAJECTORY_BATH[1] * ball[1] / impact + 1.15 * apexes[-1][1]
+    text = case_of(ball, D, impact, faster * impact, TRAJECTORY_BATH, round(duration * impact * D / (LATTICE_VELOCITY * ball[1])))
     return Run(f"{name}.d{D}" + (".short" if tops else ""), text, dict(ball=name, D=D))
 
 

@@ -246,6 +246,17 @@ TYPED_TEST(RowsOf, AreSummedAnewWhenAnotherRowIsAskedFor) {
     this->expect_equal(moments(cell), this->summed(cell));
 }
 
+void expect_equal(const CellTotals& a, const CellTotals& b) {
+  EXPECT_EQ(a.mass, b.mass);
+  EXPECT_EQ(a.mass_square, b.mass_square);
+  for (int d = 0; d < 3; ++d) EXPECT_EQ(a.momentum[d], b.momentum[d]);
+  EXPECT_EQ(a.energy, b.energy);
+  EXPECT_EQ(a.energy_rest, b.energy_rest);
+  EXPECT_EQ(a.speed_squared, b.speed_squared);
+  EXPECT_EQ(a.least_deviation, b.least_deviation);
+  EXPECT_EQ(a.most_deviation, b.most_deviation);
+}
+
 /// Each cell's to the precision of its populations; and what many cells hold is what each of them does, to
 /// the quantum.
 TYPED_TEST(RowsOf, HaveTheTotalsOfTheirCells) {
@@ -278,14 +289,7 @@ TYPED_TEST(RowsOf, HaveTheTotalsOfTheirCells) {
       sum.most_deviation = std::max(sum.most_deviation, t.most_deviation);
     }
     EXPECT_TRUE(found.sound);
-    EXPECT_EQ(found.mass, sum.mass);
-    EXPECT_EQ(found.mass_square, sum.mass_square);
-    for (int d = 0; d < 3; ++d) EXPECT_EQ(found.momentum[d], sum.momentum[d]);
-    EXPECT_EQ(found.energy, sum.energy);
-    EXPECT_EQ(found.energy_rest, sum.energy_rest);
-    EXPECT_EQ(found.speed_squared, sum.speed_squared);
-    EXPECT_EQ(found.least_deviation, sum.least_deviation);
-    EXPECT_EQ(found.most_deviation, sum.most_deviation);
+    expect_equal(found, sum);
   }
 }
 
@@ -307,14 +311,7 @@ TYPED_TEST(RowsOf, HaveTheSameTotalsOnADevice) {
         const CellTotals expected = this->fluid.totals(0, listed[k]), &is = found[k];
         EXPECT_EQ(is.sound, expected.sound);
         if (!is.sound) continue;
-        EXPECT_EQ(is.mass, expected.mass);
-        EXPECT_EQ(is.mass_square, expected.mass_square);
-        for (int d = 0; d < 3; ++d) EXPECT_EQ(is.momentum[d], expected.momentum[d]);
-        EXPECT_EQ(is.energy, expected.energy);
-        EXPECT_EQ(is.energy_rest, expected.energy_rest);
-        EXPECT_EQ(is.speed_squared, expected.speed_squared);
-        EXPECT_EQ(is.least_deviation, expected.least_deviation);
-        EXPECT_EQ(is.most_deviation, expected.most_deviation);
+        expect_equal(is, expected);
       }
     }
   }

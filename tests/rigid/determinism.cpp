@@ -274,6 +274,14 @@ TEST(Determinism, TheBroadPhaseDoesNotShow) {
   }
 }
 
+/// Expects the same bits of another order of rows and on several ranks; returns them.
+Outcome everywhere(MakeScene make, int steps) {
+  const Outcome reference = on_one_rank("sffd", 1, steps, make);
+  expect_same(reference, on_one_rank("sffd", 2, steps, make));
+  for (int ranks : {1, 3, 4}) expect_same(reference, on_ranks("sffd", ranks, steps, make));
+  return reference;
+}
+
 TEST(Determinism, WhatIsSolvedBesideAContactDoesNotShow) {
   const Outcome reference = on_one_rank("sffd", 1, 300, partly_slippery);
   EXPECT_GT(reference.contacts, 10000u);
@@ -282,24 +290,15 @@ TEST(Determinism, WhatIsSolvedBesideAContactDoesNotShow) {
 }
 
 TEST(Determinism, ImpactsToo) {
-  const Outcome reference = on_one_rank("sffd", 1, 250, tumble_of_impacts);
-  EXPECT_GT(reference.impact_sweeps, 300u);
-  expect_same(reference, on_one_rank("sffd", 2, 250, tumble_of_impacts));
-  for (int ranks : {1, 3, 4}) expect_same(reference, on_ranks("sffd", ranks, 250, tumble_of_impacts));
+  EXPECT_GT(everywhere(tumble_of_impacts, 250).impact_sweeps, 300u);
 }
 
 TEST(Determinism, CohesionToo) {
-  const Outcome reference = on_one_rank("sffd", 1, 250, sticky);
-  EXPECT_GT(reference.contacts, 5000u);
-  expect_same(reference, on_one_rank("sffd", 2, 250, sticky));
-  for (int ranks : {1, 3, 4}) expect_same(reference, on_ranks("sffd", ranks, 250, sticky));
+  EXPECT_GT(everywhere(sticky, 250).contacts, 5000u);
 }
 
 TEST(Determinism, MeshesToo) {
-  const Outcome reference = on_one_rank("sffd", 1, 300, meshes_on_a_floor);
-  EXPECT_GT(reference.contacts, 4000u);
-  expect_same(reference, on_one_rank("sffd", 2, 300, meshes_on_a_floor));
-  for (int ranks : {1, 3, 4}) expect_same(reference, on_ranks("sffd", ranks, 300, meshes_on_a_floor));
+  EXPECT_GT(everywhere(meshes_on_a_floor, 300).contacts, 4000u);
 }
 
 TEST(Determinism, PrescribedBodyLargerThanASlab) {

@@ -218,14 +218,23 @@ bool is_whole(const adapters::CheckpointReader& reader, const CellBox& box) {
                     same_impulse);
 }
 
-TEST(Damage, of_a_single_byte_is_found_or_harmless) {
-  const Scratch scratch;  // each rank damages its share, in a folder of its own
+/// A checkpoint of which each rank damages its share, in a folder of its own.
+class Damage : public ::testing::Test {
+ protected:
+  Damage() {
+    std::filesystem::create_directory(mine);
+    write_checkpoint(MPI_COMM_SELF, path, {box}, {3, 2, 2});
+    good = content(path);
+  }
+
+  const Scratch scratch;
   const std::filesystem::path mine = scratch / std::to_string(rank());
-  std::filesystem::create_directory(mine);
   const CellBox box{{0, 0, 0}, {3, 2, 2}};
-  const auto path = checkpoint_path(mine, 1), copy = mine / "checkpoint_2.h5";
-  write_checkpoint(MPI_COMM_SELF, path, {box}, {3, 2, 2});
-  const std::string good = content(path);
+  const std::filesystem::path path = checkpoint_path(mine, 1), copy = mine / "checkpoint_2.h5";
+  std::string good;
+};
+
+TEST_F(Damage, of_a_single_byte_is_found_or_harmless) {
   std::size_t found = 0, harmless = 0;
   for (std::size_t at = 23 * rank(); at < good.size(); at += 23 * ranks()) {
     std::string bad = good;
@@ -244,14 +253,7 @@ TEST(Damage, of_a_single_byte_is_found_or_harmless) {
   EXPECT_GT(found, 0u);
 }
 
-TEST(Damage, of_a_cut_file_is_found) {
-  const Scratch scratch;  // each rank damages its share, in a folder of its own
-  const std::filesystem::path mine = scratch / std::to_string(rank());
-  std::filesystem::create_directory(mine);
-  const CellBox box{{0, 0, 0}, {3, 2, 2}};
-  const auto path = checkpoint_path(mine, 1), copy = mine / "checkpoint_2.h5";
-  write_checkpoint(MPI_COMM_SELF, path, {box}, {3, 2, 2});
-  const std::string good = content(path);
+TEST_F(Damage, of_a_cut_file_is_found) {
   for (std::size_t size = 97 * rank(); size < good.size(); size += 97 * ranks()) {
     std::ofstream(copy, std::ios::binary) << good.substr(0, size);
     EXPECT_NE(error_of([&] { adapters::CheckpointReader reader(MPI_COMM_SELF, copy); }), "")
