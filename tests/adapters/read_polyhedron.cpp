@@ -101,18 +101,16 @@ TEST(ReadPolyhedron, SaysWhatIsWrongWithTheSurface) {
   open.pop_back();
   EXPECT_EQ(refusal(as_text(open)),
             "the surface is not closed: one triangle only has 3 edges, the first from [0, 0, 1] to [0, 1, "
-            "1]; close its "
-            "holes");
+            "1]; close its holes");
   EXPECT_EQ(refusal(as_text({cube_triangles()[0]})), "it has 1 triangles; a closed surface has at least 4");
   // the top drawn down to a point below its middle: a dent of a pyramid, 1/3 x 1/2
   auto dented = cube_triangles();
   dented.resize(10);
   const Vec3 tip(0.5, 0.5, 0.5), a(0, 0, 1), b(1, 0, 1), c(1, 1, 1), d(0, 1, 1);
   for (const auto& [p, q] : {std::pair{a, b}, {b, c}, {c, d}, {d, a}}) dented.push_back({p, q, tip});
-  EXPECT_EQ(
-      refusal(as_binary(dented)),
-      "the surface is not convex: it encloses 0.833333 of the volume of its hull; make the shape a mesh, "
-      "or cut the body into convex pieces, one file each, and put them together as a compound");
+  EXPECT_EQ(refusal(as_binary(dented)),
+            "the surface is not convex: it encloses 0.833333 of the volume of its hull; make the shape a "
+            "mesh, or cut the body into convex pieces, one file each, and put them together as a compound");
   const Vec3 o(0, 0, 0), x(1, 0, 0), y(0, 1, 0), pressed(0.3, 0.3, 0);
   EXPECT_EQ(refusal(as_text({{o, y, x}, {o, x, pressed}, {x, y, pressed}, {y, o, pressed}})),
             "the shell at [0, 0, 0] encloses no volume");

@@ -29,9 +29,8 @@ inline constexpr LayerBody layer_bodies[] = {
     // three capsules crossed at right angles, standing on three of their ends
     {"star", 10,
      "type = \"compound\"\nparts = [{ type = \"capsule\", radius = 2.48, length = 8.69, orientation = [1, 0, "
-     "0] }, "
-     "{ type = \"capsule\", radius = 2.48, length = 8.69, orientation = [0, 1, 0] }, "
-     "{ type = \"capsule\", radius = 2.48, length = 8.69, orientation = [0, 0, 1] }]\n",
+     "0] }, { type = \"capsule\", radius = 2.48, length = 8.69, orientation = [0, 1, 0] }, { type = "
+     "\"capsule\", radius = 2.48, length = 8.69, orientation = [0, 0, 1] }]\n",
      "orientation = { axis = [1, -1, 0], degrees = 54.7356 }\n"}};
 
 inline const LayerBody& layer_body(const std::string& name) {

@@ -37,8 +37,7 @@ void run(const Options& o) {
   const double populations = double(s.scene().flow->fields().bytes()) / cells;
   printf(
       "%d x %d x %d cells, %llu bodies: %.1f bytes a cell (populations %.1f, of them padding and ghosts "
-      "%.1f); at "
-      "most %.1f\n",
+      "%.1f); at most %.1f\n",
       nx, ny, nz, static_cast<unsigned long long>(s.scene().at_start.body_count), bytes, populations,
       populations - 4 * lbm::D3Q19::directions, peak);
   Figures out;

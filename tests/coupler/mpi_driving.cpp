@@ -81,14 +81,12 @@ TEST(InitialFlow, NoiseIsBoundedAndTheSameOnAnyRanks) {
 /// Everything at once, among bodies.
 CaseText driven_crowd() {
   CaseText c = crowd();
-  c.domain = domain_of({24, 20, 28},
-                       "{ x = \"periodic\", y = \"periodic\", z = [{ type = "
-                       "\"moving\", velocity = [0.03, 0.01, 0], "
-                       "over_time = { table = [[0, 0], [50, 1]], amplitude = "
-                       "0.2, frequency = 0.02 } }, \"free-slip\"] }");
+  c.domain = domain_of(
+      {24, 20, 28},
+      "{ x = \"periodic\", y = \"periodic\", z = [{ type = \"moving\", velocity = [0.03, 0.01, 0], over_time "
+      "= { table = [[0, 0], [50, 1]], amplitude = 0.2, frequency = 0.02 } }, \"free-slip\"] }");
   c.fluid +=
-      "superficial_velocity = [0.01, 0, 0]\nbody_force = [1e-5, 2e-5, "
-      "0]\nbody_force_on_bodies = true\n"
+      "superficial_velocity = [0.01, 0, 0]\nbody_force = [1e-5, 2e-5, 0]\nbody_force_on_bodies = true\n"
       "body_force_over_time = { table = [[0, 0], [30, 1]] }\n";
   c.rest.replace(c.rest.find("[contacts]"), 10, "over_time = { table = [[0, 1], [40, 0.5]] }\n[contacts]");
   return c;
@@ -96,13 +94,11 @@ CaseText driven_crowd() {
 
 TEST(Driving, TheSameBitsOnADevice) {
   CaseText stream = crowd();
-  stream.domain = domain_of({24, 20, 28},
-                            "{ x = [{ type = \"velocity-inlet\", velocity = [0.03, 0, "
-                            "0], solid_for_bodies = false, over_time = { "
-                            "table = "
-                            "[[0, 0], [30, 1]] } }, { type = \"pressure-outlet\", "
-                            "solid_for_bodies = false }], y = \"periodic\", "
-                            "z = \"periodic\" }");
+  stream.domain =
+      domain_of({24, 20, 28},
+                "{ x = [{ type = \"velocity-inlet\", velocity = [0.03, 0, 0], solid_for_bodies = false, "
+                "over_time = { table = [[0, 0], [30, 1]] } }, { type = \"pressure-outlet\", solid_for_bodies "
+                "= false }], y = \"periodic\", z = \"periodic\" }");
   for (const CaseText& driven : {driven_crowd(), stream}) {
     const auto hash = [&](const std::string& device) {
       Simulation simulation = driven.start(MPI_COMM_WORLD, {"run.device=" + device});
@@ -134,10 +130,9 @@ TEST(Driving, ARunGoesOnToTheSameBits) {
 
 CaseText stirred_crowd() {
   CaseText c = crowd();
-  c.bodies +=
-      body_of("box", 2,
-              "name = \"paddle\"\nposition = [12, 10, 14]\nmotion = { angular_velocity = 0.004, axis = [0, "
-              "1, 2], amplitude = [0, 0, 1], frequency = 0.01 }");
+  c.bodies += body_of("box", 2,
+                      "name = \"paddle\"\nposition = [12, 10, 14]\nmotion = { angular_velocity = 0.004, axis "
+                      "= [0, 1, 2], amplitude = [0, 0, 1], frequency = 0.01 }");
   return c;
 }
 

@@ -77,11 +77,10 @@ TEST(Levels, HashIsTheSameOnAnyRanksAndKnowsTheLevel) {
 /// which the dissipation follows; the quadratic functions sum to the same on all levels but for the waves'
 /// sampling, which is exact for whole periods.
 TEST(Levels, AFlowBeginsAtTheCentresOfCells) {
-  Simulation s =
-      levelled_case(
-          "relaxation_time = 0.8\ninitial = { type = \"vortex\", velocity = [0.01, 0, 0], swirl = 0.02, "
-          "radius = 4 }\n")
-          .start(MPI_COMM_WORLD);
+  Simulation s = levelled_case(
+                     "relaxation_time = 0.8\ninitial = { type = \"vortex\", velocity = [0.01, 0, 0], swirl = "
+                     "0.02, radius = 4 }\n")
+                     .start(MPI_COMM_WORLD);
   LevelledFlow& flow = put_levels(s);
   for (int level = 0; level < 3; ++level) set_initial_flow(s.setup(), flow.fields(level));
   flow.for_levels([&](const FluidFields& fields) {

@@ -44,8 +44,7 @@ TEST(BodyForce, OnBodiesMovesBallAndFluidAlike) {
 }
 
 const std::string turning =
-    "{ angular_velocity = 0.004, axis = [0.2, 0.1, 1], amplitude = [0.5, 0, 0.3], frequency "
-    "= 0.01 }";
+    "{ angular_velocity = 0.004, axis = [0.2, 0.1, 1], amplitude = [0.5, 0, 0.3], frequency = 0.01 }";
 
 std::uint64_t hash_of(const CaseText& text, const Files& files, MPI_Comm comm, const Overrides& overrides) {
   Simulation simulation(read_with(text, files, overrides), comm);

@@ -29,10 +29,7 @@ CaseText channel(int height, const std::string& fluid,
                  const std::string& sides = R"(["no-slip", "no-slip"])") {
   CaseText c;
   c.domain = domain_of({4, height, 4}, "{ x = \"periodic\", y = " + sides + ", z = \"periodic\" }");
-  c.fluid =
-      "[fluid]\nrelaxation_time = 0.8\nmagic = 0.1875\nprecision = "
-      "\"double\"\n" +
-      fluid;
+  c.fluid = "[fluid]\nrelaxation_time = 0.8\nmagic = 0.1875\nprecision = \"double\"\n" + fluid;
   c.shapes = c.bodies = "";
   return c;
 }
@@ -72,16 +69,14 @@ TEST(Driving, AFlowRateHasTheForceOfPoiseuille) {
 TEST(Driving, AFlowRateThroughSpheresHasTheirDrag) {
   CaseText c = sphere_array();
   c.run =
-      "[run]\nsteps = 3000\n[[quantities]]\nname = \"u\"\ntype = "
-      "\"superficial-velocity\"\naxis = \"x\"\n"
+      "[run]\nsteps = 3000\n[[quantities]]\nname = \"u\"\ntype = \"superficial-velocity\"\naxis = \"x\"\n"
       "[[quantities]]\nname = \"d\"\ntype = \"drag-coefficient\"\naxis = "
       "\"x\"\n"
       "[[quantities]]\nname = \"f\"\ntype = \"body-force\"\naxis = \"x\"\n";
   const auto driven = c.values(MPI_COMM_WORLD);
   EXPECT_EQ(driven[2], array_force);
   c.fluid = fmt::format(
-      "[fluid]\nrelaxation_time = 1.0\nprecision = "
-      "\"double\"\nsuperficial_velocity = [{:.17g}, 0, 0]\n",
+      "[fluid]\nrelaxation_time = 1.0\nprecision = \"double\"\nsuperficial_velocity = [{:.17g}, 0, 0]\n",
       driven[0]);
   const auto controlled = c.values(MPI_COMM_WORLD);
   for (int k = 0; k < 3; ++k) EXPECT_NEAR(controlled[k], driven[k], 1e-5 * driven[k]) << k;
@@ -111,9 +106,8 @@ TEST(Driving, AnOscillatingForceGivesTheFlowOfWomersley) {
   constexpr double amplitude = 2e-5, frequency = 1. / 800;
   using Complex = std::complex<double>;
   const Complex iw(0, 2 * std::numbers::pi * frequency), k = std::sqrt(iw / channel_viscosity);
-  const CaseText c = channel(height, fmt::format("body_force = [{}, 0, 0]\nbody_force_over_time = {{ "
-                                                 "table = [[0, 0]], "
-                                                 "amplitude = 1, frequency = {} }}\n",
+  const CaseText c = channel(height, fmt::format("body_force = [{}, 0, 0]\nbody_force_over_time = {{ table = "
+                                                 "[[0, 0]], amplitude = 1, frequency = {} }}\n",
                                                  amplitude, frequency));
   tests::alone([&] {
     Simulation simulation = c.start(MPI_COMM_SELF);
@@ -140,9 +134,8 @@ TEST(Driving, AWallThatSpeedsUpDragsTheFluidAsTheorySays) {
   constexpr int steps = 1000, height = 60;
   constexpr double speed = 0.05;
   const CaseText c = channel(height, "",
-                             "[{ type = \"moving\", velocity = [0.05, 0, 0], "
-                             "over_time = { table = [[0, 0], [1000, 1]] } "
-                             "}, \"no-slip\"]");
+                             "[{ type = \"moving\", velocity = [0.05, 0, 0], over_time = { table = [[0, 0], "
+                             "[1000, 1]] } }, \"no-slip\"]");
   tests::alone([&] {
     Simulation simulation = c.start(MPI_COMM_SELF);
     simulation.run(steps);
@@ -162,12 +155,9 @@ TEST(Driving, AnInletThatSpeedsUpHasThePressureOfTheoryBehindIt) {
                 waves = 1108;  // four times that of sound in four lengths
   CaseText c;
   c.domain = domain_of({length, 4, 4},
-                       "{ x = [{ type = \"velocity-inlet\", velocity = [0.05, "
-                       "0, 0], solid_for_bodies = false, "
-                       "over_time = { table = "
-                       "[[0, 0], [4000, 1]] } }, { type = \"pressure-outlet\", "
-                       "solid_for_bodies = false }], y = "
-                       "[\"free-slip\", \"free-slip\"], z = \"periodic\" }");
+                       "{ x = [{ type = \"velocity-inlet\", velocity = [0.05, 0, 0], solid_for_bodies = "
+                       "false, over_time = { table = [[0, 0], [4000, 1]] } }, { type = \"pressure-outlet\", "
+                       "solid_for_bodies = false }], y = [\"free-slip\", \"free-slip\"], z = \"periodic\" }");
   c.fluid = "[fluid]\nrelaxation_time = 0.8\nprecision = \"double\"\n";
   c.shapes = c.bodies = "";
   tests::alone([&] {
@@ -191,9 +181,7 @@ TEST(Driving, ABallFallsAsARampOfGravitySays) {
   CaseText c;
   c.fluid = "";
   c.domain = domain_of({32, 32, 32});
-  c.rest =
-      "[gravity]\nacceleration = [0, 0, -1e-5]\nover_time = { table = "
-      "[[0, 0], [400, 1]] }\n";
+  c.rest = "[gravity]\nacceleration = [0, 0, -1e-5]\nover_time = { table = [[0, 0], [400, 1]] }\n";
   tests::alone([&] {
     Simulation simulation = c.start(MPI_COMM_SELF);
     simulation.run(400);
@@ -215,10 +203,10 @@ TEST(PrescribedBodies, AnOscillatingSphereFeelsDragAndAddedMassAsTheorySays) {
   c.domain = domain_of({56, 56, 56}, "\"no-slip\"");
   c.fluid = "[fluid]\nkinematic_viscosity = 0.05\n";
   c.shapes = sphere_of("ball", 2 * a);
-  c.bodies = body_of("ball", 1,
-                     fmt::format("position = [28, 28, 28]\nmotion = {{ amplitude = [{}, 0, 0], "
-                                 "frequency = {:.17g} }}",
-                                 amplitude, w / (2 * pi)));
+  c.bodies = body_of(
+      "ball", 1,
+      fmt::format("position = [28, 28, 28]\nmotion = {{ amplitude = [{}, 0, 0], frequency = {:.17g} }}",
+                  amplitude, w / (2 * pi)));
   Simulation simulation = c.start(MPI_COMM_WORLD);
   const int period = int(std::lround(2 * pi / w));
   simulation.run(period + period / 2);

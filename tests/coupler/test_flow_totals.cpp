@@ -99,9 +99,7 @@ TEST(FlowTotals, OfRunsAreThoseOfTheirCells) {
 TEST(FlowTotals, FollowTheSteps) {
   testing::CaseText c;
   c.domain = testing::domain_of({8, 6, 4});
-  c.fluid =
-      "[fluid]\nrelaxation_time = 0.8\nprecision = "
-      "\"double\"\nbody_force = [1e-6, 0, 0]\n";
+  c.fluid = "[fluid]\nrelaxation_time = 0.8\nprecision = \"double\"\nbody_force = [1e-6, 0, 0]\n";
   c.shapes = c.bodies = "";
   Simulation s = c.start(MPI_COMM_SELF);
   for (int step = 0; step < 4; ++step, s.step()) {

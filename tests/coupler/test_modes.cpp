@@ -24,15 +24,13 @@ constexpr double size = 1e-6;  // of the disturbance, cells a step: bodies cross
 CaseText scene(const std::string& shape, double density, double tau, std::string_view collision) {
   CaseText c;
   c.domain = domain_of({box_edge, box_edge, box_edge}, "\"periodic\"");
-  c.fluid = fmt::format(
-      "[fluid]\nrelaxation_time = {}\ncollision = "
-      "\"{}\"\nprecision = \"double\"\n",
-      tau, collision);
+  c.fluid = fmt::format("[fluid]\nrelaxation_time = {}\ncollision = \"{}\"\nprecision = \"double\"\n", tau,
+                        collision);
   c.shapes = "[[shapes]]\nname = \"body\"\n" + shape;
-  c.bodies = body_of("body", density > 0 ? density : 1,
-                     std::string("position = [6.13, 5.71, 6.37]\norientation = "
-                                 "{ axis = [3, 1, -2], degrees = 67 }\n") +
-                         (density > 0 ? "" : "motion = \"fixed\"\n"));
+  c.bodies = body_of(
+      "body", density > 0 ? density : 1,
+      std::string("position = [6.13, 5.71, 6.37]\norientation = { axis = [3, 1, -2], degrees = 67 }\n") +
+          (density > 0 ? "" : "motion = \"fixed\"\n"));
   return c;
 }
 
@@ -92,8 +90,7 @@ CaseText spinning_cube(double tau, std::string_view wall_scheme) {
   c.rest = fmt::format("[coupling]\nwall_scheme = \"{}\"\n", wall_scheme);
   c.shapes = shape_of("cube", "box", "edges = [6.2, 6.2, 6.2]");
   c.bodies = body_of("cube", 30,
-                     "position = [9.13, 8.71, 9.37]\norientation = { axis = [3, "
-                     "1, -2], degrees = 67 }\n"
+                     "position = [9.13, 8.71, 9.37]\norientation = { axis = [3, 1, -2], degrees = 67 }\n"
                      "angular_velocity = [0.012, -0.006, 0.009]\n");
   return c;
 }
@@ -132,8 +129,7 @@ CaseText sphere_under_a_cell(int n, double radius, double gap) {
   CaseText c = periodic_box(n);
   c.shapes = fmt::format("[[shapes]]\nname = \"ball\"\ntype = \"sphere\"\nradius = {}\n", radius);
   c.bodies = fmt::format(
-      "[[bodies]]\nshape = \"ball\"\ndensity = 1\nmotion = "
-      "\"fixed\"\nposition = [{0}, {0}, {1:.12g}]\n",
+      "[[bodies]]\nshape = \"ball\"\ndensity = 1\nmotion = \"fixed\"\nposition = [{0}, {0}, {1:.12g}]\n",
       n / 2 + 0.5, n / 2 + 0.5 - gap);
   return c;
 }
@@ -141,22 +137,16 @@ CaseText sphere_under_a_cell(int n, double radius, double gap) {
 CaseText cube(int n, double edge) {
   CaseText c = periodic_box(n);
   c.shapes = fmt::format(
-      "[[shapes]]\nname = \"cube\"\ntype = \"box\"\nedges = "
-      "[{0:.12g}, {0:.12g}, {0:.12g}]\n",
-      edge);
+      "[[shapes]]\nname = \"cube\"\ntype = \"box\"\nedges = [{0:.12g}, {0:.12g}, {0:.12g}]\n", edge);
   c.bodies = fmt::format(
-      "[[bodies]]\nshape = \"cube\"\ndensity = 1\nmotion = "
-      "\"fixed\"\nposition = [{0}, {0}, {0}]\n",
-      n / 2);
+      "[[bodies]]\nshape = \"cube\"\ndensity = 1\nmotion = \"fixed\"\nposition = [{0}, {0}, {0}]\n", n / 2);
   return c;
 }
 /// A tube closed at both ends.
 CaseText closed_tube() {
   CaseText c;
   c.domain = domain_of({8, 12, 12}, R"("no-slip")");
-  c.rest =
-      "[[walls]]\ntype = \"tube\"\naxis = \"x\"\nradius = 4.3\npoint = "
-      "[0, 6.13, 5.71]\n";
+  c.rest = "[[walls]]\ntype = \"tube\"\naxis = \"x\"\nradius = 4.3\npoint = [0, 6.13, 5.71]\n";
   c.shapes = c.bodies = "";
   c.run = "[run]\nsteps = 1\n";
   return c;
@@ -209,9 +199,7 @@ double alternation(Simulation& s) {
 TEST(WallModes, ForceDoesNotAlternateWhereACellLiesOnTheSurface) {
   for (const double gap : {1e-6, 1e-4, 1e-3, 1e-2}) {
     CaseText c = sphere_under_a_cell(11, 3, gap);
-    c.fluid =
-        "[fluid]\nrelaxation_time = 1\nprecision = "
-        "\"double\"\nbody_force = [1e-6, 3e-7, 7e-7]\n";
+    c.fluid = "[fluid]\nrelaxation_time = 1\nprecision = \"double\"\nbody_force = [1e-6, 3e-7, 7e-7]\n";
     Simulation s = c.start(MPI_COMM_SELF);
     s.run(4000);
     EXPECT_LT(alternation(s), 1e-5) << gap;
@@ -237,10 +225,8 @@ TEST(WallModes, FluidInSingleCellGapsComesToRest) {
 double resistance(const char* scheme, double tau) {
   CaseText c = periodic_box(8);
   const double nu = (tau - 0.5) / 3;
-  c.fluid = fmt::format(
-      "[fluid]\nrelaxation_time = {}\nprecision = "
-      "\"double\"\nbody_force = [{}, 0, 0]\n",
-      tau, 1e-6 * nu);
+  c.fluid = fmt::format("[fluid]\nrelaxation_time = {}\nprecision = \"double\"\nbody_force = [{}, 0, 0]\n",
+                        tau, 1e-6 * nu);
   c.shapes = shape_of("ball", "sphere", "diameter = 7.1");
   c.bodies = body_of("ball", 1, "motion = \"fixed\"\nposition = [4.13, 4.31, 3.87]");
   Simulation s = c.start(MPI_COMM_SELF, {std::string("coupling.wall_scheme=") + scheme});

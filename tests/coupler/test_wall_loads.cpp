@@ -64,8 +64,7 @@ TEST(WallQuantities, StressOfPlaneCouetteFlow) {
 TEST(WallQuantities, StressOfABallOnTheFloor) {
   CaseText c = couette("type = \"wall-stress\"\nside = \"z-low\"\naxis = \"z\"");
   c.domain =
-      "[domain]\nsize = [16, 16, 16]\nblocks = [8, 8, 8]\nboundary = { x = \"periodic\", y = \"periodic\", "
-      "z "
+      "[domain]\nsize = [16, 16, 16]\nblocks = [8, 8, 8]\nboundary = { x = \"periodic\", y = \"periodic\", z "
       "= [\"no-slip\", \"no-slip\"] }\n";
   c.fluid = "[fluid]\nrelaxation_time = 1\n";
   c.rest = "[gravity]\nacceleration = [0, 0, -1e-3]\n";

@@ -56,25 +56,21 @@ const std::string implicit = "[coupling]\ntime = \"implicit\"\n",
 std::vector<Fault> faults() {
   return {
       {"shear layer at low viscosity",
-       fluid_of(
-           domain_of({64, 64, 2}),
-           "relaxation_time = 0.501\ninitial = { type = \"shear-layer\", velocity = [0.1, 0, 0], steepness = "
-           "30 }\n"),
+       fluid_of(domain_of({64, 64, 2}),
+                "relaxation_time = 0.501\ninitial = { type = \"shear-layer\", velocity = [0.1, 0, 0], "
+                "steepness = 30 }\n"),
        {},
        "the fluid at cell ["},
       {"lid over fluid of low viscosity",
-       fluid_of(
-           domain_of(
-               {32, 32, 2},
-               "{ x = [{ type = \"moving\", velocity = [0, 0.1, 0] }, \"no-slip\"], y = \"no-slip\", z = "
-               "\"periodic\" }"),
-           "relaxation_time = 0.501\n"),
+       fluid_of(domain_of({32, 32, 2},
+                          "{ x = [{ type = \"moving\", velocity = [0, 0.1, 0] }, \"no-slip\"], y = "
+                          "\"no-slip\", z = \"periodic\" }"),
+                "relaxation_time = 0.501\n"),
        {},
        "use fluid.collision"},
       {"fluid driven without end",
        fluid_of(domain_of({16, 16, 16}),
-                "relaxation_time = 0.50001\ncollision = \"bgk\"\nbody_force = [2e-2, 1e-2, "
-                "0]\n"),
+                "relaxation_time = 0.50001\ncollision = \"bgk\"\nbody_force = [2e-2, 1e-2, 0]\n"),
        {},
        "moves 0."},
       {"sphere towed through fluid of low viscosity",

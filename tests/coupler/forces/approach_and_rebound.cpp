@@ -37,9 +37,7 @@ double approach_error(double density, const std::string& lubrication = "true", d
   Files files;
   if (plate > 0) {
     files["plate.ply"] = ply_of(rigid::testing::cuboid_mesh({-5, -5, -1}, {41, 41, plate}));
-    c.rest +=
-        "[[walls]]\ntype = \"mesh\"\nfile = \"plate.ply\"\nsolid = "
-        "\"inside\"\n";
+    c.rest += "[[walls]]\ntype = \"mesh\"\nfile = \"plate.ply\"\nsolid = \"inside\"\n";
   }
   c.shapes = sphere_of("sphere", 2 * sphere_radius);
   c.bodies =
@@ -139,9 +137,7 @@ TEST(Rebound, UnderAFilmThrowsNoFluid) {
   for (const double start : {6.0, 6.003, 6.006, 6.009, 6.012, 6.015, 6.018, 6.021, 6.024, 6.027}) {
     CaseText c = scene("no-slip", ball("ball", 8, fmt::format("[16.31, 15.83, {}]", start), -0.03));
     c.fluid = "[fluid]\nrelaxation_time = 0.53\n";
-    c.rest =
-        "[coupling]\nlubrication_min_gap = 5e-4\n[contacts]\nrestitution "
-        "= 0.97\nsubsteps = 10\n";
+    c.rest = "[coupling]\nlubrication_min_gap = 5e-4\n[contacts]\nrestitution = 0.97\nsubsteps = 10\n";
     Simulation s = c.start(MPI_COMM_WORLD);
     double fastest = 0;
     while (s.steps_done() < 50) {

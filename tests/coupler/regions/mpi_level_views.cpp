@@ -85,10 +85,9 @@ INSTANTIATE_TEST_SUITE_P(Levels, LevelViews, ::testing::Values(1, 2));
 
 TEST(CutForLevels, SaysWhenThereAreTooManyRanks) {
   const LevelScene scene(many_bodies(2, "\"periodic\""));
-  EXPECT_EQ(
-      tests::error_of<std::invalid_argument>([&] { scene.parts(1000); }),
-      "the domain of 84 x 96 x 80 cells cannot be cut into 1000 parts of at least 16 cells an edge, four "
-      "of the coarsest; use fewer ranks, or fewer coarsening.levels");
+  EXPECT_EQ(tests::error_of<std::invalid_argument>([&] { scene.parts(1000); }),
+            "the domain of 84 x 96 x 80 cells cannot be cut into 1000 parts of at least 16 cells an edge, "
+            "four of the coarsest; use fewer ranks, or fewer coarsening.levels");
 }
 
 }  // namespace

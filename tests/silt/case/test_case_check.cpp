@@ -49,8 +49,8 @@ TEST(CaseCheck, WarnsOfDoubtfulRelaxationTimes) {
   EXPECT_TEXT(warnings(c), "the relaxation time is 0.5001; below 0.51");
   c.fluid = "[fluid]\nrelaxation_time = 0.5000999\n";
   EXPECT_TEXT(warnings(c),
-              "0.5 + 9.99e-05; no collision model was measured below 0.5 + 0.0001: the viscosity "
-              "is too small for these cells by a factor of 1.1");
+              "0.5 + 9.99e-05; no collision model was measured below 0.5 + 0.0001: the viscosity is too "
+              "small for these cells by a factor of 1.1");
   c.fluid = "[fluid]\nrelaxation_time = 2.5\n";
   EXPECT_TEXT(warnings(c), "above 2 walls and slow flow lose accuracy");
 }
@@ -93,8 +93,8 @@ TEST(CaseCheck, WarnsOfCoarserCellsWithinTheFlowAroundABody) {
   c.shapes = shape_of("ball", "sphere", "radius = 12");
   c.bodies = body_of("ball", 1, "position = [48, 48, 48]\nvelocity = [0.05, 0, 0]");
   EXPECT_TEXT(warnings(c),
-              "coarsening.distance is 6 cells, but the flow around bodies[0] changes over "
-              "about 7 cells (Reynolds number 12): use 7 or more");
+              "coarsening.distance is 6 cells, but the flow around bodies[0] changes over about 7 cells "
+              "(Reynolds number 12): use 7 or more");
   c.rest = "[coarsening]\nlevels = 1\n";
   EXPECT_FALSE(tests::has_part(warnings(c), "coarsening.distance is")) << warnings(c);
 }
@@ -145,9 +145,8 @@ TEST(CaseCheck, SaysThatAllStaysAtRestOnlyWhereItDoes) {
   EXPECT_TEXT(warnings(c), said);
   for (const std::string moves :
        {gravity, spring, std::string("[contacts]\ncohesion = 1e-3\n"),
-        std::string(
-            "[[walls]]\ntype = \"tube\"\nname = \"drum\"\naxis = \"y\"\nradius = 14\npoint = [16, 16, "
-            "16]\nangular_velocity = 0.001\n")}) {
+        std::string("[[walls]]\ntype = \"tube\"\nname = \"drum\"\naxis = \"y\"\nradius = 14\npoint = [16, "
+                    "16, 16]\nangular_velocity = 0.001\n")}) {
     c.rest = moves;
     EXPECT_FALSE(tests::has_part(warnings(c), said)) << moves;
   }

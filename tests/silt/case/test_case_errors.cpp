@@ -252,12 +252,10 @@ TEST(CaseErrors, WhatIsTakenAwayMustBeThere) {
   EXPECT_TRUE(c.read({"bodies[0]="}).bodies.empty());
   EXPECT_EQ(c.fault({"fluid.relaxation_time="}),
             "case.toml:6:2: [fluid] needs one of kinematic_viscosity, dynamic_viscosity, relaxation_time: "
-            "how viscous the fluid "
-            "is");
-  EXPECT_EQ(
-      c.fault({"run.balnce="}),
-      "--unset run.balnce: the case has no such key: there is no 'balnce'; did you mean 'balance'? known: "
-      "steps, balance");
+            "how viscous the fluid is");
+  EXPECT_EQ(c.fault({"run.balnce="}),
+            "--unset run.balnce: the case has no such key: there is no 'balnce'; did you mean 'balance'? "
+            "known: steps, balance");
   EXPECT_EQ(c.fault({"bodies[1]="}), "--unset bodies[1]: there is no entry 1: the list has 1");
   EXPECT_EQ(c.fault({"run.steps.x="}), "--unset run.steps.x: the case has no such key: there is no 'x'");
 }

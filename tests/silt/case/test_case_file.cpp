@@ -206,11 +206,10 @@ TEST(CaseFile, BodiesFromStlFilesBesideTheCase) {
   ASSERT_EQ(setup.files.size(), 1u);
   EXPECT_TRUE(setup.files[0].starts_with("rocks/a.stl: ")) << setup.files[0];
   write("0 0 5");
-  EXPECT_EQ(
-      error_of([&] { read_case(folder); }),
-      (folder / "case.toml").string() +
-          ":14:1: shapes[0].file: 'rocks/a.stl': the surface is not closed: one triangle only has 4 edges, "
-          "the first from [0, 0, 0] to [0, 0, 5]; close its holes");
+  EXPECT_EQ(error_of([&] { read_case(folder); }),
+            (folder / "case.toml").string() +
+                ":14:1: shapes[0].file: 'rocks/a.stl': the surface is not closed: one triangle only has 4 "
+                "edges, the first from [0, 0, 0] to [0, 0, 5]; close its holes");
   std::filesystem::remove_all(folder);
 }
 
@@ -322,9 +321,7 @@ TEST(ShippedCases, AllAreReadAndRunnableWithoutWarnings) {
 
 TEST(CaseFile, CellsAreFinestHalfTheLargestBodyAwayUnlessACaseSaysOtherwise) {
   CaseText c;
-  c.rest =
-      "[coarsening]\nlevels = 2\n[[coarsening.fine]]\nbox = [[0, 0, 0], [8, 8, "
-      "8]]\n";
+  c.rest = "[coarsening]\nlevels = 2\n[[coarsening.fine]]\nbox = [[0, 0, 0], [8, 8, 8]]\n";
   EXPECT_EQ(c.read().coarsening->distance, 8);
   EXPECT_EQ(c.read({"coarsening.distance=10.5"}).coarsening->distance, 10.5);
   c.shapes = shape_of("ball", "sphere", "radius = 12.5");

@@ -121,8 +121,7 @@ TEST(LatticeFill, CountTakesTheLowest) {
 TEST(LatticeFill, SaysHowManySitesThereAre) {
   const CaseText c = sites("arrangement = \"simple-cubic\"\nspacing = 5\ncount = 513\n");
   EXPECT_TEXT(c.fault(),
-              "fill[0].count is 513, but there are only 512 free "
-              "sites; lower count, gap or spacing, or "
+              "fill[0].count is 513, but there are only 512 free sites; lower count, gap or spacing, or "
               "enlarge box or domain");
 }
 

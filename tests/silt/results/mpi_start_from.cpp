@@ -82,9 +82,7 @@ TEST(Resume, ARunGoesOnOnlyWithTheFilesItBeganWith) {
       std::filesystem::create_directory(directory);
       CaseText c;
       c.fluid.clear();
-      c.shapes =
-          "[[shapes]]\nname = \"ball\"\ntype = \"polyhedron\"\nfile = "
-          "\"rock.stl\"\nscale = 0.5\n";
+      c.shapes = "[[shapes]]\nname = \"ball\"\ntype = \"polyhedron\"\nfile = \"rock.stl\"\nscale = 0.5\n";
       std::ofstream(directory / "case.toml") << c.text();
       std::ofstream(directory / "rock.stl") << stl;
     }
@@ -182,21 +180,16 @@ TEST(StartFrom, OtherUnitsKeepVelocityPressureAndRateOfStrain) {
   c.units = "[units]\nsystem = \"si\"\ncell_size = 1e-3\ntime_step = 1e-3\n";
   c.domain = "[domain]\nsize = [0.016, 0.016, 0.016]\nboundary = \"periodic\"\n";
   c.fluid =
-      "[fluid]\ndensity = 1000\nkinematic_viscosity = 1e-4\nprecision = "
-      "\"double\"\ninitial = { type = "
-      "\"taylor-green-3d\", "
-      "velocity = [0.02, 0, 0] }\n";
+      "[fluid]\ndensity = 1000\nkinematic_viscosity = 1e-4\nprecision = \"double\"\ninitial = { type = "
+      "\"taylor-green-3d\", velocity = [0.02, 0, 0] }\n";
   c.shapes = shape_of("ball", "sphere", "diameter = 6e-3");
   c.bodies = body_of("ball", 1200,
-                     "positions = [[0.004, 0.004, 0.004], [0.012, 0.011, "
-                     "0.012]]\nvelocity = [0.01, 0, 0]");
+                     "positions = [[0.004, 0.004, 0.004], [0.012, 0.011, 0.012]]\nvelocity = [0.01, 0, 0]");
   const Ended other(c, 60);
   const auto before = other.saved->go_on(c.read());
   CaseText next = c;
   next.units = "[units]\nsystem = \"si\"\ncell_size = 1e-3\ntime_step = 5e-4\n";
-  next.fluid =
-      "[fluid]\ndensity = 800\nkinematic_viscosity = 3e-4\nprecision "
-      "= \"double\"\n";
+  next.fluid = "[fluid]\ndensity = 800\nkinematic_viscosity = 3e-4\nprecision = \"double\"\n";
   next.bodies = body_of("ball", 2000, "");
   const auto after = other.start(next);
   const FlowTotals was = before->scene().flow->totals(), is = after->scene().flow->totals();
@@ -356,8 +349,7 @@ TEST(StartFrom, WhatDoesNotFitIsRefused) {
     return tests::error_of<std::runtime_error>([&] { other.start(c); });
   };
   EXPECT_TEXT(error([](CaseText& c) { c.bodies = body_of("sphere", 2, "name = \"ball\""); }),
-              "it has bodies 'sphere', of which the case has no entry; give "
-              "[[bodies]] of that name without "
+              "it has bodies 'sphere', of which the case has no entry; give [[bodies]] of that name without "
               "positions");
   EXPECT_TEXT(error([](CaseText& c) { c.shapes = sphere_of("sphere", 6); }),
               "has not the shape that the case gives 'sphere'");
@@ -370,17 +362,14 @@ TEST(StartFrom, WhatDoesNotFitIsRefused) {
                 c.domain = domain_of({24, 24, 12});
               }),
               "outside of the 24 x 24 x 12 cells of the case; enlarge domain.size");
-  EXPECT_TEXT(
-      error([](CaseText& c) {
-        c.units = "[units]\nsystem = \"si\"\ncell_size = 0.5\ntime_step = 1\n";
-        c.domain = domain_of({12, 12, 12});
-        c.shapes = sphere_of("sphere", 3.5);
-        c.fluid =
-            "[fluid]\ndensity = 1\nkinematic_viscosity = 0.1\nprecision "
-            "= \"double\"\n";
-      }),
-      "its domain has 24 x 24 x 24 cells, each as wide as 2 of the case, which has 24 x 24 x 24; the domains "
-      "must be of one size");
+  EXPECT_TEXT(error([](CaseText& c) {
+                c.units = "[units]\nsystem = \"si\"\ncell_size = 0.5\ntime_step = 1\n";
+                c.domain = domain_of({12, 12, 12});
+                c.shapes = sphere_of("sphere", 3.5);
+                c.fluid = "[fluid]\ndensity = 1\nkinematic_viscosity = 0.1\nprecision = \"double\"\n";
+              }),
+              "its domain has 24 x 24 x 24 cells, each as wide as 2 of the case, which has 24 x 24 x 24; the "
+              "domains must be of one size");
   EXPECT_TEXT(followers().fault({"initial.from=other", "coarsening.levels=1"}),
               "initial.from gives all cells of one level");
 }

@@ -20,10 +20,9 @@ std::string stress(const std::string& type, const std::string& component, const 
 /// A plane shear of rate 0.04 / height across z.
 CaseText shear(int height, const std::string& quantities, int steps) {
   CaseText c;
-  c.domain = domain_of(
-      {20, 20, height},
-      "{ x = \"periodic\", y = \"periodic\", z = [{ type = \"moving\", velocity = [-0.02, 0, 0] }, { type = "
-      "\"moving\", velocity = [0.02, 0, 0] }] }");
+  c.domain = domain_of({20, 20, height},
+                       "{ x = \"periodic\", y = \"periodic\", z = [{ type = \"moving\", velocity = [-0.02, "
+                       "0, 0] }, { type = \"moving\", velocity = [0.02, 0, 0] }] }");
   c.fluid = "[fluid]\nrelaxation_time = 0.8\nprecision = \"double\"\n";
   c.shapes = c.bodies = "";
   c.run = "[run]\nsteps = " + std::to_string(steps) + "\n" + quantities;

@@ -31,9 +31,7 @@ CaseText crowd(const std::string& precision) {
   CaseText c;
   c.domain = domain_of({24, 24, 24}, R"({ x = "periodic", y = "periodic", z = ["no-slip", "no-slip"] })");
   c.fluid = "[fluid]\nrelaxation_time = 0.8\nprecision = \"" + precision + "\"\n";
-  c.rest =
-      "[gravity]\nacceleration = [2e-3, 1e-3, "
-      "-2e-3]\n[contacts]\nrestitution = 0.3\nfriction = 0.3\n";
+  c.rest = "[gravity]\nacceleration = [2e-3, 1e-3, -2e-3]\n[contacts]\nrestitution = 0.3\nfriction = 0.3\n";
   c.shapes =
       "[[shapes]]\nname = \"ball\"\ntype = \"sphere\"\nradius = 2.5\n"
       "[[shapes]]\nname = \"rod\"\ntype = \"capsule\"\nradius = "
@@ -44,8 +42,7 @@ CaseText crowd(const std::string& precision) {
         "shape = \"rod\"\ndensity = 2\nseed = 3", "shape = \"rod\"\ndensity = 0.6\nseed = 4"})
     c.bodies += std::string("[[fill]]\ncount = 5\ngap = 0.2\n") + entry + "\n";
   c.run =
-      "[run]\nsteps = 500\n[[quantities]]\nname = \"height\"\ntype = "
-      "\"mean-height\"\n"
+      "[run]\nsteps = 500\n[[quantities]]\nname = \"height\"\ntype = \"mean-height\"\n"
       "[[quantities]]\nname = \"speed\"\ntype = \"max-speed\"\n";
   return c;
 }
@@ -123,9 +120,7 @@ TEST(Run, ResumesToTheBit) {
 }
 TEST(Run, ResumesToTheBitInExplicitAndExactForm) {
   CaseText text = crowd("double");
-  text.rest +=
-      "[coupling]\nforce = \"exact\"\ntime = "
-      "\"explicit\"\nwall_scheme = \"bounce-back\"\n";
+  text.rest += "[coupling]\nforce = \"exact\"\ntime = \"explicit\"\nwall_scheme = \"bounce-back\"\n";
   for (const char* light : {"density = 0.5", "density = 0.6"})  // would run away
     text.bodies.replace(text.bodies.find(light), 13, "density = 4.0");
   expect_resume_is_exact(text, 33, 60);
