@@ -102,14 +102,6 @@ ConvexShape random_shape(Kind kind, std::mt19937_64& random) {
   return row_of(kind).random(Sizes(random));
 }
 
-double smallest_size(const ConvexShape& a, const ConvexShape& b) {
-  const auto size = [](const ConvexShape& shape) {
-    return std::holds_alternative<rigid::HalfSpace>(shape) ? infinity
-                                                           : -rigid::signed_distance(shape, Vec3::Zero());
-  };
-  return std::min(size(a), size(b));
-}
-
 double support_gap(const Pair& p, const Vec3& n) {
   auto support = [](const ConvexShape& shape, const Pose& pose, const Vec3& d) {
     return pose.to_world(rigid::support(shape, pose.orientation.conjugate() * d));

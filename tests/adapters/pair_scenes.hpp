@@ -42,8 +42,6 @@ Quat random_orientation(std::mt19937_64&);
 /// A random pair with the reference gap `gap` to 1e-12: b is moved along a random line through a. With a
 /// cylinder, ellipsoid or polyhedron: moved along the normal, so that an overlap may turn out less deep.
 Pair random_pair(Kind a, Kind b, double gap, std::mt19937_64&);
-/// The least size of the two: what overlaps are given relative to.
-double smallest_size(const ConvexShape&, const ConvexShape&);
 
 struct ReferenceGap {
   double gap;

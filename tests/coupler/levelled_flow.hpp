@@ -30,7 +30,6 @@ class LevelledFlow final : public Flow {
   double seconds(int) const override { return 0; }
   std::optional<FluidFields::Fast> too_fast(int level) override { return fields(level).too_fast(); }
   FlowAccount& account() override { return *account_; }
-  void set_solid(int level, int block, lbm::Int3 cell) { levels_[level]->maps[block].solid.set(cell); }
 
   void drive(std::int64_t) override {}
   FlowControl* control() override { return nullptr; }

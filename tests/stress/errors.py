@@ -6,6 +6,7 @@ a signal, and name the reason, the file and the rank; or it had no need of what 
 there must come to the results of a run without errors."""
 import argparse
 import errno
+import functools
 import os
 import pathlib
 import re
@@ -37,10 +38,7 @@ parser.add_argument("--changes", type=int, default=0)
 parser.add_argument("--memory", type=int, default=0)
 parser.add_argument("--ranks", type=int, default=2)
 options = parser.parse_args()
-
-
-def launch(*arguments, preload=None):
-    return start(options.silt, options.ranks, *arguments, preload=preload)
+launch = functools.partial(start, options.silt, options.ranks)
 
 
 def settings(out, **others):

@@ -8,6 +8,7 @@ a random moment, without warning. Then the series of the bodies and the files ov
 frames as they were written, and the run that goes on must come to the same bits, files, rows of series.csv and report
 as one that nobody killed."""
 import argparse
+import functools
 import os
 import pathlib
 import random
@@ -45,10 +46,7 @@ parser.add_argument("--ranks", type=int, default=1)
 parser.add_argument("--seed", type=int, default=1)
 parser.add_argument("--wet", action="store_true")
 options = parser.parse_args()
-
-
-def launch(*arguments, preload=None):
-    return start(options.silt, options.ranks, *arguments, preload=preload)
+launch = functools.partial(start, options.silt, options.ranks)
 
 
 def kill_settings(out, at):

@@ -174,17 +174,25 @@ TEST(StartFrom, TheSameParametersTakeTheSameFluidAndBodies) {
   EXPECT_EQ(start->body_count(), 3u);
 }
 
-/// Half as long steps, another density of the fluid, another viscosity.
-TEST(StartFrom, OtherUnitsKeepVelocityPressureAndRateOfStrain) {
+/// A vortex, and two balls in it.
+CaseText fluid_of_a_vortex(bool with_bodies) {
   CaseText c;
   c.units = "[units]\nsystem = \"si\"\ncell_size = 1e-3\ntime_step = 1e-3\n";
   c.domain = "[domain]\nsize = [0.016, 0.016, 0.016]\nboundary = \"periodic\"\n";
   c.fluid =
-      "[fluid]\ndensity = 1000\nkinematic_viscosity = 1e-4\nprecision = \"double\"\ninitial = { type = "
-      "\"taylor-green-3d\", velocity = [0.02, 0, 0] }\n";
+      "[fluid]\ndensity = 1000\nkinematic_viscosity = 1e-4\nprecision = \"double\"\n"
+      "initial = { type = \"taylor-green-3d\", velocity = [0.02, 0, 0] }\n";
+  c.shapes = c.bodies = "";
+  if (!with_bodies) return c;
   c.shapes = shape_of("ball", "sphere", "diameter = 6e-3");
   c.bodies = body_of("ball", 1200,
                      "positions = [[0.004, 0.004, 0.004], [0.012, 0.011, 0.012]]\nvelocity = [0.01, 0, 0]");
+  return c;
+}
+
+/// Half as long steps, another density of the fluid, another viscosity.
+TEST(StartFrom, OtherUnitsKeepVelocityPressureAndRateOfStrain) {
+  const CaseText c = fluid_of_a_vortex(true);
   const Ended other(c, 60);
   const auto before = other.saved->go_on(c.read());
   CaseText next = c;
@@ -213,19 +221,8 @@ TEST(StartFrom, OtherUnitsKeepVelocityPressureAndRateOfStrain) {
 /// Cells half as wide, and two thirds: mean energy and pressure of the vortex, and the bodies, are what they
 /// were, and so are the bits on any ranks.
 TEST(StartFrom, NarrowerCellsKeepTheFlow) {
-  CaseText c;
-  c.units = "[units]\nsystem = \"si\"\ncell_size = 1e-3\ntime_step = 1e-3\n";
-  c.domain = "[domain]\nsize = [0.016, 0.016, 0.016]\nboundary = \"periodic\"\n";
-  c.fluid =
-      "[fluid]\ndensity = 1000\nkinematic_viscosity = 1e-4\nprecision = \"double\"\n"
-      "initial = { type = \"taylor-green-3d\", velocity = [0.02, 0, 0] }\n";
-  const std::string ball = shape_of("ball", "sphere", "diameter = 6e-3");
   for (const bool with_bodies : {false, true}) {
-    c.shapes = with_bodies ? ball : "";
-    c.bodies = with_bodies ? body_of("ball", 1200,
-                                     "positions = [[0.004, 0.004, 0.004], [0.012, 0.011, 0.012]]\n"
-                                     "velocity = [0.01, 0, 0]")
-                           : "";
+    const CaseText c = fluid_of_a_vortex(with_bodies);
     const Ended other(c, 20);
     const auto before = other.saved->go_on(c.read());
     const FlowTotals was = before->scene().flow->totals();
