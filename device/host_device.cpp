@@ -2,7 +2,6 @@
 
 #include <signal.h>
 #include <sys/mman.h>
-#include <unistd.h>
 
 #include <atomic>
 #include <cstdint>
@@ -19,7 +18,8 @@ namespace silt {
 
 namespace {
 
-/// Whole pages that are inaccessible except while passes run. A pool above it requests few large pieces.
+/// Large pages that are inaccessible except while passes run. A
+/// pool above it requests few large pieces.
 class LockedMemory final : public std::pmr::memory_resource {
  public:
   void lock(bool locked) {
@@ -34,17 +34,22 @@ class LockedMemory final : public std::pmr::memory_resource {
   }
 
  private:
+  static std::size_t whole(std::size_t bytes) { return (bytes + host_page - 1) / host_page * host_page; }
   void* do_allocate(std::size_t bytes, std::size_t) override {
-    void* const memory = mmap(nullptr, bytes, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
-    if (memory == MAP_FAILED) throw std::bad_alloc();
+    char* const from = static_cast<char*>(
+        mmap(nullptr, whole(bytes) + host_page, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0));
+    if (from == MAP_FAILED) throw std::bad_alloc();
+    char* const memory = from + (host_page - reinterpret_cast<std::uintptr_t>(from) % host_page);
+    munmap(from, std::size_t(memory - from));
+    if (const auto rest = std::size_t(from + host_page - memory)) munmap(memory + whole(bytes), rest);
 #if defined(MADV_HUGEPAGE)
-    madvise(memory, bytes, MADV_HUGEPAGE);
+    madvise(memory, whole(bytes), MADV_HUGEPAGE);
 #endif
-    all_[memory] = bytes;
+    all_[memory] = whole(bytes);
     return memory;
   }
   void do_deallocate(void* memory, std::size_t bytes, std::size_t) override {
-    munmap(memory, bytes);
+    munmap(memory, whole(bytes));
     all_.erase(memory);
   }
   bool do_is_equal(const std::pmr::memory_resource& other) const noexcept override {
@@ -76,9 +81,9 @@ LockedMemory& shared_memory() {
 }
 
 void count_and_unlock(int signal, siginfo_t* found, void*) {
-  const auto page = std::uintptr_t(sysconf(_SC_PAGESIZE)), at = std::uintptr_t(found->si_addr) / page * page;
+  const std::uintptr_t at = std::uintptr_t(found->si_addr) / host_page * host_page;
   if (shared_memory().has(found->si_addr) &&
-      mprotect(reinterpret_cast<void*>(at), page, PROT_READ | PROT_WRITE) == 0)
+      mprotect(reinterpret_cast<void*>(at), host_page, PROT_READ | PROT_WRITE) == 0)
     ++pages_touched;
   else
     sigaction(signal, &before_ours, nullptr);  // comes again, to the handler that was there before

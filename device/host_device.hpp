@@ -20,6 +20,8 @@ void defer_work(const Work& work) {
 }
 void run_deferred_work();
 
+/// The bytes of a page of these memories: a large one, since to lock many small ones takes long.
+inline constexpr std::size_t host_page = std::size_t{2} << 20;
 std::pmr::memory_resource* own_memory_of_host();
 std::pmr::memory_resource* shared_memory_of_host();
 std::shared_ptr<void> zeroed_on_host(std::size_t bytes);

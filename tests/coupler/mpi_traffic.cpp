@@ -2,13 +2,13 @@
 // passes, and the fluid beside them does not notice.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <fstream>
 #include <memory>
 #include <stdexcept>
 
+#include "device/host_device.hpp"
 #include "lbm/blocks/equal_cut.hpp"
 #include "lbm/passes/passes.hpp"
 #include "silt/simulation.hpp"
@@ -72,7 +72,7 @@ TEST(Traffic, OnlyWhatHasChangedCrossesTheBus) {
 }
 
 TEST(Traffic, PagesOfADeviceThatTheProcessorTouchesAreCounted) {
-  const auto page = std::size_t(sysconf(_SC_PAGESIZE));
+  constexpr std::size_t page = host_page;
   const std::shared_ptr<void> memory = zeroed_on(Device::host, 8 * page);
   auto* const bytes = static_cast<volatile char*>(memory.get());
   const std::uint64_t before = bus_bytes(Device::host).pages;
