@@ -127,6 +127,15 @@ Outcome<T> by_kernels(const CutLinks<T>& links, const std::vector<BeyondPair<T>>
   return Outcome<T>(block, numbers<T>(sums));
 }
 
+/// Spoils what a device leaves unset: it completes the places of the last vector of a group alone.
+template <class T>
+CutLinks<T> as_on_a_device(CutLinks<T> links) {
+  for (const LinkGroup& g : links.groups)
+    for (auto* values : {&links.q, &links.rate, &links.opposite_q, &links.opposite_u})
+      for (std::uint32_t l = g.begin + g.count; l < g.begin + padded(g.count); ++l) (*values)[l] = T(77);
+  return links;
+}
+
 template <class T>
 Outcome<T> by_passes(const LinkPasses<T>& passes, CutLinks<T> links, const std::vector<BeyondPair<T>>& pairs,
                      void (*wait)()) {
@@ -163,10 +172,10 @@ void expect_same_links() {
     const CutLinks<T> links = some_links<T>(scheme);
     const Outcome<T> expected = by_kernels(links, pairs);
     EXPECT_EQ(expected.sums.back(), 0);
-    EXPECT_EQ(by_passes(plain::link_passes<T>(), links, pairs, [] {}), expected);
-    EXPECT_EQ(
-        by_passes(SILT_OFF_CPU(Device::host, link_passes<T>)(), links, pairs, [] { wait(Device::host); }),
-        expected);
+    EXPECT_EQ(by_passes(plain::link_passes<T>(), as_on_a_device(links), pairs, [] {}), expected);
+    EXPECT_EQ(by_passes(SILT_OFF_CPU(Device::host, link_passes<T>)(), as_on_a_device(links), pairs,
+                        [] { wait(Device::host); }),
+              expected);
   }
 }
 TEST(PlainPasses, ApplyAndCorrectLinksAsTheKernels) {
