@@ -9,6 +9,7 @@
 #include "coupler/forces/entrained_fluid.hpp"
 #include "coupler/forces/fluid_forces.hpp"
 #include "coupler/forces/turning_walls.hpp"
+#include "coupler/heat/heat_flow.hpp"
 #include "coupler/mapping/build_links.hpp"
 #include "coupler/mapping/map_bodies.hpp"
 #include "coupler/mapping/mapping_poses.hpp"
@@ -54,8 +55,10 @@ class FlowOf final : public Flow {
         world_(exchange.world()),
         fluid_(domain, collision_of(*spec.fluid), comm, spec.device),
         levels_(fluid_, spec.coarsening ? spec.coarsening->levels : 0),
+        heat_(spec.heat ? std::make_unique<HeatFlow<T>>(*spec.heat, spec.boundary, fluid_, exchange)
+                        : nullptr),
         map_(fluid_.domain(), world_, boxes(fluid_), lbm::link_reach(coupling_.wall_scheme)),
-        fields_(make_fields<T>(fluid_, map_.blocks())),
+        fields_(make_fields<T>(fluid_, map_.blocks(), heat_ ? &heat_->temperature() : nullptr)),
         account_(*fields_, comm),
         pushes_bodies_(spec.fluid->body_force_on_bodies && spec.fluid->has_body_force()),
         drive_{spec.fluid->body_force, spec.fluid->body_force_over_time, spec.boundary},
@@ -82,6 +85,7 @@ class FlowOf final : public Flow {
   std::optional<FluidFields::Fast> too_fast(int level) override { return own_fields(level).too_fast(); }
   double seconds(int level) const override { return levels_.seconds()[level]; }
   FlowAccount& account() override { return account_; }
+  std::int64_t heat_of_wall(std::size_t wall) const override { return heat_ ? heat_->heat_of_wall(wall) : 0; }
 
   void drive(std::int64_t step) override {
     if (control_ && control_->is_due(step)) control_->look(step, fields_->sums());
@@ -93,6 +97,7 @@ class FlowOf final : public Flow {
     cells_changed();
     if (!holds_bodies_) renew_mapping_poses(bodies, world_, coupling_, fluid_.passes());
     map_(bodies);
+    if (heat_) heat_->begin_step(bodies);
     counts_.covered = counts_.uncovered = 0;
     if (map_.changed()) remap(bodies, changes);
     if (is_exact() && parallel::rank_of(fluid_.comm()) == 0)
@@ -107,20 +112,25 @@ class FlowOf final : public Flow {
     account_.begin_pass();
     cells_changed();
     levels_.begin_step();
-    if (world_.shapes.empty() || schedule_ == LinkSchedule::sequential) return levels_.stream_collide();
+    const bool interleaves = !world_.shapes.empty() && schedule_ == LinkSchedule::interleaved;
+    if (!interleaves && !heat_) return levels_.stream_collide();
+    if (heat_) heat_->temperature().begin_pass();
     fluid_.begin_pass();
     for (int b = 0; b < int(links_.size()); ++b)
       for (int part = 0; part < fluid_.parts(b); ++part) {
+        if (heat_) heat_->temperature().collide(b, part);
         fluid_.collide(b, part);
         levels_.after_part(b, part);
-        const GroupRange ready = links_[b].inner_after(part);
+        const GroupRange ready = interleaves ? links_[b].inner_after(part) : GroupRange{0, 0};
         if (!ready.empty()) clock.timed(Stage::force_evaluation, [&] { apply_inner(b, ready); });
       }
+    if (heat_) heat_->temperature().end_pass();
     fluid_.end_pass();
   }
   void communicate() override {
     passed_.give(fluid_);
     fluid_.exchange();
+    if (heat_) heat_->temperature().exchange();
     levels_.end_step();
     if (pairs_) pairs_->exchange(fluid_.blocks(), fluid_.parity());
   }
@@ -128,6 +138,7 @@ class FlowOf final : public Flow {
     cells_changed();
     if (schedule_ == LinkSchedule::sequential)
       for (int b = 0; b < int(links_.size()); ++b) apply_inner(b, links_[b].all_inner());
+    if (heat_) heat_->exchange_heat(links_, bodies);  // before corrections change the motions of surfaces
     account_.end_step(forces_.finish(fluid_, links_, bodies));
   }
 
@@ -150,6 +161,7 @@ class FlowOf final : public Flow {
     const auto& from = static_cast<const FlowOf&>(other);
     from.complete_cells();
     lbm::move_populations(from.levels_, levels_);
+    if (heat_) lbm::move_populations(from.heat_->temperature(), heat_->temperature());
     account_.take_over(from.account_);
     levels_.set_passes(from.fluid_.passes());
     levels_.set_seconds(from.levels_.seconds());
@@ -163,6 +175,7 @@ class FlowOf final : public Flow {
     account_.set_mapping(counts_);
     cells_changed();
     if (resumed_) return;
+    if (heat_) heat_->start();
     forces_.start(map_.blocks(), bodies);
   }
 
@@ -219,6 +232,7 @@ class FlowOf final : public Flow {
     const ChangedCells cells = changed_cells(map_.blocks());
     take_cells(+1, cells.covered, bodies, changes);
     refill(fluid_, map_.blocks(), cells, bodies, changes.gone, uncovered_);
+    if (heat_) heat_->change_cells(map_.blocks(), cells, bodies);
     take_cells(-1, cells.uncovered, bodies, changes);
     account_.take_mass(passed_.weigh(fluid_, map_.blocks(), cells));
     counts_.covered = cells.covered.size(), counts_.uncovered = cells.uncovered.size();
@@ -273,6 +287,7 @@ class FlowOf final : public Flow {
         block.order_groups(fluid_.pass_order(int(b)));
         pair_gaps(b);
         hold_excess(b);
+        if (heat_) heat_->list_links(int(b), map, block);
       }
       counts_.links += block.count;
     }
@@ -308,8 +323,9 @@ class FlowOf final : public Flow {
 
   CouplingSpec coupling_;
   const rigid::World& world_;
-  mutable lbm::Fluid<T> fluid_;  // finest level
-  lbm::Levels<T> levels_;        // all levels
+  mutable lbm::Fluid<T> fluid_;        // finest level
+  lbm::Levels<T> levels_;              // all levels
+  std::unique_ptr<HeatFlow<T>> heat_;  // null: the case has no [heat]
   MapBodies map_;
   std::unique_ptr<FluidFields> fields_;
   std::vector<std::unique_ptr<CoarserFields>> coarser_;

@@ -33,6 +33,9 @@ class Flow {
   /// Returns the seconds that passes of a coarser level took on this rank, a part of Stage::stream_collide.
   virtual double seconds(int level) const = 0;
   virtual FlowAccount& account() = 0;
+  /// Returns this rank's share of the heat that a wall got from the fluid in the last step, in
+  /// lbm::heat_quantum; `wall` counts the rows of walls. Zero without [heat].
+  virtual std::int64_t heat_of_wall(std::size_t) const { return 0; }
   const FluidFields& fields(int level = 0) const { return const_cast<Flow*>(this)->fields(level); }
   const FlowAccount& account() const { return const_cast<Flow*>(this)->account(); }
   /// Collective; throws like FlowAccount::totals.

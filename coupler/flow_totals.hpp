@@ -14,6 +14,8 @@
 namespace silt::lbm {
 template <class T>
 class Fluid;
+template <class T>
+class Temperature;
 }  // namespace silt::lbm
 
 namespace silt::coupler {

@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "lbm/fluid.hpp"
+#include "lbm/heat/heat_links.hpp"
 #include "lbm/walls/cut_links.hpp"
 
 namespace silt::coupler {
@@ -18,13 +19,21 @@ namespace {
 template <class T>
 class FieldsOf final : public FluidFields {
  public:
-  FieldsOf(lbm::Fluid<T>& fluid, const std::vector<BlockMap>& maps)
-      : FluidFields(fluid.domain(), fluid.spec(), maps), fluid_(fluid) {}
+  FieldsOf(lbm::Fluid<T>& fluid, const std::vector<BlockMap>& maps, lbm::Temperature<T>* temperature)
+      : FluidFields(fluid.domain(), fluid.spec(), maps), fluid_(fluid), temperature_(temperature) {}
 
   void moments(int b, const lbm::CellBox& box, lbm::MomentArrays& moments) const override {
     fluid_.moments(b, box, moments);
   }
-  void read(int b, const lbm::CellBox& box, int i, double* g) const override { fluid_.read(b, box, i, g); }
+  bool has_temperature() const override { return temperature_ != nullptr; }
+  double temperature(int b, Int3 x) const override {
+    return temperature_->spec().reference + temperature_->at(b, x);
+  }
+  void read(int b, const lbm::CellBox& box, int i, double* g) const override {
+    if (i < lbm::D3Q19::directions) return fluid_.read(b, box, i, g);
+    for_cells(box.lower, box.lower + box.size,
+              [&](Int3 x) { *g++ = temperature_->arriving(b, x, i - lbm::D3Q19::directions); });
+  }
   std::pair<double, double> link(int b, Int3 x, int i) const override {
     return {fluid_.leaving(b, x, i), came_back(b, x, i)};
   }
@@ -51,6 +60,29 @@ class FieldsOf final : public FluidFields {
       record.g[lbm::D3Q19::directions] = T(level());
       for (int i = 0; i < lbm::D3Q19::directions; ++i) record.g[i] = fluid_.arriving(b, x, i);
       sum += XXH3_64bits(&record, sizeof record);
+      if (!temperature_) return;
+      record.g[lbm::D3Q7::directions] = T(lbm::D3Q7::directions);
+      for (int i = 0; i < lbm::D3Q7::directions; ++i) record.g[i] = temperature_->arriving(b, x, i);
+      sum += XXH3_64bits(&record, sizeof record);
+    });
+    return sum;
+  }
+  rigid::FixedSum heat() const override {
+    rigid::FixedSum sum = 0;
+    for_fluid_cells(maps(),
+                    [&](int b, Int3 x) { sum += std::llrint(temperature_->at(b, x) / lbm::heat_quantum); });
+    return sum;
+  }
+  rigid::FixedSum side_heat(int axis, bool upper) const override {
+    rigid::FixedSum sum = 0;
+    const int i = 2 * axis + (upper ? 1 : 2);
+    for_layer(axis, upper ? domain().cells()[axis] - 1 : 0, [&](int b, Int3 low, Int3 high) {
+      for_cells(low, high, [&](Int3 x) {
+        if (!is_fluid(b, x)) return;
+        const double lost =
+            double(temperature_->leaving(b, x, i)) - temperature_->arriving(b, x, lbm::opposite(i));
+        sum += std::llrint(lost / lbm::heat_quantum);
+      });
     });
     return sum;
   }
@@ -175,10 +207,15 @@ class FieldsOf final : public FluidFields {
       add_exchanged(std::span(&i, 1), b, low, high, -width() * width(), sums);
     }
   }
-  void set(int b, const lbm::CellBox& box, int i, const double* g) override { fluid_.write(b, box, i, g); }
+  void set(int b, const lbm::CellBox& box, int i, const double* g) override {
+    if (i < lbm::D3Q19::directions) return fluid_.write(b, box, i, g);
+    for_cells(box.lower, box.lower + box.size,
+              [&](Int3 x) { temperature_->arriving(b, x, i - lbm::D3Q19::directions) = T(*g++); });
+  }
   FlowSums count() const override { return flow_sums<T>(fluid_, maps()); }
 
   lbm::Fluid<T>& fluid_;
+  lbm::Temperature<T>* temperature_;  // null: none
 };
 
 }  // namespace
@@ -193,11 +230,14 @@ lbm::CellBox FluidFields::cells_meeting(const rigid::BoundingBox& box) const {
 }
 
 template <class T>
-std::unique_ptr<FluidFields> make_fields(lbm::Fluid<T>& fluid, const std::vector<BlockMap>& maps) {
-  return std::make_unique<FieldsOf<T>>(fluid, maps);
+std::unique_ptr<FluidFields> make_fields(lbm::Fluid<T>& fluid, const std::vector<BlockMap>& maps,
+                                         lbm::Temperature<T>* temperature) {
+  return std::make_unique<FieldsOf<T>>(fluid, maps, temperature);
 }
 
-template std::unique_ptr<FluidFields> make_fields(lbm::Fluid<float>&, const std::vector<BlockMap>&);
-template std::unique_ptr<FluidFields> make_fields(lbm::Fluid<double>&, const std::vector<BlockMap>&);
+template std::unique_ptr<FluidFields> make_fields(lbm::Fluid<float>&, const std::vector<BlockMap>&,
+                                                  lbm::Temperature<float>*);
+template std::unique_ptr<FluidFields> make_fields(lbm::Fluid<double>&, const std::vector<BlockMap>&,
+                                                  lbm::Temperature<double>*);
 
 }  // namespace silt::coupler

@@ -52,6 +52,11 @@ class FluidFields {
   // ---- cells of a box of a block's local cells, x fastest; of solid ones they mean nothing ----
   virtual void moments(int b, const lbm::CellBox&, lbm::MomentArrays&) const = 0;
   std::array<double, 3> velocity(const lbm::Moments& m) const { return lbm::velocity_of(m, spec_.force); }
+  /// Returns whether the fluid has a temperature; the temperature of a cell in the case.
+  virtual bool has_temperature() const = 0;
+  virtual double temperature(int b, lbm::Int3 local_cell) const = 0;
+  /// Returns the number of populations of a cell: after those of the fluid those of the temperature.
+  int populations() const { return lbm::D3Q19::directions + (has_temperature() ? lbm::D3Q7::directions : 0); }
   /// Reads population i that arrives at the cells, at either parity; exact in double for both precisions.
   virtual void read(int b, const lbm::CellBox&, int i, double* g) const = 0;
   /// Returns the populations that left a fluid cell along i in the last pass and returned against i.
@@ -85,6 +90,10 @@ class FluidFields {
   /// exchange: the sum of c (f out + f back) over its links across that side (method.md, equation 1), in
   /// lbm::link_quantum, units of the finest lattice. Zero if the side is not a wall.
   virtual std::array<rigid::FixedSum, 3> side_force(int axis, bool upper) const = 0;
+  /// Returns this rank's share of the sum of temperatures over fluid cells, and of the heat that the fluid
+  /// lost over a side of the domain in the last step, both in lbm::heat_quantum.
+  virtual rigid::FixedSum heat() const = 0;
+  virtual rigid::FixedSum side_heat(int axis, bool upper) const = 0;
   /// Returns `share` times the volume flux along an axis through a block's local cells of one layer, in
   /// flow_quantum and finest units: the sum of velocities times the face of a cell, less the flux into bodies
   /// and [[walls]] in the layer. In steady flow it is equal for all layers.
@@ -109,9 +118,11 @@ class FluidFields {
   mutable std::optional<FlowSums> sums_;
 };
 
-/// Returns the fields of a fluid; refers to the fluid and to the maps of its blocks.
+/// Returns the fields of a fluid, and of its temperature if it has one; refers to both and to the maps of the
+/// blocks.
 template <class T>
-std::unique_ptr<FluidFields> make_fields(lbm::Fluid<T>&, const std::vector<BlockMap>&);
+std::unique_ptr<FluidFields> make_fields(lbm::Fluid<T>&, const std::vector<BlockMap>&,
+                                         lbm::Temperature<T>* = nullptr);
 
 /// Calls visit(global cell of the level, moments) for every fluid cell of a box, x fastest.
 template <class Visit>

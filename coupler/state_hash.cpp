@@ -28,8 +28,23 @@ std::uint64_t hash_bodies(const rigid::BodySet& bodies) {
   return sum;
 }
 
+/// Returns the same of id, temperature and heat owed.
+static std::uint64_t hash_heat(const rigid::BodySet& bodies) {
+  std::uint64_t sum = 0;
+  parallel::Bytes bytes;
+  for (std::size_t row = 0; row < bodies.owned; ++row) {
+    const CouplingState& coupled = coupling_of(bodies, row);
+    bytes.clear();
+    parallel::put(bytes, bodies.id[row]), parallel::put(bytes, coupled.temperature);
+    parallel::put(bytes, coupled.heat_owed);
+    sum += XXH3_64bits(bytes.data(), bytes.size());
+  }
+  return sum;
+}
+
 std::uint64_t state_hash(MPI_Comm comm, const Flow* flow, const rigid::BodySet& bodies) {
   std::uint64_t sum = hash_bodies(bodies);
+  if (flow && flow->fields().has_temperature()) sum += hash_heat(bodies);
   if (flow) flow->for_levels([&](const FluidFields& fields) { sum += fields.hash(); });
   return parallel::sum_over_ranks(comm, sum);
 }

@@ -94,7 +94,18 @@ template <class T>
 void Fluid<T>::set_force(const std::array<double, 3>& force) {
   spec_.force = force;
   *rates_ = CollisionRates<T>(spec_);
+  rates_->of_temperature = buoyancy_.get();
   halo_.set_force(force);
+}
+
+template <class T>
+void Fluid<T>::set_buoyancy(const std::array<double, 3>& of_one,
+                            std::span<const Block<T, D3Q7>> temperature) {
+  CollisionSpec spec = spec_;
+  spec.force = of_one;
+  buoyancy_ = std::make_unique<CollisionRates<T>>(spec);
+  rates_->of_temperature = buoyancy_.get();
+  for (std::size_t b = 0; b < blocks_.size(); ++b) blocks_[b].set_temperature(&temperature[b]);
 }
 
 template <class T>

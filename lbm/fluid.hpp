@@ -52,6 +52,9 @@ class Fluid {
 
   /// Sets the acceleration from the next collision on.
   void set_force(const std::array<double, 3>&);
+  /// Lets the temperature, in as many blocks of the same boxes, accelerate the fluid: by so much for a unit
+  /// of it. Each pass of the temperature over rows must then come before that of the fluid. Processor only.
+  void set_buoyancy(const std::array<double, 3>&, std::span<const Block<T, D3Q7>>);
   /// Sets the velocity of a side of the domain from the next pass on.
   void set_side_velocity(int side, const std::array<double, 3>&);
   /// Declares that from now on cells of block b with links are all in these rows (excess.hpp). A pass must
@@ -74,6 +77,7 @@ class Fluid {
   }
   /// Lets a block without fluid cells skip collisions; its slots then hold no valid values.
   void set_idle(int b, bool idle) { idle_[b] = idle; }
+  std::span<const char> idle() const { return idle_; }
   /// Collides and streams all blocks that are not idle, and flips the parity. Messages to other ranks leave
   /// as soon as their values are written. Call exchange() next.
   void stream_collide();
@@ -95,6 +99,7 @@ class Fluid {
   };
   const std::vector<Fast>& fast_cells() const { return fast_cells_; }
   const PassOrder& pass_order(int b) const { return orders_[b]; }
+  std::span<const PassOrder> pass_orders() const { return orders_; }
   /// Completes the pass: sends the remaining messages, waits for all, fills or returns ghost slots, and
   /// applies the walls of the domain. Cut links at the rim of blocks come after it.
   void exchange() { halo_.exchange(blocks_, idle_, parity_); }
@@ -148,7 +153,7 @@ class Fluid {
 
   Domain domain_;
   CollisionSpec spec_;
-  std::unique_ptr<CollisionRates<T>> rates_;
+  std::unique_ptr<CollisionRates<T>> rates_, buoyancy_;  // buoyancy_: null for none
   MPI_Comm comm_;
   Device device_;
   std::vector<Block<T>> blocks_;

@@ -25,7 +25,7 @@
 
 namespace silt::adapters {
 
-inline constexpr std::int64_t checkpoint_format_version = 16;
+inline constexpr std::int64_t checkpoint_format_version = 17;
 
 // ---- the checkpoints of a folder: checkpoint_000000005000.h5, numbered by step ----
 

@@ -70,6 +70,12 @@ struct OwedMass {
   std::int64_t all = 0, by_each_link = 0;  // in total; the part of it that each link returns in the next step
 };
 
+/// Heat that a body has got and not stored, in lbm::heat_quantum (heat/heat_flow.cpp); what each link of an
+/// insulating body returns of it in the next step.
+struct OwedHeat {
+  std::int64_t all = 0, by_each_link = 0;
+};
+
 /// The whole state, initially zero. Every member has a line in visit_columns.
 struct CouplingState {
   MappedMotion mapped;
@@ -88,6 +94,10 @@ struct CouplingState {
   Plain<6> sprung_velocity;
   // for output: the last force and torque of the fluid on the body, and those of its springs
   Plain<6> seen_load, spring_load;
+  // temperature of a body with a heat capacity, less that of reference; heat that it got from the fluid in
+  // the last step
+  Plain<1> temperature, heat_flow;
+  OwedHeat heat_owed;
 };
 static_assert(std::is_trivially_copyable_v<CouplingState>);
 static_assert(sizeof(CouplingState) == sizeof(rigid::AttachedState),
@@ -135,6 +145,9 @@ void visit_columns(const CouplingState& s, Visit&& visit) {
   column("sprung_velocity", velocity, !copied, saved, s.sprung_velocity);
   column("seen_load", impulse, !copied, !saved, s.seen_load);
   column("spring_load", impulse, !copied, !saved, s.spring_load);
+  column("temperature", heat, copied, saved, s.temperature);
+  column("heat_flow", heat, !copied, !saved, s.heat_flow);
+  column("heat_owed", quanta, copied, saved, s.heat_owed);
 }
 
 inline rigid::Pose mapping_pose(const rigid::BodySet& bodies, std::size_t row) {

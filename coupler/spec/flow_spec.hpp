@@ -6,6 +6,7 @@
 #include "coupler/spec/coarsening_spec.hpp"
 #include "coupler/spec/coupling_spec.hpp"
 #include "coupler/spec/fluid_spec.hpp"
+#include "coupler/spec/heat_spec.hpp"
 #include "coupler/spec/sides.hpp"
 #include "device/device.hpp"
 #include "rigid/bodies/body_exchange.hpp"
@@ -17,6 +18,7 @@ struct FlowSpec {
   std::array<BoundarySpec, 6> boundary;           // by Side
   std::optional<std::array<int, 3>> block_cells;  // none: "auto"
   std::optional<FluidSpec> fluid;                 // none: bodies alone
+  std::optional<HeatSpec> heat;                   // none: the fluid has no temperature
   std::optional<CoarseningSpec> coarsening;       // none: every cell is finest
   CouplingSpec coupling;
   Device device = Device::cpu;

@@ -87,6 +87,15 @@ struct D3Q19 {
   static constexpr double sound_speed_squared = 1.0 / 3;
 };
 
+/// The lattice of the temperature. Its directions are the first seven of D3Q19.
+struct D3Q7 {
+  static constexpr int directions = 7, pairs = 3;
+  static constexpr std::array<Int3, directions> c = {
+      {{0, 0, 0}, {1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}}};
+  static constexpr double w(int i) { return i == 0 ? 1.0 / 4 : 1.0 / 8; }
+  static constexpr double sound_speed_squared = 1.0 / 4;
+};
+
 /// Returns the direction with this vector, or -1.
 template <class Lattice>
 constexpr int direction_of(Int3 v) {
@@ -124,6 +133,6 @@ constexpr bool is_isotropic() {
     all &= is(flux[d / 3][d % 3], d / 3 == d % 3 ? Lattice::sound_speed_squared : 0);
   return all;
 }
-static_assert(is_isotropic<D3Q19>());
+static_assert(is_isotropic<D3Q19>() && is_isotropic<D3Q7>());
 
 }  // namespace silt::lbm

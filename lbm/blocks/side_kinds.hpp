@@ -7,8 +7,10 @@
 namespace silt::lbm {
 
 /// What lies at a side: the periodic image; a wall with a velocity (halfway bounce-back: no-slip and moving
-/// walls and velocity inlets); a mirror; or, from `pressure` on, an outlet.
-enum class SideKind { periodic, bounce, free_slip, pressure };
+/// walls and velocity inlets); a mirror; or, from `pressure` on, an outlet. The last two are sides of the
+/// temperature: one that has a temperature, and one through which heat goes with the fluid. (Its `bounce`
+/// insulates, or lets the heat in that wall_addend makes of the velocity.)
+enum class SideKind { periodic, bounce, free_slip, pressure, temperature, open };
 constexpr bool is_outlet(SideKind kind) {
   return kind >= SideKind::pressure;
 }
@@ -17,7 +19,7 @@ constexpr bool is_outlet(SideKind kind) {
 struct SideCondition {
   SideKind kind = SideKind::periodic;
   std::array<double, 3> velocity{};  // of a wall or inlet, lattice units
-  double density_deviation = 0;      // of an outlet of given pressure
+  double density_deviation = 0;      // of an outlet of given pressure; or the temperature of a side
   bool varies = false;               // whether the velocity changes over time
   /// Returns whether fluid passes through a side across this axis.
   bool is_open(int axis) const {
@@ -29,6 +31,7 @@ struct SideCondition {
 struct LeftThroughOutlet {
   double value, twice_weight;  // 2 w_j
   double along, square;        // c_j.u, 3/2 u.u
+  double sum;                  // of all populations that left the cell: of the temperature, this
 };
 
 /// An outlet of given pressure, by anti bounce-back.
@@ -40,12 +43,30 @@ struct PressureOutlet {
   }
 };
 
+/// A side of a given temperature (method-heat.md, equation H5).
+struct TemperatureSide {
+  double temperature;
+  SILT_DEVICE double operator()(const LeftThroughOutlet& left) const {
+    return left.twice_weight * temperature - left.value;
+  }
+};
+/// A side of the temperature of the cell before it.
+struct OpenSide {
+  SILT_DEVICE double operator()(const LeftThroughOutlet& left) const {
+    return left.twice_weight * left.sum - left.value;
+  }
+};
+
 /// Calls f with the outlet of a side (e.g. PressureOutlet); does nothing if the side is no outlet.
 template <class F>
 void with_outlet(const SideCondition& side, F&& f) {
   switch (side.kind) {
     case SideKind::pressure:
       return f(PressureOutlet{side.density_deviation});
+    case SideKind::temperature:
+      return f(TemperatureSide{side.density_deviation});
+    case SideKind::open:
+      return f(OpenSide{});
     case SideKind::periodic:
     case SideKind::bounce:
     case SideKind::free_slip:

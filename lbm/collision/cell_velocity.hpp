@@ -7,9 +7,9 @@
 namespace silt::lbm::SILT_BUILD {
 
 /// Sets the velocity from each pair's difference (along less against its first direction) and half the force.
-template <bool source, class V, class T>
+template <bool source, class V, class Rates>
 [[gnu::always_inline]] SILT_DEVICE inline void set_velocity(const V (&difference)[D3Q19::pairs],
-                                                            const CollisionRates<T>& r, V& ux, V& uy, V& uz) {
+                                                            const Rates& r, V& ux, V& uy, V& uz) {
   const V* const d = difference;
   ux = d[0] + ((d[3] + d[4]) + (d[5] + d[6]));
   uy = d[1] + ((d[3] - d[4]) + (d[7] + d[8]));

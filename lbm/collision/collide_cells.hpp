@@ -10,6 +10,7 @@
 #include "cpu/lanes.hpp"
 #if !defined(SILT_SCALAR)
 #include "cpu/prefetch.hpp"
+#include "lbm/collision/rows.hpp"
 #endif
 #include "lbm/blocks/block.hpp"
 #include "lbm/blocks/excess.hpp"
@@ -38,21 +39,6 @@ struct AllLanes {
     return inner;
   }
 };
-
-#if !defined(SILT_SCALAR)
-/// Masks the lanes of a vector beyond the first `cells`.
-template <class V, class T>
-struct FirstLanes {
-  static constexpr int count = sizeof(V) / sizeof(T);
-  decltype(V{} < V{}) inside;
-  explicit FirstLanes(std::ptrdiff_t cells) {
-    V lane;
-    for (int i = 0; i < count; ++i) lane[i] = T(i);
-    inside = lane < (V{} + T(cells));
-  }
-  V operator()(const V& inner, const V& outer) const { return inside ? inner : outer; }
-};
-#endif
 
 /// Calls found(offset, speed) for cells that are too fast or whose speed is not a number, at the cost of a
 /// comparison and a branch.
@@ -117,10 +103,11 @@ struct NothingGivenUp {
 };
 
 /// Collides the vector of cells from x on. Slots of lanes outside the row keep their values.
-template <class Model, bool source, class V, class T, class Keep, class Watch, class Given = NothingGivenUp>
+template <class Model, bool source, class V, class T, class Rates, class Keep, class Watch,
+          class Given = NothingGivenUp>
 [[gnu::always_inline]] SILT_DEVICE inline void collide(const Slots<T>& slots, std::ptrdiff_t x,
-                                                       const CollisionRates<T>& r, const Keep& keep,
-                                                       const Watch& watch, const Given& given = {}) {
+                                                       const Rates& r, const Keep& keep, const Watch& watch,
+                                                       const Given& given = {}) {
   constexpr Prefetch prefetch;
   V sum[D3Q19::pairs + 1], difference[D3Q19::pairs];
   const auto arriving = [&](int i, const T* from) __attribute__((always_inline)) {

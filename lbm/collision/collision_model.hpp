@@ -69,11 +69,16 @@ struct CollisionSpec {
   }
 };
 
+/// Rounds a rate to the nearest multiple of 2^-(digits + 2), so that a sum of 1 is exact.
+template <class T>
+T on_grid(double rate);
+
 /// Rates for a diagonal direction (w = 1/36): twice these along an axis, twelve times at rest. So that
 /// rounding neither makes nor destroys mass or momentum steadily, the rates of density and momentum are
 /// multiples of a number so small that the kept fractions of populations are exact.
 template <class T>
 struct CollisionRates {
+  using Number = T;
   Collision model;
   T density;                               // omega_even/36, of rho
   T square;                                // omega_even/24, of u_d u_d, for the even half
@@ -84,6 +89,8 @@ struct CollisionRates {
       keep_fourth;    // of regularised: what is left of moments beyond those that follow from the stress
   T resolved_square;  // half the squared stress off equilibrium above which eddies add viscosity
   T eddy;             // 9 C^2; 0: none
+  const CollisionRates* of_temperature =
+      nullptr;  // whose force is that of a unit of temperature; null: no buoyancy
 
   /// Throws std::invalid_argument for a relaxation time of 1/2 or less.
   explicit CollisionRates(const CollisionSpec&);

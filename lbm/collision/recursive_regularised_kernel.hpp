@@ -26,11 +26,11 @@ template <bool ghosts>
 struct RecursiveRegularised {
   /// Collides with the arguments of TwoRelaxationTimes::collide. Rounding errors enter the populations with
   /// both signs, so that mass and momentum are conserved as sums.
-  template <bool source, class V, class T, class SetRest, class SetPair, class See>
+  template <bool source, class V, class Rates, class SetRest, class SetPair, class See>
   [[gnu::always_inline]] SILT_DEVICE static void collide(const V (&sum)[D3Q19::pairs + 1],
-                                                         const V (&difference)[D3Q19::pairs],
-                                                         const CollisionRates<T>& r, SetRest&& set_rest,
-                                                         SetPair&& set_pair, See&& see) {
+                                                         const V (&difference)[D3Q19::pairs], const Rates& r,
+                                                         SetRest&& set_rest, SetPair&& set_pair, See&& see) {
+    using T = typename Rates::Number;
     const V *const s = sum, *const d = difference;
     const V in_xy = s[3] + s[4], in_xz = s[5] + s[6], in_yz = s[7] + s[8];
     V rho = ((s[0] + s[1]) + (s[2] + sum[D3Q19::pairs])) + (in_xy + (in_xz + in_yz));
@@ -63,7 +63,7 @@ struct RecursiveRegularised {
     V axy = ux * uy + keep * nxy, axz = ux * uz + keep * nxz, ayz = uy * uz + keep * nyz;
     V px = ux, py = uy, pz = uz;  // momentum after the collision
     if constexpr (source) {
-      const T* const h = r.half_force;
+      const auto* const h = r.half_force;
       const V share = T(1) + keep, power = h[0] * ux + (h[1] * uy + h[2] * uz);
       const V mean_power = T(2. / 3) * (power - share * power);
       axx += share * (T(2) * h[0] * ux) + mean_power;

@@ -10,11 +10,11 @@ struct TwoRelaxationTimes {
   /// against its first direction; the last sum is the population at rest. Calls set_rest(population at rest
   /// after the collision), set_pair(k, p, q), where p + q leaves along the first direction of pair k and p -
   /// q against it, and see(squares of the cells' speeds times square_scale).
-  template <bool source, class V, class T, class SetRest, class SetPair, class See>
+  template <bool source, class V, class Rates, class SetRest, class SetPair, class See>
   [[gnu::always_inline]] SILT_DEVICE static void collide(const V (&sum)[D3Q19::pairs + 1],
-                                                         const V (&difference)[D3Q19::pairs],
-                                                         const CollisionRates<T>& r, SetRest&& set_rest,
-                                                         SetPair&& set_pair, See&& see) {
+                                                         const V (&difference)[D3Q19::pairs], const Rates& r,
+                                                         SetRest&& set_rest, SetPair&& set_pair, See&& see) {
+    using T = typename Rates::Number;
     const V rho = ((sum[0] + sum[1]) + (sum[2] + sum[3])) + ((sum[4] + sum[5]) + (sum[6] + sum[7])) +
                   (sum[8] + sum[D3Q19::pairs]);
     V ux, uy, uz;

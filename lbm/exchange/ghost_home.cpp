@@ -46,7 +46,9 @@ Flight step_back(const Domain& fine, Flight p) {
 }
 
 template Home home_of<D3Q19>(const Domain&, Int3, int);
+template Home home_of<D3Q7>(const Domain&, Int3, int);
 template double wall_addend<D3Q19>(const Domain&, Int3, int);
+template double wall_addend<D3Q7>(const Domain&, Int3, int);
 template Flight one_step<D3Q19>(const Domain&, Flight);
 template Flight step_back<D3Q19>(const Domain&, Flight);
 

@@ -165,7 +165,7 @@ Halo<T, Lattice>::Halo(const Domain& domain, MPI_Comm comm, std::span<Block> blo
                        std::span<const PassOrder> orders, const std::array<double, 3>& force, Device device)
     : force_(force),
       device_(device),
-      slots_(comm, 1, device),
+      slots_(comm, Lattice::directions, device),
       sources_(device),
       targets_(device),
       idle_(blocks.size(), 0),
@@ -197,11 +197,14 @@ void Halo<T, Lattice>::start(Parity parity) {
 
 template <class T, class Lattice>
 void Halo<T, Lattice>::apply_outlet(Block& block, const Outlet& o, Parity parity) const {
-  OutletCells<T> cells{block.data(),  {}, {}, parity == Parity::crossed, o.cells.device(), o.links.device(),
-                       o.cells.size()};
-  for (int i = 1; i < Lattice::directions; ++i) cells.left[i] = block.leaving(i, parity) - block.slot(0);
+  OutletCells<T, Lattice> cells{
+      block.data(), {}, {}, parity == Parity::crossed, o.cells.device(), o.links.device(), o.cells.size()};
+  for (int i = 0; i < Lattice::directions; ++i) cells.left[i] = block.leaving(i, parity) - block.slot(0);
   for (int d = 0; d < 3; ++d) cells.half_force[d] = 0.5 * force_[d];
-  passes_on<T>(device_).return_from_outlet(cells, o.side);
+  if constexpr (std::is_same_v<Lattice, D3Q7>)
+    passes_on<T>(device_).return_temperature(cells, o.side);
+  else
+    passes_on<T>(device_).return_from_outlet(cells, o.side);
 }
 
 template <class T, class Lattice>
@@ -223,5 +226,7 @@ void Halo<T, Lattice>::exchange(std::span<Block> blocks, std::span<const char> i
 
 template class Halo<float>;
 template class Halo<double>;
+template class Halo<float, D3Q7>;
+template class Halo<double, D3Q7>;
 
 }  // namespace silt::lbm

@@ -3,6 +3,7 @@
 
 #include "lbm/exchange/slot_exchange.hpp"
 #include "lbm/fluid.hpp"
+#include "lbm/heat/temperature.hpp"
 
 namespace silt::lbm {
 
@@ -64,5 +65,7 @@ void move_populations(const Field& from, Field& to) {
 
 template void move_populations(const Fluid<float>&, Fluid<float>&);
 template void move_populations(const Fluid<double>&, Fluid<double>&);
+template void move_populations(const Temperature<float>&, Temperature<float>&);
+template void move_populations(const Temperature<double>&, Temperature<double>&);
 
 }  // namespace silt::lbm

@@ -21,10 +21,10 @@ struct OutletCell {
   std::uint32_t cell, first, last;
 };
 
-template <class T>
+template <class T, class Lattice = D3Q19>
 struct OutletCells {
   T* slots;
-  std::ptrdiff_t left[D3Q19::directions];  // slot of the population that left along i, relative to slot(0)
+  std::ptrdiff_t left[Lattice::directions];  // slot of the population that left along i, relative to slot(0)
   double half_force[3];
   bool fill;  // write ghost slots; else homes
   const OutletCell* cells;
@@ -33,21 +33,23 @@ struct OutletCells {
 };
 
 /// `Outlet` is an outlet of side_kinds.hpp.
-template <class T, class Outlet>
+template <class T, class Lattice, class Outlet>
 struct ReturnFromOutlet {
-  OutletCells<T> of;
+  OutletCells<T, Lattice> of;
   Outlet returned;
 
   static constexpr int ahead = 16;  // cells per cache line
   void fetch(std::int64_t k) const {
-    for (int i = 1; i < D3Q19::directions; ++i) prefetch_to_read(of.slots + of.left[i] + of.cells[k].cell);
+    for (int i = 1; i < Lattice::directions; ++i) prefetch_to_read(of.slots + of.left[i] + of.cells[k].cell);
   }
   SILT_DEVICE void operator()(std::int64_t k) const {
     const OutletCell at = of.cells[k];
     double u[3] = {of.half_force[0], of.half_force[1], of.half_force[2]};
+    double sum = of.slots[of.left[0] + at.cell];
     const auto add = [&](auto i) {  // a constant: the factors -1, 0, 1 are known to the compiler
-      constexpr Int3 v = D3Q19::c[i];
+      constexpr Int3 v = Lattice::c[i];
       const double g = of.slots[of.left[i] + at.cell];
+      sum += g;
       if constexpr (v.x != 0) u[0] += v.x * g;
       if constexpr (v.y != 0) u[1] += v.y * g;
       if constexpr (v.z != 0) u[2] += v.z * g;
@@ -55,15 +57,15 @@ struct ReturnFromOutlet {
     [&]<int... i>(std::integer_sequence<int, i...>) {
       (add(std::integral_constant<int, i + 1>()), ...);
     }
-    (std::make_integer_sequence<int, D3Q19::directions - 1>());
+    (std::make_integer_sequence<int, Lattice::directions - 1>());
     const double rest = 1.5 * (u[0] * u[0] + u[1] * u[1] + u[2] * u[2]);
     for (std::uint32_t n = at.first; n < at.last; ++n) {
       const OutletLink link = of.links[n];
-      constexpr double straight = 2 * D3Q19::w(1), diagonal = 2 * D3Q19::w(7);
+      constexpr double straight = 2 * Lattice::w(1), diagonal = 2 * Lattice::w(Lattice::directions - 1);
       const double cu = link.x * u[0] + link.y * u[1] + link.z * u[2];
       const T from = of.slots[of.fill ? link.home : link.ghost];
       of.slots[of.fill ? link.ghost : link.home] =
-          T(returned({from, link.is_diagonal ? diagonal : straight, cu, rest}));
+          T(returned({from, link.is_diagonal ? diagonal : straight, cu, rest, sum}));
     }
   }
 };

@@ -64,6 +64,7 @@ struct Passes {
   void (*move_slots)(const SlotPairs&, std::span<const T> addends, SlotArrays<const T> sources,
                      SlotArrays<T> targets, bool back);
   void (*return_from_outlet)(const OutletCells<T>&, const SideCondition&);
+  void (*return_temperature)(const OutletCells<T, D3Q7>&, const SideCondition&);
   /// The two halves of the exchange at a border between levels: after a coarse pass, and after a fine pass.
   void (*carry_packets)(const BorderRows<T>&, std::span<const typename BorderRows<T>::Carried>);
   void (*cross_border)(const BorderRows<T>&, const BorderLists<T>&,

@@ -131,18 +131,26 @@ void give_masses(const ListedCells<T>& cells, const std::int64_t* masses) {
   for_each(cells.count, GiveMasses<T>{cells, masses});
 }
 
-template <class T>
-void return_from_outlet(const OutletCells<T>& cells, const SideCondition& side) {
+template <class T, class Lattice>
+void return_from_outlet(const OutletCells<T, Lattice>& cells, const SideCondition& side) {
   with_outlet(side, [&]<class Outlet>(const Outlet& outlet) {
-    for_each(std::int64_t(cells.count), ReturnFromOutlet<T, Outlet>{cells, outlet});
+    for_each(std::int64_t(cells.count), ReturnFromOutlet<T, Lattice, Outlet>{cells, outlet});
   });
 }
 
 template <class T>
 const Passes<T>& passes() {
-  static constexpr Passes<T> passes = {
-      stream_collide<T>, silt::SILT_BUILD::wait, move_slots<T>,  return_from_outlet<T>, carry_packets<T>,
-      cross_border<T>,   gather_moments<T>,      give_masses<T>, take_excess<T>,        total_rows<T>};
+  static constexpr Passes<T> passes = {stream_collide<T>,
+                                       silt::SILT_BUILD::wait,
+                                       move_slots<T>,
+                                       return_from_outlet<T, D3Q19>,
+                                       return_from_outlet<T, D3Q7>,
+                                       carry_packets<T>,
+                                       cross_border<T>,
+                                       gather_moments<T>,
+                                       give_masses<T>,
+                                       take_excess<T>,
+                                       total_rows<T>};
   return passes;
 }
 template const Passes<float>& passes();

@@ -94,7 +94,7 @@ struct StoredImpulse {
 /// State that a coupler keeps with each body; zero until it is set. It travels with the body between ranks
 /// and into checkpoints; rigid/ never reads it.
 struct alignas(8) AttachedState {
-  static constexpr std::size_t size = 496;
+  static constexpr std::size_t size = 528;
   std::byte bytes[size] = {};
 };
 
@@ -224,6 +224,7 @@ enum class Values {
   impulse,   // linear or angular; or a momentum or load
   step,
   quanta,  // of an integer sum
+  heat,    // a temperature or heat
 };
 
 struct BodyColumn {

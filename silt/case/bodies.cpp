@@ -270,9 +270,10 @@ void judge_fill(TableReader& table, const FillSpec& fill) {
 
 std::vector<KeySection> body_sections() {
   return {section_of("initial", start_keys),
-          section_of("bodies", shape_name_keys, entry_keys, body_keys, orientation_keys),
+          section_of("bodies", shape_name_keys, entry_keys, body_keys, orientation_keys, wall_heat_keys,
+                     lump_keys),
           section_of("bodies.positions", file_keys, orientation_keys),
-          section_of("fill", shape_name_keys, entry_keys, fill_keys),
+          section_of("fill", shape_name_keys, entry_keys, fill_keys, wall_heat_keys, lump_keys),
           fill_size_section(),
           section_of("outflow", outflow_keys)};
 }

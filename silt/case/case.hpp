@@ -265,6 +265,11 @@ double fastest_given(const Case&);
 /// Returns the cell Reynolds number u / nu at this speed.
 double cell_reynolds(const Case&);
 
+/// Returns the cell Péclet number u / D at this speed; the case must have [heat].
+double cell_peclet(const Case&);
+/// Returns the largest difference between temperatures that a case gives, the reference among them.
+double largest_difference(const coupler::HeatSpec&);
+
 /// Returns the path of the key that says how viscous the fluid is; whether that is a viscosity.
 const char* viscosity_key(const Case&);
 bool gives_viscosity(const Case&);

@@ -123,6 +123,7 @@ std::vector<Diagnostic> check_case(const Case& setup) {
   findings.list = setup.warnings;
   find_domain_faults(setup, findings);
   find_fluid_faults(setup, findings);
+  find_heat_faults(setup, findings);
   find_contact_faults(setup, findings);
   find_run_faults(setup, findings);
   find_density_faults(setup, findings);

@@ -106,7 +106,7 @@ void add_masks(Case& setup) {
 }
 
 bool weighs_nothing(const Case& setup) {
-  return !setup.gravity.isZero(0) && !setup.start &&
+  return !setup.gravity.isZero(0) && !setup.start && !(setup.heat && setup.heat->expansion != 0) &&
          std::ranges::none_of(entries_of(setup), [&](const Entry& entry) {
            return entry.is_free() && (!setup.fluid || entry.density != 1);
          });
@@ -120,6 +120,7 @@ constexpr std::tuple top_keys{
     HandKey{"domain", "table", "", required, "a table [domain] with size and boundary"},
     HandKey{"run", "table", "", required, "a table [run] with steps or time"},
     HandKey{"fluid", "table", "", "none", "without it the run is dry: bodies alone"},
+    HandKey{"heat", "table", "", "none", "the temperature of the fluid"},
     HandKey{"coarsening", "table", "", "none", "where cells of the fluid may be coarser",
             IdleInCase{[](const Case& setup) { return setup.coarsening && keeps_all_fine(setup); },
                        "a box of coarsening.fine keeps all cells finest; remove one of them"}},
@@ -155,6 +156,7 @@ void read_sections(TableReader reader, Case& setup) {
   read_shapes(reader, setup);
   read_bodies(reader, setup);
   look_for_idle_pairs(reader, setup);
+  read_heat(reader, setup);
   read_springs(reader, setup);
   read_coarsening(reader, setup);
   read_output(reader, setup);
@@ -209,8 +211,8 @@ std::string unit_on_page(Dimension d) {
 std::vector<KeySection> case_keys() {
   std::vector<KeySection> all = {section_of("", top_keys)};
   for (const auto sections :
-       {domain_sections, fluid_sections, coarsening_sections, contact_sections, wall_sections, shape_sections,
-        body_sections, spring_sections, output_sections, quantity_sections})
+       {domain_sections, fluid_sections, heat_sections, coarsening_sections, contact_sections, wall_sections,
+        shape_sections, body_sections, spring_sections, output_sections, quantity_sections})
     for (KeySection& section : sections()) all.push_back(std::move(section));
   return all;
 }

@@ -44,6 +44,21 @@ KeySection over_time_section();
 /// Reads a variation over time; constant without the key.
 rigid::OverTime read_over_time(TableReader& parent, const char* key);
 
+// heat.cpp: also reads what sides, bodies and walls are to the heat
+inline constexpr std::tuple side_heat_keys{
+    HandKey{"temperature", "number", "K", "insulating", "temperature of the side, in a case with [heat]"},
+    HandKey{"heat_flux", "number", "W/m²", "0",
+            "heat that the side lets into the fluid, in the place of temperature"}};
+inline constexpr std::tuple wall_heat_keys{
+    HandKey{"temperature", "number", "K", "insulating", "temperature of the surface, in a case with [heat]"}};
+inline constexpr std::tuple lump_keys{
+    HandKey{"heat_capacity", "number", "J/(kg K)", "none",
+            "of the bodies, which then warm and cool as a whole from their temperature on; without it they "
+            "keep it"},
+    HandKey{"heat_source", "number", "W", "0", "heat that each of the bodies makes; needs a heat_capacity"}};
+std::vector<KeySection> heat_sections();
+void read_heat(TableReader& root, Case&);  // [heat]; after the bodies
+
 // contacts.cpp
 std::vector<KeySection> contact_sections();
 void read_contacts(TableReader& root, Case&);  // [contacts], [[material_pairs]]
@@ -154,6 +169,7 @@ MotionFile read_motion_file(const std::string& text, const Units&);
 // Checks of a case: each adds errors and warnings with remedies to Diagnostics.
 void find_domain_faults(const Case&, Diagnostics&);  // cells, blocks, sides, inlets and outlets
 void find_fluid_faults(const Case&, Diagnostics&);  // relaxation time, viscosity, cell Reynolds number, start
+void find_heat_faults(const Case&, Diagnostics&);   // what heat does not go with, cell Péclet number
 void find_contact_faults(const Case&, Diagnostics&);  // coefficients, margin, lubrication
 void find_run_faults(const Case&, Diagnostics&);  // length, what becomes steady, output of what is not there
 void find_density_faults(const Case&, Diagnostics&);   // of fluid and bodies, and mistakes of units

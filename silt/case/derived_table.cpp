@@ -148,6 +148,28 @@ void add_fluid(const Case& setup, Table& table) {
                                    setup.coarsening ? " if every cell were finest" : ""));
 }
 
+/// Adds the numbers of heat in a fluid.
+void add_heat(const Case& setup, Table& table) {
+  if (!setup.heat) return;
+  const double viscosity = setup.fluid->kinematic_viscosity, diffusivity = setup.heat->diffusivity;
+  table.heading("heat");
+  table.quantity("thermal diffusivity", diffusivity, dimension::viscosity);
+  table.line("Prandtl number", shown(viscosity / diffusivity));
+  const double longest = *std::ranges::max_element(setup.cells), cell = cell_peclet(setup);
+  if (cell > 0)
+    table.line("Peclet number of a cell", shown(cell),
+               fmt::format("of the longest side {}", shown(cell * longest)));
+  const rigid::Vec3 buoyancy(setup.heat->buoyancy.data());
+  if (buoyancy.isZero(0)) return;
+  int axis = 0;
+  buoyancy.cwiseAbs().maxCoeff(&axis);
+  const double height = setup.cells[axis];
+  table.line("Rayleigh number",
+             shown(buoyancy.norm() * largest_difference(*setup.heat) * height * height * height /
+                   (viscosity * diffusivity)),
+             fmt::format("of the height along {}", "xyz"[axis]));
+}
+
 /// Adds bodies of one kind; of a fill of many sizes `kind` has the largest shape, `smallest` the other.
 void add_kind(const Case& setup, Table& table, const std::string& name, const Entry& kind, int smallest) {
   const rigid::Shape& shape = setup.shapes[kind.shape];
@@ -279,7 +301,8 @@ void add_run(const Case& setup, Table& table) {
 
 double fluid_memory(const Case& setup) {
   if (!setup.fluid) return 0;
-  return setup.volume() * (populations * (setup.fluid->precision == coupler::Precision::double_ ? 8 : 4) +
+  const int of_a_cell = populations + (setup.heat ? lbm::D3Q7::directions : 0);
+  return setup.volume() * (of_a_cell * (setup.fluid->precision == coupler::Precision::double_ ? 8 : 4) +
                            (setup.has_surfaces() ? 1 : 0));
 }
 
@@ -288,6 +311,7 @@ std::string derived_table(const Case& setup) {
   if (!setup.title.empty()) table.heading(setup.title);
   add_domain(setup, table);
   add_fluid(setup, table);
+  add_heat(setup, table);
   add_bodies(setup, table);
   add_run(setup, table);
   return table.text;

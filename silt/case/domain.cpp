@@ -305,7 +305,7 @@ rigid::Vec3 snapped(const rigid::Vec3& x, const std::array<int, 3>& cells) {
 std::vector<KeySection> domain_sections() {
   return {section_of("units", system_keys, si_keys), section_of("domain", domain_keys),
           section_of("domain.boundary", axis_keys),
-          section_of("domain.boundary.x", side_keys, velocity_keys, density_keys)};
+          section_of("domain.boundary.x", side_keys, velocity_keys, density_keys, side_heat_keys)};
 }
 
 void read_domain(TableReader& root, Case& setup) {

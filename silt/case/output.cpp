@@ -55,7 +55,8 @@ constexpr std::tuple series_keys{Key{"every", &SeriesSpec::every, Whole{.unit = 
 constexpr Rule if_written{If::idle, is_zero(&SeriesSpec::every), "{table}.every is 0: it is never written"};
 constexpr std::tuple field_keys{
     HandKey{"quantities", "list of fields", "", "velocity, density",
-            "\"velocity\", \"density\", \"pressure\", \"shear-rate\", \"vorticity\", \"body-id\"; \"solid\" "
+            "\"velocity\", \"density\", \"pressure\", \"shear-rate\", \"vorticity\", \"body-id\", "
+            "\"temperature\"; \"solid\" "
             "comes by itself: OUTPUT.md",
             if_written},
     Key{"precision", &FieldsSpec::double_precision, Choice{coupler::names_of<bool>("single", "double")},
@@ -79,7 +80,7 @@ constexpr std::tuple probe_keys{
     Key{"every", &SeriesSpec::every, Whole{.low = 1, .unit = "steps"},
         "the number of steps between two looks", required},
     HandKey{"quantities", "list of fields", "", "velocity",
-            "\"velocity\", \"density\", \"pressure\", \"shear-rate\""}};
+            "\"velocity\", \"density\", \"pressure\", \"shear-rate\", \"temperature\""}};
 constexpr std::tuple mean_keys{Key{"from", &MeanSpec::from, Number{dimension::time, range::at_least(0)},
                                    "time of the first sample", required},
                                Key{"every", &MeanSpec::every, Whole{.low = 1, .unit = "steps"},

@@ -16,9 +16,9 @@ struct SeriesSpec {  // 0: never
   std::int64_t every = 0;
 };
 
-enum class Field { velocity, density, pressure, shear_rate, body_id, vorticity, solid };
+enum class Field { velocity, density, pressure, shear_rate, temperature, body_id, vorticity, solid };
 inline constexpr auto field_names = coupler::names_of<Field>("velocity", "density", "pressure", "shear-rate",
-                                                             "body-id", "vorticity", "solid");
+                                                             "temperature", "body-id", "vorticity", "solid");
 
 constexpr int numbers_of(Field field) {
   return field == Field::velocity || field == Field::vorticity ? 3 : 1;

@@ -131,6 +131,7 @@ void read_quantity_keys(TableReader& table, const QuantityType& type, QuantitySp
 // Returns what a quantity needs and the case lacks.
 std::string lacking(const Case& setup, const QuantityType& type) {
   if (type.asks_for(Q::fluid) && !setup.fluid) return "the case has no [fluid]";
+  if (type.asks_for(Q::heat) && !setup.heat) return "the case has no [heat]";
   if (type.asks_for(Q::bodies) && !setup.has_bodies()) return "the case has no bodies";
   if (type.asks_for(Q::gravity) && setup.gravity.norm() == 0) return "the case has no [gravity]";
   const bool driven =

@@ -79,7 +79,8 @@ struct QuantityType {
     undriven = 8,      // no body of prescribed motion
     sheared = 16,      // walls of different velocities across `axis`
     same_bodies = 32,  // from start to end
-    stepwise = 64      // not a need: has a value in every step without waiting
+    heat = 128,
+    stepwise = 64  // not a need: has a value in every step without waiting
   };
 
   std::string_view name;

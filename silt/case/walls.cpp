@@ -215,8 +215,9 @@ std::shared_ptr<const rigid::PolyhedronMesh> read_polyhedron_file(TableReader& t
 }
 
 std::vector<KeySection> wall_sections() {
-  return {section_of("walls", wall_keys, tube_keys, mesh_file_keys, mesh_keys, orientation_keys),
-          section_of("walls.motion", motion_keys)};
+  return {
+      section_of("walls", wall_keys, tube_keys, mesh_file_keys, mesh_keys, orientation_keys, wall_heat_keys),
+      section_of("walls.motion", motion_keys)};
 }
 
 void read_walls(TableReader& root, Case& setup) {

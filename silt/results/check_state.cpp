@@ -117,6 +117,7 @@ void require_column(const Row& row, const Case& setup, rigid::BodyId next_id, co
     case Values::velocity:
       return within(-fastest, fastest);
     case Values::impulse:
+    case Values::heat:
       return within(-greatest, greatest);
     case Values::step:
       return within(std::int64_t{0}, most_steps);

@@ -32,6 +32,7 @@ constexpr FieldForm forms[] = {{dimension::velocity, "m/s", "cells/step"},
                                {dimension::density, "kg/m3", "reference densities"},
                                {dimension::pressure, "Pa", "cells2/step2 reference densities"},
                                {dimension::angular_velocity, "1/s", "1/step"},
+                               {dimension::none, "K", "1"},
                                {dimension::none, "1", "1"},
                                {dimension::angular_velocity, "1/s", "1/step"},
                                {dimension::none, "1", "1"}};
@@ -81,6 +82,8 @@ class Fields {
         return vorticity();
       case Field::solid:
         return solid();
+      case Field::temperature:
+        return temperature();
       default:
         return scalar(field, field == Field::density ? 1 : 0);
     }
@@ -174,6 +177,23 @@ class Fields {
       solid_cells_.for_each(piece, [&](std::size_t, Int3 cell, const Vec3&) { out[piece.index(cell)] = 1; });
     };
     return {"solid", "1", 1, values, adapters::Storage::byte};
+  }
+
+  /// Returns the field of temperatures; that of reference in walls and insulating bodies.
+  adapters::FieldQuantity temperature() const {
+    const auto values = [this](std::size_t k, int begin, int end, double* out) {
+      const Piece piece = pieces_[k].planes(begin, end);
+      const coupler::CellBits& is_solid = fields_.solid(piece.block);
+      const double reference = simulation_.setup().heat->reference;
+      piece.for_each([&](Int3 cell, std::size_t i) {
+        out[i] = is_solid.test(cell) ? reference : fields_.temperature(piece.block, cell);
+      });
+      solid_cells_.for_each(piece, [&](std::size_t row, Int3 cell, const Vec3&) {
+        const auto& of_body = coupler::coupling_of(simulation_.bodies(), row);
+        out[piece.index(cell)] = reference + of_body.temperature.numbers[0];
+      });
+    };
+    return {"temperature", unit(Field::temperature), 1, values, storage_};
   }
 
   const Simulation& simulation_;

@@ -177,7 +177,7 @@ template <class T>
 void write_cells(CheckpointWriter& writer, const Case& setup, const coupler::Flow& flow) {
   if (flow.levels() == 1)
     return writer.cells(
-        "populations", storage_of(setup), setup.cells, lbm::D3Q19::directions, boxes_of(flow.fields()),
+        "populations", storage_of(setup), setup.cells, flow.fields().populations(), boxes_of(flow.fields()),
         [&](int q, std::size_t b, void* out) { take(flow.fields(), int(b), q, static_cast<T*>(out), same); });
   const Tiles tiles = tiling_of(setup, flow);
   writer.cells("levels", Storage::byte, tiles.lattice, 1, {tiles.box}, [&](int, std::size_t, void* out) {
@@ -239,7 +239,8 @@ std::string fault_of_populations(const CheckpointReader& reader, const Case& set
                        has_levels ? "several levels" : "one level");
   const bool fits = has_levels ? reader.lattice("levels") == tiling_of(setup).lattice
                                : reader.lattice("populations") == setup.cells &&
-                                     reader.components("populations") == lbm::D3Q19::directions;
+                                     reader.components("populations") ==
+                                         lbm::D3Q19::directions + (setup.heat ? lbm::D3Q7::directions : 0);
   if (!fits) return "its populations are of another lattice than the case's";
   const Storage storage = storage_of(setup);
   if (reader.is_stored_as(has_levels ? list_name(0) : "populations", storage)) return "";

@@ -86,6 +86,8 @@ void Probes::see_cell(const coupler::FluidFields& fields, int block, Int3 cell, 
   for (const Field field : spec_.quantities)
     if (field == Field::velocity)
       for (const double u : fields.velocity(m)) *numbers++ = u;
+    else if (field == Field::temperature)
+      *numbers++ = fields.temperature(block, cell);
     else
       *numbers++ = scalar_of(fields, field, m);
 }

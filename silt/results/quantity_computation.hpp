@@ -71,8 +71,8 @@ struct Quantity {
   }
 };
 
-extern const std::span<const Quantity> body_quantities, flow_quantities, motion_quantities, wall_quantities,
-    stress_quantities;
+extern const std::span<const Quantity> body_quantities, flow_quantities, heat_quantities, motion_quantities,
+    wall_quantities, stress_quantities;
 
 /// Returns the computation of a type. Throws std::logic_error if there is none.
 const Computation& computation_of(std::string_view type);

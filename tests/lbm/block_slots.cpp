@@ -7,15 +7,6 @@
 
 namespace silt::lbm::testing {
 
-struct D3Q7 {
-  static constexpr int directions = 7, pairs = 3;
-  static constexpr std::array<Int3, directions> c = {
-      {{0, 0, 0}, {1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}}};
-  static constexpr double w(int i) { return i == 0 ? 1.0 / 4 : 1.0 / 8; }
-  static constexpr double sound_speed_squared = 1.0 / 4;
-};
-static_assert(is_isotropic<D3Q7>());
-
 template <class Lattice>
 struct BlockSlots : ::testing::Test {};
 using Lattices = ::testing::Types<D3Q19, D3Q7>;

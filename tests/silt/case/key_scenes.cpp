@@ -77,6 +77,7 @@ std::vector<Sample> samples_between_walls() {
       {"shapes[2].scale", "0.9"},
       {"domain.boundary.z[1].density", "1.001"},
       {"coupling.wall_scheme", "bounce-back"},
+      {"walls[0].temperature", "1", {"heat={ prandtl = 1 }"}},
   };
 }
 
@@ -231,6 +232,30 @@ position = [10, 14, 8]
   scene.coincide = {{"shapes[1].parts[1].position", "bodies"},
                     {"shapes[1].parts[1].orientation", "bodies"},
                     {"shapes[2].scale", "bodies"}};  // nobody has the shape
+  return scene;
+}
+
+SceneOfKeys warm() {
+  SceneOfKeys scene;
+  scene.text =
+      CaseText().units +
+      domain_of({12, 12, 24},
+                "{ x = \"periodic\", y = \"periodic\", z = [{ type = \"no-slip\" }, { type = "
+                "\"no-slip\", temperature = 2 }] }") +
+      "[fluid]\nrelaxation_time = 0.8\n[heat]\nprandtl = 1\n[gravity]\nacceleration = [0, 0, -1e-4]\n" +
+      sphere_of("ball", 6) + body_of("ball", 2, "name = \"one\"\nposition = [6.2, 6.1, 5.3]") +
+      fill_of("ball", 2, 1, "name = \"two\"\nbox = [[2, 2, 11], [10, 10, 20]]") + "[run]\nsteps = 12\n";
+  scene.samples = {{"heat.temperature", "1"},
+                   {"heat.initial", "3"},
+                   {"heat.expansion", "0.1"},
+                   {"domain.boundary.z[0].temperature", "4"},
+                   {"domain.boundary.z[0].heat_flux", "0.1"}};
+  for (const std::string of : {"bodies[0]", "fill[0]"}) {
+    const Overrides warm = {of + ".temperature=2"}, lump = {of + ".temperature=2", of + ".heat_capacity=0.5"};
+    scene.samples.push_back({of + ".temperature", "3"});
+    scene.samples.push_back({of + ".heat_capacity", "0.5", warm});
+    scene.samples.push_back({of + ".heat_source", "0.1", lump});
+  }
   return scene;
 }
 

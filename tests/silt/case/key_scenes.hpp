@@ -41,6 +41,8 @@ SceneOfKeys in_fluid();
 SceneOfKeys dry();
 /// Bodies that find their places by themselves.
 SceneOfKeys filled();
+/// Bodies in a fluid with a temperature.
+SceneOfKeys warm();
 /// A fluid of cells of two widths.
 SceneOfKeys of_levels();
 /// Bodies and a mesh that moves in a tube full of fluid, which is open at one end.

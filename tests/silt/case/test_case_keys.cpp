@@ -114,6 +114,7 @@ zzz = 1
 units = { system = "si", zzz = 1 }
 domain = { zzz = 1, boundary = { zzz = 1, x = [{ type = "moving", zzz = 1 }, { type = "pressure-outlet", zzz = 1 }] } }
 fluid = { zzz = 1, initial = { type = "uniform", zzz = 1 } }
+heat = { zzz = 1 }
 coarsening = { zzz = 1, fine = [{ zzz = 1 }] }
 gravity = { zzz = 1, over_time = { zzz = 1 } }
 initial = { zzz = 1 }

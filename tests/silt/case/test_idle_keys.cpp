@@ -137,6 +137,10 @@ TEST(IdleKeys, OfLevelsAreRefusedOrTold) {
   expect_all_told(of_levels());
 }
 
+TEST(IdleKeys, OfHeatAreRefusedOrTold) {
+  expect_all_told(warm());
+}
+
 TEST(IdleKeys, OfWallsAreRefusedOrTold) {
   expect_all_told(between_walls());
 }
@@ -174,7 +178,7 @@ const std::set<std::string> of_no_state = {"",
 
 TEST(IdleKeys, EveryKeyThatNeedNotBeGivenIsLookedAt) {
   std::set<std::string> sampled;
-  for (const SceneOfKeys& scene : {in_fluid(), dry(), filled(), of_levels(), between_walls()})
+  for (const SceneOfKeys& scene : {in_fluid(), dry(), filled(), of_levels(), warm(), between_walls()})
     for (const Sample& sample : scene.samples) {
       std::string key = without_numbers(sample.key);
       for (const auto& [from, to] : {std::pair("bodies.motion.", "walls.motion."),

@@ -1,0 +1,216 @@
+#include "coupler/heat/heat_flow.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace silt::coupler {
+
+using lbm::D3Q7;
+using lbm::Int3;
+
+namespace {
+
+/// Returns the conditions of the temperature at the sides: an inlet brings the reference temperature if it
+/// has no other.
+std::array<lbm::SideCondition, 6> heat_sides(const HeatSpec& heat, const std::array<BoundarySpec, 6>& sides) {
+  std::array<lbm::SideCondition, 6> all;
+  for (int side = 0; side < 6; ++side) {
+    const SideHeat& of = heat.sides[side];
+    if (sides[side].is_periodic()) continue;
+    all[side] = lbm::heat_side(side, of.flux);
+    if (sides[side].is_outlet()) all[side].kind = lbm::SideKind::open;
+    if (!of.temperature && !sides[side].is_inlet()) continue;
+    all[side].kind = lbm::SideKind::temperature;
+    all[side].density_deviation = of.temperature.value_or(0);
+  }
+  return all;
+}
+
+std::int64_t quanta(double heat) {
+  return std::llrint(heat / lbm::heat_quantum);
+}
+
+}  // namespace
+
+template <class T>
+HeatFlow<T>::HeatFlow(const HeatSpec& spec, const std::array<BoundarySpec, 6>& sides, lbm::Fluid<T>& fluid,
+                      ParallelBodyExchange& exchange)
+    : spec_(spec),
+      fluid_(fluid),
+      exchange_(exchange),
+      temperature_(fluid, spec, heat_sides(spec, sides)),
+      links_(fluid.blocks().size()) {
+  if (spec.has_buoyancy()) fluid.set_buoyancy(spec.buoyancy, temperature_.blocks());
+}
+
+template <class T>
+const BodyHeat& HeatFlow<T>::spec_of(const rigid::BodySet& bodies, std::size_t row) const {
+  static const BodyHeat insulating;
+  if (row < bodies.first_wall()) return spec_.kinds.empty() ? insulating : spec_.kinds[bodies.kind[row]];
+  const std::size_t curved = bodies.size() - spec_.walls.size();  // rows of [[walls]] are last
+  return row < curved ? insulating : spec_.walls[row - curved];
+}
+
+template <class T>
+lbm::SurfaceHeat HeatFlow<T>::surface(const rigid::BodySet& bodies, std::size_t row) const {
+  const BodyHeat& spec = spec_of(bodies, row);
+  const CouplingState& state = coupling_of(bodies, row);
+  if (!spec.temperature) return {true, 0, state.heat_owed.by_each_link};
+  return {false, spec.capacity > 0 ? state.temperature.numbers[0] : *spec.temperature, 0};
+}
+
+template <class T>
+void HeatFlow<T>::start() {
+  const std::vector<lbm::Block<T>>& blocks = fluid_.blocks();
+  for (int b = 0; b < int(blocks.size()); ++b)
+    lbm::for_cells({}, blocks[b].size(), [&](Int3 x) {
+      temperature_.set(b, x, spec_.initial, fluid_.velocity(fluid_.moments(b, x)));
+    });
+}
+
+template <class T>
+void HeatFlow<T>::begin_step(const rigid::BodySet& bodies) {
+  sums_.assign(bodies.size() * width, 0);
+}
+
+template <class T>
+void HeatFlow<T>::change_cells(std::span<const BlockMap> maps, const ChangedCells& changed,
+                               const rigid::BodySet& bodies) {
+  const auto take = [&](const CoveredCell& cell, int sign) {
+    const std::size_t row = bodies.row_of(cell.body->id);
+    const lbm::SurfaceHeat of = row < bodies.size() ? surface(bodies, row) : lbm::SurfaceHeat{};
+    if (sign < 0) set_uncovered(maps[cell.block], cell, of);
+    if (row >= bodies.size()) return;
+    sums(row)[heat] += sign * quanta(temperature_.at(cell.block, cell.cell) - of.temperature);
+    sums(row)[cells] += sign;
+  };
+  for (const CoveredCell& cell : changed.covered) take(cell, +1);
+  for (const CoveredCell& cell : changed.uncovered) take(cell, -1);
+}
+
+/// Keeps the populations that arrive from fluid. The others and that at rest make a cell of the surface's
+/// temperature, or, if it insulates, of the mean that arrives.
+template <class T>
+void HeatFlow<T>::set_uncovered(const BlockMap& map, const CoveredCell& at, const lbm::SurfaceHeat& surface) {
+  const auto g = [&](int i) -> T& { return temperature_.arriving(at.block, at.cell, i); };
+  double from_fluid = 0;
+  int count = 0;
+  bool is_known[D3Q7::directions] = {};
+  for (int i = 1; i < D3Q7::directions; ++i) {
+    is_known[i] = map.was_and_is_fluid(at.cell - D3Q7::c[i]);
+    if (is_known[i]) from_fluid += double(g(i)), ++count;
+  }
+  const double mean = count > 0 ? from_fluid / (count * D3Q7::w(1)) : 0,
+               temperature = surface.insulates ? mean : surface.temperature;
+  double sum = 0;
+  for (int i = 1; i < D3Q7::directions; ++i) {
+    if (!is_known[i]) {
+      const int from = lbm::opposite(i);
+      g(i) = T(is_known[from] ? 2 * D3Q7::w(1) * temperature - double(g(from)) : D3Q7::w(1) * temperature);
+    }
+    sum += double(g(i));
+  }
+  g(0) = T(temperature - sum);
+}
+
+template <class T>
+void HeatFlow<T>::list_links(int b, const BlockMap& map, const BlockLinks<T>& block) {
+  links_[b].resize(block.surfaces.size());
+  for (std::size_t k = 0; k < block.surfaces.size(); ++k) {
+    links_[b][k].clear();
+    for (const lbm::LinkGroup& group : block.surfaces[k].links.groups)
+      lbm::add_heat_links(
+          temperature_.blocks()[b], block.surfaces[k].links, group,
+          [&](Int3 cell) { return map.solid.test(cell); }, links_[b][k]);
+  }
+}
+
+template <class T>
+template <class Visit>
+void HeatFlow<T>::for_surfaces(std::span<const BlockLinks<T>> blocks, Visit&& visit) {
+  for (std::size_t b = 0; b < blocks.size(); ++b)
+    for (std::size_t k = 0; k < links_[b].size(); ++k)
+      visit(temperature_.blocks()[b], blocks[b].surfaces[k], std::span<const lbm::HeatLink>(links_[b][k]));
+}
+
+template <class T>
+void HeatFlow<T>::exchange_heat(std::span<const BlockLinks<T>> blocks, rigid::BodySet& bodies) {
+  for_surfaces(blocks,
+               [&](auto& block, const SurfaceLinks<T>& of, std::span<const lbm::HeatLink> along_axes) {
+                 lbm::HeatSums found;
+                 lbm::apply_heat_links(block, temperature_.parity(), of.links, along_axes,
+                                       surface(bodies, of.row), of.motion, found);
+                 sums(of.row)[heat] += found.heat, sums(of.row)[conductance] += found.conductance;
+                 sums(of.row)[links] += std::int64_t(along_axes.size());
+               });
+  of_walls_.resize(bodies.walls);
+  for (std::size_t w = 0; w < bodies.walls; ++w) of_walls_[w] = sums(bodies.first_wall() + w)[heat];
+  exchange_.sum_to_owners(bodies, sums_, width);
+  std::vector<double> changes(bodies.size() * shared, 0.0);  // of temperature; then the heat owed
+  for (std::size_t row = 0; row < bodies.owned; ++row) {
+    double* const to = changes.data() + row * shared;
+    to[0] = warm(bodies, row);
+    const OwedHeat& owed = coupling_of(bodies, row).heat_owed;
+    to[1] = double(owed.all), to[2] = double(owed.by_each_link);
+  }
+  exchange_.share_with_copies(bodies, changes, shared);
+  for (std::size_t row = bodies.owned; row < bodies.owned + bodies.copies; ++row) {
+    const double* const of = changes.data() + row * shared;
+    coupling_of(bodies, row).heat_owed = {std::int64_t(of[1]), std::int64_t(of[2])};
+  }
+  if (std::ranges::any_of(spec_.kinds, [](const BodyHeat& kind) { return kind.capacity > 0; }))
+    correct(blocks, bodies, changes);
+}
+
+/// Takes the sums of an owned row into its state. (Cells that it covers beyond those that it uncovers hold
+/// its temperature, too, as heat that it owes.) Returns the change of temperature by which its links must be
+/// corrected, which correct() completes.
+template <class T>
+double HeatFlow<T>::warm(rigid::BodySet& bodies, std::size_t row) {
+  const BodyHeat& spec = spec_of(bodies, row);
+  CouplingState& state = coupling_of(bodies, row);
+  const std::int64_t* const of = sums(row);
+  state.heat_flow.numbers[0] = double(of[heat]) * lbm::heat_quantum;
+  if (!spec.temperature) {
+    state.heat_owed.all += of[heat];
+    state.heat_owed.by_each_link = of[links] > 0 ? state.heat_owed.all / of[links] : 0;
+  }
+  if (spec.capacity == 0) return 0;
+  state.heat_owed.all += quanta(double(of[cells]) * state.temperature.numbers[0]);
+  return (state.heat_flow.numbers[0] + spec.source) /
+         (bodies.mass[row] * spec.capacity + double(of[conductance]) * lbm::heat_quantum);
+}
+
+/// Corrects the links of bodies with a heat capacity for their changes of temperature, and warms these by
+/// what the fluid has then lost.
+template <class T>
+void HeatFlow<T>::correct(std::span<const BlockLinks<T>> blocks, rigid::BodySet& bodies,
+                          std::span<const double> changes) {
+  std::fill(sums_.begin(), sums_.end(), 0);
+  for_surfaces(blocks, [&](auto& block, const SurfaceLinks<T>& of,
+                           std::span<const lbm::HeatLink> along_axes) {
+    const double change = changes[shared * of.row];
+    if (change == 0) return;
+    sums(of.row)[heat] += lbm::correct_heat_links(block, temperature_.parity(), of.links, along_axes, change);
+  });
+  exchange_.sum_to_owners(bodies, sums_, width);
+  for (std::size_t row = 0; row < bodies.owned; ++row) {
+    const BodyHeat& spec = spec_of(bodies, row);
+    if (spec.capacity == 0) continue;
+    CouplingState& state = coupling_of(bodies, row);
+    state.heat_flow.numbers[0] += double(sums(row)[heat]) * lbm::heat_quantum;
+    state.temperature.numbers[0] +=
+        (state.heat_flow.numbers[0] + spec.source) / (bodies.mass[row] * spec.capacity);
+  }
+  std::vector<double> temperatures(bodies.size());
+  for (std::size_t row = 0; row < bodies.owned; ++row)
+    temperatures[row] = coupling_of(bodies, row).temperature.numbers[0];
+  exchange_.share_with_copies(bodies, temperatures, 1);
+  for (std::size_t row = bodies.owned; row < bodies.owned + bodies.copies; ++row)
+    coupling_of(bodies, row).temperature.numbers[0] = temperatures[row];
+}
+
+template class HeatFlow<float>;
+template class HeatFlow<double>;
+
+}  // namespace silt::coupler

@@ -1,0 +1,65 @@
+#pragma once
+// The temperature of a fluid with bodies (method-heat.md): what the passes of a step do with it, and the heat
+// and temperature of bodies.
+#include <span>
+#include <vector>
+
+#include "coupler/exchange/coupling_state.hpp"
+#include "coupler/exchange/parallel_body_exchange.hpp"
+#include "coupler/mapping/block_links.hpp"
+#include "coupler/mapping/refill.hpp"
+#include "coupler/spec/heat_spec.hpp"
+#include "coupler/spec/sides.hpp"
+#include "lbm/heat/heat_links.hpp"
+
+namespace silt::coupler {
+
+template <class T>
+class HeatFlow {
+ public:
+  /// Refers to the fluid and the exchange.
+  HeatFlow(const HeatSpec&, const std::array<BoundarySpec, 6>&, lbm::Fluid<T>&, ParallelBodyExchange&);
+
+  lbm::Temperature<T>& temperature() { return temperature_; }
+  const lbm::Temperature<T>& temperature() const { return temperature_; }
+
+  /// Sets the temperature at the start, in the fluid as it moves.
+  void start();
+
+  // ---- a step, in this order ----
+  /// Begins the sums of a step. Call once bodies are mapped.
+  void begin_step(const rigid::BodySet&);
+  /// Lets bodies take the heat of cells that they cover, and give cells that they uncover their temperature.
+  void change_cells(std::span<const BlockMap>, const ChangedCells&, const rigid::BodySet&);
+  /// Finds the links again of a block whose links have changed.
+  void list_links(int block, const BlockMap&, const BlockLinks<T>&);
+  /// Applies the links after the exchange of the fluid and of the temperature, and warms the bodies.
+  /// Collective over ranks that hold a body.
+  void exchange_heat(std::span<const BlockLinks<T>>, rigid::BodySet&);
+
+  /// Returns this rank's share of the heat that a wall got from the fluid in the last step, in
+  /// lbm::heat_quantum, by its row among those of walls.
+  std::int64_t heat_of_wall(std::size_t wall) const { return wall < of_walls_.size() ? of_walls_[wall] : 0; }
+
+ private:
+  /// The sums of a row: heat, H of (H6), cells covered less uncovered, number of links.
+  enum { heat, conductance, cells, links, width };
+  static constexpr int shared = 3;  // numbers of a body that its copies get
+  std::int64_t* sums(std::size_t row) { return sums_.data() + row * width; }
+  const BodyHeat& spec_of(const rigid::BodySet&, std::size_t row) const;
+  lbm::SurfaceHeat surface(const rigid::BodySet&, std::size_t row) const;
+  void set_uncovered(const BlockMap&, const CoveredCell&, const lbm::SurfaceHeat&);
+  double warm(rigid::BodySet&, std::size_t row);
+  void correct(std::span<const BlockLinks<T>>, rigid::BodySet&, std::span<const double> changes);
+  template <class Visit>
+  void for_surfaces(std::span<const BlockLinks<T>>, Visit&&);
+
+  HeatSpec spec_;
+  lbm::Fluid<T>& fluid_;
+  ParallelBodyExchange& exchange_;
+  lbm::Temperature<T> temperature_;
+  std::vector<std::vector<std::vector<lbm::HeatLink>>> links_;  // by block and surface
+  std::vector<std::int64_t> sums_, of_walls_;
+};
+
+}  // namespace silt::coupler

@@ -1,0 +1,29 @@
+#pragma once
+// Rows of cells in the dense passes of the fluid and of the temperature. Only for *_kernel.cpp files
+// (SILT_BUILD).
+#include <vector>
+
+#include "cpu/lanes.hpp"
+#include "lbm/blocks/block.hpp"
+
+namespace silt::lbm::SILT_BUILD {
+
+/// Masks the lanes of a vector beyond the first `cells`.
+template <class V, class T>
+struct FirstLanes {
+  static constexpr int count = sizeof(V) / sizeof(T);
+  decltype(V{} < V{}) inside;
+  explicit FirstLanes(std::ptrdiff_t cells) {
+    V lane;
+    for (int i = 0; i < count; ++i) lane[i] = T(i);
+    inside = lane < (V{} + T(cells));
+  }
+  V operator()(const V& inner, const V& outer) const { return inside ? inner : outer; }
+};
+/// Moves the populations at the ends of a row (Block::row_ends), from the slots of its first cell on.
+template <class T>
+inline void close_row(T* first, const std::vector<RowEnd<T>>& ends) {
+  for (const RowEnd<T>& end : ends) first[end.to] = end.wall ? first[end.from] + end.addend : first[end.from];
+}
+
+}  // namespace silt::lbm::SILT_BUILD

@@ -1,0 +1,113 @@
+#include "lbm/heat/heat_links.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace silt::lbm {
+
+namespace {
+
+std::int64_t quanta(double heat) {
+  return std::llrint(heat / heat_quantum);
+}
+
+/// The populations of a link: those that left the cell towards the surface and from it, the one that arrives
+/// from behind, and the one that the surface returns.
+template <class T>
+class HeatSlots {
+ public:
+  HeatSlots(Block<T, D3Q7>& block, Parity parity) : data_(block.data()) {
+    for (int i = 0; i < D3Q7::directions; ++i)
+      leaving_[i] = block.leaving(i, parity), arriving_[i] = block.arriving(i, parity);
+  }
+  double out(const HeatLink& l) const { return data_[leaving_[l.direction] + l.cell]; }
+  double against(const HeatLink& l) const { return data_[leaving_[opposite(l.direction)] + l.cell]; }
+  double behind(const HeatLink& l) const { return data_[arriving_[l.direction] + l.cell]; }
+  T& back(const HeatLink& l) const { return data_[arriving_[opposite(l.direction)] + l.cell]; }
+  double temperature(const HeatLink& l) const {
+    double sum = 0;
+    for (int i = 0; i < D3Q7::directions; ++i) sum += double(data_[leaving_[i] + l.cell]);
+    return sum;
+  }
+
+ private:
+  T* data_;
+  std::ptrdiff_t leaving_[D3Q7::directions], arriving_[D3Q7::directions];
+};
+
+/// The coefficients of (H5): of out, of the two others, of the temperature of the surface.
+struct HeatCoefficients {
+  double out, behind, against, surface;
+};
+HeatCoefficients coefficients(const HeatLink& link, double q) {
+  if (link.gap) {
+    const double a = -0.5 / std::max(q, 0.5);
+    return {a, 0, 1 + a, -0.25 * a};
+  }
+  const double b = (2 * q - 1) / (2 * q + 1);
+  return {-1, b, b, 0.25 * (1 - b)};
+}
+
+template <class T>
+double distance(const CutLinks<T>& links, const HeatLink& l) {
+  return links.rate.empty() ? links.q[l.link] : links.q[l.link] + links.age * links.rate[l.link];
+}
+
+/// Returns the velocity of a surface along the direction of a link.
+double velocity_along(const SurfaceMotion& m, const SurfaceFrame& frame, Int3 cell, int i) {
+  const Int3 from = cell - frame.cell, c = D3Q7::c[i];
+  const double r[3] = {from.x + frame.offset[0], from.y + frame.offset[1], from.z + frame.offset[2]};
+  return c.x * (m.v[0] + m.omega[1] * r[2] - m.omega[2] * r[1]) +
+         c.y * (m.v[1] + m.omega[2] * r[0] - m.omega[0] * r[2]) +
+         c.z * (m.v[2] + m.omega[0] * r[1] - m.omega[1] * r[0]);
+}
+
+}  // namespace
+
+template <class T>
+void apply_heat_links(Block<T, D3Q7>& block, Parity parity, const CutLinks<T>& links,
+                      std::span<const HeatLink> along_axes, const SurfaceHeat& surface,
+                      const SurfaceMotion& motion, HeatSums& sums) {
+  const HeatSlots<T> slots(block, parity);
+  const double returned = double(surface.by_each_link) * heat_quantum;
+  for (const HeatLink& l : along_axes) {
+    const double out = slots.out(l);
+    T& back = slots.back(l);
+    if (surface.insulates) {
+      const double u = velocity_along(motion, links.frame, block.cell_at(l.cell), l.direction);
+      back = T(u == 0 ? out + returned : out - slots.temperature(l) * u + returned);
+    } else {
+      const HeatCoefficients k = coefficients(l, distance(links, l));
+      back = T(k.out * out + k.behind * slots.behind(l) + k.against * slots.against(l) +
+               k.surface * surface.temperature);
+      sums.conductance += quanta(k.surface);
+    }
+    sums.heat += quanta(out - double(back));
+  }
+}
+
+template <class T>
+std::int64_t correct_heat_links(Block<T, D3Q7>& block, Parity parity, const CutLinks<T>& links,
+                                std::span<const HeatLink> along_axes, double increment) {
+  const HeatSlots<T> slots(block, parity);
+  std::int64_t heat = 0;
+  for (const HeatLink& l : along_axes) {
+    T& back = slots.back(l);
+    const T before = back;
+    back = T(before + coefficients(l, distance(links, l)).surface * increment);
+    heat += quanta(slots.out(l) - double(back)) - quanta(slots.out(l) - double(before));
+  }
+  return heat;
+}
+
+template void apply_heat_links(Block<float, D3Q7>&, Parity, const CutLinks<float>&, std::span<const HeatLink>,
+                               const SurfaceHeat&, const SurfaceMotion&, HeatSums&);
+template void apply_heat_links(Block<double, D3Q7>&, Parity, const CutLinks<double>&,
+                               std::span<const HeatLink>, const SurfaceHeat&, const SurfaceMotion&,
+                               HeatSums&);
+template std::int64_t correct_heat_links(Block<float, D3Q7>&, Parity, const CutLinks<float>&,
+                                         std::span<const HeatLink>, double);
+template std::int64_t correct_heat_links(Block<double, D3Q7>&, Parity, const CutLinks<double>&,
+                                         std::span<const HeatLink>, double);
+
+}  // namespace silt::lbm

@@ -1,0 +1,201 @@
+// [heat], and what sides, bodies and walls are to the heat, with their checks.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+
+#include "silt/case/case_sections.hpp"
+
+namespace silt {
+namespace {
+
+constexpr Dimension capacity_of_mass{2, -2, 0}, power{2, -3, 1}, power_of_area{0, -3, 1};
+
+struct GivenHeat : coupler::HeatSpec {
+  double prandtl = 0;
+};
+constexpr std::tuple heat_keys{
+    Key{"thermal_diffusivity", &lbm::HeatSpec::diffusivity, Number{dimension::viscosity, range::above(0)},
+        "how fast heat spreads in the fluid", "one of two"},
+    Key{"prandtl", &GivenHeat::prandtl, Number{dimension::none, range::above(0)},
+        "Prandtl number, the viscosity over the thermal diffusivity", "one of two"},
+    Key{"temperature", &lbm::HeatSpec::reference, Number{dimension::none, range::any, "K"},
+        "temperature of reference: of an inlet that gives none, where buoyancy is 0 and from which heat is "
+        "counted"},
+    HandKey{"initial", "number", "K", "temperature", "temperature of the fluid at the start"},
+    Key{"heat_capacity", &coupler::HeatSpec::of_fluid, Number{capacity_of_mass, range::above(0), "J/(kg K)"},
+        "of the fluid", "– (si), 1"},
+    Key{"expansion", &coupler::HeatSpec::expansion, Number{dimension::none, range::any, "1/K"},
+        "thermal expansion, which with gravity makes the fluid buoyant"}};
+
+/// Reads the temperature of something, less that of reference.
+std::optional<double> read_temperature(TableReader& table, const coupler::HeatSpec& heat) {
+  const auto given = table.number("temperature", range::any);
+  return given ? std::optional(*given - heat.reference) : std::nullopt;
+}
+
+void read_side(TableReader table, const coupler::BoundarySpec& side, const coupler::HeatSpec& heat,
+               coupler::SideHeat& of) {
+  if (const std::string given = table.one_of({"temperature", "heat_flux"}, false, "");
+      !given.empty() && (side.is_periodic() || side.is_outlet()))
+    table.fail(given, "{} is given, but heat passes through this side with the fluid; remove it",
+               table.path(given));
+  of.temperature = read_temperature(table, heat);
+  of.flux = table.quantity("heat_flux", power_of_area, range::any).value_or(0) / heat.of_fluid;
+}
+
+/// Calls visit(table, side) for the sides that are tables.
+template <class Visit>
+void for_side_tables(TableReader& root, Visit&& visit) {
+  TableReader domain = root.table("domain");
+  const Node* const boundary = domain.find("boundary");
+  if (!boundary || boundary->kind != Node::Kind::table) return;
+  TableReader axes = domain.table("boundary");
+  for (int axis = 0; axis < 3; ++axis) {
+    const std::string name(axis_names.names[axis]);
+    const Node* const node = axes.find(name);
+    if (!node) continue;
+    const bool both = node->kind == Node::Kind::table;
+    for (int side = 0; side < 2; ++side) {
+      if (!both && (node->kind != Node::Kind::array || int(node->children.size()) <= side)) continue;
+      const Node& its = both ? *node : node->children[side];
+      if (its.kind != Node::Kind::table) continue;
+      const std::string path = both ? axes.path(name) : fmt::format("{}[{}]", axes.path(name), side);
+      visit(TableReader(root.context(), &its, path, its.key.empty() ? its.place : its.key_place),
+            2 * axis + side);
+    }
+  }
+}
+
+/// Reads what bodies of an entry are; those of one kind must be alike.
+void read_body(TableReader& table, const Case& setup, coupler::HeatSpec& heat, std::map<int, bool>& said) {
+  coupler::BodyHeat of;
+  of.temperature = read_temperature(table, heat);
+  const double scale =
+      setup.units.scale(capacity_of_mass) * heat.of_fluid;  // the fluid's, in units of the case
+  of.capacity = table.number("heat_capacity", range::above(0)).value_or(0) / scale;
+  of.source = table.quantity("heat_source", power, range::any).value_or(0) / heat.of_fluid;
+  if (table.has("heat_capacity")) table.need("temperature", "the temperature of the bodies at the start");
+  if (of.capacity == 0)
+    table.refuse_given({"heat_source"}, "{key} warms a body that has a {table}.heat_capacity; give that too");
+  const std::string name = table.string("name").value_or(table.string("shape").value_or(""));
+  const auto kind = std::ranges::find(setup.kind_names, name) - setup.kind_names.begin();
+  if (kind == std::ptrdiff_t(setup.kind_names.size())) return;  // reported by the reader of bodies
+  coupler::BodyHeat& known = heat.kinds[kind];
+  if (!said.try_emplace(int(kind), true).second && !(known == of))
+    table.fail("temperature",
+               "{}: another entry of the name '{}' is otherwise to heat; give them different names",
+               table.path(), name);
+  known = of;
+}
+
+/// Refuses what bodies, walls and sides say of heat without [heat].
+void refuse_without_heat(TableReader& root) {
+  constexpr const char* why = "{key} needs the table [heat], which the case does not have";
+  for (const char* list : {"bodies", "fill"})
+    for (TableReader& table : root.tables(list))
+      table.refuse_given({"temperature", "heat_capacity", "heat_source"}, why);
+  for (TableReader& table : root.tables("walls")) table.refuse_given({"temperature"}, why);
+  for_side_tables(root, [&](TableReader table, int) {
+    table.refuse_given({"temperature", "heat_flux"}, why);
+  });
+}
+
+/// Refuses fields of the temperature without [heat].
+void check_fields(const Case& setup, Diagnostics& findings) {
+  const auto look = [&](const char* key, const std::vector<Field>& fields) {
+    if (std::ranges::count(fields, Field::temperature))
+      findings.error(key, "{} has \"temperature\", but the case has no [heat]; take it out", key);
+  };
+  look("output.fields.quantities", setup.output.fields.quantities);
+  for (const FieldsSpec& slice : setup.output.slices) look("output.slices", slice.quantities);
+  for (const ProbesSpec& probes : setup.output.probes) look("output.probes", probes.quantities);
+}
+
+/// What heat does not go with yet.
+void check_limits(const Case& setup, Diagnostics& findings) {
+  const auto refuse = [&](bool found, const char* key, const char* what) {
+    if (found) findings.error(key, "[heat] does not go with {}; remove one of them", what);
+  };
+  refuse(setup.coarsening.has_value(), "coarsening", "cells of several widths, [coarsening]");
+  refuse(setup.start.has_value(), "initial.from", "the end of another run, initial.from");
+  refuse(setup.fluid->quiet_start, "fluid.quiet_start", "fluid.quiet_start");
+  refuse(setup.heat->expansion != 0 && setup.gravity_over_time.varies(), "gravity.over_time",
+         "gravity that changes, if the fluid expands");
+  refuse(setup.device != Device::cpu, "run.device", "another run.device than \"cpu\"");
+}
+
+}  // namespace
+
+double cell_peclet(const Case& setup) {
+  return fastest_given(setup) / setup.heat->diffusivity;
+}
+
+double largest_difference(const coupler::HeatSpec& heat) {
+  double least = std::min(heat.initial, 0.), most = std::max(heat.initial, 0.);
+  const auto see = [&](const auto& all) {
+    for (const auto& of : all)
+      least = std::min(least, of.temperature.value_or(0)), most = std::max(most, of.temperature.value_or(0));
+  };
+  see(heat.sides), see(heat.kinds), see(heat.walls);
+  return most - least;
+}
+
+std::vector<KeySection> heat_sections() {
+  return {section_of("heat", heat_keys)};
+}
+
+void read_heat(TableReader& root, Case& setup) {
+  TableReader table = root.table("heat");
+  if (!table.present()) return refuse_without_heat(root);
+  if (!setup.fluid)
+    return root.fail("heat", "[heat] is given, but there is no [fluid] that could be warm; remove it");
+  GivenHeat heat;
+  read_keys(table, heat, heat_keys);
+  if (table.one_of({"thermal_diffusivity", "prandtl"}, true, "how fast heat spreads") == "prandtl" &&
+      heat.prandtl > 0)
+    heat.diffusivity = setup.fluid->kinematic_viscosity / heat.prandtl;
+  if (setup.units.si) table.need("heat_capacity", "of the fluid, J/(kg K)");
+  heat.initial = table.number("initial", range::any).value_or(heat.reference) - heat.reference;
+  for (int d = 0; d < 3; ++d) heat.buoyancy[d] = -heat.expansion * setup.gravity[d];
+  if (heat.expansion != 0 && setup.gravity.isZero(0))
+    table.idle("expansion", "there is no [gravity]; remove it");
+  for_side_tables(
+      root, [&](TableReader of, int side) { read_side(of, setup.boundary[side], heat, heat.sides[side]); });
+  heat.kinds.resize(setup.kind_names.size());
+  std::map<int, bool> said;
+  for (const char* list : {"bodies", "fill"})
+    for (TableReader& entry : root.tables(list)) read_body(entry, setup, heat, said);
+  for (TableReader& wall : root.tables("walls"))
+    heat.walls.emplace_back().temperature = read_temperature(wall, heat);
+  setup.heat = heat;
+}
+
+void find_heat_faults(const Case& setup, Diagnostics& findings) {
+  if (!setup.heat) return check_fields(setup, findings);
+  check_limits(setup, findings);
+  constexpr double measured = 10, stable = 30;  // cell Péclet numbers (method-heat.md)
+  const double found = cell_peclet(setup);
+  const char* const key = setup.places.count("heat.prandtl") ? "heat.prandtl" : "heat.thermal_diffusivity";
+  if (found > stable)
+    findings.error(
+        key,
+        "the cell Péclet number u/D is {} at the largest speed given; above {} waves grow: use smaller "
+        "cells",
+        shown(found), stable);
+  else if (found > measured)
+    findings.warning(
+        key,
+        "the cell Péclet number u/D is {} at the largest speed given; above {} heat is carried with "
+        "large errors: use smaller cells",
+        shown(found), measured);
+  constexpr double accurate = 0.2;
+  if (const double diffusivity = setup.heat->diffusivity; diffusivity > accurate)
+    findings.warning(
+        key,
+        "the thermal diffusivity is {} cells2/step; above {} heat that comes and goes is late by "
+        "percents: use shorter steps",
+        shown(diffusivity), accurate);
+}
+
+}  // namespace silt
