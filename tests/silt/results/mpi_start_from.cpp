@@ -288,7 +288,7 @@ TEST(StartFrom, ADryPackingIsFloodedAndTheRunGoesOnToTheSameBits) {
 /// A bed finds room before it: the fluid of a longer domain knows it at its new place.
 TEST(StartFrom, ADryPackingIsShifted) {
   CaseText dry = free_spheres();
-  dry.fluid = "";
+  dry.fluid = "", dry.rest = "";
   const Ended other(dry, 5);
   CaseText wet = followers();
   wet.domain = domain_of({24, 24, 36});

@@ -71,7 +71,7 @@ steps = 4000
         for height, wanted in ((4, True), (9, False)):
             self.write(self.COLUMN % (0.01, 0.01, "fixed", f"[6, 6, {height}]") + '[[quantities]]\nname = "rate"\ntype = "flow-rate"\nat = 20\n')
             foreseen = re.search(covered, self.silt("check", self.case).stdout)
-            run = self.silt("run", self.case, "--overwrite", "--steps", 2000)
+            run = self.silt("run", self.case, "--overwrite", "--steps", 8000)
             self.assertEqual((bool(foreseen), bool(re.search(covered, run.stdout + run.stderr))), (wanted, wanted))
             found = 100 * (1 - self.report()["quantities"]["rate"] / (0.01 * 144))
             self.assertLess(abs(found - float(foreseen[1] if foreseen else 0)), 2.5, found)
