@@ -21,7 +21,8 @@ from harness.judge import as_found  # noqa: E402
 
 MODULES = {name: problems.load(FOLDER, name) for name in problems.names(FOLDER)}
 # whose figures make something of any numbers
-OF_WHATEVER = ("arrays", "bed", "cavity", "frontier", "inertial_arrays", "moving_array", "taylor_green")
+OF_WHATEVER = ("arrays", "bed", "cavity", "conduction_arrays", "frontier", "heated_cavity", "heated_sphere", "inertial_arrays",
+               "moving_array", "moving_hot_array", "taylor_green", "thermal_front")
 
 
 class Whatever(dict):
@@ -175,6 +176,47 @@ class References(unittest.TestCase):
             U = Re * viscosity / (density * D)
             gradient = 150 * viscosity * solid**2 * U / ((1 - solid)**3 * D**2) + 1.75 * density * solid * U**2 / ((1 - solid)**3 * D)
             self.assertAlmostEqual(bed.ergun(Re) * density * U**2 / (gradient * height), 1)
+
+    def test_a_front_spreads_by_its_diffusivity(self):
+        """The error function is the front without an inlet near it."""
+        import numpy as np
+        import thermal_front
+        x = np.arange(thermal_front.LENGTH) + 0.5
+        front = lambda t: np.array([0.5 * math.erfc((place - 0.1 * t) / math.sqrt(4 * 0.05 * t)) for place in x])  # noqa: E731
+        (x0, v0), (x1, v1) = (thermal_front.moments(front(t)) for t in (900, 1500))
+        self.assertAlmostEqual(x1 - x0, 0.1 * 600, places=6)
+        self.assertAlmostEqual(v1 - v0, 2 * 0.05 * 600, places=6)
+
+    def test_images_of_a_charge_in_a_cube(self):
+        """Madelung's constant by Evjen's sum over cubes, whose outermost charges count by the part that lies in the cube."""
+        import heated_sphere
+        import numpy as np
+        n = 12
+        i = np.arange(-n, n + 1)
+        part = np.where(abs(i) == n, 0.5, 1)
+        x, y, z = np.meshgrid(i, i, i, indexing="ij")
+        r = np.sqrt(x**2 + y**2 + z**2)
+        r[n, n, n] = math.inf
+        charges = (-1.0)**(x + y + z + 1) * part[:, None, None] * part[:, None] * part
+        self.assertAlmostEqual((charges / r).sum(), heated_sphere.MADELUNG, places=3)
+        self.assertAlmostEqual(heated_sphere.in_cube(1e6), 2, places=5)
+
+    def test_layers_of_arrays_are_all_spheres(self):
+        """A sphere on a plane counts by its half; heights and places are symmetric about the middle."""
+        import conduction_arrays
+        for name, places in conduction_arrays.PLACES.items():
+            layers = conduction_arrays.layers_of(name)
+            self.assertEqual(sum(0.5 if height in (0, 1) else 1 for height, _ in layers), len(places))
+            self.assertEqual(sorted(layers), sorted((1 - height, place) for height, place in layers))
+
+    def test_the_largest_between_cells(self):
+        import heated_cavity
+        import numpy as np
+        x = (np.arange(20) + 0.5) / 20
+        place, value = heated_cavity.largest(3 - (x - 0.317)**2)
+        self.assertAlmostEqual(place, 0.317)
+        self.assertAlmostEqual(value, 3)
+        self.assertAlmostEqual(heated_cavity.at_middle(x**3 - x), 0.5**3 - 0.5)
 
 
 if __name__ == "__main__":
