@@ -77,7 +77,9 @@ TEST(Traffic, PagesOfADeviceThatTheProcessorTouchesAreCounted) {
   auto* const bytes = static_cast<volatile char*>(memory.get());
   const std::uint64_t before = bus_bytes(Device::host).pages;
   const auto touched = [&] { return bus_bytes(Device::host).pages - before; };
-  bytes[0] = 1, bytes[page - 1] = 2, bytes[5 * page] = 3;
+  bytes[0] = 1;
+  bytes[page - 1] = 2;
+  bytes[5 * page] = 3;
   EXPECT_EQ(touched(), 2u);
   clear_in_turn(Device::host, memory.get(), 1);
   lbm::wait(Device::host);
