@@ -3,8 +3,10 @@
 #include <map>
 #include <set>
 #include <stdexcept>
+#include <utility>
 
 #include "lbm/exchange/ghost_home.hpp"
+#include "lbm/levels/join_rows.hpp"
 #include "lbm/levels/level_border.hpp"
 #include "parallel/communicator.hpp"
 
@@ -26,7 +28,10 @@ struct LevelBorder<Field>::Builder {
     int sub_step, corner;
     Flight to;
   };
-  std::uint32_t coarse_next = 0, fine_next[2] = {}, carried = 0, sums = 0;
+  std::uint32_t coarse_next = 0, fine_next[2] = {}, sums = 0;
+  /// Of the blocks that share a block's array the first in memory: rows go on from one to the next.
+  std::vector<int> first_of[2] = {first_in_memory(border.fine_.blocks()),
+                                  first_in_memory(border.coarse_.blocks())};
 
   /// A population that leaves a fine cell at rest has this much more than from a coarse cell, one that
   /// arrives lacks as much, and a packet that passes a cell without a collision lacks twice as much.
@@ -39,10 +44,11 @@ struct LevelBorder<Field>::Builder {
     const BlockPlace& place = of.at(cell);
     const int b = fluid.domain().local_index(place, rank);
     const auto& block = fluid.blocks()[b];
-    const int stride = int(axis == 0 ? 1 : block.row_stride());
-    return {std::uint32_t(b * Lattice::directions + direction),
-            std::int32_t(block.cell(cell - place.box.lower)),
-            fluid.domain().level() == coarse.level() ? stride : 2 * stride};
+    const bool is_coarse = fluid.domain().level() == coarse.level();
+    const int stride = int(axis == 0 ? 1 : block.row_stride()), first = first_of[is_coarse][b];
+    return {std::uint32_t(first * Lattice::directions + direction),
+            std::int32_t(block.cell(cell - place.box.lower) + (block.data() - fluid.blocks()[first].data())),
+            is_coarse ? stride : 2 * stride};
   }
   SlotRun run_of(const Row& row) const { return {row.array, std::uint32_t(row.first), row.step, length}; }
   /// Returns the row that rank `user` reads populations of any rank from; lists the message, if any.
@@ -130,25 +136,6 @@ struct LevelBorder<Field>::Builder {
     return {coarse_row(user, up, j), coarse_row(user, down, j), T(factors[above + below])};
   }
 
-  static bool goes_on(const Row& row, const Row& next) {
-    return row.array == next.array && row.first + 1 == next.first && row.step == next.step;
-  }
-  /// Appends a packet or a source, or pairs it with the last one if it is the next element along x.
-  static void add(std::pmr::vector<Packet>& packets, std::uint8_t& count, const Packet& one) {
-    if (count > 0 && !packets.back().paired && one.corner == (packets.back().corner | 1) &&
-        one.corner != packets.back().corner && one.addend == packets.back().addend &&
-        goes_on(packets.back().to, one.to))
-      packets.back().paired = true;
-    else
-      packets.push_back(one), ++count;
-  }
-  static void add(std::pmr::vector<Source>& sources, std::uint8_t& count, const Row& from) {
-    if (count > 0 && !sources.back().paired && goes_on(sources.back().from, from))
-      sources.back().paired = true;
-    else
-      sources.push_back({from}), ++count;
-  }
-
   void add_explosion(int j) {
     const std::vector<Entry> entries = entries_of(x, j);
     if (entries.empty()) return;
@@ -174,21 +161,19 @@ struct LevelBorder<Field>::Builder {
       for (const Entry& entry : entries)
         if (leaves.at(entry.to.cell).rank == rank) part.add(entry.to.cell);
       for (const bool outlet : {false, true}) {
-        Explosion explosion{length, carried, {}, {}};
+        Explosion explosion{length, std::uint32_t(border.carry_.size()), {}, {}};
         for (int s = 0; s < 2; ++s) explosion.first[s] = std::uint32_t(part.list().packets[s].size());
         for (const Entry& entry : entries) {
           if (entry.to.by_outlet != outlet || leaves.at(entry.to.cell).rank != rank) continue;
           const double addend = entry.to.addend + (in_time ? 0 : entry.to.by_force);
-          add(part.list().packets[entry.sub_step], explosion.packets[entry.sub_step],
-              {own_row(border.fine_, leaves, entry.to.cell, entry.to.direction), T(addend),
-               std::uint8_t(entry.corner)});
+          RowJoints<T>::add(part.list().packets[entry.sub_step], explosion.packets[entry.sub_step],
+                            {own_row(border.fine_, leaves, entry.to.cell, entry.to.direction), T(addend),
+                             std::uint8_t(entry.corner)});
         }
         if (explosion.packets[0] + explosion.packets[1] == 0) continue;
         part.list().explosions.push_back(explosion);
-        typename Rows::Carried& its = outlet ? returned : one;
-        its.first = carried;
-        border.carry_.push_back(its);
-        carried += Rows::carried_rows * length;
+        border.carry_.push_back(outlet ? returned : one);
+        RowJoints<T>::join_explosions(part.list(), border.carry_);
       }
     }
   }
@@ -272,10 +257,11 @@ struct LevelBorder<Field>::Builder {
                     {},
                     std::uint8_t(taken.size())};
     for (std::size_t k = 0; k < packets.size(); ++k)
-      add(list.sources[packets[k].sub_step], one.sources[packets[k].sub_step], sources[k]);
+      RowJoints<T>::add(list.sources[packets[k].sub_step], one.sources[packets[k].sub_step], sources[k]);
     list.taken.insert(list.taken.end(), taken.begin(), taken.end());
     list.coalescences.push_back(one);
     sums += length;
+    RowJoints<T>::join_coalescences(list);
   }
 
   /// Lists packets that leave a fine cell in the first step and enter one in the second, through cell x.
@@ -341,16 +327,21 @@ struct LevelBorder<Field>::Builder {
     Int3 ends = end;
     ends[axis] = box.lower[axis] + 1;
     for_cells(box.lower, ends, [&](Int3 first) {
+      std::vector<std::pair<CellRun, Surroundings>> runs;
       for (x = first; x[axis] < end[axis]; x[axis] += int(length)) {
         const Surroundings s = around(x);
         length = std::uint32_t(std::min(s.alike, end[axis] - x[axis]));
-        if (!s.any_fine || s.any_far) continue;  // far: does not concern this rank
-        for (int j = 1; j < Lattice::directions; ++j) {
-          const bool enters = s.may_meet(j), comes = s.may_meet(opposite(j));
-          if (enters) add_explosion(j);
-          if (comes) add_coalescence(j);
-          if (enters && comes) add_passing(j);
-        }
+        if (s.any_fine && !s.any_far) runs.push_back({{x[axis], int(length)}, s});  // far: not of this rank
+      }
+      const auto for_runs = [&](auto&& add) {
+        for (const auto& [run, s] : runs) x[axis] = run.first, length = std::uint32_t(run.count), add(s);
+      };
+      for (int j = 1; j < Lattice::directions; ++j) {  // run after run, to be joined
+        const auto enters = [j](const Surroundings& s) { return s.may_meet(j); };
+        const auto comes = [j](const Surroundings& s) { return s.may_meet(opposite(j)); };
+        for_runs([&](const Surroundings& s) { enters(s) ? add_explosion(j) : void(); });
+        for_runs([&](const Surroundings& s) { comes(s) ? add_coalescence(j) : void(); });
+        for_runs([&](const Surroundings& s) { enters(s) && comes(s) ? add_passing(j) : void(); });
       }
     });
   }
@@ -380,8 +371,21 @@ struct LevelBorder<Field>::Builder {
     }
     border.coarse_fetched_.resize(coarse_next);
     for (int s = 0; s < 2; ++s) border.fine_fetched_[s].resize(fine_next[s]);
-    border.carried_.resize(carried);
     border.sums_.resize(sums);
+    place_carried();
+  }
+
+  /// Places what is carried in one array, to which explosions then refer instead of to entries of carry_.
+  void place_carried() {
+    std::uint32_t carried = 0;
+    for (typename Rows::Carried& its : border.carry_)
+      its.first = std::exchange(carried, carried + std::uint32_t(Rows::carried_rows) * its.length);
+    border.carried_.resize(carried);
+    const auto place = [&](Lists& list) {
+      for (Explosion& one : list.explosions) one.carried = border.carry_[one.carried].first;
+    };
+    for (auto& parts : border.ready_) std::for_each(parts.begin(), parts.end(), place);
+    place(border.late_);
   }
 };
 
