@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "coupler/spec/flow_spec.hpp"
+#include "lbm/blocks/lattice.hpp"
 #include "rigid/math/elementary.hpp"
 #include "rigid/shapes/shape.hpp"
 #include "silt/case/case.hpp"
