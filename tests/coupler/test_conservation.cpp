@@ -28,7 +28,7 @@ TEST(CoupledStep, ExactFormConservesMomentum) {
                                        "coupling.time=explicit"};
   for (const auto& overrides : {std::vector<std::string>{"coupling.time=implicit"}, heavy}) {
     std::vector<std::string> single = overrides;
-    single.push_back("fluid.precision=single");
+    single.emplace_back("fluid.precision=single");
     const double in_double = momentum_drift(overrides, 1000), in_single = momentum_drift(single, 1000);
     if (tests::rank() == 0)
       printf("%s: exact form, drift %.2g in double, %.2g in single\n", overrides.back().c_str(), in_double,
