@@ -47,7 +47,8 @@ CLAIMS = {
         "largest settling velocity over that in unbounded fluid, mean of the places", "sphere in a closed tank, e1", "D = {D}",
         "from the least of simulations on record to the experiment: " + TABLES["source"], doi=TABLES["doi"], kind="computation", unit=""),
     "accuracy.tencate.e1.d{D}.to_finest": Claim(
-        "largest settling velocity, against D = 24", "sphere in a closed tank, e1", "D = {D}", "own run with D = 24", kind="convergence"),
+        "largest settling velocity, against D = 24", "sphere in a closed tank, e1", "D = {D}", "own run with D = 24", kind="convergence",
+        note="D = 6: few cells"),
     "accuracy.tencate.single_share": Claim(
         "difference of single from double precision, over the error", "sphere in a closed tank, e4", "D = 6", "own run in double precision",
         kind="convergence")}
