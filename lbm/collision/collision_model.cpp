@@ -6,13 +6,16 @@
 
 namespace silt::lbm {
 
+namespace {
+
+/// Rounds a rate to the nearest multiple of 2^-(digits + 2).
 template <class T>
 T on_grid(double rate) {
   const int bits = std::numeric_limits<T>::digits + 2;
   return T(std::ldexp(std::nearbyint(std::ldexp(rate, bits)), -bits));
 }
-template float on_grid(double);
-template double on_grid(double);
+
+}  // namespace
 
 template <class T>
 CollisionRates<T>::CollisionRates(const CollisionSpec& s) : model(s.model) {

@@ -69,10 +69,6 @@ struct CollisionSpec {
   }
 };
 
-/// Rounds a rate to the nearest multiple of 2^-(digits + 2), so that a sum of 1 is exact.
-template <class T>
-T on_grid(double rate);
-
 /// Rates for a diagonal direction (w = 1/36): twice these along an axis, twelve times at rest. So that
 /// rounding neither makes nor destroys mass or momentum steadily, the rates of density and momentum are
 /// multiples of a number so small that the kept fractions of populations are exact.

@@ -17,22 +17,20 @@ struct HeatSpec {
   bool has_buoyancy() const { return buoyancy[0] != 0 || buoyancy[1] != 0 || buoyancy[2] != 0; }
 };
 
-/// The rates of (H2) and (H3). That of the even half is a multiple of so small a number that collisions
-/// conserve heat (CollisionRates).
+/// The rates of (H2) and (H3).
 template <class T>
 struct HeatRates {
-  T even, keep_even;  // 1/(8 τ_T); (1 − 1/τ_T)/2
-  T odd;              // 1/τ_T⁻
-  T along;            // (τ_T⁻ − 1/2), the share along the stream in (H3)
-  T quarter;          // τ_T⁻/4
-  T half_force[3];    // of the body force of the fluid
+  T even;           // 1/(8 τ_T)
+  T odd;            // 1/τ_T⁻
+  T along;          // (τ_T⁻ − 1/2), the share along the stream in (H3)
+  T quarter;        // τ_T⁻/4
+  T half_force[3];  // of the body force of the fluid
   T half_buoyancy[3];
 
   HeatRates(const HeatSpec& heat, const std::array<double, 3>& force) {
     if (!(heat.diffusivity > 0)) throw std::invalid_argument("the thermal diffusivity must be above 0");
     const double excess = heat.excess();
-    even = on_grid<T>(1 / (0.5 + HeatSpec::magic / excess) / 8);
-    keep_even = T(1 - 8 * double(even)) / 2;
+    even = T(1 / (0.5 + HeatSpec::magic / excess) / 8);
     odd = T(1 / (0.5 + excess)), along = T(excess), quarter = T((0.5 + excess) / 4);
     for (int d = 0; d < 3; ++d) half_force[d] = T(force[d] / 2), half_buoyancy[d] = T(heat.buoyancy[d] / 2);
   }

@@ -89,13 +89,19 @@ void read_body(TableReader& table, const Case& setup, coupler::HeatSpec& heat, s
   known = of;
 }
 
+/// Returns the tables of an array, none of what the reader of bodies or walls refuses.
+std::vector<TableReader> tables_of(TableReader& root, const char* list) {
+  const Node* const node = root.find(list);
+  return node && node->kind == Node::Kind::array ? root.tables(list) : std::vector<TableReader>();
+}
+
 /// Refuses what bodies, walls and sides say of heat without [heat].
 void refuse_without_heat(TableReader& root) {
   constexpr const char* why = "{key} needs the table [heat], which the case does not have";
   for (const char* list : {"bodies", "fill"})
-    for (TableReader& table : root.tables(list))
+    for (TableReader& table : tables_of(root, list))
       table.refuse_given({"temperature", "heat_capacity", "heat_source"}, why);
-  for (TableReader& table : root.tables("walls")) table.refuse_given({"temperature"}, why);
+  for (TableReader& table : tables_of(root, "walls")) table.refuse_given({"temperature"}, why);
   for_side_tables(root, [&](TableReader table, int) {
     table.refuse_given({"temperature", "heat_flux"}, why);
   });
@@ -165,8 +171,8 @@ void read_heat(TableReader& root, Case& setup) {
   heat.kinds.resize(setup.kind_names.size());
   std::map<int, bool> said;
   for (const char* list : {"bodies", "fill"})
-    for (TableReader& entry : root.tables(list)) read_body(entry, setup, heat, said);
-  for (TableReader& wall : root.tables("walls"))
+    for (TableReader& entry : tables_of(root, list)) read_body(entry, setup, heat, said);
+  for (TableReader& wall : tables_of(root, "walls"))
     heat.walls.emplace_back().temperature = read_temperature(wall, heat);
   setup.heat = heat;
 }

@@ -47,8 +47,7 @@ double cooling_error(double radius, double diffusivity) {
     while (double(s.steps_done()) < time) s.step();
     return value(s, "mean-temperature");
   };
-  const double start =
-      0.4 / rate;  // the second mode is then e^-1.7 of the first in time, and small from the start
+  const double start = 2 / rate;  // the second mode has then faded by e^-8.5 against the first
   const double before = go_to(start);
   const double steps = double(s.steps_done());
   const double after = go_to(2 * start);
