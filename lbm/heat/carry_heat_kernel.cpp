@@ -48,10 +48,12 @@ template <class V, class T, class Keep>
     square += u[d] * u[d], stream += u[d] * flux[d];
   }
   const V share = r.along * stream / (r.quarter - T(0.5) * square);
-  // as changes, which vanish in a temperature that is the same everywhere, and with them their rounding
-  store(slots.heat[0] + x, keep(V(rest + T(2) * (r.even * (t - T(4) * rest))), rest));
+  // Relaxed by what populations lack, which is zero at equilibrium: rounding then adds no heat step after
+  // step.
+  store(slots.heat[0] + x, keep(V(rest + r.even * (T(D3Q7::w(0)) * t - rest)), rest));
   for (int k = 0; k < 3; ++k) {
-    const V s = along[k] + against[k], p = T(0.5) * s + r.even * (t - T(4) * s);
+    const V mean = T(0.5) * (along[k] + against[k]);
+    const V p = mean + r.even * (T(D3Q7::w(1)) * t - mean);
     const V q = T(0.5) * ((along[k] - against[k]) - r.odd * (flux[k] - share * u[k]));
     store(slots.heat[2 * k + 1] + x, keep(V(p - q), along[k]));
     store(slots.heat[2 * k + 2] + x, keep(V(p + q), against[k]));

@@ -3,8 +3,6 @@
 #include <array>
 #include <stdexcept>
 
-#include "lbm/collision/collision_model.hpp"
-
 namespace silt::lbm {
 
 struct HeatSpec {
@@ -20,7 +18,7 @@ struct HeatSpec {
 /// The rates of (H2) and (H3).
 template <class T>
 struct HeatRates {
-  T even;           // 1/(8 τ_T)
+  T even;           // 1/τ_T
   T odd;            // 1/τ_T⁻
   T along;          // (τ_T⁻ − 1/2), the share along the stream in (H3)
   T quarter;        // τ_T⁻/4
@@ -30,7 +28,7 @@ struct HeatRates {
   HeatRates(const HeatSpec& heat, const std::array<double, 3>& force) {
     if (!(heat.diffusivity > 0)) throw std::invalid_argument("the thermal diffusivity must be above 0");
     const double excess = heat.excess();
-    even = T(1 / (0.5 + HeatSpec::magic / excess) / 8);
+    even = T(1 / (0.5 + HeatSpec::magic / excess));
     odd = T(1 / (0.5 + excess)), along = T(excess), quarter = T((0.5 + excess) / 4);
     for (int d = 0; d < 3; ++d) half_force[d] = T(force[d] / 2), half_buoyancy[d] = T(heat.buoyancy[d] / 2);
   }
