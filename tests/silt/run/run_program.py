@@ -41,7 +41,9 @@ class Program(SiltTest):
             self.assertEqual(*said)
             return said[0]
         self.assertRegex(fault("--set", "initial.from='../cse/out'"), "initial.from is '../cse/out', and .*/cse/out does not exist; name the folder of the other run's results")
+        self.out.mkdir()
         self.assertRegex(fault(), "case.toml:.*initial.from is '../case/out', and there is no checkpoint in .*output.checkpoint")
+        self.out.rmdir()
         self.silt("run", self.case)
         self.assertIn("has not the shape that the case gives 'ball'", fault("--set", "shapes[0].radius=2"))
         for option, what in (("domain.size=[24, 16, 24]", "its populations are of another lattice than the case's"), ("fluid.precision='double'", "its fluid is of single precision, that of the case of double")):
