@@ -247,7 +247,10 @@ CheckpointReader::Bodies read_body_tables(MPI_Comm comm, const File& file,
   std::optional<TableReader> reader;
   Counts counts;
   std::uint64_t all = 0, impulses = 0;
-  const auto do_not_fit = [&] { file.refuse("bodies and impulses do not fit together"); };
+  const auto do_not_fit = [&] {
+    file.refuse("bodies and impulses do not fit together: the sum of " + count_column.name +
+                " is not the length of " + impulse_columns[0].name);
+  };
   parallel::together(comm, [&] {
     reader.emplace(file);
     const std::uint64_t total = reader->rows_in(count_column.name);
@@ -256,6 +259,8 @@ CheckpointReader::Bodies read_body_tables(MPI_Comm comm, const File& file,
     found.first_body = first;
     found.records.resize(n);
     const std::vector<Column> columns = record_columns(holder);
+    if (reader->rows_in(columns[0].name) != total)
+      file.refuse(columns[0].name + " has another shape than " + count_column.name);
     for (const Column& c : columns) scatter_column(c, reader->read(c, total, first, n), found.records);
     const Column& id = columns[0];
     require_rising_ids(file, found.records,
