@@ -4,7 +4,6 @@
 
 #include "coupler/exchange/coupling_state.hpp"
 #include "lbm/heat/heat_links.hpp"
-#include "parallel/collectives.hpp"
 #include "rigid/math/elementary.hpp"
 #include "rigid/shapes/shape.hpp"
 #include "silt/case/case.hpp"
@@ -62,20 +61,21 @@ double nusselt_number(const Case& setup, const QuantitySpec& q, std::span<const 
   return conducted == 0 ? no_value : sums[0] / (conducted * heat.diffusivity);
 }
 
-double mean_temperature(const Simulation& simulation) {
+void add_fluid_temperature(const Simulation& simulation, const QuantitySpec&, std::span<ExactSum> sums) {
   const coupler::FluidFields& fields = simulation.scene().flow->fields();
-  struct {
-    rigid::FixedSum heat;
-  } mine{fields.heat()};
-  const double heat =
-      double(parallel::sum_over_ranks(simulation.scene().comm, mine).heat) * lbm::heat_quantum;
-  return simulation.setup().heat->reference + heat / double(simulation.scene().flow->totals().fluid_cells);
+  sums[0].add(fields.heat(), lbm::heat_quantum);
+  sums[1].add(double(fields.sums().cells()));
 }
 
-double body_temperature(const Simulation& simulation, const QuantitySpec& q) {
-  return simulation.setup().heat->reference + mean_over_bodies(simulation, q, [&](std::size_t row) {
-           return state_of(simulation, row).temperature.numbers[0];
-         });
+void add_body_temperature(const Simulation& simulation, const QuantitySpec& q, std::span<ExactSum> sums) {
+  for_bodies_of(simulation.bodies(), q, [&](std::size_t row) {
+    sums[0].add(state_of(simulation, row).temperature.numbers[0]);
+    sums[1].add(1.);
+  });
+}
+
+double mean_temperature(const Case& setup, const QuantitySpec&, std::span<const double> sums) {
+  return sums[1] > 0 ? setup.heat->reference + sums[0] / sums[1] : no_value;
 }
 
 /// Adds the heat of the fluid, of bodies that have a heat capacity, and what bodies owe the fluid.
@@ -99,9 +99,11 @@ constexpr Quantity of_heat[] = {
      "heat flow of bodies, as if spheres in a fluid of the reference temperature, over π d k ΔT; of a side "
      "over "
      "that by conduction to the opposite side; in the last step"},
-    {"mean-temperature", dimension::none, 0, Q::fluid | Q::heat, at_end<mean_temperature>(),
+    {"mean-temperature", dimension::none, 0, Q::fluid | Q::heat,
+     in_step({2, add_fluid_temperature}, {of_step<mean_temperature>}),
      "mean temperature of the fluid, at the end", "K"},
-    {"body-temperature", dimension::none, Q::body, Q::fluid | Q::heat | Q::bodies, at_end<body_temperature>(),
+    {"body-temperature", dimension::none, Q::body, Q::fluid | Q::heat | Q::bodies,
+     in_step({2, add_body_temperature}, {of_step<mean_temperature>}),
      "mean temperature of the bodies, at the end", "K"},
     {"stored-heat", dimension::energy, 0, Q::fluid | Q::heat,
      in_step({1, add_stored_heat}, {of_step<heat_flow>}),
