@@ -69,8 +69,7 @@ class FieldsOf final : public FluidFields {
   }
   rigid::FixedSum heat() const override {
     rigid::FixedSum sum = 0;
-    for_fluid_cells(maps(),
-                    [&](int b, Int3 x) { sum += std::llrint(temperature_->at(b, x) / lbm::heat_quantum); });
+    for_fluid_cells(maps(), [&](int b, Int3 x) { sum += lbm::heat_quanta(temperature_->at(b, x)); });
     return sum;
   }
   rigid::FixedSum side_heat(int axis, bool upper) const override {
@@ -81,7 +80,7 @@ class FieldsOf final : public FluidFields {
         if (!is_fluid(b, x)) return;
         const double lost =
             double(temperature_->leaving(b, x, i)) - temperature_->arriving(b, x, lbm::opposite(i));
-        sum += std::llrint(lost / lbm::heat_quantum);
+        sum += lbm::heat_quanta(lost);
       });
     });
     return sum;

@@ -18,8 +18,7 @@ namespace silt {
 
 namespace {
 
-/// Large pages that are inaccessible except while passes run. A
-/// pool above it requests few large pieces.
+/// Large pages that are inaccessible except while passes run. A pool above it requests few large pieces.
 class LockedMemory final : public std::pmr::memory_resource {
  public:
   void lock(bool locked) {

@@ -1,7 +1,6 @@
 #include "coupler/heat/heat_flow.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 namespace silt::coupler {
 
@@ -24,10 +23,6 @@ std::array<lbm::SideCondition, 6> heat_sides(const HeatSpec& heat, const std::ar
     all[side].density_deviation = of.temperature.value_or(0);
   }
   return all;
-}
-
-std::int64_t quanta(double heat) {
-  return std::llrint(heat / lbm::heat_quantum);
 }
 
 }  // namespace
@@ -81,7 +76,7 @@ void HeatFlow<T>::change_cells(std::span<const BlockMap> maps, const ChangedCell
     const lbm::SurfaceHeat of = row < bodies.size() ? surface(bodies, row) : lbm::SurfaceHeat{};
     if (sign < 0) set_uncovered(maps[cell.block], cell, of);
     if (row >= bodies.size()) return;
-    sums(row)[heat] += sign * quanta(temperature_.at(cell.block, cell.cell) - of.temperature);
+    sums(row)[heat] += sign * lbm::heat_quanta(temperature_.at(cell.block, cell.cell) - of.temperature);
     sums(row)[cells] += sign;
   };
   for (const CoveredCell& cell : changed.covered) take(cell, +1);
@@ -176,7 +171,7 @@ double HeatFlow<T>::warm(rigid::BodySet& bodies, std::size_t row) {
     state.heat_owed.by_each_link = of[links] > 0 ? state.heat_owed.all / of[links] : 0;
   }
   if (spec.capacity == 0) return 0;
-  state.heat_owed.all += quanta(double(of[cells]) * state.temperature.numbers[0]);
+  state.heat_owed.all += lbm::heat_quanta(double(of[cells]) * state.temperature.numbers[0]);
   return (state.heat_flow.numbers[0] + spec.source) /
          (bodies.mass[row] * spec.capacity + double(of[conductance]) * lbm::heat_quantum);
 }

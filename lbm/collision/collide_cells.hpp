@@ -10,11 +10,11 @@
 #include "cpu/lanes.hpp"
 #if !defined(SILT_SCALAR)
 #include "cpu/prefetch.hpp"
-#include "lbm/collision/rows.hpp"
 #endif
 #include "lbm/blocks/block.hpp"
 #include "lbm/blocks/excess.hpp"
 #include "lbm/collision/recursive_regularised_kernel.hpp"
+#include "lbm/collision/rows.hpp"
 #include "lbm/collision/two_relaxation_times_kernel.hpp"
 
 namespace silt::lbm::SILT_BUILD {
@@ -31,13 +31,6 @@ struct Slots {  // slots A, B of each pair and the rest's, of cell 0: add Block:
     }
   }
   SILT_DEVICE T* arriving(int i) const { return i == 0 ? rest : i % 2 ? a[i / 2] : b[i / 2 - 1]; }
-};
-
-struct AllLanes {
-  template <class V>
-  SILT_DEVICE const V& operator()(const V& inner, const V&) const {
-    return inner;
-  }
 };
 
 /// Calls found(offset, speed) for cells that are too fast or whose speed is not a number, at the cost of a

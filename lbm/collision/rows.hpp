@@ -1,6 +1,6 @@
 #pragma once
-// Rows of cells in the dense passes of the fluid and of the temperature. Only for *_kernel.cpp files
-// (SILT_BUILD).
+// Rows of cells in the dense passes of the fluid and of the temperature. Only for files built for a device or
+// an instruction set (SILT_BUILD).
 #include <vector>
 
 #include "cpu/lanes.hpp"
@@ -8,6 +8,14 @@
 
 namespace silt::lbm::SILT_BUILD {
 
+struct AllLanes {
+  template <class V>
+  SILT_DEVICE const V& operator()(const V& inner, const V&) const {
+    return inner;
+  }
+};
+
+#if !defined(SILT_SCALAR)
 /// Masks the lanes of a vector beyond the first `cells`.
 template <class V, class T>
 struct FirstLanes {
@@ -25,5 +33,6 @@ template <class T>
 inline void close_row(T* first, const std::vector<RowEnd<T>>& ends) {
   for (const RowEnd<T>& end : ends) first[end.to] = end.wall ? first[end.from] + end.addend : first[end.from];
 }
+#endif
 
 }  // namespace silt::lbm::SILT_BUILD

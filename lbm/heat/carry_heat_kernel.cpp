@@ -3,6 +3,7 @@
 #include "lbm/heat/carry_heat.hpp"
 
 #include "cpu/lanes.hpp"
+#include "lbm/collision/cell_velocity.hpp"
 #include "lbm/collision/rows.hpp"
 
 namespace silt::lbm::SILT_BUILD {
@@ -15,35 +16,22 @@ struct ArrivingSlots {
   const T* fluid[D3Q19::directions];
 };
 
-/// Returns the momentum of a vector of cells of the fluid, without the half force.
-template <class V, class T>
-[[gnu::always_inline]] inline void set_momentum(const T* const (&g)[D3Q19::directions], std::ptrdiff_t x,
-                                                V (&j)[3]) {
-  for_directions<D3Q19, 1>([&](auto i) __attribute__((always_inline)) {
-    if constexpr (i() % 2 == 1) {  // opposites are neighbours
-      constexpr Int3 c = D3Q19::c[i()];
-      const V difference = load<V>(g[i()] + x) - load<V>(g[i() + 1] + x);
-      const auto add = [&](V & sum, int towards) __attribute__((always_inline)) {
-        if (towards) sum = towards > 0 ? sum + difference : sum - difference;
-      };
-      add(j[0], c.x), add(j[1], c.y), add(j[2], c.z);
-    }
-  });
-}
-
 /// Collides the vector of cells from x on; lanes outside the row keep their values.
 template <class V, class T, class Keep>
 [[gnu::always_inline]] inline void carry(const ArrivingSlots<T>& slots, std::ptrdiff_t x,
                                          const HeatRates<T>& r, const Keep& keep) {
   const V rest = load<V>(slots.heat[0] + x);
-  V along[3], against[3], u[3]{};
+  V along[3], against[3], u[3];
   for (int k = 0; k < 3; ++k)
     along[k] = load<V>(slots.heat[2 * k + 1] + x), against[k] = load<V>(slots.heat[2 * k + 2] + x);
   const V t = ((along[0] + against[0]) + (along[1] + against[1])) + ((along[2] + against[2]) + rest);
-  set_momentum(slots.fluid, x, u);
+  V difference[D3Q19::pairs];
+  for (int k = 0; k < D3Q19::pairs; ++k)
+    difference[k] = load<V>(slots.fluid[2 * k + 1] + x) - load<V>(slots.fluid[2 * k + 2] + x);
+  set_velocity<true>(difference, r, u[0], u[1], u[2]);
   V square{}, stream{}, flux[3];
   for (int d = 0; d < 3; ++d) {
-    u[d] += r.half_force[d] + r.half_buoyancy[d] * t;
+    u[d] += r.half_buoyancy[d] * t;
     flux[d] = (along[d] - against[d]) - u[d] * t;
     square += u[d] * u[d], stream += u[d] * flux[d];
   }
@@ -59,13 +47,6 @@ template <class V, class T, class Keep>
     store(slots.heat[2 * k + 2] + x, keep(V(p + q), against[k]));
   }
 }
-
-struct WholeVector {
-  template <class V>
-  const V& operator()(const V& inner, const V&) const {
-    return inner;
-  }
-};
 
 template <class T>
 void carry_rows(Block<T, D3Q7>& heat, const Block<T>& fluid, Parity parity, const HeatRates<T>& given,
@@ -83,7 +64,7 @@ void carry_rows(Block<T, D3Q7>& heat, const Block<T>& fluid, Parity parity, cons
         slots.heat[i] = heat.data() + heat.arriving(i, parity) + first;
       for (int i = 0; i < D3Q19::directions; ++i)
         slots.fluid[i] = fluid.data() + fluid.arriving(i, parity) + first_of_fluid;
-      for (int x = 0; x < whole; x += width) carry<V>(slots, x, rates, WholeVector{});
+      for (int x = 0; x < whole; x += width) carry<V>(slots, x, rates, AllLanes{});
       if (whole < nx) carry<V>(slots, whole, rates, rest_of_row);
       close_row(heat.data() + first, heat.row_ends(parity));
     }

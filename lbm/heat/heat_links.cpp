@@ -1,15 +1,10 @@
 #include "lbm/heat/heat_links.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 namespace silt::lbm {
 
 namespace {
-
-std::int64_t quanta(double heat) {
-  return std::llrint(heat / heat_quantum);
-}
 
 /// The populations of a link: those that left the cell towards the surface and from it, the one that arrives
 /// from behind, and the one that the surface returns.
@@ -53,15 +48,6 @@ double distance(const CutLinks<T>& links, const HeatLink& l) {
   return links.rate.empty() ? links.q[l.link] : links.q[l.link] + links.age * links.rate[l.link];
 }
 
-/// Returns the velocity of a surface along the direction of a link.
-double velocity_along(const SurfaceMotion& m, const SurfaceFrame& frame, Int3 cell, int i) {
-  const Int3 from = cell - frame.cell, c = D3Q7::c[i];
-  const double r[3] = {from.x + frame.offset[0], from.y + frame.offset[1], from.z + frame.offset[2]};
-  return c.x * (m.v[0] + m.omega[1] * r[2] - m.omega[2] * r[1]) +
-         c.y * (m.v[1] + m.omega[2] * r[0] - m.omega[0] * r[2]) +
-         c.z * (m.v[2] + m.omega[0] * r[1] - m.omega[1] * r[0]);
-}
-
 }  // namespace
 
 template <class T>
@@ -74,15 +60,15 @@ void apply_heat_links(Block<T, D3Q7>& block, Parity parity, const CutLinks<T>& l
     const double out = slots.out(l);
     T& back = slots.back(l);
     if (surface.insulates) {
-      const double u = velocity_along(motion, links.frame, block.cell_at(l.cell), l.direction);
+      const double u = velocity_along(links.frame, motion, block.cell_at(l.cell), D3Q7::c[l.direction]);
       back = T(u == 0 ? out + returned : out - slots.temperature(l) * u + returned);
     } else {
       const HeatCoefficients k = coefficients(l, distance(links, l));
       back = T(k.out * out + k.behind * slots.behind(l) + k.against * slots.against(l) +
                k.surface * surface.temperature);
-      sums.conductance += quanta(k.surface);
+      sums.conductance += heat_quanta(k.surface);
     }
-    sums.heat += quanta(out - double(back));
+    sums.heat += heat_quanta(out - double(back));
   }
 }
 
@@ -95,7 +81,7 @@ std::int64_t correct_heat_links(Block<T, D3Q7>& block, Parity parity, const CutL
     T& back = slots.back(l);
     const T before = back;
     back = T(before + coefficients(l, distance(links, l)).surface * increment);
-    heat += quanta(slots.out(l) - double(back)) - quanta(slots.out(l) - double(before));
+    heat += heat_quanta(slots.out(l) - double(back)) - heat_quanta(slots.out(l) - double(before));
   }
   return heat;
 }

@@ -2,6 +2,7 @@
 // What cut links return of the temperature (method-heat.md, equation H5). They are those links of the fluid
 // that lie along the axes; a link owns its slots as those of the fluid do, so their order does not matter.
 // Crossing links pass heat.
+#include <cmath>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -13,6 +14,10 @@ namespace silt::lbm {
 
 /// The quantum of sums of heat, lattice units.
 inline constexpr double heat_quantum = 0x1p-40;
+/// Returns heat in quanta, rounded.
+inline std::int64_t heat_quanta(double heat) {
+  return std::llrint(heat / heat_quantum);
+}
 
 struct HeatLink {
   std::int32_t cell;   // Block::cell of the fluid cell

@@ -7,8 +7,8 @@
 // or counted twice, so mass and momentum are conserved.
 //
 // Lists are made for rows of coarse cells with the same leaves of the tree of cuts around them: packets of
-// the next cell of a row do the same as its own, two fine cells further on (level_border_lists.cpp). Rows that
-// go on from one another are then joined (join_rows.hpp).
+// the next cell of a row do the same as its own, two fine cells further on (level_border_lists.cpp). Rows
+// that go on from one another are then joined (join_rows.hpp).
 #include <cstdint>
 #include <memory_resource>
 #include <span>

@@ -333,15 +333,16 @@ struct LevelBorder<Field>::Builder {
         length = std::uint32_t(std::min(s.alike, end[axis] - x[axis]));
         if (s.any_fine && !s.any_far) runs.push_back({{x[axis], int(length)}, s});  // far: not of this rank
       }
-      const auto for_runs = [&](auto&& add) {
-        for (const auto& [run, s] : runs) x[axis] = run.first, length = std::uint32_t(run.count), add(s);
+      const auto for_runs = [&](auto&& concerns, auto&& add) {
+        for (const auto& [run, s] : runs)
+          if (concerns(s)) x[axis] = run.first, length = std::uint32_t(run.count), add();
       };
       for (int j = 1; j < Lattice::directions; ++j) {  // run after run, to be joined
         const auto enters = [j](const Surroundings& s) { return s.may_meet(j); };
         const auto comes = [j](const Surroundings& s) { return s.may_meet(opposite(j)); };
-        for_runs([&](const Surroundings& s) { enters(s) ? add_explosion(j) : void(); });
-        for_runs([&](const Surroundings& s) { comes(s) ? add_coalescence(j) : void(); });
-        for_runs([&](const Surroundings& s) { enters(s) && comes(s) ? add_passing(j) : void(); });
+        for_runs(enters, [&] { add_explosion(j); });
+        for_runs(comes, [&] { add_coalescence(j); });
+        for_runs([&](const Surroundings& s) { return enters(s) && comes(s); }, [&] { add_passing(j); });
       }
     });
   }

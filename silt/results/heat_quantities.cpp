@@ -97,8 +97,7 @@ constexpr Quantity of_heat[] = {
     {"nusselt-number", dimension::none, Q::bearer | Q::side_bears, Q::fluid | Q::heat,
      in_step({2, add_nusselt, has_acted}, {of_step<nusselt_number>}),
      "heat flow of bodies, as if spheres in a fluid of the reference temperature, over π d k ΔT; of a side "
-     "over "
-     "that by conduction to the opposite side; in the last step"},
+     "over that by conduction to the opposite side; in the last step"},
     {"mean-temperature", dimension::none, 0, Q::fluid | Q::heat,
      in_step({2, add_fluid_temperature}, {of_step<mean_temperature>}),
      "mean temperature of the fluid, at the end", "K"},

@@ -1,5 +1,5 @@
 // Heat in fluid and bodies: what is kept, what bodies and sides come to, and the same bits on any ranks, in
-// any blocks, on levels and after a restart.
+// any blocks and after a restart.
 #include <gtest/gtest.h>
 #include <mpi.h>
 
