@@ -9,9 +9,9 @@
 
 #include "adapters/automatic/collision_factory.hpp"
 #include "rigid/shapes/shape.hpp"
+#include "silt/case/case_check.hpp"
 #include "silt/case/case_sections.hpp"
 #include "silt/case/fill_room.hpp"
-#include "silt/case/unit_slips.hpp"
 
 namespace silt {
 namespace {

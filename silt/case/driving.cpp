@@ -8,8 +8,8 @@
 #include <tuple>
 
 #include "rigid/shapes/shape.hpp"
+#include "silt/case/case_check.hpp"
 #include "silt/case/case_sections.hpp"
-#include "silt/case/unit_slips.hpp"
 
 namespace silt {
 namespace {

@@ -3,9 +3,9 @@
 
 #include <algorithm>
 
+#include "silt/case/case.hpp"
+#include "silt/case/case_check.hpp"
 #include "silt/case/case_sections.hpp"
-#include "silt/case/quiet_start_steps.hpp"
-#include "silt/case/unit_slips.hpp"
 
 namespace silt {
 

@@ -7,8 +7,8 @@
 
 #include "rigid/collision/tube_contacts.hpp"
 #include "rigid/shapes/shape.hpp"
+#include "silt/case/case_check.hpp"
 #include "silt/case/case_sections.hpp"
-#include "silt/case/unit_slips.hpp"
 
 namespace silt {
 namespace {

@@ -15,13 +15,11 @@
 #include "parallel/together.hpp"
 #include "silt/case/case.hpp"
 #include "silt/case/case_check.hpp"
-#include "silt/case/quiet_start_steps.hpp"
 #include "silt/guard.hpp"
 #include "silt/results/report.hpp"
 #include "silt/run/prepare_run.hpp"
 #include "silt/run/progress.hpp"
 #include "silt/run/run_outputs.hpp"
-#include "silt/run/run_warnings.hpp"
 #include "silt/run/stop_request.hpp"
 
 namespace silt {

@@ -20,7 +20,6 @@
 #include "rigid/shapes/shape.hpp"
 #include "silt/case/case.hpp"
 #include "silt/case/case_check.hpp"
-#include "silt/case/quiet_start_steps.hpp"
 #include "silt/placement/place_bodies.hpp"
 #include "silt/run/foreseen_pressure.hpp"
 
