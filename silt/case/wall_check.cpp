@@ -194,8 +194,8 @@ void check_borders(const Case& setup, Diagnostics& findings, std::size_t index,
     if (!setup.periodic(d) || std::abs(wall.axis[d]) > 1 - straight) continue;
     if (!std::isfinite(high - low))
       findings.error(wall_key(index, "axis"),
-                     "walls[{}] leaves the domain through its periodic border across {}, at a slant; let its "
-                     "axis be {} or lie across it, or give the domain sides there",
+                     "walls[{}] leaves the domain through its periodic border across {} obliquely; make its "
+                     "axis parallel or normal to {}, or give the domain sides there",
                      index, "xyz"[d], "xyz"[d]);
     else if (low < 0.5 || high > size - 0.5)
       findings.error(wall_key(index, "point"),
