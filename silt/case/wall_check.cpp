@@ -124,8 +124,8 @@ bool check_place_at(const Case& setup, Diagnostics& findings, std::size_t index,
                      shown_length(setup, size));
     else if (wall.mesh.hollow && setup.periodic(d) && crosses && !goes_on)
       findings.error(wall_key(index, step > 0 ? "motion" : "position"),
-                     "{}, which is periodic; a vessel must stay half a cell within the domain there, or go "
-                     "on alike for {} beyond both sides",
+                     "{}, which is periodic; a vessel must stay half a cell within the domain there, or "
+                     "continue unchanged for {} beyond both sides",
                      reach, shown_length(setup, beyond));
     else
       continue;
