@@ -166,7 +166,7 @@ void Run::greet() {
                               prepared_.earlier_options));
   if (const std::int64_t steps = quiet_start_steps(setup()); steps > 0 && !prepared_.resumed)
     progress_.say(fmt::format(
-        "begins with the pressure that the loads ask for, found in {} steps (fluid.quiet_start)", steps));
+        "starts with the pressure that balances the loads, found in {} steps (fluid.quiet_start)", steps));
   progress_.say(fmt::format("results go to {}", folder_.string()));
 }
 

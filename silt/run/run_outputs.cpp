@@ -193,9 +193,9 @@ std::string doubt_of_sweeps(const Simulation& simulation) {
   };
   const int sweeps = setup.contacts.resolver_settings.max_sweeps;
   return fmt::format(
-      "contacts.sweeps: the sweeps over the contacts ended far from rest: the last of {} still changed a "
-      "body's velocity by {}, where the fastest body had {}; raise contacts.sweeps (--set "
-      "contacts.sweeps={}), or take smaller steps",
+      "contacts.sweeps: the sweeps over the contacts ended far from convergence: the last of {} still "
+      "changed a body's velocity by {}, compared with {} of the fastest body; raise contacts.sweeps (--set "
+      "contacts.sweeps={}), or use smaller steps",
       sweeps, speed(counters.residual), speed(counters.body_speed), 4 * sweeps);
 }
 
@@ -220,8 +220,8 @@ std::string doubt_of_mass(const Simulation& simulation) {
   const double taken = double(simulation.mass_taken()) * lbm::mass_quantum;
   if (!(std::fabs(taken) > noticeable * fluid)) return "";
   return fmt::format(
-      "cells that changed sides where no neighbour was fluid took {:.2f} % of the mass of the fluid: use "
-      "smaller cells, for gaps of less than one between bodies",
+      "cells that turned solid or fluid without a fluid neighbour took {:.2f} % of the mass of the fluid: "
+      "use smaller cells, for gaps of less than one between bodies",
       100 * taken / fluid);
 }
 
