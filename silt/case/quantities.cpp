@@ -119,7 +119,7 @@ void read_quantity_keys(TableReader& table, const QuantityType& type, QuantitySp
   if (type.takes(Q::time) && !table.has("over"))
     table.need("time", "time from which the quantity is evaluated");
   read_planes(table, type, quantity);
-  if (type.takes(Q::side)) table.need("side", "side of the domain, \"z-low\" for one");
+  if (type.takes(Q::side)) table.need("side", "side of the domain, for example \"z-low\"");
   if (type.takes(Q::Key(Q::body | Q::bearer)))
     quantity.kind = read_name(table, "body", setup.kind_names, "name of [[bodies]] or [[fill]]").value_or(-1);
   if (type.takes(Q::wall)) read_wall(table, quantity, setup);
