@@ -6,7 +6,7 @@
 #include <cstdint>
 
 #include "coupler/flow_totals.hpp"
-#include "coupler/spec/fluid_spec.hpp"
+#include "coupler/spec/flow_spec.hpp"
 #include "parallel/pending_sums.hpp"
 
 namespace silt::coupler {

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "coupler/flow.hpp"
-#include "coupler/spec/coarsening_spec.hpp"
+#include "coupler/spec/flow_spec.hpp"
 #include "lbm/collision/stream_collide.hpp"
 #include "rigid/bodies/body_set.hpp"
 #include "rigid/bodies/contact.hpp"

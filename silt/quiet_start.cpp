@@ -1,4 +1,3 @@
-#include "silt/quiet_start.hpp"
 
 #include <algorithm>
 #include <optional>
@@ -9,7 +8,6 @@
 #include "coupler/exchange/coupling_state.hpp"
 #include "lbm/fluid.hpp"
 #include "silt/case/case.hpp"
-#include "silt/case/quiet_start_steps.hpp"
 #include "silt/scene.hpp"
 
 namespace silt {

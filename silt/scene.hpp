@@ -2,7 +2,6 @@
 // The parts of a run, built from a case: domain, bodies, world, the exchange between ranks, and those parts
 // of a step that the scene needs; others are null.
 #include <mpi.h>
-
 #include <functional>
 #include <memory>
 #include <optional>
@@ -118,5 +117,12 @@ class Scene {
     std::optional<lbm::Domain> view;  // the present one
   } levels_;                          // null: no [coarsening]
 };
+
+/// A start from rest without sound waves (method-coupling.md, equation 55). Loads on bodies and fluid act at
+/// once, but the fluid's pressure responds with the speed of sound and oscillates. This function builds up
+/// the pressure before the first step, over quiet_start_steps() of the case: loads act, bodies keep their
+/// places, and fluid and bodies are repeatedly brought to rest. Nothing changes but the pressure. Call it
+/// when the flow has started and is driven. Collective.
+void start_quietly(Scene&);
 
 }  // namespace silt

@@ -14,8 +14,7 @@
 #include "parallel/collectives.hpp"
 #include "silt/case/case.hpp"
 #include "silt/case/case_check.hpp"
-#include "silt/case/quiet_start_steps.hpp"
-#include "silt/quiet_start.hpp"
+#include "silt/scene.hpp"
 
 namespace silt {
 

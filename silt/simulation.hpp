@@ -56,7 +56,7 @@ class Simulation : private rigid::StepObserver {
              const std::function<void(const Case&, coupler::Flow&)>& set_populations);
   Simulation(const Simulation&) = delete;
 
-  /// Starts from rest with the pressure that balances the loads, without sound waves (quiet_start.hpp). Call
+  /// Starts from rest with the pressure that balances the loads, without sound waves (scene.hpp). Call
   /// before the first step; does nothing if quiet_start_steps() is 0. Throws CommonGuardStop.
   void start_quietly();
   /// Does one step. Before it, balances the work if that is due (a move replaces scene().flow and all it

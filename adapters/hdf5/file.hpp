@@ -1,7 +1,6 @@
 #pragma once
 // Private to adapters/hdf5: RAII handles, and HDF5's errors as exceptions with file, operation and reason.
 #include <hdf5.h>
-
 #include <memory>
 #include <string>
 #include <type_traits>
@@ -9,10 +8,26 @@
 #include <vector>
 
 #include "adapters/hdf5/disk.hpp"
-#include "adapters/hdf5/output_file.hpp"
 #include "adapters/hdf5/result_file.hpp"
 
 namespace silt::adapters::hdf5 {
+
+/// The system's file under an open HDF5 file, by an HDF5 file driver (H5FDpublic.h; output_file.cpp). HDF5 is
+/// never told of write errors: it would leave an id that it closes again, and crashes, in MPI_Finalize.
+/// Instead, calls that flush or close check `error`.
+struct OutputFile {
+  int file = -1;
+  int error = 0;  // errno of the first failure, after which nothing is written
+
+  ~OutputFile();
+  /// Closes the file. Returns 0 or errno.
+  int close();
+
+  /// Returns the OutputFile of an open HDF5 file; it stays open while the pointer exists.
+  static std::shared_ptr<OutputFile> of(hid_t file);
+  /// Returns the driver, for H5Pset_driver.
+  static hid_t driver();
+};
 
 /// Throws Error "FILE: WHAT: REASON" with the reason from HDF5's innermost message, and clears HDF5's stack.
 [[noreturn]] void fail(const Path& file, const std::string& what);

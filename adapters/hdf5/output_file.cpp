@@ -1,4 +1,4 @@
-#include "adapters/hdf5/output_file.hpp"
+#include "adapters/hdf5/file.hpp"
 
 #include <fcntl.h>
 #include <sys/stat.h>

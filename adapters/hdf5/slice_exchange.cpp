@@ -8,8 +8,8 @@
 #include <stdexcept>
 
 #include "parallel/collectives.hpp"
+#include "parallel/messages.hpp"
 #include "parallel/together.hpp"
-#include "parallel/transfers.hpp"
 
 namespace silt::adapters::hdf5 {
 

@@ -19,7 +19,6 @@
 
 #include "coupler/exchange/holders.hpp"
 #include "parallel/messages.hpp"
-#include "parallel/transfers.hpp"
 #include "rigid/bodies/body_exchange.hpp"
 #include "rigid/bodies/body_set.hpp"
 

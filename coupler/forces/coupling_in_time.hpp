@@ -7,7 +7,7 @@
 
 #include "coupler/exchange/coupling_state.hpp"
 #include "coupler/forces/row_sums.hpp"
-#include "coupler/spec/coupling_spec.hpp"
+#include "coupler/spec/flow_spec.hpp"
 #include "rigid/bodies/body_set.hpp"
 #include "rigid/bodies/world.hpp"
 

@@ -15,7 +15,7 @@
 #include "coupler/forces/covered_momentum.hpp"
 #include "coupler/forces/row_sums.hpp"
 #include "coupler/mapping/block_links.hpp"
-#include "coupler/spec/coupling_spec.hpp"
+#include "coupler/spec/flow_spec.hpp"
 #include "lbm/fluid.hpp"
 
 namespace silt::coupler {

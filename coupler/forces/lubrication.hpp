@@ -4,8 +4,7 @@
 // plate, and separately for one that approaches a side of the domain, which lies midway between nodes.
 #include <memory>
 
-#include "coupler/spec/coupling_spec.hpp"
-#include "coupler/spec/fluid_spec.hpp"
+#include "coupler/spec/flow_spec.hpp"
 #include "rigid/bodies/lubrication.hpp"
 
 namespace silt::coupler {

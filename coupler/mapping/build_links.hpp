@@ -4,7 +4,7 @@
 #include "coupler/mapping/device_mapping.hpp"
 #include "coupler/mapping/mesh_distances.hpp"
 #include "coupler/mapping/solid_map.hpp"
-#include "coupler/spec/coupling_spec.hpp"
+#include "coupler/spec/flow_spec.hpp"
 #include "lbm/blocks/pass_order.hpp"
 #include "lbm/walls/cut_links.hpp"
 #include "rigid/bodies/body_set.hpp"

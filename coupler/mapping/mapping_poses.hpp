@@ -4,7 +4,7 @@
 // mapping"). Bodies are mapped at common steps: all, every 3rd, every 9th, ...
 #include <cstdint>
 
-#include "coupler/spec/coupling_spec.hpp"
+#include "coupler/spec/flow_spec.hpp"
 #include "rigid/bodies/body_set.hpp"
 #include "rigid/bodies/walls.hpp"
 #include "rigid/bodies/world.hpp"

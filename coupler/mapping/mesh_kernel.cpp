@@ -1,13 +1,154 @@
-// Built once per instruction set.
+// The kernels of meshes, built once per instruction set. Planes of lattice points cut triangles into
+// segments, whose ends are rounded to whole units and are equal for both triangles at an edge: the segments
+// of a closed surface form closed polygons, which meet every line of lattice points an even number of times.
+// Doubles hold all numbers exactly, so results do not depend on blocks, ranks or instruction sets.
+#include "coupler/mapping/mesh_kernel.hpp"
+
 #include <algorithm>
 #include <bit>
+#include <cstdint>
 #include <cstring>
+#include <span>
 #include <type_traits>
 
-#include "coupler/mapping/mesh_slices.hpp"
+#include "cpu/lanes.hpp"
+#include "lbm/blocks/lattice.hpp"
 #include "lbm/walls/cut_links.hpp"
 
 namespace silt::coupler::SILT_BUILD {
+
+using Doubles = VectorOf<double>::type;
+using Longs = VectorOf<std::int64_t>::type;
+inline constexpr int double_lanes = int(sizeof(Doubles) / sizeof(double));
+inline constexpr double one_cell = double(cell_units);  // in units
+inline constexpr double rounder = 0x1.8p52;             // adding it rounds to a whole number
+
+/// Rounds numbers to whole numbers below 2^51.
+template <class Number>
+Number rounded(Number x) {
+  return (x + rounder) - rounder;
+}
+/// Returns the last lattice point before x, a whole number of units.
+inline Doubles lattice_point_before(Doubles x) {
+  constexpr std::int64_t fraction = cell_units - 1;
+  return std::bit_cast<Doubles>(std::bit_cast<Longs>(x - 1 + rounder) & ~fraction) - rounder;
+}
+inline std::int64_t cell_of(double lattice_point) {
+  return std::int64_t(lattice_point) >> cell_bits;
+}
+
+/// The lines along direction c of one half of the directions, a compile-time constant. Along a line, the
+/// coordinate `across` is `slope` (-1, 0, 1) times that of `along` plus a whole number.
+template <int number_>
+struct Direction {
+  static constexpr int number = number_, forward = 2 * number + 1, backward = forward + 1;
+  static constexpr int plane = number == 0 ? 2 : number < 3 ? number - 1 : 2 - (number - 3) / 2;
+  static constexpr lbm::Int3 c = lbm::D3Q19::c[forward];
+  static constexpr int along = c[0] != 0   ? 0
+                               : c[1] != 0 ? 1
+                                           : 2,
+                       across = 3 - plane - along, slope = c[across];
+  static_assert(c[along] == 1 && c[plane] == 0 && lbm::D3Q19::c[backward][along] == -1);
+};
+
+/// Calls use(Direction<number>()) for the directions whose lines are searched in planes across an axis: one
+/// along an axis, two diagonals.
+template <int axis, class Use>
+[[gnu::always_inline]] inline void for_directions_in_plane(Use&& use) {
+  constexpr int number = (axis + 1) % 3, diagonal = 3 + 2 * (2 - axis);
+  static_assert(Direction<number>::plane == axis && Direction<diagonal>::plane == axis &&
+                Direction<diagonal + 1>::plane == axis);
+  use(Direction<number>()), use(Direction<diagonal>()), use(Direction<diagonal + 1>());
+}
+
+/// Segments in lanes, each in one plane: both ends, in units.
+struct Segments {
+  Doubles end[2][3];
+  unsigned used;  // mask of lanes
+};
+
+/// Triangles in lanes, cut by planes across an axis.
+template <int axis>
+class SlicedTriangles {
+ public:
+  [[gnu::always_inline]] SlicedTriangles(const TriangleView& view, std::span<const std::uint32_t> list)
+      : lanes_((1u << std::min<std::size_t>(list.size(), double_lanes)) - 1) {
+    for (std::size_t l = 0; l < double_lanes; ++l) {
+      const auto& t = view.triangles[list[std::min(l, list.size() - 1)]];
+      for (int k = 0; k < 3; ++k)
+        for (int d = 0; d < 3; ++d) x_[d][k][l] = view.corner[t[k]].at[d];
+    }
+  }
+  /// Calls use(segments) for the planes from first to last, in units.
+  template <class Use>
+  [[gnu::always_inline]] void slice(double first, double last, Use&& use) const {
+    const Doubles(&z)[3] = x_[axis];
+    Doubles plane =
+        largest(lattice_point_before(least(least(z[0], z[1]), z[2])) + one_cell, Doubles{} + first);
+    const Doubles end = least(lattice_point_before(largest(largest(z[0], z[1]), z[2])), Doubles{} + last);
+    for (unsigned used; (used = lanes_ & lane_bits(plane <= end)) != 0; plane += one_cell)
+      use(cut(plane, used));
+  }
+
+ private:
+  static Doubles least(Doubles a, Doubles b) { return a < b ? a : b; }
+  static Doubles largest(Doubles a, Doubles b) { return a > b ? a : b; }
+
+  /// Cuts the edges at the corner that is alone on its side of the plane; corners on it count as below.
+  [[gnu::always_inline]] Segments cut(Doubles plane, unsigned used) const {
+    const Doubles(&z)[3] = x_[axis];
+    const Longs above[] = {z[0] > plane, z[1] > plane, z[2] > plane};
+    const Longs first = above[1] == above[2], second = ~first & (above[0] == above[2]);
+    const Longs is_above = first ? above[0] : second ? above[1] : above[2];
+    Doubles alone[3], other[2][3];
+    for (int d = 0; d < 3; ++d) {
+      const Doubles(&x)[3] = x_[d];
+      alone[d] = first ? x[0] : second ? x[1] : x[2];
+      other[0][d] = first ? x[1] : second ? x[2] : x[0];
+      other[1][d] = first ? x[2] : second ? x[0] : x[1];
+    }
+    Segments s;
+    s.used = used;
+    for (int k = 0; k < 2; ++k) {
+      const Doubles low = is_above ? other[k][axis] : alone[axis],
+                    high = is_above ? alone[axis] : other[k][axis];
+      const Doubles part = (plane - low) / (high - low);
+      for (int d = 0; d < 3; ++d) {
+        const Doubles from = is_above ? other[k][d] : alone[d], to = is_above ? alone[d] : other[k][d];
+        s.end[k][d] = d == axis ? plane : from + rounded(part * (to - from));
+      }
+    }
+    return s;
+  }
+
+  unsigned lanes_;
+  Doubles x_[3][3];  // coordinates, each of three corners
+};
+
+/// Calls visit(direction, x, w) for the lines along a direction that the segments meet between cells first
+/// and last: x is the line's cell with coordinate 0 along it, w the position along it in units.
+template <class Along, class Visit>
+[[gnu::always_inline]] inline void meet_lines(const Segments& segments, Along direction, lbm::Int3 first,
+                                              lbm::Int3 last, const Visit& visit) {
+  constexpr int along = direction.along, across = direction.across, slope = direction.slope;
+  const auto on = [&](int k) { return segments.end[k][across] - double(slope) * segments.end[k][along]; };
+  const Doubles s0 = on(0), s1 = on(1), line0 = lattice_point_before(s0), line1 = lattice_point_before(s1);
+  const int down = std::max(slope * first[along], slope * last[along]),
+            up = std::min(slope * first[along], slope * last[along]);
+  const double first_line = one_cell * (first[across] - down), last_line = one_cell * (last[across] - up);
+  for (unsigned left = segments.used & lane_bits(line0 != line1); left != 0; left &= left - 1) {
+    const int l = std::countr_zero(left);
+    const double low = std::max(std::min(line0[l], line1[l]) + one_cell, first_line);
+    const double high = std::min(std::max(line0[l], line1[l]), last_line);
+    const double from = segments.end[0][along][l], to = segments.end[1][along][l];
+    for (double line = low; line <= high; line += one_cell) {
+      const double w = from + rounded((line - s0[l]) / (s1[l] - s0[l]) * (to - from));
+      lbm::Int3 x;
+      x[direction.plane] = int(cell_of(segments.end[0][direction.plane][l])), x[across] = int(cell_of(line));
+      visit(direction, x, std::int64_t(w));
+    }
+  }
+}
 
 namespace {
 

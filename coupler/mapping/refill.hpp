@@ -1,5 +1,5 @@
 #pragma once
-// Cells that turn solid (covered) or fluid (uncovered), and populations of the latter.
+// Cells that turn solid (covered) or fluid (uncovered): the populations of the latter and the mass of both.
 //
 // All populations that arrive at an uncovered cell are in its own block at either parity, so refilling is
 // local. It averages over neighbours that were and are fluid. The moments of neighbours on other ranks are
@@ -8,7 +8,7 @@
 
 #include "coupler/mapping/refill_cell.hpp"
 #include "coupler/mapping/solid_map.hpp"
-#include "coupler/spec/coupling_spec.hpp"
+#include "coupler/spec/flow_spec.hpp"
 #include "lbm/fluid.hpp"
 #include "rigid/bodies/body_set.hpp"
 #include "rigid/math/exact_sum.hpp"
@@ -47,5 +47,36 @@ struct UncoveredCells {
 template <class T>
 void refill(lbm::Fluid<T>&, const std::vector<BlockMap>&, const ChangedCells&, const rigid::BodySet&,
             const rigid::BodySet& gone, UncoveredCells<T>&);
+
+/// Masses for cells of this rank, in quanta of lbm/blocks/excess.hpp.
+struct MassShares {
+  std::vector<lbm::LocalCell> cells;
+  std::vector<std::int64_t> masses;
+};
+
+/// The mass that cells which turn solid or fluid pass on: a covered cell gives its density deviation to the
+/// fluid around it, and an uncovered cell takes it from there (method.md, equations 46 and 47), so that
+/// moving bodies conserve mass with any sides. A device handles cells with all fluid neighbours in their own
+/// block; the processor handles the others, which have neighbours on any rank.
+template <class T>
+class PassedMass {
+ public:
+  explicit PassedMass(Device device) : neighbours_(device), masses_(device), left_(device), listed_(device) {}
+
+  /// Weighs the cells that changed. Call after refill(), before covered cells change. Returns the mass, in
+  /// lbm::mass_quantum, of cells without a fluid neighbour. Collective over neighbour ranks.
+  rigid::FixedSum weigh(lbm::Fluid<T>&, const std::vector<BlockMap>&, const ChangedCells&);
+  /// Gives the masses to the neighbours, once: after the collision, since their sum with an older excess
+  /// would be rounded.
+  void give(lbm::Fluid<T>&);
+
+ private:
+  std::vector<lbm::LocalCell> inner_;  // covered, then uncovered: all fluid neighbours are in the block
+  Mirror<std::uint32_t> neighbours_;
+  Mirror<std::int64_t> masses_, left_;
+  lbm::CellLists<T> listed_;
+  PassingCells<T> passing_{};
+  MassShares others_;
+};
 
 }  // namespace silt::coupler

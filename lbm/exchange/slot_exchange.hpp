@@ -8,7 +8,7 @@
 
 #include "device/device.hpp"
 #include "lbm/passes/slot_lists.hpp"
-#include "parallel/transfers.hpp"
+#include "parallel/messages.hpp"
 
 namespace silt::lbm {
 

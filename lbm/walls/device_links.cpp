@@ -1,7 +1,6 @@
 #include "lbm/walls/device_links.hpp"
 
 #include "lbm/passes/passes.hpp"
-#include "lbm/walls/link_passes.hpp"
 
 namespace silt::lbm {
 

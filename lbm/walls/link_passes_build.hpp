@@ -1,8 +1,8 @@
-// The passes of link_passes.hpp, for the one file per device that includes this (SILT_BUILD): a vector of
+// The passes of device_links.hpp, for the one file per device that includes this (SILT_BUILD): a vector of
 // links at a time, or one link (SILT_SCALAR).
 #include "device/for_each.hpp"
+#include "lbm/walls/device_links.hpp"
 #include "lbm/walls/link_exchange.hpp"
-#include "lbm/walls/link_passes.hpp"
 
 namespace silt::lbm::SILT_BUILD {
 

@@ -1,4 +1,4 @@
-#include "rigid/shapes/compound.hpp"
+#include "rigid/shapes/shape.hpp"
 
 #include <array>
 #include <deque>

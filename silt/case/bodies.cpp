@@ -16,30 +16,31 @@ constexpr std::tuple shape_name_keys{
     HandKey{"shape", "string", "", required, "the name of one of [[shapes]]"}};
 /// The keys common to entries of [[bodies]] and [[fill]].
 constexpr std::tuple entry_keys{
-    HandKey{"material", "string", "", "\"default\"", "one that [[material_pairs]] names"},
+    HandKey{"material", "string", "", "\"default\"", "a name that [[material_pairs]] contains"},
     HandKey{"name", "string", "", "the shape's",
             "kind of the bodies in output; entries of one name make one kind and have one shape"},
     Key{"density", &EntrySpec::density, Number{dimension::density, range::above(0)},
         "density of the bodies, in the units of the case", required}};
 
 constexpr std::tuple body_keys{
-    HandKey{"position", "[x, y, z]", "m", "one of two", "where the point of the body is that origin names"},
+    HandKey{"position", "[x, y, z]", "m", "one of two",
+            "position of the point of the body that origin selects"},
     HandKey{"positions", "[[x, y, z], …], string, table", "m", "one of two",
-            "the same of several bodies; or a file of them in the directory of the case, see below"},
+            "the same for several bodies; or a file of them in the directory of the case, see below"},
     HandKey{"diameter", "table", "", "the shape's",
-            "sizes of bodies of initial.from that a fill gave them: its table of that name"},
+            "sizes that a fill gave to bodies of initial.from: the table diameter of that fill"},
     HandKey{"origin", "\"shape\", \"centre\"", "", "\"shape\"",
-            "what the positions place: the origin that the shape (or its file) is given about, or the centre "
-            "of mass"},
+            "the point of the body that positions refer to: the origin of the shape (or its file), or the "
+            "centre of mass"},
     HandKey{"motion", "\"free\", \"fixed\", \"prescribed\", table", "", "\"free\"",
-            "whether a body moves by the forces on it, not at all, keeps its velocity, or moves as a table "
-            "says: see walls.motion"},
+            "whether a body moves by the forces on it, does not move, keeps its velocity, or moves as a "
+            "table prescribes: see walls.motion"},
     HandKey{"locked", "list of axes", "", "none",
-            "of free bodies: axes along or about which nothing moves them, as in [\"x\", \"rotation y\"]"},
+            "of free bodies: axes along or about which no force moves them, as in [\"x\", \"rotation y\"]"},
     Key{"velocity", &EntrySpec::velocity, Vector{dimension::velocity},
-        "velocity at the start; not of a fixed body"},
+        "initial velocity; not for fixed bodies"},
     Key{"angular_velocity", &BodySpec::angular_velocity, Vector{dimension::angular_velocity},
-        "angular velocity at the start, radian in a unit of time; not of a fixed body"}};
+        "initial angular velocity, in radians per unit of time; not for fixed bodies"}};
 
 constexpr std::tuple file_keys{
     HandKey{"file", "string", "", required,
@@ -48,9 +49,9 @@ constexpr std::tuple file_keys{
 
 constexpr std::tuple start_keys{
     Key{"from", &StartSpec::from, Text{},
-        "folder of another run's results, of which the newest checkpoint counts, or a checkpoint", required},
+        "folder of another run's results, whose newest checkpoint is used, or a checkpoint", required},
     Key{"position", &StartSpec::position, Vector{dimension::length},
-        "of a run without a fluid: where its origin is, as in a longer domain with room before a bed"}};
+        "of a run without a fluid: where its origin lies, as for a bed in a longer channel"}};
 
 constexpr auto is_at_random = [](const FillSpec& fill) { return fill.arrangement == Arrangement::random; };
 constexpr Rule of_sites{If::refused, is_at_random,
@@ -59,14 +60,14 @@ constexpr Rule of_sites{If::refused, is_at_random,
 constexpr std::tuple fill_keys{
     Key{"arrangement", &FillSpec::arrangement, Choice{arrangement_names}, "where the bodies are"},
     HandKey{"diameter", "table", "", "the shape's",
-            "sizes of the bodies, see below; those of the shape do not count then; at random only"},
+            "sizes of the bodies, see below, instead of the size of the shape; only at random"},
     Key{"count", &FillSpec::count, Whole{1, 100'000'000'000},
-        "number of bodies; not at random as many as fit without it", "–, none",
+        "number of bodies; by default as many as fit, unless at random", "–, none",
         Rule{If::needed, is_at_random}},
     Key{"spacing", &FillSpec::spacing, Number{dimension::length, range::above(0)},
-        "distance of neighbouring sites; not at random", "the least", of_sites},
+        "distance between neighbouring sites; not at random", "the least", of_sites},
     Key{"shift", &FillSpec::shift, Number{dimension::length, range::at_least(0)},
-        "furthest that a body is moved from its site, in a random direction; not at random", nullptr,
+        "largest displacement of a body from its site, in a random direction; not at random", nullptr,
         of_sites},
     Key{"gap", &FillSpec::gap, Number{dimension::length, range::at_least(0)},
         "least distance between bounding spheres, and to walls"},
@@ -83,7 +84,7 @@ constexpr std::tuple fill_keys{
         "steps between two applications; box must then be given", "none"}};
 
 constexpr std::tuple outflow_keys{
-    Key{"box", &OutflowSpec::box, Corners{}, "where bodies are taken out: two corners", required}};
+    Key{"box", &OutflowSpec::box, Corners{}, "box that removes bodies: two corners", required}};
 
 // Entries of one name form a kind of one shape; the default name is the shape's.
 int read_kind(TableReader& table, int shape, Case& setup) {
@@ -263,7 +264,7 @@ void judge_fill(TableReader& table, const FillSpec& fill) {
   if (!is_at_random(fill) && table.has("diameter"))
     table.fail("diameter", "{} is for bodies at random places, but {} is \"{}\"; remove one of the two",
                table.path("diameter"), table.path("arrangement"), arrangement_names[fill.arrangement]);
-  if (table.has("every")) table.need("box", "where the bodies come in: two corners");
+  if (table.has("every")) table.need("box", "the box in which bodies enter: two corners");
 }
 
 }  // namespace

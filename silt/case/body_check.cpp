@@ -9,9 +9,9 @@
 
 #include "adapters/automatic/collision_factory.hpp"
 #include "rigid/shapes/shape.hpp"
+#include "silt/case/case_check.hpp"
 #include "silt/case/case_sections.hpp"
 #include "silt/case/fill_room.hpp"
-#include "silt/case/unit_slips.hpp"
 
 namespace silt {
 namespace {
@@ -91,7 +91,7 @@ void check_cells_across(const Case& setup, Diagnostics& findings, const Entry& b
           ? fmt::format("use units.cell_size = {}", shown(rounded_down(setup.units.cell_size * factor)))
           : fmt::format("make everything {} times as large", shown(rounded_up(1 / factor)));
   if (across < fewest_cells_seen)
-    findings.error(body.key + ".shape", "{}, which the lattice does not see; {}{}", found, cure,
+    findings.error(body.key + ".shape", "{}, which the lattice cannot resolve; {}{}", found, cure,
                    setup.units.si ? "" : ", or system = \"si\" if lengths are in m");
   else
     findings.warning(body.key + ".shape", "{}; below {} its drag is inaccurate: {}", found,
@@ -183,7 +183,7 @@ void check_backend(const Case& setup, Diagnostics& findings) {
     if (messages >= most_messages || std::ranges::all_of(parts, answers)) return;
     ++messages;
     findings.error("contacts.backend",
-                   "contacts.backend is \"{}\"; it cannot answer contacts of shape '{}' ({}) with {}: use "
+                   "contacts.backend is \"{}\"; it cannot compute contacts of shape '{}' ({}) with {}: use "
                    "another backend, or a simpler shape (polyhedra of at most some 10000 vertices)",
                    setup.contacts.backend, setup.shape_names[i], rigid::shape_name(setup.shapes[i]),
                    other_name);
@@ -248,10 +248,10 @@ void check_outflow(const Case& setup, Diagnostics& findings, std::size_t index) 
                           is, shown_box(setup, box_of(setup)));
   for (std::size_t i = 0; i < setup.fills.size(); ++i)
     if (const FillSpec& fill = setup.fills[i]; fill.every > 0 && meet(box, fill.box))
-      findings.error(
-          key,
-          "{}; it meets fill[{}].box, {}, where bodies come in: they would leave at once; move them apart",
-          is, i, shown_box(setup, fill.box));
+      findings.error(key,
+                     "{}; it overlaps fill[{}].box, {}, where bodies enter: they would leave at once; move "
+                     "the boxes apart",
+                     is, i, shown_box(setup, fill.box));
 }
 
 /// The side that a ball of constant velocity leaves through, and the step; infinite if it never leaves.
@@ -344,15 +344,15 @@ void find_turnover_faults(const Case& setup, Diagnostics& findings) {
   for (std::size_t i = 0; i < setup.outflows.size(); ++i) check_outflow(setup, findings, i);
   check_prescribed(setup, findings);
   if (!setup.outflows.empty() && !setup.has_free_bodies())
-    findings.warning("outflow", "outflow: the case has no free bodies, and no others leave");
+    findings.warning("outflow", "outflow: the case has no free bodies, and only free bodies can leave");
   for (std::size_t i = 0; i < setup.fills.size(); ++i) {
     const FillSpec& fill = setup.fills[i];
     check_sizes(setup, findings, i);
     const std::string key = fmt::format("fill[{}].every", i);
     if (fill.every == 0) continue;
     if (fill.every >= setup.steps)
-      findings.warning(key, "{} is {}, of {} steps in all: bodies come at the start only", key, fill.every,
-                       setup.steps);
+      findings.warning(key, "{} is {}, but the run has {} steps: bodies enter at the start only", key,
+                       fill.every, setup.steps);
   }
 }
 

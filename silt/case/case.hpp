@@ -14,7 +14,6 @@
 #include <vector>
 
 #include "coupler/spec/flow_spec.hpp"
-#include "coupler/spec/spring_spec.hpp"
 #include "rigid/bodies/body_exchange.hpp"
 #include "rigid/bodies/body_set.hpp"
 #include "rigid/bodies/walls.hpp"
@@ -28,6 +27,15 @@
 #include "silt/case/units.hpp"
 
 namespace silt {
+
+struct Case;
+
+/// Returns the number of steps: sound crosses the longest side twice, or once along a periodic axis. 0 if the
+/// case turns it off, if fluid or inlets do not start at rest, or without a weight, spring or body force.
+std::int64_t quiet_start_steps(const Case&);
+
+/// Returns whether the fluid, its inlets and a continued state start at rest; needs a fluid.
+bool begins_at_rest(const Case&);
 
 // The bodies: [[bodies]], [[fill]] and [[outflow]].
 

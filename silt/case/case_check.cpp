@@ -7,7 +7,6 @@
 
 #include "silt/case/case.hpp"
 #include "silt/case/case_sections.hpp"
-#include "silt/case/unit_slips.hpp"
 
 namespace silt {
 

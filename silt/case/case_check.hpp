@@ -1,7 +1,6 @@
 #pragma once
 // Checks a case that was read: rejects scenes that cannot run, warns of poor ones, derives values.
 #include <fmt/format.h>
-
 #include <string>
 #include <string_view>
 #include <vector>
@@ -144,5 +143,30 @@ double least_explicit_density(const Case&, const rigid::Shape&);
 
 /// Returns whether a free body of the case is lighter.
 bool has_bodies_too_light(const Case&);
+
+// Numbers of SI cases that would be plausible in another unit (unit_slips.cpp). The functions return the
+// remedy, "if gravity.acceleration is in mm/s2, write 9.81 (m/s2)", or "".
+
+inline constexpr double thinnest = 5e-8, thickest = 0.5;              // m2/s: liquid metal to honey
+inline constexpr double lightest_solid = 10, heaviest_solid = 25000;  // kg/m3: foam to osmium
+
+inline bool is_of_a_solid(double density) {
+  return density >= lightest_solid && density <= heaviest_solid;
+}
+
+/// For too viscous a fluid and for gravity 100 or 1000 times the Earth's.
+std::string viscosity_slip(const Case&);
+std::string gravity_slip(const Case&);
+/// Both; if not "", this is the remedy for all that follows from them.
+std::string motion_slip(const Case&);
+/// For cells so large that the fluid's viscosity has no effect in them, or as wide as a hand.
+std::string length_slip(const Case&);
+/// For a motion that is too fast: the remedy for the units where they may be wrong, otherwise the given one.
+std::string units_first(const Case&, const std::string& cure);
+/// For a surface from a file, named by an entry ("walls[0]"), that is so many cells across: far more than the
+/// domain has.
+std::string scale_slip(const Case&, const std::string& entry, double across);
+/// For the density of a body (kg/m3) that the key gives, or of the fluid around it.
+std::string density_slip(const Case&, const std::string& key, double density);
 
 }  // namespace silt

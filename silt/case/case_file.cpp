@@ -130,7 +130,7 @@ constexpr std::tuple top_keys{
                    "all free bodies are as heavy as the fluid"},
         IdleInCase{[](const Case& setup) { return weighs_nothing(setup) && !setup.has_free_bodies(); },
                    "it acts on free bodies, and the case has none; a pressure gradient is fluid.body_force"}},
-    HandKey{"initial", "table", "", "none", "another run at whose end this one begins"},
+    HandKey{"initial", "table", "", "none", "another run, from whose end this one starts"},
     HandKey{"coupling", "table", "", "defaults", "how fluid and bodies are coupled",
             IdleInCase{[](const Case& setup) { return setup.fluid && !setup.has_surfaces(); },
                        "there are no bodies and no [[walls]] in the fluid; remove it"}},
@@ -140,9 +140,9 @@ constexpr std::tuple top_keys{
     HandKey{"walls", "list of tables", "", "none", "curved walls"},
     HandKey{"shapes", "list of tables", "", "none", "of bodies"},
     HandKey{"bodies", "list of tables", "", "none", "bodies at given places"},
-    HandKey{"fill", "list of tables", "", "none", "bodies that find their places by themselves"},
+    HandKey{"fill", "list of tables", "", "none", "bodies at places that the program finds"},
     HandKey{"springs", "list of tables", "", "none", "springs, dampers and joints between bodies"},
-    HandKey{"outflow", "list of tables", "", "none", "boxes where bodies are taken out"},
+    HandKey{"outflow", "list of tables", "", "none", "boxes that remove bodies"},
     HandKey{"quantities", "list of tables", "", "none", "figures of the report"}};
 
 void read_sections(TableReader reader, Case& setup) {
@@ -241,7 +241,7 @@ std::vector<int> read_names(TableReader& reader, const char* key, const std::vec
   const Node* list = reader.find(key);
   if (!list) return indices;
   const auto names = list->strings();
-  if (!names) reader.refuse(key, "a list out of " + joined(known));
+  if (!names) reader.refuse(key, "a list of names out of " + joined(known));
   for (const std::string& name : names.value_or(std::vector<std::string>{}))
     if (const int i = index_of(reader, key, name, known, what); i >= 0) indices.push_back(i);
   return indices;

@@ -251,8 +251,8 @@ std::string TableReader::one_of(std::initializer_list<const char*> keys, bool re
   for (const char* key : keys) {
     if (!has(key)) continue;
     if (!given.empty())
-      fail(key, "{} and {} are both given; they say the same thing, keep one of {}", path(given), path(key),
-           joined(all));
+      fail(key, "{} and {} are both given; they set the same quantity, keep one of {}", path(given),
+           path(key), joined(all));
     else
       given = key;
   }

@@ -48,14 +48,15 @@ rigid::OverTime read_over_time(TableReader& parent, const char* key);
 inline constexpr std::tuple side_heat_keys{
     HandKey{"temperature", "number", "K", "insulating", "temperature of the side, in a case with [heat]"},
     HandKey{"heat_flux", "number", "W/m²", "0",
-            "heat that the side lets into the fluid, in the place of temperature"}};
+            "heat flux from the side into the fluid, instead of temperature"}};
 inline constexpr std::tuple wall_heat_keys{
     HandKey{"temperature", "number", "K", "insulating", "temperature of the surface, in a case with [heat]"}};
 inline constexpr std::tuple lump_keys{
     HandKey{"heat_capacity", "number", "J/(kg K)", "none",
             "of the bodies, which then warm and cool as a whole from their temperature on; without it they "
             "keep it"},
-    HandKey{"heat_source", "number", "W", "0", "heat that each of the bodies makes; needs a heat_capacity"}};
+    HandKey{"heat_source", "number", "W", "0",
+            "heat that each of the bodies produces; needs a heat_capacity"}};
 std::vector<KeySection> heat_sections();
 void read_heat(TableReader& root, Case&);  // [heat]; after the bodies
 
@@ -86,8 +87,8 @@ std::vector<KeySection> shape_sections();
 void read_shapes(TableReader& root, Case&);  // [[shapes]]
 inline constexpr std::tuple orientation_keys{
     HandKey{"orientation", "[x, y, z], [w, x, y, z], table", "1", "none",
-            "from the frame of the shape or file to that around it: where its z axis points, a quaternion, "
-            "or a turn, see below"}};
+            "rotation from the frame of the shape or file: direction of its z axis, a quaternion, or axis "
+            "and angle, see below"}};
 /// Reads orientation = [x, y, z], where the shape's z axis points, [w, x, y, z] or { axis, degrees }.
 rigid::Quat read_orientation(TableReader&);
 /// Reads the radius of a tube.

@@ -18,12 +18,12 @@ bool has_no_distance(const Case& setup) {
 }
 constexpr std::tuple coarsening_keys{
     Key{"levels", &coupler::CoarseningSpec::levels, Whole{1, coupler::CoarseningSpec::most_levels},
-        "how many levels of coarser cells there are, each twice as wide as the one before and with steps "
-        "twice as long",
+        "number of levels of coarser cells; cells and steps of each level are twice as large as those of the "
+        "one before",
         required},
     Key{"distance", &coupler::CoarseningSpec::distance, Number{dimension::length, range::above(0)},
-        "from bodies and curved walls up to which cells are finest; those of level 1 reach twice that "
-        "further, and so on",
+        "distance from bodies and curved walls within which cells are finest; cells of level 1 extend twice "
+        "as far beyond, and so on",
         "half the largest body, at least 8 cells",
         IdleInCase{has_no_distance, "there are no bodies and no [[walls]] that it is from"}},
     HandKey{"fine", "list of tables", "", "none", "boxes of fine cells"}};
@@ -177,7 +177,8 @@ void find_coarsening_faults(const Case& setup, Diagnostics& findings) {
   const coupler::CoarseningSpec& spec = *setup.coarsening;
   if (!setup.fluid)
     return findings.error(
-        "coarsening", "coarsening is of the fluid's cells, but the case has no [fluid]; remove the table");
+        "coarsening",
+        "coarsening applies to cells of the fluid, but the case has no [fluid]; remove the table");
   if (setup.block_cells)
     findings.error("domain.blocks",
                    "domain.blocks is given, but [coarsening] cuts blocks by itself; remove one of the two");

@@ -15,13 +15,13 @@ constexpr auto unit_interval = range::between(0, 1);
 
 constexpr std::tuple contact_keys{
     HandKey{"backend", "\"auto\", \"analytic\", \"bullet\", \"fcl\"", "", "\"auto\"",
-            "who finds contacts of a pair of shapes; \"auto\": the best answer pair by pair"},
+            "engine that finds the contacts of a pair of shapes; \"auto\": the best one for each pair"},
     HandKey{"resolver", "\"sffd\", \"ffd\"", "", "\"sffd\"", "contact resolver"},
     Key{"substeps", &ContactSpec::substeps, Whole{1, 100000},
         "sub-steps of the bodies in a step of the fluid"},
     Key{"margin", &ContactSpec::margin, Number{dimension::length, range::at_least(0)},
-        "gap at which a pair becomes a contact; without a fluid bodies may go half of it and half their "
-        "least width in a sub-step",
+        "gap at which a pair becomes a contact; without a fluid bodies may move by half of it plus half "
+        "their least width in a sub-step",
         "1 cell"}};
 
 constexpr std::tuple material_keys{
@@ -31,22 +31,22 @@ constexpr std::tuple material_keys{
     Key{"friction", &rigid::Material::friction, Number{dimension::none, range::at_least(0)},
         "Coulomb's coefficient of friction"},
     Key{"rolling_friction", &rigid::Material::rolling_friction, Number{dimension::none, range::at_least(0)},
-        "sffd: the moment against rolling is at most this times the pressing force and the reduced radius"},
+        "sffd: the moment against rolling is at most this times the normal force and the reduced radius"},
     Key{"twisting_friction", &rigid::Material::twisting_friction, Number{dimension::none, range::at_least(0)},
-        "sffd: the same against spinning about the normal"},
+        "sffd: the same against rotation about the normal"},
     Key{"cohesion", &rigid::Material::cohesion, Number{dimension::force, range::at_least(0)},
-        "sffd: the force that it takes to part two bodies in contact"},
+        "sffd: the force needed to separate two bodies in contact"},
     Key{"hamaker", &rigid::Material::hamaker, Number{dimension::energy, range::at_least(0)},
         "sffd: Hamaker's constant A of van der Waals' attraction, A R / (6 gap²) with the reduced radius R"},
     Key{"hamaker_gap", &rigid::Material::hamaker_gap, Number{dimension::length, range::above(0)},
-        "of hamaker: the gap below which the attraction grows no more; beyond ten times that there is none",
+        "of hamaker: the gap below which the attraction is constant; beyond ten times this gap there is none",
         "with hamaker",
         Rule{If::needed, [](const rigid::Material& m) { return m.hamaker > 0 && m.hamaker_gap == 0; }}}};
 
 constexpr std::tuple resolver_keys{
     Key{"sweeps", &rigid::ResolverSettings::max_sweeps, Whole{1, 100000},
-        "sweeps over the contacts in a sub-step, at most; more for heavy bodies that fall on stacks: a run "
-        "warns where they end far from rest"},
+        "largest number of sweeps over the contacts in a sub-step; increase it for heavy bodies that fall on "
+        "stacks: a run warns if the sweeps end far from convergence"},
     Key{"impact_sweeps", &rigid::ResolverSettings::impact_sweeps, Whole{0, 100000},
         "sffd: rounds of collisions through touching bodies before contacts, and sweeps of each, at most, as "
         "in Newton's cradle (0: none)",
@@ -54,7 +54,7 @@ constexpr std::tuple resolver_keys{
 
 constexpr std::tuple between_keys{
     HandKey{"between", "[\"a\", \"b\"]", "", required,
-            "two materials, as bodies and walls call theirs; \"default\" is that of all others"}};
+            "names of two materials of bodies and walls; \"default\" is the material of all others"}};
 
 /// Reads the name of an engine; reports one that this build lacks.
 std::optional<std::string> read_engine(TableReader& table, const char* key,
@@ -199,7 +199,7 @@ void check_margin(const Case& setup, Diagnostics& findings) {
 void check_lubrication(const Case& setup, Diagnostics& findings) {
   if (setup.coupling.lubrication && !setup.has_lubrication()) {
     const std::string why = fmt::format(
-        "contacts.resolver is '{}', which knows no lubrication films; set contacts.resolver = \"sffd\", or "
+        "contacts.resolver is '{}', which has no lubrication films; set contacts.resolver = \"sffd\", or "
         "remove the key",
         setup.contacts.resolver);
     if (setup.places.count("coupling.lubrication"))

@@ -12,7 +12,6 @@
 #include "silt/case/case.hpp"
 #include "silt/case/case_check.hpp"
 #include "silt/case/fill_room.hpp"
-#include "silt/case/quiet_start_steps.hpp"
 
 namespace silt {
 namespace {

@@ -30,9 +30,9 @@ constexpr std::tuple si_keys{
     Key{"time_step", &Units::time_step, Number{dimension::time, range::above(0)}, "length of a step",
         "one of three"},
     Key{"relaxation_time", &GivenScales::relaxation_time, Number{dimension::none, range::above(0.5)},
-        "a step as long as gives the fluid's viscosity this relaxation time", "one of three"},
+        "the step is chosen such that the fluid's viscosity has this relaxation time", "one of three"},
     Key{"max_velocity", &GivenScales::max_velocity, Number{dimension::velocity, range::above(0)},
-        "a step as long as makes this velocity 0.05 cells a step", "one of three"}};
+        "the step is chosen such that this velocity is 0.05 cells per step", "one of three"}};
 
 constexpr std::tuple domain_keys{
     HandKey{"size", "[x, y, z]", "m", required,
@@ -41,7 +41,8 @@ constexpr std::tuple domain_keys{
             "the sides, { x = ..., y = ..., z = ... }, each \"periodic\" or [low, high]; one kind for all "
             "six is allowed"},
     HandKey{"blocks", "\"auto\", [x, y, z]", "cells", "\"auto\"",
-            "size of the blocks that are dealt out to ranks; \"auto\": one a rank, of about the same work"}};
+            "size of the blocks that are distributed over the ranks; \"auto\": one block per rank, with "
+            "about equal work"}};
 constexpr const char *two_sides = "\"periodic\", [low, high]",
                      *kinds_of_sides =
                          "\"periodic\", or the kinds of its two sides, [low, high], each a name or a table";
@@ -51,7 +52,7 @@ constexpr std::tuple axis_keys{HandKey{"x", two_sides, "", required, kinds_of_si
 constexpr std::tuple side_keys{
     Key{"type", &coupler::BoundarySpec::kind, Choice{coupler::boundary_names}, "kind of side", required},
     Key{"solid_for_bodies", &coupler::BoundarySpec::solid_for_bodies, Flag{},
-        "whether the side is a wall for bodies too; bodies beyond one that is none are taken out", nullptr,
+        "whether the side is a wall for bodies, too; otherwise bodies beyond it are removed", nullptr,
         Rule{If::idle,
              [](const coupler::BoundarySpec& s) { return s.kind == coupler::BoundaryKind::periodic; },
              "a periodic axis has no sides; remove it"}}};

@@ -8,8 +8,8 @@
 #include <tuple>
 
 #include "rigid/shapes/shape.hpp"
+#include "silt/case/case_check.hpp"
 #include "silt/case/case_sections.hpp"
-#include "silt/case/unit_slips.hpp"
 
 namespace silt {
 namespace {
@@ -19,12 +19,12 @@ using rigid::Vec3;
 using rigid::OverTime;
 constexpr std::tuple over_time_keys{
     HandKey{"table", "[[time, share], …]", "s, 1", "1",
-            "what it is multiplied with at some times, straight in between, constant before and after"},
+            "factors at given times, linear in between, constant before and after"},
     Key{"amplitude", &OverTime::amplitude, Number{},
-        "of what is added to that: amplitude × sin(2π frequency t)", nullptr,
+        "of an oscillation that is added to the factor: amplitude × sin(2π frequency t)", nullptr,
         Rule{If::idle, is_zero(&OverTime::frequency), "the frequency is 0; give one"}},
     Key{"frequency", &OverTime::frequency, Number{dimension::angular_velocity, range::at_least(0)},
-        "oscillations in a unit of time: cycles, not radian", "with amplitude",
+        "oscillations per unit of time: cycles, not radians", "with amplitude",
         Rule{If::idle, is_zero(&OverTime::amplitude), "the amplitude is 0; give one, or remove it"},
         Rule{If::needed, [](const OverTime& s) { return !is_zero(&OverTime::amplitude)(s); }}}};
 
@@ -293,7 +293,7 @@ OverTime read_over_time(TableReader& parent, const char* key) {
     over_time.table.push_back({(*numbers)[0] / step, (*numbers)[1]});
   }
   if (over_time.table.empty() || over_time.table.size() != list->children.size())
-    table.refuse("table", "a list of pairs, [[time, share], ...], in the order of growing times");
+    table.refuse("table", "a list of pairs, [[time, share], ...], in ascending order of times");
   return over_time;
 }
 

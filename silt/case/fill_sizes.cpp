@@ -22,14 +22,14 @@ struct DiameterSpec {
 constexpr Number positive_length{dimension::length, range::above(0)};
 constexpr std::tuple range_keys{
     Key{"smallest", &DiameterSpec::smallest, positive_length,
-        "the smallest diameter; up to the largest all are equally frequent", "one of two"},
-    Key{"largest", &DiameterSpec::largest, positive_length, "the largest diameter; not beside a table",
+        "the smallest diameter; all diameters up to the largest are equally frequent", "one of two"},
+    Key{"largest", &DiameterSpec::largest, positive_length, "the largest diameter; not with a table",
         required}};
 constexpr std::tuple diameter_keys{
     Key{"by", &DiameterSpec::by_mass, Choice{coupler::names_of<bool>("number", "mass")},
-        "whether it is the number of bodies that is so distributed, or their mass"},
+        "whether the distribution is one of the number of bodies or of their mass"},
     HandKey{"table", "[[diameter, share], …]", "m, 1", "one of two",
-            "the diameters, in growing order, and the share that each has of all"}};
+            "the diameters, in ascending order, and the share of each"}};
 
 void read_range(TableReader& table, DiameterSpec& spec) {
   read_keys(table, spec, range_keys);
@@ -49,7 +49,7 @@ std::vector<SizeShare> rows_of(TableReader& table) {
   }
   if (rows.empty() || rows.size() != list->children.size() || rows.size() > most_rows) {
     table.refuse("table", fmt::format("a list of 1 to {} pairs, [[diameter, share], ...], both above 0, in "
-                                      "the order of growing diameters",
+                                      "ascending order of diameters",
                                       most_rows));
     return {};
   }

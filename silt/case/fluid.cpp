@@ -3,9 +3,9 @@
 
 #include <algorithm>
 
+#include "silt/case/case.hpp"
+#include "silt/case/case_check.hpp"
 #include "silt/case/case_sections.hpp"
-#include "silt/case/quiet_start_steps.hpp"
-#include "silt/case/unit_slips.hpp"
 
 namespace silt {
 
@@ -74,7 +74,7 @@ constexpr std::tuple fluid_keys{
         "relaxation time τ = 1/2 + 3 ν in lattice units", "one of three"},
     HandKey{"collision", "\"trt\", \"bgk\", \"regularised\", \"auto\"", "", "\"trt\"",
             "collision model: two relaxation times, one, or for high cell Reynolds numbers; \"auto\": "
-            "\"trt\" where it lasts at the largest speed given"},
+            "\"trt\" if it is stable at the largest given speed"},
     Key{"magic", &coupler::FluidSpec::magic, Number{dimension::none, possible_magic},
         "Λ = (τ − 1/2)(τ_odd − 1/2) of trt; with bodies or [[walls]] by default 1/16 under \"parabolic\", "
         "2/15 under \"multireflection\" (up to 1/6 below τ = 0.77)",
@@ -89,7 +89,7 @@ constexpr std::tuple fluid_keys{
             Rule{If::idle, is_controlled_along_the_force,
                  "superficial_velocity controls the body force along the same axes; remove one of them"}},
     Key{"superficial_velocity", &coupler::FluidSpec::superficial_velocity, Vector{dimension::velocity},
-        "mean over all cells, bodies counting as 0, that the body force is controlled for, along the axes "
+        "mean velocity over all cells (0 in bodies) to which the body force is controlled, along the axes "
         "where it is not 0"},
     Key{"body_force_on_bodies", &coupler::FluidSpec::body_force_on_bodies, Flag{},
         "true where the body force stands for a pressure gradient: free bodies feel the force on the fluid "
@@ -100,8 +100,8 @@ constexpr std::tuple fluid_keys{
              "there is no body force; remove it"},
         IdleInCase{pushes_no_bodies, no_free_bodies}},
     Key{"quiet_start", &coupler::FluidSpec::quiet_start, Flag{},
-        "a start from rest begins with the pressure that weights, springs and the body force ask for, so "
-        "that it sets off no sound",
+        "starts from rest with the pressure that balances weights, springs and the body force, so that no "
+        "sound waves arise",
         nullptr,
         IdleInCase{[](const Case& c) { return is_quiet_in_vain(c) && begins_at_rest(c); },
                    "neither weights nor springs nor a body force push anything at the start; remove it"},
@@ -115,8 +115,7 @@ constexpr std::tuple initial_keys{
         "of the domain",
         required},
     Key{"noise", &coupler::InitialSpec::noise, Number{dimension::velocity, range::at_least(0)},
-        "largest component of a random velocity that each cell gets besides, the same on any number of "
-        "ranks"}};
+        "largest component of an additional random velocity of each cell, the same on any number of ranks"}};
 constexpr std::tuple stream_keys{Key{"velocity", &coupler::InitialSpec::velocity, Vector{dimension::velocity},
                                      "velocity of the uniform flow and of the stream that carries a "
                                      "\"vortex\"; its length is the amplitude of the others; not at rest",
@@ -128,7 +127,7 @@ constexpr std::tuple vortex_keys{
     Key{"swirl", &coupler::InitialSpec::swirl, Number{dimension::velocity, range::at_least(0)},
         "of a \"vortex\": the largest speed about its axis", required},
     Key{"radius", &coupler::InitialSpec::radius, Number{dimension::length, range::above(0)},
-        "of a \"vortex\": how far from its axis it is fastest", required}};
+        "of a \"vortex\": distance from its axis at which it is fastest", required}};
 
 constexpr std::tuple gravity_keys{
     Key{"acceleration", &Case::gravity, Vector{dimension::acceleration},
@@ -155,8 +154,8 @@ constexpr std::tuple coupling_keys{
         "momentum exchange; \"exact\" conserves momentum: comparison"},
     Key{"remap_tolerance", &coupler::CouplingSpec::remap_tolerance,
         Number{dimension::none, range::between(0, 0.4), "cells"},
-        "how far a surface may be from where its cells were found last, at most 0.4; 0.15 of it where wall "
-        "distances do not follow (bounce-back, meshes)",
+        "largest distance of a surface from where its cells were last determined, at most 0.4; 0.15 of it "
+        "where wall distances are not updated (bounce-back, meshes)",
         nullptr,
         IdleInCase{[](const Case& setup) { return setup.has_surfaces() && !has_moving_surfaces(setup); },
                    "no body and no mesh of [[walls]] moves; remove it"}},
@@ -214,7 +213,7 @@ void read_collision(TableReader& fluid, coupler::FluidSpec& spec) {
 
 void read_viscosity(TableReader& fluid, coupler::FluidSpec& spec) {
   const std::string given = fluid.one_of({"kinematic_viscosity", "dynamic_viscosity", "relaxation_time"},
-                                         true, "how viscous the fluid is");
+                                         true, "the viscosity of the fluid");
   if (given == "relaxation_time") {
     if (spec.relaxation_time <= 0.5) fluid.refuse(given, "above 0.5, where the viscosity is 0");
     spec.kinematic_viscosity = (spec.relaxation_time - 0.5) / 3;

@@ -84,7 +84,7 @@ void read_body(TableReader& table, const Case& setup, coupler::HeatSpec& heat, s
   coupler::BodyHeat& known = heat.kinds[kind];
   if (!said.try_emplace(int(kind), true).second && !(known == of))
     table.fail("temperature",
-               "{}: another entry of the name '{}' is otherwise to heat; give them different names",
+               "{}: another entry of the name '{}' has other thermal keys; give them different names",
                table.path(), name);
   known = of;
 }
@@ -121,7 +121,7 @@ void check_fields(const Case& setup, Diagnostics& findings) {
 /// What heat does not go with yet.
 void check_limits(const Case& setup, Diagnostics& findings) {
   const auto refuse = [&](bool found, const char* key, const char* what) {
-    if (found) findings.error(key, "[heat] does not go with {}; remove one of them", what);
+    if (found) findings.error(key, "[heat] cannot be combined with {}; remove one of them", what);
   };
   refuse(setup.coarsening.has_value(), "coarsening", "cells of several widths, [coarsening]");
   refuse(setup.start.has_value(), "initial.from", "the end of another run, initial.from");

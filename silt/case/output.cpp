@@ -18,24 +18,24 @@ constexpr std::tuple run_keys{
     HandKey{"time", "number", "s", "one of two", "length of the run, at most"},
     HandKey{"steady", "table", "", "none", "ends the run earlier, when a quantity has become steady"},
     HandKey{"balance", "table", "", "none",
-            "looks now and then whether the domain should be cut otherwise for the ranks",
+            "checks at intervals whether another cut of the domain shares the work better",
             IdleInCase{[](const Case& setup) { return setup.balance_every > 0 && setup.block_cells; },
                        "domain.blocks says how the domain is cut; remove one of them"}},
     Key{"device", &Case::device, Choice{device_table},
-        "where the fluid's passes run: the processor's kernels, or those of a graphics processor, here or "
-        "there",
+        "where the passes of the fluid run: on the processor, on a graphics processor, or (\"host\") as on "
+        "one but on the processor",
         nullptr,
         IdleInCase{[](const Case& setup) { return !setup.fluid && setup.device != Device::cpu; },
                    "the case has no [fluid], whose passes it is about; remove it"}}};
 constexpr std::tuple steady_keys{
     Key{"quantity", &SteadySpec::quantity, Text{}, "the name of one of [[quantities]]", required},
     Key{"change", &SteadySpec::change, Number{dimension::none, {0, 1, false, false}},
-        "share of its value that the quantity may still have before it, between 0 and 1, as in 1e-4",
+        "largest remaining change of the quantity, as a share of its value, between 0 and 1, as in 1e-4",
         required},
-    Key{"every", &SteadySpec::every, Whole{1}, "the number of steps between two looks", required}};
-constexpr std::tuple balance_keys{
-    Key{"every", &Case::balance_every, Whole{0},
-        "the number of steps between two looks at how the work is shared among ranks (0: never)", required}};
+    Key{"every", &SteadySpec::every, Whole{1}, "the number of steps between two checks", required}};
+constexpr std::tuple balance_keys{Key{"every", &Case::balance_every, Whole{0},
+                                      "the number of steps between two checks of the load balance (0: never)",
+                                      required}};
 
 constexpr std::tuple output_keys{
     HandKey{"fields", "table", "", "none", "fields of the fluid, fields_*.hdf"},
@@ -47,8 +47,7 @@ constexpr std::tuple output_keys{
     HandKey{"bodies", "table", "", "none", "series of the bodies, bodies.h5"},
     HandKey{"checkpoint", "table", "", "none", "checkpoints, checkpoint_*.h5"},
     HandKey{"report", "table", "", "none",
-            "report.json and a row of series.csv while the run goes on; at the end the report is written in "
-            "any case"}};
+            "report.json and a row of series.csv during the run; at the end the report is always written"}};
 constexpr std::tuple series_keys{Key{"every", &SeriesSpec::every, Whole{.unit = "steps"},
                                      "the number of steps between two writes (0: never)", required}};
 /// A table that is never written makes its other keys idle.
@@ -62,23 +61,23 @@ constexpr std::tuple field_keys{
     Key{"precision", &FieldsSpec::double_precision, Choice{coupler::names_of<bool>("single", "double")},
         "of the numbers in the files", nullptr, if_written}};
 constexpr std::tuple slice_keys{
-    HandKey{"name", "string", "", required, "of its files, slice_NAME_*.hdf"},
+    HandKey{"name", "string", "", required, "name in its files, slice_NAME_*.hdf"},
     HandKey{"box", "[[x, y, z], [x, y, z]]", "m", required,
-            "lower and upper corner, equal along the axis that a plane is across"}};
+            "lower and upper corner, equal along the axis normal to a plane"}};
 constexpr std::tuple columns_keys{
-    HandKey{"name", "string", "", required, "of its file, series_NAME.csv"},
+    HandKey{"name", "string", "", required, "name in its file, series_NAME.csv"},
     Key{"every", &SeriesSpec::every, Whole{.low = 1, .unit = "steps"}, "the number of steps between two rows",
         required},
     HandKey{"columns", "list of strings", "", required, "names of [[quantities]]"},
     Key{"mean_of", &ColumnsSpec::mean_of, Whole{.low = 1, .unit = "steps"},
-        "a row is the mean over so many steps, its own the last: no more than from row to row"}};
+        "a row is the mean over this number of steps, up to its own: at most those since the last row"}};
 constexpr std::tuple probe_keys{
-    HandKey{"name", "string", "", required, "of its file, probes_NAME.csv"},
-    HandKey{"points", "[[x, y, z], …]", "m", "one of two", "where to look"},
-    HandKey{"line", "[[x, y, z], [x, y, z]]", "m", "one of two", "ends of a line to look along"},
-    HandKey{"count", "integer", "", "–, none", "number of points of a line, its ends among them"},
+    HandKey{"name", "string", "", required, "name in its file, probes_NAME.csv"},
+    HandKey{"points", "[[x, y, z], …]", "m", "one of two", "positions of the points"},
+    HandKey{"line", "[[x, y, z], [x, y, z]]", "m", "one of two", "ends of a line of points"},
+    HandKey{"count", "integer", "", "–, none", "number of points of a line, including its ends"},
     Key{"every", &SeriesSpec::every, Whole{.low = 1, .unit = "steps"},
-        "the number of steps between two looks", required},
+        "the number of steps between two samples", required},
     HandKey{"quantities", "list of fields", "", "velocity",
             "\"velocity\", \"density\", \"pressure\", \"shear-rate\", \"temperature\""}};
 constexpr std::tuple mean_keys{Key{"from", &MeanSpec::from, Number{dimension::time, range::at_least(0)},
@@ -87,7 +86,7 @@ constexpr std::tuple mean_keys{Key{"from", &MeanSpec::from, Number{dimension::ti
                                    "the number of steps between two samples", required}};
 constexpr std::tuple contact_output_keys{
     Key{"contacts", &OutputSpec::body_contacts, Flag{},
-        "whether contact_force and contact_torque are noted in every step and written", nullptr,
+        "whether contact_force and contact_torque are computed in every step and written", nullptr,
         Rule{If::idle, [](const OutputSpec& output) { return output.bodies.every == 0; },
              "{table}.every is 0: it is never written"}}};
 constexpr std::tuple checkpoint_keys{
@@ -175,7 +174,7 @@ void read_series(TableReader& output, std::vector<ColumnsSpec>& all) {
 }
 
 void read_points(TableReader& table, std::vector<rigid::Vec3>& points) {
-  const std::string given = table.one_of({"points", "line"}, true, "where to look");
+  const std::string given = table.one_of({"points", "line"}, true, "positions of the points");
   if (given == "points")
     points = table.points("points", 1, std::size_t(-1), "a list of points, [[x, y, z], ...]");
   if (given == "points")
@@ -184,7 +183,7 @@ void read_points(TableReader& table, std::vector<rigid::Vec3>& points) {
   constexpr std::int64_t most = 100'000;
   const auto ends = table.points("line", 2, 2, "the two ends of a line, [[x, y, z], [x, y, z]]");
   const auto count = table.integer("count", 2, most);
-  if (!table.has("count")) table.need("count", "the number of points of a line, its ends among them");
+  if (!table.has("count")) table.need("count", "the number of points of a line, including its ends");
   for (std::int64_t k = 0; ends.size() == 2 && count && k < *count; ++k)
     points.push_back(ends[0] + double(k) / double(*count - 1) * (ends[1] - ends[0]));
 }

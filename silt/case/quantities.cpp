@@ -20,13 +20,11 @@ struct KeyOf {
 };
 
 constexpr std::tuple every_type_keys{
-    HandKey{"name", "string", "", required, "what report.json calls the quantity"},
-    HandKey{"type", "type of quantity", "", required,
-            "one of the table below, which says what else it takes"},
+    HandKey{"name", "string", "", required, "name of the quantity in report.json"},
+    HandKey{"type", "type of quantity", "", required, "one of the table below, which has its other keys"},
     HandKey{"over", "[from, to]", "s", "none",
-            "of types that have a value in every step: the mean of those from one time to another"},
-    HandKey{"deviation", "boolean", "", "false",
-            "with over: their standard deviation in the place of the mean"}};
+            "for types that have a value in every step: their mean from one time to another"},
+    HandKey{"deviation", "boolean", "", "false", "with over: the standard deviation instead of the mean"}};
 constexpr std::tuple type_keys{
     KeyOf{Q::Key(Q::body | Q::bearer), HandKey{"body", "string", "", "every body",
                                                "kind of bodies: name of a [[bodies]] or [[fill]] entry"}},
@@ -34,11 +32,11 @@ constexpr std::tuple type_keys{
                        "axis along which the quantity is taken", "\"z\""}},
     KeyOf{Q::Key(Q::time | Q::instant),
           Key{"time", &QuantitySpec::time, Number{dimension::time, range::at_least(0)},
-              "time from which on the quantity looks at the run; of kinetic-energy and dissipation: when it "
-              "does",
+              "time from which the quantity is evaluated; of kinetic-energy and dissipation: time of the "
+              "evaluation",
               "–, the end"}},
     KeyOf{Q::height, Key{"height", &QuantitySpec::height, Number{dimension::length},
-                         "coordinate along the axis that bodies are to pass", required}},
+                         "coordinate along the axis that bodies pass", required}},
     KeyOf{Q::centre, Key{"centre", &QuantitySpec::centre, Vector{dimension::length},
                          "a point of the container's axis, [x, y, z]", required}},
     KeyOf{Q::box, Key{"box", &QuantitySpec::box, Corners{}, "two corners", "the domain"}},
@@ -46,13 +44,13 @@ constexpr std::tuple type_keys{
                             "component of the stress", required}},
     KeyOf{Q::Key(Q::side | Q::side_bears),
           Key{"side", &QuantitySpec::side, Choice{coupler::side_names},
-              "side of the domain, \"z-low\" for one; of forces in the place of body", "–, none"}},
+              "side of the domain, for example \"z-low\"; of forces instead of body", "–, none"}},
     KeyOf{Q::Key(Q::at | Q::planes),
           HandKey{"at", "number, [first, second]", "m", required,
-                  "where the plane is along the axis; of a pressure-drop both planes"}},
+                  "position of the plane along the axis; of a pressure-drop both planes"}},
     KeyOf{Q::Key(Q::wall | Q::bearer),
           HandKey{"wall", "string", "", "the only one, none",
-                  "name of one of [[walls]]; of forces and torques in the place of body"}}};
+                  "name of one of [[walls]]; of forces and torques instead of body"}}};
 
 void read_wall(TableReader& table, QuantitySpec& quantity, const Case& setup) {
   std::vector<std::string> names;
@@ -95,13 +93,13 @@ void read_over(TableReader& table, const QuantityType& type, QuantitySpec& quant
   quantity.deviation = table.boolean("deviation").value_or(false);
   const Node* const node = table.find("over");
   if (!node)
-    return table.refuse_given({"deviation"}, "{key} is given without {table}.over, the times that it is of");
+    return table.refuse_given({"deviation"}, "{key} is given without {table}.over, which gives the times");
   if (!type.asks_for(Q::stepwise))
     return table.fail("over", "{} is given, but \"{}\" has no value in every step; remove the key",
                       table.path("over"), type.name);
   if (type.takes(Q::time))
     table.refuse_given({"time"},
-                       "{key} and {table}.over are both given; they say of what time the mean is, keep one");
+                       "{key} and {table}.over are both given; both give the times of the mean, keep one");
   const auto times = node->numbers(2);
   if (!times || !((*times)[0] >= 0 && (*times)[0] < (*times)[1]))
     return table.refuse("over", "two times, [from, to], the first at least 0 and before the second");
@@ -119,9 +117,9 @@ void read_quantity_keys(TableReader& table, const QuantityType& type, QuantitySp
   std::apply([&](const auto&... row) { (read(row), ...); }, type_keys);
   read_over(table, type, quantity);
   if (type.takes(Q::time) && !table.has("over"))
-    table.need("time", "time from which on the quantity looks at the run");
+    table.need("time", "time from which the quantity is evaluated");
   read_planes(table, type, quantity);
-  if (type.takes(Q::side)) table.need("side", "side of the domain, \"z-low\" for one");
+  if (type.takes(Q::side)) table.need("side", "side of the domain, for example \"z-low\"");
   if (type.takes(Q::Key(Q::body | Q::bearer)))
     quantity.kind = read_name(table, "body", setup.kind_names, "name of [[bodies]] or [[fill]]").value_or(-1);
   if (type.takes(Q::wall)) read_wall(table, quantity, setup);
@@ -137,9 +135,9 @@ std::string lacking(const Case& setup, const QuantityType& type) {
   const bool driven =
       setup.any_given([](const BodySpec& b) { return b.motion == rigid::Motion::prescribed; });
   if (type.asks_for(Q::same_bodies) && (setup.bodies_come() || setup.bodies_leave()))
-    return "bodies come or leave, of which it knows nothing";
+    return "bodies enter or leave, which it does not account for";
   if (setup.start && (type.asks_for(Q::same_bodies) || type.name == "drift" || type.name == "displacement"))
-    return "bodies come from another run (initial.from), and it does not know where they were";
+    return "bodies come from another run (initial.from), so that their first places are unknown";
   if (type.asks_for(Q::undriven) && driven)
     return "the case has a body of prescribed motion, which drives the others";
   return "";
@@ -152,8 +150,8 @@ void check_bearer(const Case& setup, Diagnostics& findings, const QuantitySpec& 
   const coupler::BoundarySpec& side = setup.boundary[quantity.side];
   if (quantity.bearer == Bearer::bodies && !setup.has_bodies())
     findings.error(entry + ".type",
-                   "{}.type is \"{}\", but the case has no bodies; name what bears it by wall or side", entry,
-                   quantity.type);
+                   "{}.type is \"{}\", but the case has no bodies; name a wall or a side that bears it",
+                   entry, quantity.type);
   if (quantity.bearer == Bearer::side && !of_fluid && !side.stops_bodies())
     findings.error(entry + ".side", "{}.side is {}, which bodies do not touch; it must be solid for them",
                    entry, side_key(quantity.side));
@@ -240,10 +238,11 @@ void find_quantity_faults(const Case& setup, Diagnostics& findings) {
       findings.warning(entry + ".over",
                        "{}.over begins after the end of the run: the quantity will have no value", entry);
     else if (quantity.over && (*quantity.over)[1] > end + 0.5)
-      findings.warning(entry + ".over",
-                       "{}.over ends at {}, after the end of the run at {}: what is taken ends there too",
-                       entry, shown(setup.units.physical((*quantity.over)[1], dimension::time)),
-                       shown(setup.units.physical(end, dimension::time)));
+      findings.warning(
+          entry + ".over",
+          "{}.over ends at {}, after the end of the run at {}: the quantity is evaluated up to there only",
+          entry, shown(setup.units.physical((*quantity.over)[1], dimension::time)),
+          shown(setup.units.physical(end, dimension::time)));
     if ((type.takes(Q::time) && quantity.time >= end) ||
         (type.takes(Q::instant) && std::isfinite(quantity.time) && quantity.time > end))
       findings.warning(entry + ".time",

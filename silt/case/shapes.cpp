@@ -19,10 +19,10 @@ using rigid::Quat;
 using rigid::Vec3;
 
 constexpr std::tuple shape_keys{
-    HandKey{"name", "string", "", required, "what bodies call the shape"},
-    HandKey{"type", "type of shape", "", required, "one of the table below, which says what else it takes"},
-    HandKey{"radius", "number", "m", "one of two", "size of what is round"},
-    HandKey{"diameter", "number", "m", "one of two", "size of what is round"},
+    HandKey{"name", "string", "", required, "name of the shape, to which bodies refer"},
+    HandKey{"type", "type of shape", "", required, "one of the table below, which has its other keys"},
+    HandKey{"radius", "number", "m", "one of two", "size of a round shape"},
+    HandKey{"diameter", "number", "m", "one of two", "size of a round shape"},
     HandKey{"length", "number", "m", required,
             "of a cylinder from end to end; of a capsule between the centres of its ends; along z"},
     HandKey{"edges", "[x, y, z]", "m", required, "edges of a box"},
@@ -41,9 +41,10 @@ struct Turn {
   Vec3 axis = Vec3::Zero();
   double degrees = 0;
 };
-constexpr std::tuple turn_keys{Key{"axis", &Turn::axis, Vector{}, "what to turn about, [x, y, z]", required},
-                               Key{"degrees", &Turn::degrees, Number{dimension::none, range::any, "degrees"},
-                                   "how far to turn about the axis", required}};
+constexpr std::tuple turn_keys{
+    Key{"axis", &Turn::axis, Vector{}, "axis of the rotation, [x, y, z]", required},
+    Key{"degrees", &Turn::degrees, Number{dimension::none, range::any, "degrees"}, "angle of the rotation",
+        required}};
 
 /// Returns the length; a harmless one if it is missing or wrong (reported).
 template <class Solid>
@@ -202,15 +203,15 @@ Quat read_orientation(TableReader& table) {
     table.refuse(key, "a direction of the z axis, [x, y, z], not all 0");
   } else {
     table.refuse(key,
-                 "a direction of the z axis, [x, y, z], a quaternion, [w, x, y, z], or a turn, { axis = [x, "
-                 "y, z], degrees = ... }");
+                 "a direction of the z axis, [x, y, z], a quaternion, [w, x, y, z], or axis and angle, { "
+                 "axis = [x, y, z], degrees = ... }");
   }
   return Quat::Identity();
 }
 
 void read_shapes(TableReader& root, Case& setup) {
   for (TableReader& table : root.tables("shapes")) {
-    table.need("name", "what bodies call the shape");
+    table.need("name", "name of the shape, to which bodies refer");
     table.need("type", "one of " + joined(shape_types()));
     read_new_name(table, setup.shape_names, "shape");
     rigid::Shape shape = rigid::Sphere{1};

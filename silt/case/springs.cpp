@@ -17,15 +17,13 @@ constexpr std::tuple spring_keys{
     HandKey{"body", "string", "", required, "name of a [[bodies]] entry of one body"},
     HandKey{"to", "string", "", "the domain", "the same, of the other body"},
     HandKey{"ends", "[[x, y, z], [x, y, z]]", "m", "centres of mass",
-            "where it is at the start: a point that is fixed to body, and one that is fixed to the other "
-            "body, or to the domain"},
+            "its ends at the start: a point fixed to body, and one fixed to the other body or to the domain"},
     Key{"length", &coupler::SpringSpec::length, Number{dimension::length, range::at_least(0)},
-        "at which it does not pull; 0: it holds the two points together, whatever way they part",
-        "of the start"},
+        "its length at rest; 0: it holds the two points together in every direction", "of the start"},
     Key{"stiffness", &coupler::SpringSpec::stiffness, Number{{0, -2, 1}, range::at_least(0), "N/m"},
-        "its force over how much longer it is", required},
+        "its force per elongation", required},
     Key{"damping", &coupler::SpringSpec::damping, Number{{0, -1, 1}, range::at_least(0), "N s/m"},
-        "the force of its damper over the speed at which it becomes longer"}};
+        "the force of its damper per rate of elongation"}};
 
 /// Returns the only body of a name; null (reported) if a file, a fill or several entries have the name.
 const BodySpec* read_body(TableReader& table, const char* key, const Case& setup) {
@@ -119,8 +117,8 @@ void find_fault_of(const coupler::SpringSpec& spring, const std::string& entry, 
     findings.error(entry + ".body", "{}: neither of its ends can move; one must be of a free body", entry);
   if (square > most_square)
     findings.error(entry + ".stiffness",
-                   "{}.stiffness lets its bodies swing in {} steps; at least {} are needed: lower it to {} "
-                   "or shorten the time step",
+                   "{}.stiffness makes its bodies oscillate in {} steps; at least {} are needed: lower it to "
+                   "{} or shorten the time step",
                    entry, shown(2 * std::numbers::pi / std::sqrt(square)),
                    shown(rounded_up(2 * std::numbers::pi / std::sqrt(most_square))),
                    shown(rounded_down(units.physical(most_square / compliance, {0, -2, 1}))));

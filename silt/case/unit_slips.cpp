@@ -1,4 +1,3 @@
-#include "silt/case/unit_slips.hpp"
 
 #include <fmt/format.h>
 

@@ -7,8 +7,8 @@
 
 #include "rigid/collision/tube_contacts.hpp"
 #include "rigid/shapes/shape.hpp"
+#include "silt/case/case_check.hpp"
 #include "silt/case/case_sections.hpp"
-#include "silt/case/unit_slips.hpp"
 
 namespace silt {
 namespace {
@@ -124,8 +124,8 @@ bool check_place_at(const Case& setup, Diagnostics& findings, std::size_t index,
                      shown_length(setup, size));
     else if (wall.mesh.hollow && setup.periodic(d) && crosses && !goes_on)
       findings.error(wall_key(index, step > 0 ? "motion" : "position"),
-                     "{}, which is periodic; a vessel must stay half a cell within the domain there, or go "
-                     "on alike for {} beyond both sides",
+                     "{}, which is periodic; a vessel must stay half a cell within the domain there, or "
+                     "continue unchanged for {} beyond both sides",
                      reach, shown_length(setup, beyond));
     else
       continue;
@@ -194,8 +194,8 @@ void check_borders(const Case& setup, Diagnostics& findings, std::size_t index,
     if (!setup.periodic(d) || std::abs(wall.axis[d]) > 1 - straight) continue;
     if (!std::isfinite(high - low))
       findings.error(wall_key(index, "axis"),
-                     "walls[{}] leaves the domain through its periodic border across {}, at a slant; let its "
-                     "axis be {} or lie across it, or give the domain sides there",
+                     "walls[{}] leaves the domain through its periodic border across {} obliquely; make its "
+                     "axis parallel or normal to {}, or give the domain sides there",
                      index, "xyz"[d], "xyz"[d]);
     else if (low < 0.5 || high > size - 0.5)
       findings.error(wall_key(index, "point"),

@@ -58,11 +58,11 @@ std::string contents_of(const adapters::ReadMesh& read) {
 }
 
 constexpr HandKey rpm_key{"rpm", "number", "1/min", "0",
-                          "revolutions a minute, in the place of angular_velocity; in a file in \"si\""};
+                          "revolutions per minute, instead of angular_velocity; only with \"si\""};
 constexpr std::tuple wall_keys{
     HandKey{"type", "\"tube\", \"mesh\"", "", required, "kind of wall: \"tube\" or \"mesh\""},
-    HandKey{"name", "string", "", "its path", "what quantities call the wall"},
-    HandKey{"material", "string", "", "\"default\"", "one that [[material_pairs]] names"}};
+    HandKey{"name", "string", "", "its path", "name of the wall in quantities"},
+    HandKey{"material", "string", "", "\"default\"", "a name that [[material_pairs]] contains"}};
 constexpr std::tuple tube_keys{
     HandKey{"radius", "number", "m", "one of two", "of a tube: its size"},
     HandKey{"diameter", "number", "m", "one of two", "of a tube: its size"},
@@ -71,7 +71,7 @@ constexpr std::tuple tube_keys{
     Key{"point", &TubeWallSpec::point, Vector{dimension::length}, "a point of the tube's axis, [x, y, z]",
         required},
     Key{"angular_velocity", &TubeWallSpec::angular_velocity, Number{dimension::angular_velocity},
-        "rotation of the tube about the axis (a drum), radian in a unit of time"},
+        "rotation of the tube about the axis (a drum), in radians per unit of time"},
     rpm_key};
 constexpr std::tuple mesh_file_keys{HandKey{
     "file", "string", "", required, "the name of an STL, OBJ or PLY file in the directory of the case"}};
@@ -84,16 +84,16 @@ constexpr std::tuple mesh_keys{
 constexpr std::tuple motion_keys{
     Key{"velocity", &PrescribedMotion::velocity, Vector{dimension::velocity}, "velocity of the point"},
     HandKey{"angular_velocity", "number", "1/s", "0",
-            "rotation about the axis through the point, which goes along, radian in a unit of time"},
+            "rotation about the axis through the moving point, in radians per unit of time"},
     rpm_key,
     HandKey{"axis", "\"x\", \"y\", \"z\", [x, y, z]", "", "z at rest", "of the rotation, and of wall-torque"},
     HandKey{"point", "[x, y, z]", "m", "position",
             "of the axis of a wall, at the start; wall-torque is about it"},
     Key{"amplitude", &PrescribedMotion::amplitude, Vector{dimension::length},
-        "of an oscillation of the point: how far it goes to either side, by amplitude × sin(2π frequency t)",
-        nullptr, Rule{If::idle, is_zero(&PrescribedMotion::frequency), "the frequency is 0; give one"}},
+        "of an oscillation of the point: amplitude × sin(2π frequency t)", nullptr,
+        Rule{If::idle, is_zero(&PrescribedMotion::frequency), "the frequency is 0; give one"}},
     Key{"frequency", &PrescribedMotion::frequency, Number{dimension::angular_velocity, range::at_least(0)},
-        "oscillations in a unit of time: cycles, not radian", "with amplitude",
+        "oscillations per unit of time: cycles, not radians", "with amplitude",
         Rule{If::idle, is_zero(&PrescribedMotion::amplitude), "the amplitude is 0; give one, or remove it"},
         Rule{If::needed,
              [](const PrescribedMotion& s) { return !is_zero(&PrescribedMotion::amplitude)(s); }}},
@@ -105,8 +105,7 @@ std::optional<double> read_rpm(TableReader& table) {
   const Units& units = table.context().units;
   if (rpm && table.context().units_known && !units.si)
     table.fail("rpm",
-               "{} is given, but a file in lattice units knows no minutes; give angular_velocity, radian "
-               "a step",
+               "{} is given, but lattice units have no minutes; give angular_velocity, in radians per step",
                table.path("rpm"));
   return rpm ? std::optional(units.lattice(*rpm * std::numbers::pi / 30, dimension::angular_velocity)) : rpm;
 }
@@ -183,7 +182,7 @@ ReadMotion read_motion(TableReader& table) {
   read_keys(table, motion, motion_keys);
   const std::string turn = table.one_of({"angular_velocity", "rpm", "table"}, false, "");
   if (turn == "angular_velocity" || turn == "rpm" || table.has("axis"))
-    read.axis = read_direction(table, "about which it turns");
+    read.axis = read_direction(table, "of its rotation");
   const auto given = table.quantity("angular_velocity", dimension::angular_velocity, range::any);
   motion.angular_velocity = read_rpm(table).value_or(given.value_or(0)) * read.axis;
   if (turn == "table")

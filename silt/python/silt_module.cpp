@@ -209,7 +209,7 @@ void bind_simulation(py::module_& module) {
            py::arg("overwrite") = false, py::arg("resume") = false, about_opening)
       .def("step", &LiveSimulation::step, py::call_guard<py::gil_scoped_release>(), about_step)
       .def("run", &run, py::arg("steps") = std::nullopt,
-           "Does so many steps, with a look at all of the fluid every 100; errors as of step. Without a "
+           "Does this number of steps and checks all of the fluid every 100; errors as of step. Without a "
            "number, and\nwhere files are written at most, up to the end that the case has.")
       .def("finish", &LiveSimulation::finish, py::call_guard<py::gil_scoped_release>(),
            "Ends the files: report.json says how the run ended, before its last step with a checkpoint.")

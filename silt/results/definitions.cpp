@@ -32,13 +32,13 @@ std::string text_of_anew(const CheckpointReader& reader, const QuantitySpec& q, 
   if (!(computation.gathers() || q.over) || holds(reader, history_name(q, 0), definition_of(q))) return "";
   const bool is_instant = quantity_type(q.type).takes(QuantityType::instant);
   if (is_instant && q.time < double(step) + 0.5)
-    return fmt::format("has its time before step {}, where the run goes on, and no value in the checkpoint",
+    return fmt::format("has its time before step {}, where the run resumes, and no value in the checkpoint",
                        step);
   if (is_instant) return "";
   if (has_history(reader, q))
-    return "is of something else than what the checkpoint has under this name, and begins anew";
+    return "has another definition than the result of this name in the checkpoint, and starts again";
   if ((q.over ? (*q.over)[0] : q.time) > double(step)) return "";
-  return fmt::format("is not in the checkpoint; it begins at step {}, where the run goes on", step);
+  return fmt::format("is not in the checkpoint; it starts at step {}, where the run resumes", step);
 }
 
 /// Returns the same for a series, whose next row may have begun before the step.
@@ -51,7 +51,7 @@ std::string text_of_anew(const CheckpointReader& reader, const Case& setup, cons
       columns += (columns.empty() ? "'" : ", '") + series.columns[k] + "'";
   if (columns.empty()) return "";
   return fmt::format(
-      "has means that begin before step {}, where the run goes on, and those of {} are not in the "
+      "has means that begin before step {}, where the run resumes, and those of {} are not in the "
       "checkpoint; the next row is of the steps from there on",
       step, columns);
 }
@@ -61,7 +61,7 @@ std::string text_of_anew(const CheckpointReader& reader, const MeanSpec& mean, s
   if (reader.has(definition_name(flow_mean_name)))
     return fmt::format("takes other samples than those in the checkpoint; they begin anew at step {}", step);
   if (mean.from > double(step)) return "";
-  return fmt::format("has no samples in the checkpoint; they begin at step {}, where the run goes on", step);
+  return fmt::format("has no samples in the checkpoint; they start at step {}, where the run resumes", step);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "silt/results/tessellation.hpp"
+#include "silt/results/body_output.hpp"
 
 #include <algorithm>
 #include <cmath>

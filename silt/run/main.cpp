@@ -161,7 +161,7 @@ Exit main_on(MPI_Comm comm, int argc, char** argv) {
   CLI::App* run =
       app.add_subcommand("run", "runs a case; results of an earlier run are moved to out.1, out.2, ...");
   CLI::App* resume = app.add_subcommand(
-      "resume", "goes on from the newest checkpoint, with the --set and --steps of the earlier run");
+      "resume", "continues from the newest checkpoint, with the --set and --steps of the earlier run");
   CLI::App* checks =
       app.add_subcommand("check", "says what is wrong with a case and what follows from it; runs nothing");
   CLI::App* infos = app.add_subcommand("info", "says what a case is and what results it has");
@@ -176,7 +176,9 @@ Exit main_on(MPI_Comm comm, int argc, char** argv) {
   add_run(*resume, line);
   resume->add_option("--checkpoint", line.checkpoint, "go on from this one")->type_name("FILE");
   add_case(*checks, line);
-  checks->add_option("-n,--ranks", line.run.ranks, "estimate a run on so many ranks (as many as there are)")
+  checks
+      ->add_option("-n,--ranks", line.run.ranks,
+                   "estimate a run on this number of ranks (by default the present one)")
       ->transform(above_zero)
       ->type_name("N");
   infos->add_option("WHAT", line.file, "a case or a folder of results")->required();

@@ -15,13 +15,11 @@
 #include "parallel/together.hpp"
 #include "silt/case/case.hpp"
 #include "silt/case/case_check.hpp"
-#include "silt/case/quiet_start_steps.hpp"
 #include "silt/guard.hpp"
 #include "silt/results/report.hpp"
 #include "silt/run/prepare_run.hpp"
 #include "silt/run/progress.hpp"
 #include "silt/run/run_outputs.hpp"
-#include "silt/run/run_warnings.hpp"
 #include "silt/run/stop_request.hpp"
 
 namespace silt {
@@ -168,7 +166,7 @@ void Run::greet() {
                               prepared_.earlier_options));
   if (const std::int64_t steps = quiet_start_steps(setup()); steps > 0 && !prepared_.resumed)
     progress_.say(fmt::format(
-        "begins with the pressure that the loads ask for, found in {} steps (fluid.quiet_start)", steps));
+        "starts with the pressure that balances the loads, found in {} steps (fluid.quiet_start)", steps));
   progress_.say(fmt::format("results go to {}", folder_.string()));
 }
 

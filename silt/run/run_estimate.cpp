@@ -20,7 +20,6 @@
 #include "rigid/shapes/shape.hpp"
 #include "silt/case/case.hpp"
 #include "silt/case/case_check.hpp"
-#include "silt/case/quiet_start_steps.hpp"
 #include "silt/placement/place_bodies.hpp"
 #include "silt/run/foreseen_pressure.hpp"
 
@@ -241,8 +240,8 @@ std::vector<Diagnostic> border_warnings(const Case& setup, const lbm::CutTree& l
     if (finest < coarsest)
       warnings.push_back(
           {Diagnostic::Severity::warning, setup.place("coarsening"),
-           fmt::format("coarsening: cells of {} are from {} to {} finest cells wide at the start, and what "
-                       "comes in or goes out is disturbed where they change: give "
+           fmt::format("coarsening: cells of {} are from {} to {} finest cells wide at the start, and the "
+                       "fluid that enters or leaves is disturbed where the width changes: give "
                        "coarsening.fine a box along it, or leave more room before it",
                        side_key(side), 1 << finest, 1 << coarsest)});
   }

@@ -1,6 +1,8 @@
 #pragma once
 // Writes the files of a run: fields, bodies, departures, series, report.json and series.csv, checkpoints.
 #include <deque>
+#include <string>
+#include <vector>
 
 #include "silt/case/output_spec.hpp"
 #include "silt/results/body_output.hpp"
@@ -59,5 +61,10 @@ class RunOutputs {
   std::string last_checkpoint_;
   double reported_ = -1;  // seconds from the start to the last report.json, on rank 0
 };
+
+/// Returns the warnings about doubtful results at the end of a run, one text each for contact sweeps that
+/// ended far from convergence in a step, a fluid that was noticeably compressible at a check, and mass that
+/// cells took without a fluid neighbour. Collective.
+std::vector<std::string> warnings_of(const Simulation&);
 
 }  // namespace silt

@@ -10,7 +10,7 @@ from types import SimpleNamespace
 
 import numpy as np
 
-ROOT = pathlib.Path(sys.argv.pop(1)) if len(sys.argv) > 1 else pathlib.Path(__file__).resolve().parents[2]
+ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(ROOT / "scripts" / "accuracy"), str(ROOT / "scripts")]
 import drafting_kissing_tumbling as dkt  # noqa: E402
 import hindered_settling  # noqa: E402

@@ -7,7 +7,6 @@
 
 #include "adapters/automatic/collision_factory.hpp"
 #include "tests/adapters/collision_scenes.hpp"
-#include "tests/adapters/every_backend.hpp"
 
 namespace silt::tests {
 namespace {

@@ -1,11 +1,19 @@
 #pragma once
 // What the collision tests share: the random scenes, made once, and how a query is put.
+#include <string>
 #include <vector>
 
+#include "adapters/automatic/collision_factory.hpp"
 #include "rigid/collision/collision_backend.hpp"
 #include "tests/adapters/pair_scenes.hpp"
 
 namespace silt::tests {
+
+// The names of all collision backends, for tests that run on each.
+inline std::vector<std::string> every_backend() {
+  const auto names = adapters::backend_names();
+  return {names.begin(), names.end()};
+}
 
 using Points = std::vector<rigid::ContactPoint>;
 

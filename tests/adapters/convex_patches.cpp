@@ -9,7 +9,6 @@
 #include "adapters/automatic/collision_factory.hpp"
 #include "rigid/collision/manifold.hpp"
 #include "tests/adapters/collision_scenes.hpp"
-#include "tests/adapters/every_backend.hpp"
 
 namespace silt::tests {
 namespace {

@@ -4,8 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include "tests/adapters/search_gap.hpp"
-
 namespace silt::tests {
 
 namespace {

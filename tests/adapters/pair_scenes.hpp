@@ -56,4 +56,11 @@ ReferenceGap reference_gap(const Pair&);
 /// n . (support of b along -n - support of a along n), by rigid::support.
 double support_gap(const Pair&, const Vec3& n);
 
+/// The gap of any two convex shapes by trying directions, a method that shares nothing with adapters/
+/// (search_gap.cpp): the largest of s(n) = n . (support_B(-n) - support_A(n)), by rigid::support, which has
+/// its maximum either where two edges or a face fix n (all of them are tried), or on the great circle normal
+/// to an edge (each is sampled, the best places refined by golden sections), or where s is smooth (a grid of
+/// directions, the best of them refined by the method of Nelder and Mead).
+ReferenceGap search_gap(const Pair&);
+
 }  // namespace silt::tests

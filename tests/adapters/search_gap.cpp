@@ -1,4 +1,4 @@
-#include "tests/adapters/search_gap.hpp"
+#include "tests/adapters/pair_scenes.hpp"
 
 #include <algorithm>
 #include <array>

@@ -7,8 +7,8 @@
 
 #include "lbm/blocks/large_memory.hpp"
 #include "rigid/shapes/shape.hpp"
+#include "tests/bench/figures.hpp"
 #include "tests/bench/fluid_kernels.hpp"
-#include "tests/bench/spread.hpp"
 
 namespace silt::bench {
 

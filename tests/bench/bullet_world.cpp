@@ -1,5 +1,5 @@
 // The only file of the benchmarks that sees Bullet's headers.
-#include "tests/bench/bullet_world.hpp"
+#include "tests/bench/silt_world.hpp"
 
 #include <btBulletDynamicsCommon.h>
 

@@ -16,7 +16,6 @@
 #include "tests/bench/figures.hpp"
 #include "tests/bench/moving_layers.hpp"
 #include "tests/bench/periodic_box.hpp"
-#include "tests/bench/spread.hpp"
 #include "tests/lbm/levelled_cut.hpp"
 #include "tests/lbm/levelled_flow.hpp"
 

@@ -16,7 +16,6 @@
 //   the same bits in any order and on any number of ranks.
 #include <cstdio>
 
-#include "tests/bench/bullet_world.hpp"
 #include "tests/bench/figures.hpp"
 #include "tests/bench/silt_world.hpp"
 

@@ -5,11 +5,10 @@
 #include <chrono>
 #include <cstdlib>
 #include <fstream>
+#include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <string>
 #include <vector>
-
-#include <nlohmann/json.hpp>
 
 namespace silt::bench {
 
@@ -81,5 +80,22 @@ struct Figures {
     if (!out.flush()) throw std::runtime_error("cannot write " + file);
   }
 };
+
+/// Samples of one figure, taken in turn with those of others.
+struct Spread {
+  std::vector<double> samples;
+  void add(double x) { samples.push_back(x); }
+  double middle() const { return median(samples); }
+  double lowest() const { return *std::min_element(samples.begin(), samples.end()); }
+  double highest() const { return *std::max_element(samples.begin(), samples.end()); }
+};
+
+/// Returns the ratios of samples, one by one.
+inline Spread ratio(const Spread& a, const Spread& b) {
+  Spread r;
+  for (std::size_t k = 0; k < std::min(a.samples.size(), b.samples.size()); ++k)
+    r.add(a.samples[k] / b.samples[k]);
+  return r;
+}
 
 }  // namespace silt::bench

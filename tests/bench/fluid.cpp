@@ -18,7 +18,6 @@
 #include "tests/bench/bound.hpp"
 #include "tests/bench/main.hpp"
 #include "tests/bench/periodic_box.hpp"
-#include "tests/bench/wait_asleep.hpp"
 #include "tests/bench/work.hpp"
 
 namespace silt::bench {

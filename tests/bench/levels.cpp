@@ -10,9 +10,9 @@
 #include <string>
 
 #include "lbm/levels/levels.hpp"
+#include "tests/bench/figures.hpp"
 #include "tests/bench/main.hpp"
 #include "tests/bench/periodic_box.hpp"
-#include "tests/bench/spread.hpp"
 #include "tests/bench/work.hpp"
 #include "tests/lbm/levelled_cut.hpp"
 

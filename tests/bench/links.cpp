@@ -18,9 +18,9 @@
 #include "lbm/fluid.hpp"
 #include "lbm/walls/pairs_across.hpp"
 #include "silt/simulation.hpp"
+#include "tests/bench/figures.hpp"
 #include "tests/bench/layers.hpp"
 #include "tests/bench/main.hpp"
-#include "tests/bench/spread.hpp"
 #include "tests/silt/case/case_text.hpp"
 
 namespace silt::bench {

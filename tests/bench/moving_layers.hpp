@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "silt/simulation.hpp"
+#include "tests/bench/figures.hpp"
 #include "tests/bench/layers.hpp"
-#include "tests/bench/spread.hpp"
 #include "tests/silt/case/case_text.hpp"
 
 namespace silt::bench {

@@ -17,11 +17,10 @@
 #include "lbm/walls/cut_links.hpp"
 #include "silt/case/case.hpp"
 #include "tests/bench/bound.hpp"
+#include "tests/bench/figures.hpp"
 #include "tests/bench/layers.hpp"
 #include "tests/bench/main.hpp"
-#include "tests/bench/spread.hpp"
 #include "tests/bench/step_traffic.hpp"
-#include "tests/bench/wait_asleep.hpp"
 #include "tests/silt/case/case_text.hpp"
 
 namespace silt::bench {

@@ -1,6 +1,7 @@
 #pragma once
 // A bed in rigid/, on one rank.
 #include <memory>
+#include <vector>
 
 #include "adapters/automatic/collision_factory.hpp"
 #include "rigid/bodies/walls.hpp"
@@ -9,6 +10,20 @@
 #include "tests/bench/bed.hpp"
 
 namespace silt::bench {
+
+/// A bed in Bullet's own world (bullet_world.cpp).
+class BulletWorld {
+ public:
+  explicit BulletWorld(const Bed&);
+  ~BulletWorld();
+  void step(double dt);
+  int contacts() const;                    // points its solver was given
+  std::vector<rigid::Pose> poses() const;  // in the bed's order
+
+ private:
+  struct Parts;
+  std::unique_ptr<Parts> parts_;
+};
 
 inline rigid::World world_of(const Bed& bed) {
   rigid::World world;

@@ -5,10 +5,10 @@
 #include <cstdio>
 #include <string>
 
+#include "tests/bench/figures.hpp"
 #include "tests/bench/instruction_count.hpp"
 #include "tests/bench/main.hpp"
 #include "tests/bench/skip_rows.hpp"
-#include "tests/bench/spread.hpp"
 
 namespace silt::bench {
 namespace {

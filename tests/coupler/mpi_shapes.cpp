@@ -2,20 +2,28 @@
 // volume, conserve momentum, and have the same bits on any ranks.
 #include <gtest/gtest.h>
 #include <mpi.h>
-
 #include <cmath>
 #include <numbers>
 #include <string>
 
 #include "lbm/walls/wall_scheme.hpp"
 #include "silt/simulation.hpp"
-#include "tests/coupler/solid_cells.hpp"
+#include "tests/coupler/single_cells.hpp"
 #include "tests/silt/case/case_text.hpp"
 #include "tests/silt/case/mesh_case.hpp"
 #include "tests/silt/same_bits.hpp"
 #include "tests/world.hpp"
 
 namespace silt::coupler::testing {
+
+/// Counts the cells that are in bodies and walls; collective.
+inline double solid_cells(const Simulation& s) {
+  const FluidFields& fields = s.scene().flow->fields();
+  double count = 0;
+  for_each_cell(fields, [&](int b, lbm::Int3 x, lbm::Int3) { count += !fields.is_fluid(b, x); });
+  return tests::sum_over_ranks(count);
+}
+
 namespace {
 
 using rigid::Vec3;
@@ -156,4 +164,5 @@ TEST(MeshBodies, ABallOfTrianglesMovesAsASphere) {
 }
 
 }  // namespace
+
 }  // namespace silt::coupler::testing

@@ -1,17 +1,32 @@
 // Disturbances of fluid and bodies die away: neither walls nor the coupling in time feed them.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
-
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <random>
 #include <utility>
 
+#include "lbm/fluid.hpp"
 #include "lbm/walls/wall_scheme.hpp"
 #include "silt/simulation.hpp"
-#include "tests/coupler/stirred_fluid.hpp"
+#include "tests/coupler/single_cells.hpp"
 #include "tests/silt/case/case_text.hpp"
 
 namespace silt::coupler::testing {
+
+/// Gives every cell of this rank a velocity of its own, each component below `speed` (cells a step).
+inline void stir(FluidFields& fields, double speed) {
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> u(-speed, speed);
+  for_each_cell(fields, [&](int b, lbm::Int3 x, lbm::Int3) {
+    std::array<double, 3> v;
+    for (double& component : v) component = u(random);
+    for (int i = 0; i < lbm::D3Q19::directions; ++i)
+      set_arriving(fields, b, x, i, lbm::equilibrium(i, 0, v.data()));
+  });
+}
+
 namespace {
 
 using rigid::Vec3;
@@ -244,4 +259,5 @@ TEST(WallModes, DragOfADenseArrayDoesNotDependOnViscosity) {
 }
 
 }  // namespace
+
 }  // namespace silt::coupler::testing

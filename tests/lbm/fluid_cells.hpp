@@ -2,9 +2,13 @@
 // Steps of a fluid alone, its cells, and the conditions at its sides.
 #include <array>
 
+#include "lbm/blocks/domain.hpp"
 #include "lbm/fluid.hpp"
 
 namespace silt::lbm::testing {
+
+// The sides of a domain that tests use most.
+inline const SideCondition periodic{}, no_slip{SideKind::bounce}, slip{SideKind::free_slip};
 
 inline SideCondition side_condition(SideKind kind, std::array<double, 3> v = {}, double rho = 0) {
   return {kind, v, rho};

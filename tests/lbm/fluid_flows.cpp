@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "tests/lbm/fluid_cells.hpp"
-#include "tests/lbm/sides.hpp"
 #include "tests/world.hpp"
 
 namespace silt::lbm {

@@ -7,7 +7,6 @@
 
 #include "lbm/blocks/equal_cut.hpp"
 #include "tests/lbm/fluid_cells.hpp"
-#include "tests/lbm/sides.hpp"
 #include "tests/odd_cut.hpp"
 #include "tests/world.hpp"
 

@@ -10,7 +10,7 @@
 #include "lbm/exchange/slot_exchange.hpp"
 #include "lbm/fluid.hpp"
 #include "lbm/walls/pairs_across.hpp"
-#include "tests/lbm/sides.hpp"
+#include "tests/lbm/fluid_cells.hpp"
 #include "tests/odd_cut.hpp"
 #include "tests/world.hpp"
 

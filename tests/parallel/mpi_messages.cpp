@@ -6,7 +6,6 @@
 #include "parallel/pending_sums.hpp"
 #include "parallel/together.hpp"
 #include "parallel/traffic.hpp"
-#include "parallel/transfers.hpp"
 #include "tests/world.hpp"
 
 namespace silt::parallel::testing {

@@ -9,7 +9,6 @@
 
 #include "coupler/state_hash.hpp"
 #include "silt/case/case.hpp"
-#include "silt/case/quiet_start_steps.hpp"
 #include "silt/simulation.hpp"
 #include "tests/coupler/single_cells.hpp"
 #include "tests/silt/case/case_text.hpp"

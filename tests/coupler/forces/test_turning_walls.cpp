@@ -4,7 +4,7 @@
 #include <numbers>
 #include <random>
 
-#include "coupler/forces/turning_walls.hpp"
+#include "coupler/forces/covered_momentum.hpp"
 #include "rigid/bodies/walls.hpp"
 #include "rigid/shapes/shape.hpp"
 #include "tests/rigid/shapes/meshes.hpp"

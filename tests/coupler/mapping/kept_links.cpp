@@ -11,9 +11,9 @@
 
 #include "coupler/exchange/coupling_state.hpp"
 #include "coupler/mapping/build_links.hpp"
+#include "coupler/mapping/cell_bits.hpp"
 #include "coupler/mapping/map_bodies.hpp"
 #include "coupler/mapping/refill.hpp"
-#include "coupler/mapping/side_columns.hpp"
 #include "silt/simulation.hpp"
 #include "tests/ray_distance.hpp"
 #include "tests/shape_rows.hpp"

@@ -2,7 +2,6 @@
 // A fluid with a temperature, without bodies.
 #include "lbm/heat/temperature.hpp"
 #include "tests/lbm/fluid_cells.hpp"
-#include "tests/lbm/sides.hpp"
 
 namespace silt::lbm::testing {
 

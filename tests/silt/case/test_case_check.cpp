@@ -115,12 +115,12 @@ TEST(CaseCheck, WarnsOfBodiesThatDoNotComeOrGo) {
   c.rest = gravity;
   const std::string fixed = c.bodies + "motion = \"fixed\"\n";
   c.bodies = fill_of("ball", 1.2, 2, "every = 100\nbox = [[0, 0, 16], [32, 32, 32]]");
-  EXPECT_TEXT(warnings(c), "fill[0].every is 100, of 100 steps in all: bodies come");
+  EXPECT_TEXT(warnings(c), "fill[0].every is 100, but the run has 100 steps: bodies enter");
   c.bodies = fill_of("ball", 1.2, 2, "every = 10\nbox = [[0, 0, 16], [32, 32, 32]]");
   EXPECT_EQ(warnings(c), "");
   c.bodies = fixed;
   c.rest = "[[outflow]]\nbox = [[0, 0, 0], [32, 32, 4]]\n";
-  EXPECT_TEXT(warnings(c), "the case has no free bodies, and no others leave");
+  EXPECT_TEXT(warnings(c), "the case has no free bodies, and only free bodies can leave");
 }
 
 /// A spring from the ball to the lid.
@@ -248,7 +248,7 @@ TEST(CaseCheck, AShapeThatTheBackendCannotAnswerForIsRefused) {
   setup.shapes[0] = prism(11000);  // more vertices, edges and faces than 16 bits count
   const std::string text = listed(judgement(setup));
   EXPECT_TEXT(text,
-              "contacts.backend is \"auto\"; it cannot answer contacts of shape 'ball' (polyhedron) with a "
+              "contacts.backend is \"auto\"; it cannot compute contacts of shape 'ball' (polyhedron) with a "
               "wall: use another backend, or a simpler shape (polyhedra of at most some 10000 vertices)");
   setup.bodies[0].motion = rigid::Motion::fixed;  // meets nothing
   EXPECT_FALSE(tests::has_part(listed(judgement(setup)), "cannot answer"));

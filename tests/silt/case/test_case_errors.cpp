@@ -252,7 +252,7 @@ TEST(CaseErrors, WhatIsTakenAwayMustBeThere) {
   EXPECT_TRUE(c.read({"bodies[0]="}).bodies.empty());
   EXPECT_EQ(c.fault({"fluid.relaxation_time="}),
             "case.toml:6:2: [fluid] needs one of kinematic_viscosity, dynamic_viscosity, relaxation_time: "
-            "how viscous the fluid is");
+            "the viscosity of the fluid");
   EXPECT_EQ(c.fault({"run.balnce="}),
             "--unset run.balnce: the case has no such key: there is no 'balnce'; did you mean 'balance'? "
             "known: steps, balance");

@@ -8,7 +8,6 @@
 
 #include "silt/case/case.hpp"
 #include "silt/results/body_output.hpp"
-#include "silt/results/tessellation.hpp"
 #include "silt/simulation.hpp"
 #include "tests/rigid/shapes/solids.hpp"
 #include "tests/silt/case/case_text.hpp"

@@ -54,8 +54,8 @@ TEST(LevelsForeseen, ASideWhereCellsChangeTheirWidthIsWarnedOf) {
   const auto warnings = foreseen(ball_in_a_stream("[coarsening]\nlevels = 2\n").read()).doubts;
   EXPECT_EQ(listed(warnings),
             "case.toml:8:2: warning: coarsening: cells of domain.boundary.x[0] are from 2 to 4 finest cells "
-            "wide at the start, and what comes in or goes out is disturbed where they change: give "
-            "coarsening.fine a box along it, or leave more room before it");
+            "wide at the start, and the fluid that enters or leaves is disturbed where the width changes: "
+            "give coarsening.fine a box along it, or leave more room before it");
   const std::string fine = "[coarsening]\nlevels = 2\nfine = [{ box = [[0, 0, 0], [8, 96, 96]] }]\n";
   EXPECT_TRUE(foreseen(ball_in_a_stream(fine).read()).doubts.empty());
 }

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
-"""same_bits_on_every_isa.py SILT CASES ISA: the kernels of an instruction set and the portable ones give the
-same state, to the bit. Exit code 77 where this machine lacks the instruction set: its ctest entry then reads
-"Skipped"."""
+"""same_bits_on_every_isa.py SILT CASES: the kernels of every instruction set of this machine give the same state
+as the portable ones, to the bit. Exit code 77 where the machine has the portable ones only: the ctest entry then
+reads "Skipped"."""
 import json
 import os
 import pathlib
@@ -10,7 +10,8 @@ import sys
 import tempfile
 
 LACKING = 77
-silt, cases, isa = sys.argv[1], pathlib.Path(sys.argv[2]), sys.argv[3]
+silt, cases = sys.argv[1], pathlib.Path(sys.argv[2])
+wider = ["avx2", "avx512"]
 
 
 def state(case, asked, *options):
@@ -26,10 +27,13 @@ def state(case, asked, *options):
 for case, *options in [("segregation", "--set", "run.steps=40"), ("settling-sphere", "--set", "run.steps=60"),
                        ("sphere-array", "--set", "run.steps=200")]:
     plain, expected = state(case, "portable", *options)
-    ran, found = state(case, isa, *options)
     assert plain == "portable", plain
-    if ran != isa:
-        print(f"this machine has no {isa}: silt ran with {ran}")
-        sys.exit(LACKING)
-    print(f"{case}: portable {expected}, {isa} {found}")
-    assert found == expected, f"{case}: the state depends on the instruction set"
+    for isa in list(wider):
+        ran, found = state(case, isa, *options)
+        if ran != isa:
+            print(f"this machine has no {isa}: silt ran with {ran}")
+            wider.remove(isa)
+            continue
+        print(f"{case}: portable {expected}, {isa} {found}")
+        assert found == expected, f"{case}: the state depends on the instruction set"
+sys.exit(0 if wider else LACKING)
