@@ -112,25 +112,20 @@ class FlowOf final : public Flow {
     account_.begin_pass();
     cells_changed();
     levels_.begin_step();
-    const bool interleaves = !world_.shapes.empty() && schedule_ == LinkSchedule::interleaved;
-    if (!interleaves && !heat_) return levels_.stream_collide();
-    if (heat_) heat_->temperature().begin_pass();
+    if (world_.shapes.empty() || schedule_ == LinkSchedule::sequential) return levels_.stream_collide();
     fluid_.begin_pass();
     for (int b = 0; b < int(links_.size()); ++b)
       for (int part = 0; part < fluid_.parts(b); ++part) {
-        if (heat_) heat_->temperature().collide(b, part);
         fluid_.collide(b, part);
         levels_.after_part(b, part);
-        const GroupRange ready = interleaves ? links_[b].inner_after(part) : GroupRange{0, 0};
+        const GroupRange ready = links_[b].inner_after(part);
         if (!ready.empty()) clock.timed(Stage::force_evaluation, [&] { apply_inner(b, ready); });
       }
-    if (heat_) heat_->temperature().end_pass();
     fluid_.end_pass();
   }
   void communicate() override {
     passed_.give(fluid_);
     fluid_.exchange();
-    if (heat_) heat_->temperature().exchange();
     levels_.end_step();
     if (pairs_) pairs_->exchange(fluid_.blocks(), fluid_.parity());
   }

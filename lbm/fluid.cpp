@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "lbm/collision/collision_model.hpp"
+#include "lbm/collision/heat_rates.hpp"
 #include "lbm/passes/passes.hpp"
 #include "parallel/communicator.hpp"
 
@@ -94,18 +94,16 @@ template <class T>
 void Fluid<T>::set_force(const std::array<double, 3>& force) {
   spec_.force = force;
   *rates_ = CollisionRates<T>(spec_);
-  rates_->of_temperature = buoyancy_.get();
+  rates_->heat = heat_rates_.get();
   halo_.set_force(force);
 }
 
 template <class T>
-void Fluid<T>::set_buoyancy(const std::array<double, 3>& of_one,
-                            std::span<const Block<T, D3Q7>> temperature) {
-  CollisionSpec spec = spec_;
-  spec.force = of_one;
-  buoyancy_ = std::make_unique<CollisionRates<T>>(spec);
-  rates_->of_temperature = buoyancy_.get();
-  for (std::size_t b = 0; b < blocks_.size(); ++b) blocks_[b].set_temperature(&temperature[b]);
+void Fluid<T>::carry(Carried& carried, const HeatSpec& heat, std::span<Block<T, D3Q7>> blocks) {
+  carried_ = &carried;
+  heat_rates_ = std::make_unique<HeatRates<T>>(heat, spec_);
+  rates_->heat = heat_rates_.get();
+  for (std::size_t b = 0; b < blocks_.size(); ++b) blocks_[b].carry(blocks[b]);
 }
 
 template <class T>
@@ -152,6 +150,7 @@ void Fluid<T>::begin_pass() {
     for (const RowRange& rows : orders_[b].shell())
       if (!idle_[b]) pass_over(b, rows);
   halo_.start(flipped(parity_));
+  if (carried_) carried_->start_exchange(flipped(parity_));
 }
 
 template <class T>

@@ -34,9 +34,7 @@ HeatFlow<T>::HeatFlow(const HeatSpec& spec, const std::array<BoundarySpec, 6>& s
       fluid_(fluid),
       exchange_(exchange),
       temperature_(fluid, spec, heat_sides(spec, sides)),
-      links_(fluid.blocks().size()) {
-  if (spec.has_buoyancy()) fluid.set_buoyancy(spec.buoyancy, temperature_.blocks());
-}
+      links_(fluid.blocks().size()) {}
 
 template <class T>
 const BodyHeat& HeatFlow<T>::spec_of(const rigid::BodySet& bodies, std::size_t row) const {

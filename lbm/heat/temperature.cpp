@@ -1,7 +1,5 @@
 #include "lbm/heat/temperature.hpp"
 
-#include "lbm/heat/carry_heat.hpp"
-
 namespace silt::lbm {
 
 namespace {
@@ -26,43 +24,14 @@ SideCondition heat_side(int side, double flux) {
 }
 
 template <class T>
-Temperature<T>::Temperature(const Fluid<T>& fluid, const HeatSpec& spec,
-                            const std::array<SideCondition, 6>& sides)
+Temperature<T>::Temperature(Fluid<T>& fluid, const HeatSpec& spec, const std::array<SideCondition, 6>& sides)
     : fluid_(fluid),
       domain_(with_sides(fluid.domain(), sides)),
       spec_(spec),
-      rates_(spec, fluid.spec().force),
       blocks_(blocks_like(fluid)),
       none_idle_(blocks_.size(), 0),
-      parity_(fluid.parity()),
-      halo_(domain_, fluid.comm(), blocks_, fluid.pass_orders(), {}, fluid.device()) {}
-
-template <class T>
-void Temperature<T>::carry(int b, RowRange rows) {
-  static const CarryHeat<T> kernel = SILT_CHOSEN(carry_heat<T>)();
-  kernel(blocks_[b], fluid_.blocks()[b], parity_, rates_, rows);
-}
-
-template <class T>
-void Temperature<T>::begin_pass() {
-  for (int d = 0; d < 3; ++d) rates_.half_force[d] = T(fluid_.spec().force[d] / 2);
-  for (int b = 0; b < int(blocks_.size()); ++b)
-    for (const RowRange& rows : fluid_.pass_order(b).shell())
-      if (fluid_.parts(b) > 0) carry(b, rows);
-  halo_.start(flipped(parity_));
-}
-
-template <class T>
-void Temperature<T>::collide(int b, int part) {
-  carry(b, fluid_.pass_order(b).rows_of(part));
-}
-
-template <class T>
-void Temperature<T>::stream_collide() {
-  begin_pass();
-  for (int b = 0; b < int(blocks_.size()); ++b)
-    for (int part = 0; part < fluid_.parts(b); ++part) collide(b, part);
-  end_pass();
+      halo_(domain_, fluid.comm(), blocks_, fluid.pass_orders(), {}, fluid.device()) {
+  fluid.carry(*this, spec, blocks_);
 }
 
 template <class T>
