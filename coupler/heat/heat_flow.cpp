@@ -53,15 +53,6 @@ lbm::SurfaceHeat HeatFlow<T>::surface(const rigid::BodySet& bodies, std::size_t 
 }
 
 template <class T>
-void HeatFlow<T>::start() {
-  const std::vector<lbm::Block<T>>& blocks = fluid_.blocks();
-  for (int b = 0; b < int(blocks.size()); ++b)
-    lbm::for_cells({}, blocks[b].size(), [&](Int3 x) {
-      temperature_.set(b, x, spec_.initial, fluid_.velocity(fluid_.moments(b, x)));
-    });
-}
-
-template <class T>
 void HeatFlow<T>::begin_step(const rigid::BodySet& bodies) {
   sums_.assign(bodies.size() * width, 0);
 }
@@ -108,6 +99,7 @@ void HeatFlow<T>::set_uncovered(const BlockMap& map, const CoveredCell& at, cons
 
 template <class T>
 void HeatFlow<T>::list_links(int b, const BlockMap& map, const BlockLinks<T>& block) {
+  lbm::wait(fluid_.device());
   links_[b].resize(block.surfaces.size());
   for (std::size_t k = 0; k < block.surfaces.size(); ++k) {
     links_[b][k].clear();

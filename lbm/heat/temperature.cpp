@@ -1,15 +1,11 @@
 #include "lbm/heat/temperature.hpp"
 
+#include "lbm/blocks/local_blocks.hpp"
+#include "parallel/communicator.hpp"
+
 namespace silt::lbm {
 
 namespace {
-
-template <class T>
-std::vector<Block<T, D3Q7>> blocks_like(const Fluid<T>& fluid) {
-  std::vector<Block<T, D3Q7>> blocks;
-  for (const Block<T>& block : fluid.blocks()) blocks.emplace_back(block.box());
-  return blocks;
-}
 
 Domain with_sides(const Domain& domain, const std::array<SideCondition, 6>& sides) {
   return Domain(domain.tree(), sides, domain.ranks(), domain.level());
@@ -28,7 +24,7 @@ Temperature<T>::Temperature(Fluid<T>& fluid, const HeatSpec& spec, const std::ar
     : fluid_(fluid),
       domain_(with_sides(fluid.domain(), sides)),
       spec_(spec),
-      blocks_(blocks_like(fluid)),
+      blocks_(local_blocks<T, D3Q7>(domain_, parallel::rank_of(fluid.comm()), fluid.device())),
       none_idle_(blocks_.size(), 0),
       halo_(domain_, fluid.comm(), blocks_, fluid.pass_orders(), {}, fluid.device()) {
   fluid.carry(*this, spec, blocks_);
@@ -50,9 +46,17 @@ void Temperature<T>::set(int b, Int3 cell, double temperature, const std::array<
 }
 
 template <class T>
+void Temperature<T>::set_all(double temperature) {
+  for (int b = 0; b < int(blocks_.size()); ++b)
+    for_cells({}, blocks_[b].size(),
+              [&](Int3 x) { set(b, x, temperature, fluid_.velocity(fluid_.moments(b, x))); });
+}
+
+template <class T>
 std::size_t Temperature<T>::bytes() const {
   std::size_t n = 0;
-  for (const auto& block : blocks_) n += block.bytes();
+  for (std::size_t b = 0; b < blocks_.size(); ++b)
+    if (b == 0 || !blocks_[b].shares_array(blocks_[b - 1])) n += blocks_[b].bytes();
   return n;
 }
 

@@ -30,8 +30,15 @@ class Temperature final : public Carried {
   const HeatSpec& spec() const { return spec_; }
   std::vector<Block<T, D3Q7>>& blocks() { return blocks_; }
   const std::vector<Block<T, D3Q7>>& blocks() const { return blocks_; }
+  const Fluid<T>& fluid() const { return fluid_; }
+  /// As of the fluid, for borders between levels.
   Parity parity() const { return fluid_.parity(); }
+  std::int64_t passes() const { return fluid_.passes(); }
   MPI_Comm comm() const { return fluid_.comm(); }
+  Device device() const { return fluid_.device(); }
+  bool is_in_parts() const { return fluid_.is_in_parts(); }
+  const PassOrder& pass_order(int b) const { return fluid_.pass_order(b); }
+  double half_push(int) const { return 0; }
 
   void start_exchange(Parity parity) override { halo_.start(parity); }
   /// Cut links come after it. Blocks without fluid cells receive what comes to them, too: cells that bodies
@@ -48,6 +55,8 @@ class Temperature final : public Carried {
   }
   /// Returns the temperature of a cell, less the reference temperature.
   double at(int b, Int3 cell) const;
+  /// Sets all cells to a temperature, in the fluid as it moves.
+  void set_all(double temperature);
   /// Sets a cell to the equilibrium (H1) of a fluid of this velocity.
   void set(int b, Int3 cell, double temperature, const std::array<double, 3>& velocity);
   /// Returns the size of the arrays of populations.
