@@ -53,11 +53,12 @@ class FlowOf final : public Flow {
       : coupling_(spec.coupling),
         world_(exchange.world()),
         fluid_(domain, collision_of(*spec.fluid), comm, spec.device),
-        levels_(fluid_, spec.coarsening ? spec.coarsening->levels : 0),
         heat_(spec.heat ? std::make_unique<HeatFlow<T>>(*spec.heat, spec.boundary, fluid_, exchange)
                         : nullptr),
+        levels_(fluid_, spec.coarsening ? spec.coarsening->levels : 0,
+                heat_ ? &heat_->temperature() : nullptr),
         map_(fluid_.domain(), world_, boxes(fluid_), lbm::link_reach(coupling_.wall_scheme)),
-        fields_(make_fields<T>(fluid_, map_.blocks(), heat_ ? &heat_->temperature() : nullptr)),
+        fields_(make_fields<T>(fluid_, map_.blocks(), levels_.heat(0))),
         account_(*fields_, comm),
         pushes_bodies_(spec.fluid->body_force_on_bodies && spec.fluid->has_body_force()),
         drive_{spec.fluid->body_force, spec.fluid->body_force_over_time, spec.boundary},
@@ -67,7 +68,7 @@ class FlowOf final : public Flow {
     if (!fluid_.is_in_parts()) schedule_ = LinkSchedule::sequential;
     if (!spec.fluid->superficial_velocity.isZero(0)) control_.emplace(*spec.fluid, spec.volume(), comm);
     for (int level = 1; level < levels_.count(); ++level) {
-      coarser_.push_back(std::make_unique<CoarserFields>(levels_.fluid(level), world_));
+      coarser_.push_back(std::make_unique<CoarserFields>(levels_.fluid(level), levels_.heat(level), world_));
       account_.add_level(*coarser_.back()->fields);
     }
     if (!lbm::reads_beyond(coupling_.wall_scheme) || world_.shapes.empty()) return;
@@ -111,25 +112,20 @@ class FlowOf final : public Flow {
     account_.begin_pass();
     cells_changed();
     levels_.begin_step();
-    const bool interleaves = !world_.shapes.empty() && schedule_ == LinkSchedule::interleaved;
-    if (!interleaves && !heat_) return levels_.stream_collide();
-    if (heat_) heat_->temperature().begin_pass();
+    if (world_.shapes.empty() || schedule_ == LinkSchedule::sequential) return levels_.stream_collide();
     fluid_.begin_pass();
     for (int b = 0; b < int(links_.size()); ++b)
       for (int part = 0; part < fluid_.parts(b); ++part) {
-        if (heat_) heat_->temperature().collide(b, part);
         fluid_.collide(b, part);
         levels_.after_part(b, part);
-        const GroupRange ready = interleaves ? links_[b].inner_after(part) : GroupRange{0, 0};
+        const GroupRange ready = links_[b].inner_after(part);
         if (!ready.empty()) clock.timed(Stage::force_evaluation, [&] { apply_inner(b, ready); });
       }
-    if (heat_) heat_->temperature().end_pass();
     fluid_.end_pass();
   }
   void communicate() override {
     passed_.give(fluid_);
     fluid_.exchange();
-    if (heat_) heat_->temperature().exchange();
     levels_.end_step();
     if (pairs_) pairs_->exchange(fluid_.blocks(), fluid_.parity());
   }
@@ -160,7 +156,6 @@ class FlowOf final : public Flow {
     const auto& from = static_cast<const FlowOf&>(other);
     from.complete_cells();
     lbm::move_populations(from.levels_, levels_);
-    if (heat_) lbm::move_populations(from.heat_->temperature(), heat_->temperature());
     account_.take_over(from.account_);
     levels_.set_passes(from.fluid_.passes());
     levels_.set_seconds(from.levels_.seconds());
@@ -174,7 +169,8 @@ class FlowOf final : public Flow {
     account_.set_mapping(counts_);
     cells_changed();
     if (resumed_) return;
-    if (heat_) heat_->start();
+    for (int level = 0; heat_ && level < levels(); ++level)
+      levels_.heat(level)->set_all(heat_->initial_temperature());
     forces_.start(map_.blocks(), bodies);
   }
 
@@ -183,8 +179,8 @@ class FlowOf final : public Flow {
   struct CoarserFields {
     MapBodies map;
     std::unique_ptr<FluidFields> fields;
-    CoarserFields(lbm::Fluid<T>& fluid, const rigid::World& world)
-        : map(fluid.domain(), world, boxes(fluid), 0), fields(make_fields<T>(fluid, map.blocks())) {}
+    CoarserFields(lbm::Fluid<T>& fluid, lbm::Temperature<T>* heat, const rigid::World& world)
+        : map(fluid.domain(), world, boxes(fluid), 0), fields(make_fields<T>(fluid, map.blocks(), heat)) {}
   };
 
   /// Sets the body force of a time, and side velocities half a step later, when fluid meets the sides.
@@ -323,8 +319,8 @@ class FlowOf final : public Flow {
   CouplingSpec coupling_;
   const rigid::World& world_;
   mutable lbm::Fluid<T> fluid_;        // finest level
-  lbm::Levels<T> levels_;              // all levels
   std::unique_ptr<HeatFlow<T>> heat_;  // null: the case has no [heat]
+  lbm::Levels<T> levels_;              // all levels
   MapBodies map_;
   std::unique_ptr<FluidFields> fields_;
   std::vector<std::unique_ptr<CoarserFields>> coarser_;

@@ -70,7 +70,7 @@ class FieldsOf final : public FluidFields {
   rigid::FixedSum heat() const override {
     rigid::FixedSum sum = 0;
     for_fluid_cells(maps(), [&](int b, Int3 x) { sum += lbm::heat_quanta(temperature_->at(b, x)); });
-    return sum;
+    return sum * volume();
   }
   rigid::FixedSum side_heat(int axis, bool upper) const override {
     rigid::FixedSum sum = 0;
@@ -83,7 +83,7 @@ class FieldsOf final : public FluidFields {
         sum += lbm::heat_quanta(lost);
       });
     });
-    return sum;
+    return sum * width() * width();
   }
   std::array<rigid::FixedSum, 3> side_force(int axis, bool upper) const override {
     std::array<rigid::FixedSum, 3> sums{};

@@ -91,7 +91,7 @@ class FluidFields {
   /// lbm::link_quantum, units of the finest lattice. Zero if the side is not a wall.
   virtual std::array<rigid::FixedSum, 3> side_force(int axis, bool upper) const = 0;
   /// Returns this rank's share of the sum of temperatures over fluid cells, and of the heat that the fluid
-  /// lost over a side of the domain in the last step, both in lbm::heat_quantum.
+  /// lost over a side of the domain in the last step, both in lbm::heat_quantum, units of the finest lattice.
   virtual rigid::FixedSum heat() const = 0;
   virtual rigid::FixedSum side_heat(int axis, bool upper) const = 0;
   /// Returns `share` times the volume flux along an axis through a block's local cells of one layer, in

@@ -2,48 +2,14 @@
 
 #include <algorithm>
 
-#include "lbm/collision/collision_model.hpp"
+#include "lbm/blocks/local_blocks.hpp"
+#include "lbm/collision/heat_rates.hpp"
 #include "lbm/passes/passes.hpp"
 #include "parallel/communicator.hpp"
 
 namespace silt::lbm {
 
 namespace {
-/// Appends blocks that share arrays. Blocks of a coarse level lie between finer boxes; blocks in one array
-/// need no exchange among them. At least half of the cells of an array belong to its blocks.
-template <class T>
-void add_shared(std::span<const BlockPlace> places, Device device, std::vector<Block<T>>& blocks) {
-  Int3 low = places[0].box.lower, high = low;
-  std::int64_t cells = 0;
-  for (const BlockPlace& place : places) {
-    for (int d = 0; d < 3; ++d) {
-      low[d] = std::min(low[d], place.box.lower[d]);
-      high[d] = std::max(high[d], place.box.lower[d] + place.box.size[d]);
-    }
-    cells += place.box.cells();
-  }
-  const CellBox all{low, high - low};
-  if (2 * cells >= all.cells()) {
-    const Block<T> whole(all, device);
-    for (const BlockPlace& place : places) blocks.emplace_back(whole, place.box);
-  } else {
-    add_shared(places.first(places.size() / 2), device, blocks);
-    add_shared(places.subspan(places.size() / 2), device, blocks);
-  }
-}
-
-/// Makes the local blocks. Those of level 0 share no array: cut links write cells that other blocks hold.
-template <class T>
-std::vector<Block<T>> local_blocks(const Domain& domain, MPI_Comm comm, Device device) {
-  const std::vector<BlockPlace> places = domain.blocks_of(parallel::rank_of(comm));
-  std::vector<Block<T>> blocks;
-  if (domain.level() > 0 && !places.empty())
-    add_shared<T>(places, device, blocks);
-  else
-    for (const BlockPlace& place : places) blocks.emplace_back(place.box, device);
-  return blocks;
-}
-
 /// Returns the faces of a block that touch blocks of other ranks.
 ShellFaces shell_of(const Domain& domain, const BlockPlace& place) {
   ShellFaces shell;
@@ -82,7 +48,7 @@ Fluid<T>::Fluid(const Domain& domain, const CollisionSpec& spec, MPI_Comm comm, 
       rates_(std::make_unique<CollisionRates<T>>(spec)),
       comm_(comm),
       device_(device),
-      blocks_(local_blocks<T>(domain, comm, device)),
+      blocks_(local_blocks<T, D3Q19>(domain, parallel::rank_of(comm), device)),
       orders_(orders_of<T>(domain, comm)),
       idle_(blocks_.size(), 0),
       halo_(domain_, comm, blocks_, orders_, spec.force, device) {}
@@ -94,18 +60,16 @@ template <class T>
 void Fluid<T>::set_force(const std::array<double, 3>& force) {
   spec_.force = force;
   *rates_ = CollisionRates<T>(spec_);
-  rates_->of_temperature = buoyancy_.get();
+  rates_->heat = heat_rates_.get();
   halo_.set_force(force);
 }
 
 template <class T>
-void Fluid<T>::set_buoyancy(const std::array<double, 3>& of_one,
-                            std::span<const Block<T, D3Q7>> temperature) {
-  CollisionSpec spec = spec_;
-  spec.force = of_one;
-  buoyancy_ = std::make_unique<CollisionRates<T>>(spec);
-  rates_->of_temperature = buoyancy_.get();
-  for (std::size_t b = 0; b < blocks_.size(); ++b) blocks_[b].set_temperature(&temperature[b]);
+void Fluid<T>::carry(Carried& carried, const HeatSpec& heat, std::span<Block<T, D3Q7>> blocks) {
+  carried_ = &carried;
+  heat_rates_ = std::make_unique<HeatRates<T>>(heat, spec_);
+  rates_->heat = heat_rates_.get();
+  for (std::size_t b = 0; b < blocks_.size(); ++b) blocks_[b].carry(blocks[b]);
 }
 
 template <class T>
@@ -152,6 +116,7 @@ void Fluid<T>::begin_pass() {
     for (const RowRange& rows : orders_[b].shell())
       if (!idle_[b]) pass_over(b, rows);
   halo_.start(flipped(parity_));
+  if (carried_) carried_->start_exchange(flipped(parity_));
 }
 
 template <class T>

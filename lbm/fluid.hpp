@@ -20,6 +20,9 @@ namespace silt::lbm {
 
 template <class T>
 struct CollisionRates;
+template <class T>
+struct HeatRates;
+struct HeatSpec;
 
 struct LocalCell {
   int block;
@@ -28,6 +31,16 @@ struct LocalCell {
 
 /// Returns half of what an acceleration adds to population i of fluid at rest: 3/2 w c.F (equation 6).
 double half_push(const std::array<double, 3>& force, int i);
+
+/// What the fluid carries: it collides in the passes of the fluid, and its exchange is a part of the fluid's.
+class Carried {
+ public:
+  virtual ~Carried() = default;
+  /// Sends what is ready: the shells have collided. `parity` is the parity after the pass.
+  virtual void start_exchange(Parity parity) = 0;
+  /// Completes the pass.
+  virtual void exchange() = 0;
+};
 
 template <class T>
 class Fluid {
@@ -52,9 +65,9 @@ class Fluid {
 
   /// Sets the acceleration from the next collision on.
   void set_force(const std::array<double, 3>&);
-  /// Lets the temperature, in as many blocks of the same boxes, accelerate the fluid: by so much for a unit
-  /// of it. Each pass of the temperature over rows must then come before that of the fluid. Processor only.
-  void set_buoyancy(const std::array<double, 3>&, std::span<const Block<T, D3Q7>>);
+  /// Carries a temperature from now on, in as many blocks of the same cells at the same offsets. It must live
+  /// as long as passes are done.
+  void carry(Carried&, const HeatSpec&, std::span<Block<T, D3Q7>>);
   /// Sets the velocity of a side of the domain from the next pass on.
   void set_side_velocity(int side, const std::array<double, 3>&);
   /// Declares that from now on cells of block b with links are all in these rows (excess.hpp). A pass must
@@ -102,7 +115,10 @@ class Fluid {
   std::span<const PassOrder> pass_orders() const { return orders_; }
   /// Completes the pass: sends the remaining messages, waits for all, fills or returns ghost slots, and
   /// applies the walls of the domain. Cut links at the rim of blocks come after it.
-  void exchange() { halo_.exchange(blocks_, idle_, parity_); }
+  void exchange() {
+    halo_.exchange(blocks_, idle_, parity_);
+    if (carried_) carried_->exchange();
+  }
 
   T& arriving(int b, Int3 local_cell, int i) {
     return blocks_[b].data()[blocks_[b].arriving(i, parity_) + blocks_[b].cell(local_cell)];
@@ -153,7 +169,9 @@ class Fluid {
 
   Domain domain_;
   CollisionSpec spec_;
-  std::unique_ptr<CollisionRates<T>> rates_, buoyancy_;  // buoyancy_: null for none
+  std::unique_ptr<CollisionRates<T>> rates_;
+  std::unique_ptr<HeatRates<T>> heat_rates_;  // this and the next: of what is carried; null: nothing
+  Carried* carried_ = nullptr;
   MPI_Comm comm_;
   Device device_;
   std::vector<Block<T>> blocks_;

@@ -34,9 +34,7 @@ HeatFlow<T>::HeatFlow(const HeatSpec& spec, const std::array<BoundarySpec, 6>& s
       fluid_(fluid),
       exchange_(exchange),
       temperature_(fluid, spec, heat_sides(spec, sides)),
-      links_(fluid.blocks().size()) {
-  if (spec.has_buoyancy()) fluid.set_buoyancy(spec.buoyancy, temperature_.blocks());
-}
+      links_(fluid.blocks().size()) {}
 
 template <class T>
 const BodyHeat& HeatFlow<T>::spec_of(const rigid::BodySet& bodies, std::size_t row) const {
@@ -52,15 +50,6 @@ lbm::SurfaceHeat HeatFlow<T>::surface(const rigid::BodySet& bodies, std::size_t 
   const CouplingState& state = coupling_of(bodies, row);
   if (!spec.temperature) return {true, 0, state.heat_owed.by_each_link};
   return {false, spec.capacity > 0 ? state.temperature.numbers[0] : *spec.temperature, 0};
-}
-
-template <class T>
-void HeatFlow<T>::start() {
-  const std::vector<lbm::Block<T>>& blocks = fluid_.blocks();
-  for (int b = 0; b < int(blocks.size()); ++b)
-    lbm::for_cells({}, blocks[b].size(), [&](Int3 x) {
-      temperature_.set(b, x, spec_.initial, fluid_.velocity(fluid_.moments(b, x)));
-    });
 }
 
 template <class T>
@@ -110,6 +99,7 @@ void HeatFlow<T>::set_uncovered(const BlockMap& map, const CoveredCell& at, cons
 
 template <class T>
 void HeatFlow<T>::list_links(int b, const BlockMap& map, const BlockLinks<T>& block) {
+  lbm::wait(fluid_.device());
   links_[b].resize(block.surfaces.size());
   for (std::size_t k = 0; k < block.surfaces.size(); ++k) {
     links_[b][k].clear();

@@ -23,8 +23,8 @@ class HeatFlow {
   lbm::Temperature<T>& temperature() { return temperature_; }
   const lbm::Temperature<T>& temperature() const { return temperature_; }
 
-  /// Sets the temperature at the start, in the fluid as it moves.
-  void start();
+  /// Returns that of the fluid at the start.
+  double initial_temperature() const { return spec_.initial; }
 
   // ---- a step, in this order ----
   /// Begins the sums of a step. Call once bodies are mapped.

@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "lbm/heat/heat_rates.hpp"
+#include "lbm/collision/heat_rates.hpp"
 
 namespace silt::coupler {
 

@@ -158,9 +158,9 @@ class Block {
   void hold_no_more_excess() {
     for (std::uint8_t& row : excess_rows_) row = row & has_links ? had_links : 0;
   }
-  /// The temperature of the cells, if it acts on the fluid; null: it does not.
-  const Block<T, D3Q7>* temperature() const { return temperature_; }
-  void set_temperature(const Block<T, D3Q7>* block) { temperature_ = block; }
+  /// The temperature of the cells, which the fluid carries; null: none.
+  Block<T, D3Q7>* temperature() const { return temperature_; }
+  void carry(Block<T, D3Q7>& temperature) { temperature_ = &temperature; }
   T* data() { return first_; }
   const T* data() const { return first_; }
 
@@ -182,7 +182,7 @@ class Block {
   static constexpr std::uint8_t has_links = 1, had_links = 2;
   std::vector<std::uint8_t> excess_rows_;  // y fastest: has_links, had_links or 0
   std::vector<RowEnd<T>> row_ends_[2];
-  const Block<T, D3Q7>* temperature_ = nullptr;
+  Block<T, D3Q7>* temperature_ = nullptr;
 };
 
 }  // namespace silt::lbm

@@ -95,12 +95,13 @@ struct NothingGivenUp {
   }
 };
 
-/// Collides the vector of cells from x on. Slots of lanes outside the row keep their values.
+/// Collides the vector of cells from x on, at the rates of carry_heat.hpp. Slots of lanes outside the row
+/// keep their values.
 template <class Model, bool source, class V, class T, class Rates, class Keep, class Watch,
           class Given = NothingGivenUp>
 [[gnu::always_inline]] SILT_DEVICE inline void collide(const Slots<T>& slots, std::ptrdiff_t x,
-                                                       const Rates& r, const Keep& keep, const Watch& watch,
-                                                       const Given& given = {}) {
+                                                       const Rates& rates, const Keep& keep,
+                                                       const Watch& watch, const Given& given = {}) {
   constexpr Prefetch prefetch;
   V sum[D3Q19::pairs + 1], difference[D3Q19::pairs];
   const auto arriving = [&](int i, const T* from) __attribute__((always_inline)) {
@@ -124,7 +125,7 @@ template <class Model, bool source, class V, class T, class Rates, class Keep, c
   const auto see = [&](const V& square) __attribute__((always_inline)) {
     watch.see(square, x, keep);
   };
-  Model::template collide<source>(sum, difference, r, set_rest, set_pair, see);
+  Model::template collide<source>(sum, difference, rates.at(x, difference, keep), set_rest, set_pair, see);
 }
 
 /// Calls f(model) with the collision model of the rates.

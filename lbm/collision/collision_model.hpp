@@ -69,6 +69,9 @@ struct CollisionSpec {
   }
 };
 
+template <class T>
+struct HeatRates;
+
 /// Rates for a diagonal direction (w = 1/36): twice these along an axis, twelve times at rest. So that
 /// rounding neither makes nor destroys mass or momentum steadily, the rates of density and momentum are
 /// multiples of a number so small that the kept fractions of populations are exact.
@@ -85,8 +88,7 @@ struct CollisionRates {
       keep_fourth;    // of regularised: what is left of moments beyond those that follow from the stress
   T resolved_square;  // half the squared stress off equilibrium above which eddies add viscosity
   T eddy;             // 9 C^2; 0: none
-  const CollisionRates* of_temperature =
-      nullptr;  // whose force is that of a unit of temperature; null: no buoyancy
+  const HeatRates<T>* heat = nullptr;  // of the temperature that the fluid carries; null: none
 
   /// Throws std::invalid_argument for a relaxation time of 1/2 or less.
   explicit CollisionRates(const CollisionSpec&);

@@ -28,10 +28,12 @@ struct FirstLanes {
   }
   V operator()(const V& inner, const V& outer) const { return inside ? inner : outer; }
 };
-/// Moves the populations at the ends of a row (Block::row_ends), from the slots of its first cell on.
-template <class T>
-inline void close_row(T* first, const std::vector<RowEnd<T>>& ends) {
-  for (const RowEnd<T>& end : ends) first[end.to] = end.wall ? first[end.from] + end.addend : first[end.from];
+/// Moves the populations at the ends of a row (Block::row_ends) that begins with the cell at offset `first`.
+template <class Block>
+inline void close_row(Block& block, std::ptrdiff_t of_row, Parity parity) {
+  auto* const first = block.data() + of_row;
+  for (const auto& end : block.row_ends(parity))
+    first[end.to] = end.wall ? first[end.from] + end.addend : first[end.from];
 }
 #endif
 

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "cpu/lanes.hpp"
-#include "lbm/collision/collide_cells.hpp"
+#include "lbm/collision/carry_heat.hpp"
 #include "lbm/collision/rows.hpp"
 #include "lbm/collision/stream_collide.hpp"
 
@@ -12,46 +12,13 @@ namespace silt::lbm::SILT_BUILD {
 namespace {
 
 /// Values for all rows of a pass; each run of planes takes a copy, which its loop keeps in registers.
-template <class T>
+template <class T, class Rates>
 struct Pass {
   Block<T>& block;
   Parity parity;
-  CollisionRates<T> rates;
+  Rates rates;
   Slots<T> slots;
   FirstLanes<typename VectorOf<T>::type, T> rest_of_row;
-  [[gnu::always_inline]] const CollisionRates<T>& rates_at(std::ptrdiff_t) const { return rates; }
-};
-
-/// Rates with the force on each of a vector of cells.
-template <class T>
-struct BuoyantRates : CollisionRates<T> {
-  using V = typename VectorOf<T>::type;
-  V half_force[3], even_force[3], odd_force[3];
-  [[gnu::always_inline]] BuoyantRates(const CollisionRates<T>& r, const V& temperature)
-      : CollisionRates<T>(r) {
-    const CollisionRates<T>& of_one = *r.of_temperature;
-    for (int d = 0; d < 3; ++d) {
-      half_force[d] = r.half_force[d] + of_one.half_force[d] * temperature;
-      even_force[d] = r.even_force[d] + of_one.even_force[d] * temperature;
-      odd_force[d] = r.odd_force[d] + of_one.odd_force[d] * temperature;
-    }
-  }
-};
-/// The same with the temperature. Its pass over these rows came first and left the sum of a cell's slots as
-/// it was; both lattices have the same cells at the same offsets.
-template <class T>
-struct BuoyantPass : Pass<T> {
-  using V = typename VectorOf<T>::type;
-  const T* heat[D3Q7::directions];
-  BuoyantPass(const Pass<T>& pass, const Block<T, D3Q7>& temperature) : Pass<T>(pass) {
-    for (int i = 0; i < D3Q7::directions; ++i)
-      heat[i] = temperature.data() + temperature.arriving(i, pass.parity);
-  }
-  [[gnu::always_inline]] BuoyantRates<T> rates_at(std::ptrdiff_t x) const {
-    V sum = load<V>(heat[0] + x);
-    for (int i = 1; i < D3Q7::directions; ++i) sum += load<V>(heat[i] + x);
-    return {this->rates, sum};
-  }
 };
 
 /// Subtracts the excess of a cell from its populations.
@@ -87,12 +54,12 @@ template <class Model, bool source, class T, class Pass, class Watch>
   for (; x < end; x += vector_bytes / sizeof(T)) {
     const auto quanta = load<QuantaLanes<T>>(excess + x);
     if (!any_lane(quanta != QuantaLanes<T>{})) {
-      collide<Model, source, V>(pass.slots, x, pass.rates_at(x), AllLanes{}, watch);
+      collide<Model, source, V>(pass.slots, x, pass.rates, AllLanes{}, watch);
       continue;
     }
     const auto g = [&](int i) { return load<V>(pass.slots.arriving(i) + x); };
     const auto given = given_up<T>(converted<V>(quanta), pass.block.stress_share(), g);
-    collide<Model, source, V>(pass.slots, x, pass.rates_at(x), AllLanes{}, watch, given);
+    collide<Model, source, V>(pass.slots, x, pass.rates, AllLanes{}, watch, given);
     store(excess + x, QuantaLanes<T>{});
   }
   for (; x < row_end; ++x) take_excess_of_cell(pass.slots, x, pass.block);
@@ -110,10 +77,10 @@ template <class Model, bool source, bool linked, class T, class Pass, class Watc
       std::ptrdiff_t x = first;
       if (linked && pass.block.has_excess(y, z))
         collide_with_excess<Model, source, T>(pass, std::exchange(x, end), end, first + nx, watch);
-      for (; x < end; x += width)
-        collide<Model, source, V>(pass.slots, x, pass.rates_at(x), AllLanes{}, watch);
-      if (whole < nx) collide<Model, source, V>(pass.slots, end, pass.rates_at(end), pass.rest_of_row, watch);
-      close_row(pass.block.data() + first, pass.block.row_ends(pass.parity));
+      for (; x < end; x += width) collide<Model, source, V>(pass.slots, x, pass.rates, AllLanes{}, watch);
+      if (whole < nx) collide<Model, source, V>(pass.slots, end, pass.rates, pass.rest_of_row, watch);
+      close_row(pass.block, first, pass.parity);
+      if (auto* const carried = pass.block.temperature()) close_row(*carried, first, pass.parity);
     }
 }
 
@@ -121,7 +88,7 @@ template <class Model, bool source, bool linked, class T, class Pass, class Watc
 template <class Model, bool source, bool linked, class T, class Pass>
 void planes(const Pass& pass, RowRange range, const WatchedPlanes& watched) {
   using V = typename VectorOf<T>::type;
-  const T scale = Model::square_scale(pass.rates);
+  const T scale = Model::square_scale(pass.rates.fluid);
   const auto note = [&](std::ptrdiff_t cell, double speed) { watched.found.push_back({cell, speed}); };
   const Watch<T, decltype(note)> watch{T(speed_of_sound * speed_of_sound) * scale, scale, note};
   const Unseen unseen;
@@ -138,18 +105,18 @@ template <class Model, class T>
 void rows_under(Block<T>& block, Parity parity, const CollisionRates<T>& rates, RowRange range,
                 const WatchedPlanes& watched) {
   using V = typename VectorOf<T>::type;
-  const Pass<T> pass{
-      block, parity, rates, {block, parity}, FirstLanes<V, T>(block.size().x % int(sizeof(V) / sizeof(T)))};
-  const auto collide_all = [&](auto source, const auto& pass) {
-    if (block.excess())
-      planes<Model, source(), true, T>(pass, range, watched);
-    else
-      planes<Model, source(), false, T>(pass, range, watched);
-  };
-  if (rates.of_temperature)
-    collide_all(std::true_type(), BuoyantPass<T>(pass, *block.temperature()));
-  else
-    rates.has_force() ? collide_all(std::true_type(), pass) : collide_all(std::false_type(), pass);
+  with_rates(rates, block, parity,
+             [&]<bool source, class Rates>(std::bool_constant<source>, const Rates& of) {
+               const Pass<T, Rates> pass{block,
+                                         parity,
+                                         of,
+                                         {block, parity},
+                                         FirstLanes<V, T>(block.size().x % int(sizeof(V) / sizeof(T)))};
+               if (block.excess())
+                 planes<Model, source, true, T>(pass, range, watched);
+               else
+                 planes<Model, source, false, T>(pass, range, watched);
+             });
 }
 
 }  // namespace

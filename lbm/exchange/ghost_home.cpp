@@ -50,7 +50,9 @@ template Home home_of<D3Q7>(const Domain&, Int3, int);
 template double wall_addend<D3Q19>(const Domain&, Int3, int);
 template double wall_addend<D3Q7>(const Domain&, Int3, int);
 template Flight one_step<D3Q19>(const Domain&, Flight);
+template Flight one_step<D3Q7>(const Domain&, Flight);
 template Flight step_back<D3Q19>(const Domain&, Flight);
+template Flight step_back<D3Q7>(const Domain&, Flight);
 
 const BlockPlace& Leaves::at(Int3 cell) {
   for (const BlockPlace& place : recent_)

@@ -1,17 +1,11 @@
 #include "lbm/heat/temperature.hpp"
 
-#include "lbm/heat/carry_heat.hpp"
+#include "lbm/blocks/local_blocks.hpp"
+#include "parallel/communicator.hpp"
 
 namespace silt::lbm {
 
 namespace {
-
-template <class T>
-std::vector<Block<T, D3Q7>> blocks_like(const Fluid<T>& fluid) {
-  std::vector<Block<T, D3Q7>> blocks;
-  for (const Block<T>& block : fluid.blocks()) blocks.emplace_back(block.box());
-  return blocks;
-}
 
 Domain with_sides(const Domain& domain, const std::array<SideCondition, 6>& sides) {
   return Domain(domain.tree(), sides, domain.ranks(), domain.level());
@@ -26,43 +20,14 @@ SideCondition heat_side(int side, double flux) {
 }
 
 template <class T>
-Temperature<T>::Temperature(const Fluid<T>& fluid, const HeatSpec& spec,
-                            const std::array<SideCondition, 6>& sides)
+Temperature<T>::Temperature(Fluid<T>& fluid, const HeatSpec& spec, const std::array<SideCondition, 6>& sides)
     : fluid_(fluid),
       domain_(with_sides(fluid.domain(), sides)),
       spec_(spec),
-      rates_(spec, fluid.spec().force),
-      blocks_(blocks_like(fluid)),
+      blocks_(local_blocks<T, D3Q7>(domain_, parallel::rank_of(fluid.comm()), fluid.device())),
       none_idle_(blocks_.size(), 0),
-      parity_(fluid.parity()),
-      halo_(domain_, fluid.comm(), blocks_, fluid.pass_orders(), {}, fluid.device()) {}
-
-template <class T>
-void Temperature<T>::carry(int b, RowRange rows) {
-  static const CarryHeat<T> kernel = SILT_CHOSEN(carry_heat<T>)();
-  kernel(blocks_[b], fluid_.blocks()[b], parity_, rates_, rows);
-}
-
-template <class T>
-void Temperature<T>::begin_pass() {
-  for (int d = 0; d < 3; ++d) rates_.half_force[d] = T(fluid_.spec().force[d] / 2);
-  for (int b = 0; b < int(blocks_.size()); ++b)
-    for (const RowRange& rows : fluid_.pass_order(b).shell())
-      if (fluid_.parts(b) > 0) carry(b, rows);
-  halo_.start(flipped(parity_));
-}
-
-template <class T>
-void Temperature<T>::collide(int b, int part) {
-  carry(b, fluid_.pass_order(b).rows_of(part));
-}
-
-template <class T>
-void Temperature<T>::stream_collide() {
-  begin_pass();
-  for (int b = 0; b < int(blocks_.size()); ++b)
-    for (int part = 0; part < fluid_.parts(b); ++part) collide(b, part);
-  end_pass();
+      halo_(domain_, fluid.comm(), blocks_, fluid.pass_orders(), {}, fluid.device()) {
+  fluid.carry(*this, spec, blocks_);
 }
 
 template <class T>
@@ -81,9 +46,17 @@ void Temperature<T>::set(int b, Int3 cell, double temperature, const std::array<
 }
 
 template <class T>
+void Temperature<T>::set_all(double temperature) {
+  for (int b = 0; b < int(blocks_.size()); ++b)
+    for_cells({}, blocks_[b].size(),
+              [&](Int3 x) { set(b, x, temperature, fluid_.velocity(fluid_.moments(b, x))); });
+}
+
+template <class T>
 std::size_t Temperature<T>::bytes() const {
   std::size_t n = 0;
-  for (const auto& block : blocks_) n += block.bytes();
+  for (std::size_t b = 0; b < blocks_.size(); ++b)
+    if (b == 0 || !blocks_[b].shares_array(blocks_[b - 1])) n += blocks_[b].bytes();
   return n;
 }
 

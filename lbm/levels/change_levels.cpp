@@ -47,6 +47,9 @@ struct Scales {
   Scales(const CollisionSpec& from, const CollisionSpec& to, double steps)
       : even(to.relaxation_time / from.relaxation_time * steps),
         odd(to.odd_relaxation_time() / from.odd_relaxation_time() * steps) {}
+  Scales(const HeatSpec& from, const HeatSpec& to, double steps)
+      : even((0.5 + HeatSpec::magic / to.excess()) / (0.5 + HeatSpec::magic / from.excess()) * steps),
+        odd((0.5 + to.excess()) / (0.5 + from.excess()) * steps) {}
 };
 
 /// Converts populations of one level to another with the same density, velocity and velocity gradients.
@@ -64,11 +67,39 @@ void rescale(double (&g)[D3Q19::directions], const CollisionSpec& from, const Co
     g[i] = equilibrium(i, rho, u) - half_push(to.force, i) + scale.even * even + scale.odd * odd;
   }
 }
-
 template <class T>
+void rescale(double (&g)[D3Q19::directions], const Fluid<T>& from, const Fluid<T>& to, const Scales& scale,
+             const LocalCell&) {
+  rescale(g, from.spec(), to.spec(), scale);
+}
+
+/// Does so with populations of the temperature: the same temperature and flux of heat. The fluid has changed
+/// before.
+template <class T>
+void rescale(double (&g)[D3Q7::directions], const Temperature<T>&, const Temperature<T>& to,
+             const Scales& scale, const LocalCell& at) {
+  const std::array<double, 3> u = to.fluid().velocity(to.fluid().moments(at.block, at.cell));
+  double t = 0;
+  for (const double its : g) t += its;
+  const auto equilibrium = [&](int i) {
+    const Int3 c = D3Q7::c[i];
+    return D3Q7::w(i) * t * (1 + 4 * (c.x * u[0] + c.y * u[1] + c.z * u[2]));
+  };
+  double off[D3Q7::directions];
+  for (int i = 0; i < D3Q7::directions; ++i) off[i] = g[i] - equilibrium(i);
+  for (int i = 0; i < D3Q7::directions; ++i)
+    g[i] = equilibrium(i) + scale.even * (off[i] + off[opposite(i)]) / 2 +
+           scale.odd * (off[i] - off[opposite(i)]) / 2;
+}
+
+/// `Field`: Fluid<T> or Temperature<T>.
+template <class Field>
 class Change {
+  using T = typename Field::Number;
+  using Lattice = typename Field::Lattice;
+
  public:
-  Change(const Fluid<T>& from, Fluid<T>& to)
+  Change(const Field& from, Field& to)
       : from_(from),
         to_(to),
         rank_(parallel::rank_of(to.comm())),
@@ -84,9 +115,10 @@ class Change {
       const Int3 before = from_.blocks()[part.from_block].box().lower,
                  after = to_.blocks()[part.to_block].box().lower;
       for_cells(part.box.lower, part.box.lower + part.box.size, [&](Int3 x) {
-        double g[D3Q19::directions] = {};
+        double g[Lattice::directions] = {};
         for_cells(times(x), times(x + Int3{1, 1, 1}), [&](Int3 y) {
-          for (int i = 0; i < D3Q19::directions; ++i) g[i] += from_.arriving(part.from_block, y - before, i);
+          for (int i = 0; i < Lattice::directions; ++i)
+            g[i] += from_.arriving(part.from_block, y - before, i);
         });
         for (double& sum : g) sum /= ratio_ * ratio_ * ratio_;
         give(part.to_block, x - after, g);
@@ -102,18 +134,18 @@ class Change {
       const Int3 after = to_.blocks()[part.to_block].box().lower;
       for_cells(part.box.lower, part.box.lower + part.box.size, [&](Int3 x) {
         const std::vector<T>& middle = of(x);
-        double slope[3][D3Q19::directions] = {};
+        double slope[3][Lattice::directions] = {};
         for (int d = 0; d < 3; ++d) {
           Int3 above = x, below = x;
           ++above[d], --below[d];
           const int distance = has(above) + has(below);
           if (distance == 0) continue;
           const std::vector<T>&high = has(above) ? of(above) : middle, &low = has(below) ? of(below) : middle;
-          for (int i = 0; i < D3Q19::directions; ++i) slope[d][i] = (double(high[i]) - low[i]) / distance;
+          for (int i = 0; i < Lattice::directions; ++i) slope[d][i] = (double(high[i]) - low[i]) / distance;
         }
         for_cells({}, times({1, 1, 1}), [&](Int3 y) {
-          double g[D3Q19::directions];
-          for (int i = 0; i < D3Q19::directions; ++i) {
+          double g[Lattice::directions];
+          for (int i = 0; i < Lattice::directions; ++i) {
             g[i] = middle[i];
             for (int d = 0; d < 3; ++d) g[i] += ((y[d] + 0.5) / ratio_ - 0.5) * slope[d][i];
           }
@@ -133,9 +165,9 @@ class Change {
   bool has(Int3 x) const { return values_.contains(key(x)); }
   const std::vector<T>& of(Int3 x) const { return values_.at(key(x)); }
 
-  void give(int block, Int3 cell, double (&g)[D3Q19::directions]) {
-    rescale(g, from_.spec(), to_.spec(), scales_);
-    for (int i = 0; i < D3Q19::directions; ++i) to_.arriving(block, cell, i) = T(g[i]);
+  void give(int block, Int3 cell, double (&g)[Lattice::directions]) {
+    rescale(g, from_, to_, scales_, {block, cell});
+    for (int i = 0; i < Lattice::directions; ++i) to_.arriving(block, cell, i) = T(g[i]);
   }
 
   /// Fetches the populations of coarse cells that change, and of their face neighbours.
@@ -167,9 +199,9 @@ class Change {
         slots.add(ends.second, from, ends.first, to, rank_);
       }
     std::vector<T> arrived(next);
-    for (int i = 0; i < D3Q19::directions; ++i) {
+    for (int i = 0; i < Lattice::directions; ++i) {
       std::vector<const T*> sources;
-      for (const Block<T>& block : from_.blocks())
+      for (const auto& block : from_.blocks())
         sources.push_back(block.data() + block.arriving(i, from_.parity()));
       T* const target[] = {arrived.data()};
       slots.start(sources);
@@ -181,8 +213,8 @@ class Change {
     }
   }
 
-  const Fluid<T>& from_;
-  Fluid<T>& to_;
+  const Field& from_;
+  Field& to_;
   int rank_;
   std::vector<Changed> changed_;
   int ratio_;
@@ -194,15 +226,19 @@ class Change {
 
 template <class T>
 void move_populations(const Levels<T>& from, Levels<T>& to) {
-  for (int level = 0; level < to.count(); ++level)
-    for (int before = 0; before < from.count(); ++before) {
-      if (before == level)
-        move_populations(from.fluid(level), to.fluid(level));
-      else if (before > level)
-        Change(from.fluid(before), to.fluid(level)).refine();
-      else
-        Change(from.fluid(before), to.fluid(level)).coarsen();
-    }
+  const auto move = [&](auto&& at) {  // at(levels, level): the fluid or the temperature
+    for (int level = 0; level < to.count(); ++level)
+      for (int before = 0; before < from.count(); ++before) {
+        if (before == level)
+          move_populations(at(from, before), at(to, level));
+        else if (before > level)
+          Change(at(from, before), at(to, level)).refine();
+        else
+          Change(at(from, before), at(to, level)).coarsen();
+      }
+  };
+  move([](auto& levels, int level) -> auto& { return levels.fluid(level); });
+  if (to.heat(0)) move([](auto& levels, int level) -> auto& { return *levels.heat(level); });
 }
 
 template void move_populations(const Levels<float>&, Levels<float>&);

@@ -3,6 +3,7 @@
 #include <array>
 #include <span>
 
+#include "lbm/heat/temperature.hpp"
 #include "lbm/passes/passes.hpp"
 
 namespace silt::lbm {
@@ -106,5 +107,7 @@ void LevelBorder<Field>::cross(const Lists& lists, std::span<const typename Rows
 
 template class LevelBorder<Fluid<float>>;
 template class LevelBorder<Fluid<double>>;
+template class LevelBorder<Temperature<float>>;
+template class LevelBorder<Temperature<double>>;
 
 }  // namespace silt::lbm

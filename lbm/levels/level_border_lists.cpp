@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "lbm/exchange/ghost_home.hpp"
+#include "lbm/heat/temperature.hpp"
 #include "lbm/levels/join_rows.hpp"
 #include "lbm/levels/level_border.hpp"
 #include "parallel/communicator.hpp"
@@ -396,5 +397,7 @@ void LevelBorder<Field>::make_lists() {
 }
 template void LevelBorder<Fluid<float>>::make_lists();
 template void LevelBorder<Fluid<double>>::make_lists();
+template void LevelBorder<Temperature<float>>::make_lists();
+template void LevelBorder<Temperature<double>>::make_lists();
 
 }  // namespace silt::lbm

@@ -13,15 +13,27 @@ CollisionSpec coarser(CollisionSpec spec, int levels) {
   return spec;
 }
 
+HeatSpec coarser(HeatSpec spec, int levels) {
+  const double factor = 1 << levels;
+  spec.diffusivity /= factor;
+  for (double& f : spec.buoyancy) f *= factor;
+  return spec;
+}
+
 template <class T>
-Levels<T>::Levels(Fluid<T>& finest, int coarser_levels) : finest_(finest), seconds_(coarser_levels + 1) {
+Levels<T>::Levels(Fluid<T>& finest, int coarser_levels, Temperature<T>* heat)
+    : finest_(finest), heat_(heat), seconds_(coarser_levels + 1) {
   const Domain& domain = finest.domain();
-  borders_.reserve(coarser_levels);
+  borders_.reserve(coarser_levels), heat_borders_.reserve(coarser_levels);
   for (int level = 1; level <= coarser_levels; ++level) {
     coarser_.push_back(
         std::make_unique<Fluid<T>>(Domain(domain.tree(), domain.sides(), domain.ranks(), level),
                                    coarser(finest.spec(), level), finest.comm(), finest.device()));
     borders_.emplace_back(fluid(level - 1), fluid(level));
+    if (!heat) continue;
+    coarser_heat_.push_back(
+        std::make_unique<Temperature<T>>(fluid(level), coarser(heat->spec(), level), heat->domain().sides()));
+    heat_borders_.emplace_back(*this->heat(level - 1), *this->heat(level));
   }
 }
 
@@ -36,10 +48,10 @@ void Levels<T>::begin_step() {
     if (finest_.passes() % (1 << level) != 0) continue;
     const double begin = MPI_Wtime();
     begin_pass(level);
-    borders_[level - 1].before_coarse_pass();
+    at_border(level - 1, [](auto& border) { border.before_coarse_pass(); });
     pass_over(level);
     fluid(level).exchange();
-    borders_[level - 1].after_coarse_pass();
+    at_border(level - 1, [](auto& border) { border.after_coarse_pass(); });
     end_pass(level);
     seconds_[level] += MPI_Wtime() - begin;
   }
@@ -48,7 +60,7 @@ void Levels<T>::begin_step() {
 
 template <class T>
 void Levels<T>::begin_pass(int level) {
-  if (!is_coarsest(level)) borders_[level].begin_fine_pass();
+  if (!is_coarsest(level)) at_border(level, [](auto& border) { border.begin_fine_pass(); });
 }
 
 template <class T>
@@ -59,14 +71,14 @@ void Levels<T>::pass_over(int level) {
   for (int b = 0; b < int(its.blocks().size()); ++b)
     for (int part = 0; part < its.parts(b); ++part) {
       its.collide(b, part);
-      borders_[level].after_part(b, part);
+      at_border(level, [&](auto& border) { border.after_part(b, part); });
     }
   its.end_pass();
 }
 
 template <class T>
 void Levels<T>::end_pass(int level) {
-  if (!is_coarsest(level)) borders_[level].end_fine_pass();
+  if (!is_coarsest(level)) at_border(level, [](auto& border) { border.end_fine_pass(); });
 }
 
 template class Levels<float>;

@@ -6,6 +6,7 @@
 
 #include "device/for_each.hpp"
 #include "lbm/blocks/lane_totals.hpp"
+#include "lbm/collision/carry_heat.hpp"
 #include "lbm/collision/collide_cells.hpp"
 #include "lbm/passes/passes.hpp"
 
@@ -15,8 +16,8 @@ namespace silt::lbm::SILT_BUILD {
 struct CellsOfRows {
   std::ptrdiff_t first, row, plane;
   int nx, ny;
-  template <class T>
-  CellsOfRows(const Block<T>& block, RowRange range)
+  template <class T, class Lattice>
+  CellsOfRows(const Block<T, Lattice>& block, RowRange range)
       : first(block.cell(0, range.y0, range.z0)),
         row(block.row_stride()),
         plane(block.plane_stride()),
@@ -49,10 +50,10 @@ struct OthersInTurn {
   SILT_DEVICE int operator()(int n) const { return n + int(n >= first) * (1 + (n - first) / (period - 1)); }
 };
 
-template <class Model, bool source, class T, class Planes, class Watch>
+template <class Model, bool source, class T, class Rates, class Planes, class Watch>
 struct CollideCells {
   Slots<T> slots;
-  CollisionRates<T> rates;
+  Rates rates;
   CellsOfRows cells;
   Planes planes;
   Watch watch;
@@ -112,6 +113,13 @@ struct CloseRows {
   }
 };
 
+template <class T, class Lattice>
+void close_rows(Block<T, Lattice>& block, Parity parity, RowRange range) {
+  CloseRows<T> close{block.data(), CellsOfRows(block, range), 0, {}};
+  for (const RowEnd<T>& end : block.row_ends(parity)) close.ends[close.count++] = end;
+  for_rows(close.count, (range.y1 - range.y0) * (range.z1 - range.z0), close);
+}
+
 template <class T>
 void stream_collide(int b, Block<T>& block, Parity parity, const CollisionRates<T>& rates, RowRange range,
                     int first_watched, const FastList& fast) {
@@ -125,20 +133,18 @@ void stream_collide(int b, Block<T>& block, Parity parity, const CollisionRates<
     const WatchFast watch{T(speed_of_sound * speed_of_sound) * scale, scale, {fast, b}};
     constexpr int period = WatchedPlanes::period;
     const int first = ((first_watched - range.z0) % period + period) % period, planes = range.z1 - range.z0;
-    const auto collide_all = [&]<bool source>(std::bool_constant<source>) {
-      const Slots<T> slots(block, parity);
-      CollideCells<Model, source, T, OthersInTurn, Unseen>{slots, rates, cells, {first, planes}, {}}.run();
-      CollideCells<Model, source, T, WatchedInTurn, WatchFast>{slots, rates, cells, {first, planes}, watch}
-          .run();
-    };
-    if (rates.has_force())
-      collide_all(std::true_type{});
-    else
-      collide_all(std::false_type{});
+    with_rates(
+        rates, block, parity, [&]<bool source, class Rates>(std::bool_constant<source>, const Rates& of) {
+          const Slots<T> slots(block, parity);
+          CollideCells<Model, source, T, Rates, OthersInTurn, Unseen>{slots, of, cells, {first, planes}, {}}
+              .run();
+          CollideCells<Model, source, T, Rates, WatchedInTurn, WatchFast>{
+              slots, of, cells, {first, planes}, watch}
+              .run();
+        });
   });
-  CloseRows<T> close{block.data(), cells, 0, {}};
-  for (const RowEnd<T>& end : block.row_ends(parity)) close.ends[close.count++] = end;
-  for_rows(close.count, rows, close);
+  close_rows(block, parity, range);
+  if (block.temperature()) close_rows(*block.temperature(), parity, range);
 }
 
 template <class T>

@@ -26,7 +26,9 @@ void add_heat_flow(const Simulation& simulation, const QuantitySpec& q, std::spa
     for_bodies_of(simulation.bodies(), q,
                   [&](std::size_t row) { sums[0].add(-state_of(simulation, row).heat_flow.numbers[0]); });
   if (q.bearer == Bearer::side)
-    sums[0].add(-flow.fields().side_heat(q.side / 2, q.side % 2 != 0), lbm::heat_quantum);
+    flow.for_levels([&](const coupler::FluidFields& fields) {
+      sums[0].add(-fields.side_heat(q.side / 2, q.side % 2 != 0), lbm::heat_quantum);
+    });
   if (q.bearer != Bearer::wall) return;
   const std::size_t sides = simulation.bodies().walls - simulation.setup().walls.size();
   sums[0].add(-flow.heat_of_wall(sides + q.wall), lbm::heat_quantum);
@@ -62,9 +64,10 @@ double nusselt_number(const Case& setup, const QuantitySpec& q, std::span<const 
 }
 
 void add_fluid_temperature(const Simulation& simulation, const QuantitySpec&, std::span<ExactSum> sums) {
-  const coupler::FluidFields& fields = simulation.scene().flow->fields();
-  sums[0].add(fields.heat(), lbm::heat_quantum);
-  sums[1].add(double(fields.sums().cells()));
+  simulation.scene().flow->for_levels([&](const coupler::FluidFields& fields) {
+    sums[0].add(fields.heat(), lbm::heat_quantum);
+    sums[1].add(double(fields.sums().cells()) * double(fields.volume()));
+  });
 }
 
 void add_body_temperature(const Simulation& simulation, const QuantitySpec& q, std::span<ExactSum> sums) {
@@ -80,7 +83,8 @@ double mean_temperature(const Case& setup, const QuantitySpec&, std::span<const 
 
 /// Adds the heat of the fluid, of bodies that have a heat capacity, and what bodies owe the fluid.
 void add_stored_heat(const Simulation& simulation, const QuantitySpec&, std::span<ExactSum> sums) {
-  sums[0].add(simulation.scene().flow->fields().heat(), lbm::heat_quantum);
+  simulation.scene().flow->for_levels(
+      [&](const coupler::FluidFields& fields) { sums[0].add(fields.heat(), lbm::heat_quantum); });
   const rigid::BodySet& bodies = simulation.bodies();
   for (std::size_t row = 0; row < bodies.owned; ++row) {
     const coupler::BodyHeat& of = simulation.setup().heat->kinds[bodies.kind[row]];

@@ -5,6 +5,7 @@
 #include <array>
 #include <bit>
 #include <cstdint>
+#include <memory>
 
 #include "lbm/levels/levels.hpp"
 #include "parallel/communicator.hpp"
@@ -16,10 +17,14 @@ using Vector = std::array<double, 3>;
 template <class T>
 struct LevelledFlow {
   Fluid<T> finest;
+  std::unique_ptr<Temperature<T>> heat;  // null: none
   Levels<T> levels;
   LevelledFlow(const CutTree& tree, const std::array<SideCondition, 6>& sides, const CollisionSpec& spec,
-               int coarser, MPI_Comm comm = MPI_COMM_WORLD, Device device = Device::cpu)
-      : finest(Domain(tree, sides, parallel::ranks_of(comm)), spec, comm, device), levels(finest, coarser) {}
+               int coarser, MPI_Comm comm = MPI_COMM_WORLD, Device device = Device::cpu,
+               const HeatSpec* warm = nullptr, const std::array<SideCondition, 6>& heat_sides = {})
+      : finest(Domain(tree, sides, parallel::ranks_of(comm)), spec, comm, device),
+        heat(warm ? std::make_unique<Temperature<T>>(finest, *warm, heat_sides) : nullptr),
+        levels(finest, coarser, heat.get()) {}
 
   void step(int finest_steps) {
     for (int n = 0; n < finest_steps; ++n) {

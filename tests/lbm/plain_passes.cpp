@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <optional>
 #include <vector>
 
 #include "lbm/passes/block_passes.hpp"
@@ -39,19 +40,31 @@ struct Outcome {
 constexpr Int3 cells{37, 9, 11};
 
 template <class T, class Collide>
-Outcome<T> collided(const CollisionSpec& spec, Parity parity, Collide&& collide) {
+Outcome<T> collided(const CollisionSpec& spec, const HeatSpec* carried, Parity parity, Collide&& collide) {
   Block<T> block({{}, cells});
   stir(block);
   block.add_row_end(parity, {block.arriving(7, parity), block.arriving(8, parity), true, T(0.001)});
-  collide(block, parity, CollisionRates<T>(spec), RowRange{0, cells.y, 0, cells.z});
-  return Outcome<T>(block);
+  CollisionRates<T> rates(spec);
+  Block<T, D3Q7> heat({{}, cells});
+  std::optional<HeatRates<T>> heat_rates;
+  if (carried) {
+    for (std::size_t k = 0; k < heat.bytes() / sizeof(T); ++k)
+      heat.data()[k] = T(0.1 + 0.02 * std::sin(double(k) * 0.3));
+    heat.add_row_end(parity, {heat.arriving(1, parity), heat.arriving(2, parity), true, T(0.001)});
+    rates.heat = &heat_rates.emplace(*carried, spec), block.carry(heat);
+  }
+  collide(block, parity, rates, RowRange{0, cells.y, 0, cells.z});
+  Outcome<T> found(block);
+  if (carried)
+    found.populations.insert(found.populations.end(), heat.data(), heat.data() + heat.bytes() / sizeof(T));
+  return found;
 }
 
 template <class T>
-void expect_same_collisions(const CollisionSpec& spec) {
+void expect_same_collisions(const CollisionSpec& spec, const HeatSpec* heat = nullptr) {
   for (const Parity parity : {Parity::settled, Parity::crossed}) {
     const auto on = [&](const Passes<T>& passes, Device device) {
-      return collided<T>(spec, parity, [&](auto& block, Parity p, const auto& rates, RowRange rows) {
+      return collided<T>(spec, heat, parity, [&](auto& block, Parity p, const auto& rates, RowRange rows) {
         passes.stream_collide(0, block, p, rates, rows, 3, fast_list(device));
         passes.wait(), take_fast_cells(device);
       });
@@ -68,6 +81,9 @@ void expect_same_in_all_models() {
                                    std::pair(Collision::regularised, 0.7)})
     for (const double force : {0., 1e-4})
       expect_same_collisions<T>({tau, 3. / 16, model, {force, 0, 0}, 0.1});
+  const HeatSpec heat{0.05, {1e-4, 0, 2e-4}};
+  expect_same_collisions<T>({0.6, 3. / 16, Collision::trt, {1e-4, 0, 0}}, &heat);
+  expect_same_collisions<T>({0.51, 3. / 16, Collision::regularised, {}, 0.1}, &heat);
 }
 TEST(PlainPasses, CollideAsTheKernels) {
   expect_same_in_all_models<float>();

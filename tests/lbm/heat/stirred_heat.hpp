@@ -7,14 +7,6 @@ namespace silt::lbm::testing {
 
 using Velocity = std::array<double, 3>;
 
-template <class T>
-void step(Fluid<T>& fluid, Temperature<T>& heat) {
-  heat.stream_collide();
-  fluid.stream_collide();
-  heat.exchange();
-  fluid.exchange();
-}
-
 /// Sets both from functions of the global cell: t(cell) and u(cell).
 template <class T, class Heat, class Stream>
 void set(Fluid<T>& fluid, Temperature<T>& heat, Heat&& t, Stream&& u) {

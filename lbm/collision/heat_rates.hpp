@@ -3,6 +3,8 @@
 #include <array>
 #include <stdexcept>
 
+#include "lbm/collision/collision_model.hpp"
+
 namespace silt::lbm {
 
 struct HeatSpec {
@@ -15,22 +17,27 @@ struct HeatSpec {
   bool has_buoyancy() const { return buoyancy[0] != 0 || buoyancy[1] != 0 || buoyancy[2] != 0; }
 };
 
-/// The rates of (H2) and (H3).
+/// The rates of (H2) and (H3), and the force on the fluid.
 template <class T>
 struct HeatRates {
-  T even;           // 1/τ_T
-  T odd;            // 1/τ_T⁻
-  T along;          // (τ_T⁻ − 1/2), the share along the stream in (H3)
-  T quarter;        // τ_T⁻/4
-  T half_force[3];  // of the body force of the fluid
-  T half_buoyancy[3];
+  T even;                                        // 1/τ_T
+  T odd;                                         // 1/τ_T⁻
+  T along;                                       // (τ_T⁻ − 1/2), the share along the stream in (H3)
+  T quarter;                                     // τ_T⁻/4
+  T half_force[3], even_force[3], odd_force[3];  // of a unit of temperature, as in CollisionRates
 
-  HeatRates(const HeatSpec& heat, const std::array<double, 3>& force) {
+  /// Throws std::invalid_argument for a diffusivity that is not above 0.
+  HeatRates(const HeatSpec& heat, CollisionSpec fluid) {
     if (!(heat.diffusivity > 0)) throw std::invalid_argument("the thermal diffusivity must be above 0");
     const double excess = heat.excess();
     even = T(1 / (0.5 + HeatSpec::magic / excess));
     odd = T(1 / (0.5 + excess)), along = T(excess), quarter = T((0.5 + excess) / 4);
-    for (int d = 0; d < 3; ++d) half_force[d] = T(force[d] / 2), half_buoyancy[d] = T(heat.buoyancy[d] / 2);
+    fluid.force = heat.buoyancy;
+    const CollisionRates<T> of_one(fluid);
+    for (int d = 0; d < 3; ++d) {
+      half_force[d] = of_one.half_force[d];
+      even_force[d] = of_one.even_force[d], odd_force[d] = of_one.odd_force[d];
+    }
   }
 };
 
