@@ -52,8 +52,9 @@ class Fluid {
 
   /// Sets the acceleration from the next collision on.
   void set_force(const std::array<double, 3>&);
-  /// Lets the temperature, in as many blocks of the same boxes, accelerate the fluid: by so much for a unit
-  /// of it. Each pass of the temperature over rows must then come before that of the fluid. Processor only.
+  /// Lets the temperature, given in blocks of the same boxes, accelerate the fluid by this acceleration per
+  /// unit of temperature. Each pass of the temperature over rows must then precede that of the fluid. Only on
+  /// the processor.
   void set_buoyancy(const std::array<double, 3>&, std::span<const Block<T, D3Q7>>);
   /// Sets the velocity of a side of the domain from the next pass on.
   void set_side_velocity(int side, const std::array<double, 3>&);
@@ -131,7 +132,7 @@ class Fluid {
   void give_masses(std::span<const LocalCell>, std::span<const std::int64_t>);
   /// Returns single cells as passes address them, in these lists.
   ListedCells<T> listed(std::span<const LocalCell>, CellLists<T>&);
-  /// Lists the blocks again, whose parity or excess has changed.
+  /// Updates the lists of blocks after a change of their parity or excess.
   void list_blocks(CellLists<T>&);
   void moments(int b, const CellBox&, MomentArrays&) const;
   /// Return the totals of rows of cells; for many rows, in memory that the device reaches.
