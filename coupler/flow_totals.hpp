@@ -26,7 +26,8 @@ struct BlockMap;
 /// as the finest cells that fill it. Sums are in fixed point, so they do not depend on the number of ranks.
 struct FlowTotals {
   std::uint64_t fluid_cells = 0;
-  std::uint64_t forces = 0;          // on all cells per step, as a number of forces on a finest cell
+  /// The forces on all cells in their steps, as a number of forces on a finest cell in its step.
+  std::uint64_t forces = 0;
   double mass_deviation = 0;         // sum of density deviations
   double density_deviation = 0;      // their root mean square
   std::array<double, 3> momentum{};  // sum of c g (no half force)
