@@ -12,9 +12,9 @@
 namespace silt::rigid {
 
 /// Relative rotation of two bodies that stay in contact: a contact in the middle of a step of length dt, with
-/// its bodies' velocities. Between the middles of two steps bodies drift along straight lines, so that rolling
-/// surfaces separate, and bodies that rotate together slide apart, by an amount of second order in the angle,
-/// which cohesion has to correct (method.md, K3 and K4).
+/// its bodies' velocities. Between the middles of two steps bodies drift along straight lines, so that
+/// rolling surfaces separate, and bodies that rotate together slide apart, by an amount of second order in
+/// the angle, which cohesion has to correct (method.md, K3 and K4).
 class Turning {
  public:
   /// `joined`: both arms end at one point (method.md, C3a).
