@@ -26,14 +26,15 @@ struct BlockMap;
 /// as the finest cells that fill it. Sums are in fixed point, so they do not depend on the number of ranks.
 struct FlowTotals {
   std::uint64_t fluid_cells = 0;
-  std::uint64_t forces = 0;          // on a finest cell in its step, that those on all cells in theirs are
+  /// The forces on all cells in their steps, as a number of forces on a finest cell in its step.
+  std::uint64_t forces = 0;
   double mass_deviation = 0;         // sum of density deviations
   double density_deviation = 0;      // their root mean square
   std::array<double, 3> momentum{};  // sum of c g (no half force)
   double energy = 0;                 // kinetic, of density 1
   double max_speed = 0, min_density = 0, max_density = 0;
   bool finite = true;  // false: some value is not a number (global cell in bad_cell)
-  // global, of the finest lattice; of several the first
+  // global, of the finest lattice; the first of equal ones
   lbm::Int3 bad_cell{}, fastest_cell{}, thinnest_cell{};
 };
 

@@ -49,7 +49,7 @@ class FluidFields {
   /// Returns the cells that overlap a box.
   lbm::CellBox cells_meeting(const rigid::BoundingBox&) const;
 
-  // ---- cells of a box of a block's local cells, x fastest; of solid ones they mean nothing ----
+  // ---- cells of a box of a block's local cells, x fastest; the values of solid cells are undefined ----
   virtual void moments(int b, const lbm::CellBox&, lbm::MomentArrays&) const = 0;
   std::array<double, 3> velocity(const lbm::Moments& m) const { return lbm::velocity_of(m, spec_.force); }
   /// Returns whether the fluid has a temperature; the temperature of a cell in the case.

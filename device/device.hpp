@@ -14,8 +14,8 @@
 #include "cpu/isa.hpp"
 
 // SILT_DEVICES declares functions of passes for the builds of all devices, those of `host` as kernels for
-// each instruction set; SILT_ON takes that of one, and SILT_OFF_CPU that of one other than `cpu` where this
-// has none.
+// each instruction set; SILT_ON selects the function of one device; SILT_OFF_CPU does so for functions that
+// `cpu` does not have.
 #define SILT_DEVICES(...) \
   namespace cpu {         \
   __VA_ARGS__             \

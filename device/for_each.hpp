@@ -168,8 +168,8 @@ inline void wait() {
   run_deferred_work();
 }
 #endif
-/// A body may have fetch(k), which is called so many entries ahead: memory should have answered when k's turn
-/// comes.
+/// A body may have fetch(k), which is called this number of entries ahead, so that the data of entry k has
+/// arrived when it is processed.
 template <class Body>
 void for_each(std::int64_t entries, const Body& body) {
   in_turn([entries, body] {

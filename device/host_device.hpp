@@ -20,7 +20,7 @@ void defer_work(const Work& work) {
 }
 void run_deferred_work();
 
-/// The bytes of a page of these memories: a large one, since to lock many small ones takes long.
+/// The size of a page of these memories in bytes: large, since locking many small pages takes long.
 inline constexpr std::size_t host_page = std::size_t{2} << 20;
 std::pmr::memory_resource* own_memory_of_host();
 std::pmr::memory_resource* shared_memory_of_host();

@@ -147,7 +147,7 @@ class Fluid {
   void give_masses(std::span<const LocalCell>, std::span<const std::int64_t>);
   /// Returns single cells as passes address them, in these lists.
   ListedCells<T> listed(std::span<const LocalCell>, CellLists<T>&);
-  /// Lists the blocks again, whose parity or excess has changed.
+  /// Updates the lists of blocks after a change of their parity or excess.
   void list_blocks(CellLists<T>&);
   void moments(int b, const CellBox&, MomentArrays&) const;
   /// Return the totals of rows of cells; for many rows, in memory that the device reaches.

@@ -1,5 +1,5 @@
 #pragma once
-// The number of ranks, this rank's number, and communicators of one's own.
+// The number of ranks, the number of this rank, and duplicated communicators.
 #include <mpi.h>
 
 namespace silt::parallel {

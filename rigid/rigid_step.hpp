@@ -22,7 +22,7 @@ struct RigidStepReport {
   LubricationCounts lubrication;           // narrow gaps that this rank found
   std::uint64_t mixed_owner_contacts = 0;  // between bodies of different owners (0 on one rank)
 
-  /// Adds the counts of a later sub-step; all but the resolver's replace those before.
+  /// Adds the counts of a later sub-step; all counts but the resolver's replace the earlier ones.
   RigidStepReport& operator+=(const RigidStepReport& later) {
     resolver += later.resolver;
     pairs = later.pairs;

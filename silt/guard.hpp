@@ -30,7 +30,8 @@ struct CommonGuardStop : GuardStop {
 /// lbm::WatchedPlanes::period steps.
 inline constexpr std::int64_t guard_interval = 96;
 static_assert(guard_interval % (1 << coupler::CoarseningSpec::most_levels) == 0);
-/// The largest speed that a check allows, in cells per step; above it the scheme's error is that of the flow.
+/// The largest speed that a check allows, in cells per step; above it the error of the scheme is as large as
+/// the flow.
 inline constexpr double highest_speed = 0.4;
 
 /// Checks the totals of a scene's flow. Throws CommonGuardStop with the cell, its surroundings and the

@@ -66,14 +66,14 @@ struct BodySeriesInfo {
 /// Returns the existing files of a series in their order, bodies.h5 first.
 std::vector<std::filesystem::path> body_series_files(const std::filesystem::path& first);
 
-/// BodySeries is the open series. Every call is collective. The files can be read while the run goes on, and
-/// whoever reads sees an append as a whole or not at all, whenever the run is killed: a file gets its name
-/// with its first time and has the space of all it will take, so that an append changes only the lengths of
-/// the columns in their headers, after the rows are written; a time counts once every column reaches it. Each
-/// file has twice the room of the one before, within bounds: N rows take less than 10 + N / 2^20 files unless
-/// one time has more. bodies.vtkhdf, which shows all files to VTK (over_time.hpp), is written anew with each
-/// of the first times, then whenever the times it lacks are a 64th of all. Errors are std::runtime_error on
-/// every rank, naming the file and the reason.
+/// BodySeries is the open series. Every call is collective. The files can be read during the run. A reader
+/// sees an append as a whole or not at all, even if the run is killed: a file gets its name with its first
+/// time and has space for all rows it will hold, so an append writes the rows and then changes only the
+/// lengths of the columns in their headers; a time is valid once every column reaches it. Each file has twice
+/// the space of the one before, within bounds: N rows take fewer than 10 + N / 2^20 files unless one time has
+/// more. bodies.vtkhdf, which shows all files to VTK (over_time.hpp), is rewritten with each of the first
+/// times, and later whenever it lacks a 64th of all times. Errors are std::runtime_error on every rank,
+/// naming the file and the reason.
 class BodySeries {
  public:
   /// Starts a series and removes an existing one; with `after`, continues an existing one after that step and

@@ -30,13 +30,13 @@ struct FieldQuantity {
   Storage storage = Storage::single;
 };
 
-/// FieldPlan says of which steps a series has files: of the multiples of `every`, and of the last one.
+/// FieldPlan lists the steps at which a series has files: the multiples of `every`, and the last step.
 struct FieldPlan {
   std::int64_t every = 0, last_step = 0;  // every = 0: the file is of no series
   double time_step = 0;
 };
 
-/// FieldSnapshot is what one file holds: quantities on the lattice at one time.
+/// FieldSnapshot is the content of one file: quantities on the lattice at one time.
 struct FieldSnapshot {
   ImageGrid grid;
   std::vector<FieldQuantity> quantities;
@@ -53,16 +53,16 @@ struct FieldLevel {
 };
 
 /// Writes a snapshot, each rank the values of its boxes. Collective; a rank without boxes joins with an empty
-/// list. Names, units and the number of quantities must be the same on every rank. Cells no rank holds are
-/// zero. Also keeps NAME.hdf.series, the list of times next to the file (fields_000100.hdf:
-/// fields.hdf.series), in which entries at or after this time are replaced, and, of a series with
-/// a plan, fields.vtkhdf, which shows all its files over time. The file appears under its name only when it
-/// is whole. Throws std::runtime_error on every rank, naming the file and the reason.
+/// list. Names, units and the number of quantities must be the same on every rank. Cells that no rank holds
+/// are zero. Also updates NAME.hdf.series, the list of times next to the file (fields_000100.hdf:
+/// fields.hdf.series), in which it replaces entries at or after this time, and, for a series with a plan,
+/// fields.vtkhdf, which shows all its files over time. The file gets its name only when it is complete.
+/// Throws std::runtime_error on every rank, naming the file and the reason.
 void write_fields(MPI_Comm, const std::filesystem::path&, const std::vector<CellBox>& boxes,
                   const FieldSnapshot&, const Provenance&);
 /// Writes levels instead, the finest first: all but the quantities of the snapshot. They have no
-/// fields.vtkhdf. Levels without a cell on any rank are left out: VTK's reader of them fails. Boxes lie in
-/// the file as the ranks have them.
+/// fields.vtkhdf. Levels without a cell on any rank are omitted, since VTK's reader fails on them. The file
+/// has the boxes of the ranks.
 void write_fields(MPI_Comm, const std::filesystem::path&, const std::vector<FieldLevel>& levels,
                   const FieldSnapshot&, const Provenance&);
 

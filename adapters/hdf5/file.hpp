@@ -75,15 +75,15 @@ struct Layout {
   bool grows = false;
 };
 
-/// Rows of a virtual dataset and the dataset they are taken from: in another file, named from this one's
-/// folder on, or in this one (".").
+/// Rows of a virtual dataset and their source: a dataset in another file, whose path is relative to the
+/// folder of this file, or in this file (".").
 struct VirtualRows {
   hsize_t first, n;
   std::string file, dataset;
   Shape shape;  // of that dataset, with as many numbers
 };
 
-/// The place in its file of the values of a dataset in one piece.
+/// The position in its file of the values of a contiguous dataset.
 struct Place {
   std::uint64_t at = 0;  // in bytes
   std::size_t value_bytes = 1;
@@ -168,7 +168,7 @@ class File {
   void numbers(hid_t owner, const std::string& name, const std::array<double, n>& values) {
     attribute(owner, name, H5T_NATIVE_DOUBLE, {n}, values.data());
   }
-  /// Writes a number in the place of one that is there.
+  /// Overwrites a stored number.
   void overwrite(hid_t owner, const std::string& name, std::int64_t value);
   bool has_attribute(hid_t owner, const std::string& name) const;
   std::string text_in(hid_t owner, const std::string& name) const;

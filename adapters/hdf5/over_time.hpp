@@ -5,9 +5,9 @@
 //   fields.vtkhdf  VTKHDF/PointData/velocity  --  rows of /pages/velocity/0, 128, ...  --  fields_STEP.hdf
 //   bodies.vtkhdf  VTKHDF/PointData/velocity  --  bodies.h5, bodies_STEP.h5
 //
-// Such a file never changes: one of more times takes its place, so that a run may be killed at any moment and
-// readers see NSteps and the lists that must be as long agree. There is no file of fewer than two times,
-// because VTK takes a single one for a file without times. Only rank 0 calls all this.
+// Such a file never changes: a new file with more times replaces it, so that a run may be killed at any
+// moment and readers always find lists as long as NSteps. There is no file for fewer than two times, because
+// VTK would read it as a file without times. Only rank 0 calls these functions.
 #include <array>
 #include <functional>
 #include <string>
@@ -34,8 +34,8 @@ struct ImageTimes {
   std::function<void(File&, hid_t group)> write_grid;
 };
 
-/// Adds a step whose file is there. Removes steps at and after it, which a run that is gone on with had
-/// written.
+/// Adds a step whose file exists. Removes steps at and after it, which the run had written before it was
+/// resumed.
 void add_image(const Path& folder, const std::string& name, std::int64_t step, const ImageTimes&);
 
 /// TimeRow is a time of a series of bodies, the first of its rows and their number.
@@ -51,8 +51,8 @@ struct BodyFile {
   std::vector<TimeRow> times;
 };
 
-/// Writes the file anew for a series of these columns. Of fewer than two times it only removes the file that
-/// is there.
+/// Rewrites the file for a series of these columns. With fewer than two times it only removes an existing
+/// file.
 void write_bodies_over_time(const Path&, const std::vector<Column>&, const std::vector<BodyFile>&);
 
 }  // namespace silt::adapters::hdf5

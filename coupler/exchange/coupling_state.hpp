@@ -70,8 +70,8 @@ struct OwedMass {
   std::int64_t all = 0, by_each_link = 0;  // in total; the part of it that each link returns in the next step
 };
 
-/// Heat that a body has got and not stored, in lbm::heat_quantum (heat/heat_flow.cpp); what each link of an
-/// insulating body returns of it in the next step.
+/// Heat that a body has received and not stored, in lbm::heat_quantum (heat/heat_flow.cpp); the part of it
+/// that each link of an insulating body returns in the next step.
 struct OwedHeat {
   std::int64_t all = 0, by_each_link = 0;
 };
@@ -88,14 +88,14 @@ struct CouplingState {
   Plain<6> contact_load;
   // impulse and angular impulse that the coupling in time deferred to the next step
   Plain<6> deferred_impulse;
-  // change of velocity and angular velocity in the next step, with which links already return
+  // predicted change of velocity and angular velocity in the next step, which links already take into account
   Plain<6> foreseen_change;
   // velocity and angular velocity of a body with springs if nothing else had acted in the last step
   Plain<6> sprung_velocity;
   // for output: the last force and torque of the fluid on the body, and those of its springs
   Plain<6> seen_load, spring_load;
-  // temperature of a body with a heat capacity, less that of reference; heat that it got from the fluid in
-  // the last step
+  // temperature of a body with a heat capacity, relative to the reference; heat that it received from the
+  // fluid in the last step
   Plain<1> temperature, heat_flow;
   OwedHeat heat_owed;
 };

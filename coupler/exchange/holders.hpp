@@ -27,7 +27,7 @@ class Holders {
 
  private:
   lbm::Int3 cell_at(const rigid::Vec3& x_W) const;
-  /// Returns the cells that an interval meets; beyond a wall the last ones before it.
+  /// Returns the cells that an interval overlaps; beyond a wall the last cells before it.
   lbm::CellRun met_by(int axis, double lower, double upper) const;
 
   /// Returns whether the box lies inside one block of the rank `here`.

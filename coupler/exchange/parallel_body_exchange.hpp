@@ -85,7 +85,8 @@ class ParallelBodyExchange : public rigid::BodyExchange {
   /// impulses, and copies are made anew. Collective, between steps.
   void repartition(rigid::BodySet&);
   /// Removes bodies from the simulation: held rows in ascending order, without visitors and walls. Local:
-  /// every rank that holds one must do so between the same steps. Others' impulses with them become unused.
+  /// every rank that holds one must do so between the same steps. The impulses that other bodies store with
+  /// them become unused.
   void remove_bodies(rigid::BodySet&, std::span<const std::size_t> rows);
   /// Returns the range of a rank's bodies around its blocks, cells; at least the distance to the next blocks.
   double reach() const;

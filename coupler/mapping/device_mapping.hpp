@@ -1,8 +1,8 @@
 #pragma once
 // Builds the links of a block's bodies by passes of a device (device/for_each.hpp): counts the links of each
 // kind from the bits of bodies, then lists them, and sets wall distances, their rates, and the resistance of
-// bodies with convex parts, one team per group of links. Only bits that changed are sent to the device, and
-// only the counts come back, and the places of links that know the wall on the other side of their gap.
+// bodies with convex parts, one team per group of links. Only changed bits are sent to the device; only the
+// counts, and the places of links that use the opposite wall of their gap, come back.
 #include <array>
 #include <cstdint>
 #include <span>
@@ -41,13 +41,13 @@ enum class LinkKind : std::uint8_t { own, single_cell, two_cells, across, count 
 inline constexpr int link_kinds = int(LinkKind::count);
 using KindCounts = std::array<std::uint32_t, link_kinds>;
 
-/// The bits of a surface on a device: the cells that are its own.
+/// The bits of a surface on a device: the cells that it covers.
 struct MaskToMap {
   BitFrame frame;
   const std::uint64_t* cells;
 };
 
-/// As many planes of a mask, from `z` on, as the places of one group reach.
+/// The planes of a mask, from `z` on, that the places of one group can reach.
 struct SlabToMap {
   static constexpr int most_planes = 1 << lbm::place_z_bits;
   std::uint32_t mask;

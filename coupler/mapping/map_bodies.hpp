@@ -21,7 +21,8 @@ class MapBodies {
   /// Maps every body known here at its mapping pose. A block in which no pose changed keeps its map: then
   /// `changed` is false and `before` equals `solid`.
   void operator()(const rigid::BodySet&);
-  /// Maps walls for coarser cells instead, near which no surface lies: each block is all solid or all fluid.
+  /// Maps walls on coarser cells instead. No surface lies near those, so each block is entirely solid or
+  /// fluid.
   void map_walls(const rigid::BodySet&);
   /// Returns whether the last mapping changed some block.
   bool changed() const;

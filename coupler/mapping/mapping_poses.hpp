@@ -1,7 +1,7 @@
 #pragma once
-// The poses at which the fluid sees bodies and walls. A surface is mapped ahead, at the middle of the way on
-// which it stays within a tolerance, so that its mean position is right (method-coupling.md, "Object
-// mapping"). Bodies are mapped at common steps: all, every 3rd, every 9th, ...
+// The poses at which the fluid sees bodies and walls. A surface is mapped ahead of its motion, at the middle
+// of the path on which it stays within a tolerance, so that its mean position is right (method-coupling.md,
+// "Object mapping"). Bodies are mapped at common steps: all, every 3rd, every 9th, ...
 #include <cstdint>
 
 #include "coupler/spec/flow_spec.hpp"
@@ -11,10 +11,11 @@
 
 namespace silt::coupler {
 
-/// Maps bodies anew at the first step of intervals of 3^k steps, the longest in which no point of the surface
-/// moves further than the tolerance (cells), or earlier if they are off their foreseen pose by more than a
-/// sixth of it. 0.15 of the tolerance applies where distances are not updated between mappings. `step` is the
-/// number of steps done. All holders of a body get the same result, which depends on its state alone.
+/// Gives bodies new mapping poses at the first step of intervals of 3^k steps. The interval is the longest in
+/// which no point of the surface moves further than the tolerance (cells); a body that is off its predicted
+/// pose by more than a sixth of the tolerance is mapped earlier. Where distances are not updated between
+/// mappings, 0.15 of the tolerance applies. `step` is the number of steps done. All holders of a body get the
+/// same result, which depends on its state alone.
 void renew_mapping_poses(rigid::BodySet&, const rigid::World&, const CouplingSpec&, std::int64_t step);
 
 /// Times and poses at which a moving wall is mapped, a function of the step alone like its pose.

@@ -1,6 +1,6 @@
 #pragma once
 // Random numbers as a function of a key, equal on every rank (Salmon, Moraes, Dror, Shaw, SC11). The C++
-// standard specifies its engines but not its distributions, so these are our own.
+// standard specifies its engines but not its distributions, so the distributions are implemented here.
 #include <cmath>
 #include <cstdint>
 #include <numbers>

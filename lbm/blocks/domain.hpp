@@ -65,15 +65,16 @@ class Domain {
   bool inside(Int3 cell) const;
   /// Returns the bouncing sides behind which a cell lies, per axis: -1 (low), 1 (high) or 0.
   Int3 walls_met(Int3 cell) const;
-  /// Returns c_j . u of a population (along: c_j) that meets these walls (from walls_met()). At an edge each
-  /// wall counts only with its velocity normal to itself: the corner is at rest. With the lid's whole
-  /// velocity the jets of a lid-driven square of 65 cells at Reynolds number 1000 are a tenth too weak.
+  /// Returns c_j . u of a population (along: c_j) that meets these walls (from walls_met()). At an edge only
+  /// the component of a wall's velocity normal to the wall counts, so the corner is at rest. With the full
+  /// velocity of the lid, the jets of a lid-driven square of 65 cells at Reynolds number 1000 are 10 % too
+  /// weak.
   double wall_velocity_along(Int3 walls, Int3 along) const;
   /// Calls visit(BlockPlace) for every block of this level that overlaps a box, or the runs of the three
   /// axes; more than once if a run continues at the beginning of a periodic axis.
   template <class Visit>
   void for_blocks_meeting(const CellBox&, Visit&& visit) const;
-  /// Visits the leaves of all levels in the same way, with those whose cells are not known.
+  /// Visits the leaves of all levels in the same way, including those whose cells are not known.
   template <class Visit>
   void for_leaves_meeting(const CellBox&, Visit&& visit) const;
   template <class Visit>

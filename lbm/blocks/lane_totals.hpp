@@ -59,7 +59,7 @@ class LaneTotals {
     }
   }
 
-  /// Adds the totals to t; `cells` counts all cells added, with those that were seen before.
+  /// Adds the totals to t; `cells` counts all cells added, including those that were seen before.
   SILT_DEVICE void give(std::ptrdiff_t cells, CellTotals& t) const {
     const std::uint64_t terms = std::uint64_t(cells);
     t.mass += mass_.total(terms), t.mass_square += mass_square_.total(terms);

@@ -7,9 +7,9 @@
 namespace silt::lbm {
 
 /// What lies at a side: the periodic image; a wall with a velocity (halfway bounce-back: no-slip and moving
-/// walls and velocity inlets); a mirror; or, from `pressure` on, an outlet. The last two are sides of the
-/// temperature: one that has a temperature, and one through which heat goes with the fluid. (Its `bounce`
-/// insulates, or lets the heat in that wall_addend makes of the velocity.)
+/// walls and velocity inlets); a mirror; or, from `pressure` on, an outlet. The last two are for the
+/// temperature: a side of given temperature, and one through which the fluid carries heat. (For the
+/// temperature, `bounce` insulates, or admits the heat that wall_addend derives from the velocity.)
 enum class SideKind { periodic, bounce, free_slip, pressure, temperature, open };
 constexpr bool is_outlet(SideKind kind) {
   return kind >= SideKind::pressure;
@@ -50,7 +50,7 @@ struct TemperatureSide {
     return left.twice_weight * temperature - left.value;
   }
 };
-/// A side of the temperature of the cell before it.
+/// A side with the temperature of the adjacent cell.
 struct OpenSide {
   SILT_DEVICE double operator()(const LeftThroughOutlet& left) const {
     return left.twice_weight * left.sum - left.value;

@@ -11,9 +11,9 @@ namespace silt::lbm {
 template <class T>
 struct CollisionRates;
 
-/// The speed of sound, 1/sqrt(3) cells per step. A faster cell is not a flow of this lattice but about to
-/// diverge. (At 0.4 the error of the scheme is of the order of the flow, but a cell at a gap may be that fast
-/// for a while and recover.)
+/// The speed of sound, 1/sqrt(3) cells per step. A faster cell is outside the range of the method and about
+/// to diverge. (At 0.4 the error of the scheme is as large as the flow, but a cell in a gap may reach that
+/// speed for a short time and recover.)
 inline constexpr double speed_of_sound = 0.57735026918962576;
 
 /// A cell faster than sound when a pass began: its Block::cell, and its speed with half the force.

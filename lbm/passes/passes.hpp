@@ -51,7 +51,7 @@ struct CellLists {
   explicit CellLists(Device device) : cells(device), blocks(device) {}
 };
 
-/// Most passes return before they are done on a device other than `cpu`.
+/// On a device other than `cpu` most passes return before they are complete.
 template <class T>
 struct Passes {
   /// Collides and streams the rows of block b. Examines every WatchedPlanes::period-th plane from

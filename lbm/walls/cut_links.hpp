@@ -232,7 +232,8 @@ struct NextGroup {
   const LinkGroup* group = nullptr;
 };
 
-/// The slots of the next links: a call lists those of the next group in advance (LinkFetch in cut_links_kernel.cpp).
+/// The slots of the next links: a call lists those of the next group in advance (LinkFetch in
+/// cut_links_kernel.cpp).
 struct ListedLinks {
   static constexpr int most = 128, most_rows = D3Q19::directions + 2;  // links of a window; slots per link
   const LinkGroup* group = nullptr;                                    // of the listed links

@@ -62,8 +62,8 @@ class BodyExchange {
 /// Ends the sweeps on all connected ranks at once (method-bodies.md, The end of the sweeps): synchronized
 /// distributed termination (B. Szymanski, Y. Shi, N. Prywes, IEEE Trans. Softw. Eng. SE-11 (1985) 1136). Each
 /// rank counts idle sweeps: 0 while it has something to solve again, otherwise one more than the least count
-/// it receives. Once the count exceeds the number of messages by which a word reaches all ranks of the
-/// cluster, all of them were idle in one sweep, and each of them knows it in the same sweep.
+/// it receives. Once the count exceeds the number of messages that information needs to reach all ranks of
+/// the cluster, all of them were idle in one sweep, and all of them know it in the same sweep.
 class CommonRest {
  public:
   explicit CommonRest(BodyExchange& exchange) : exchange_(exchange) {}

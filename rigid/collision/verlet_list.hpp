@@ -7,8 +7,8 @@
 // mean count, so that a falling bed keeps its list. Towards walls the whole displacement counts: a body that
 // has used it up is tested against the walls again.
 //
-// On several ranks bodies come and go. Those that have gone are skipped; a few new ones are tested against
-// all others, and their pairs are added.
+// On several ranks bodies arrive and leave. Those that have left are skipped; a few new ones are tested
+// against all others, and their pairs are added.
 #include <limits>
 #include <optional>
 #include <span>

@@ -12,9 +12,9 @@
 namespace silt::rigid {
 
 /// Relative rotation of two bodies that stay in contact: a contact in the middle of a step of length dt, with
-/// its bodies' velocities. Between the middles of two steps bodies drift along straight lines, so that rolling
-/// surfaces separate, and bodies that rotate together slide apart, by an amount of second order in the angle,
-/// which cohesion has to correct (method.md, K3 and K4).
+/// its bodies' velocities. Between the middles of two steps bodies drift along straight lines, so that
+/// rolling surfaces separate, and bodies that rotate together slide apart, by an amount of second order in
+/// the angle, which cohesion has to correct (method.md, K3 and K4).
 class Turning {
  public:
   /// `joined`: both arms end at one point (method.md, C3a).
@@ -46,9 +46,9 @@ inline double lever_arms(const Contact& c) {
 }
 
 /// The velocity that closes the gap or, for a contact that would be reached, that of Newton's restitution.
-/// The approach velocity is that before the kick (so that a body at rest does not bounce). A film takes from
-/// it what it takes over the gap, and from the rebound what it takes from contact to where the step ends
-/// (L4).
+/// The approach velocity is that before the kick (so that a body at rest does not bounce). A film reduces it
+/// by the impulse over the gap, and reduces the rebound by the impulse between the contact and the end of the
+/// step (L4).
 struct Target {
   double velocity;
   double impact_change = 0;  // change of velocity by the impact, if any
@@ -66,9 +66,10 @@ inline Target target_of(const Contact& c, double dt, double reduced_mass, const 
 /// Largest opening of a contact that still counts as pressed, relative to the lever arms.
 inline constexpr double hair = 1e-4;
 
-/// The target of a contact that pressed in the last step. A contact that has opened by less than a hair is
-/// held: otherwise the load would shift to the other contacts and back, and stacks would rock and creep. A
-/// lubrication film holds by itself, and its impulse does not mean that the surfaces touched.
+/// The target of a contact that pressed in the last step. A contact that has opened by less than `hair`
+/// counts as closed: otherwise the load would shift to the other contacts and back, and stacks would rock and
+/// creep. With a lubrication film this is not necessary, and its impulse does not mean that the surfaces
+/// touched.
 inline double target_of_pressed(const Contact& c, double dt, double target) {
   return c.gap > 0 && !c.lubrication ? std::max(target, std::min(0.0, hair * lever_arms(c) - c.gap) / dt)
                                      : target;

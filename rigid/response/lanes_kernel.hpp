@@ -117,7 +117,8 @@ inline void transpose_squares(FullLine (&row)[4]) {
   }
   return {lanes_of(to[0]), lanes_of(to[1]), lanes_of(to[2]), lanes_of(to[3])};
 }
-/// The inverse, in code of its own: with one function for both a sweep takes a sixth longer.
+/// The inverse, as a separate function: a common function for both directions would make a sweep a sixth
+/// slower.
 inline void transpose(const Numbers& x, const Numbers& y, const Numbers& z, const Numbers& w,
                       HalfLine (&to)[lane_count]) {
   if constexpr (Numbers::count == 1) {

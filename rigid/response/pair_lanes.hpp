@@ -21,7 +21,7 @@ struct BodyMass {
   bool turns = false;                   // may have an angular velocity
 };
 
-/// A pair to be added. It has the mass of each body divided by `share` to itself.
+/// A pair to be added. It acts on each body with the body's mass divided by `share`.
 struct PairToSolve {
   std::size_t row_a, row_b;
   std::span<const Contact> contacts;

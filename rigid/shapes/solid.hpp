@@ -158,7 +158,8 @@ struct BallUnderPlanes {
   static constexpr double same_plane = 1e-18;
 };
 
-/// Returns whether a face's outward normal is the contact normal, within the rocking of bodies that lie flat.
+/// Returns whether a face's outward normal is the contact normal, up to the small rocking of bodies that lie
+/// flat.
 inline bool is_along(const Vec3& face, const Vec3& n) {
   constexpr double sine = 0.01;
   return face.dot(n) > 0 && face.cross(n).squaredNorm() <= sine * sine;

@@ -64,7 +64,7 @@ struct BodySpec : EntrySpec {
 
 /// The bodies of one [[bodies]] entry with positions in a file.
 struct FiledBodies {
-  BodySpec alike;                     // but for what the file says; velocities that it says: the largest
+  BodySpec alike;                     // except for what the file gives; of its velocities the largest
   std::optional<rigid::Pose> placed;  // of the file as a whole
   PositionFile positions;
   PositionContents contents;
@@ -103,7 +103,7 @@ struct ContinuedSpec : BodySpec {
   std::vector<FillSize> sizes;
 };
 
-/// A box out of which free bodies are taken as soon as their centre of mass is in it.
+/// A box that removes free bodies as soon as their centre of mass is inside.
 struct OutflowSpec {
   rigid::BoundingBox box{rigid::Vec3::Zero(), rigid::Vec3::Zero()};
 };
@@ -111,7 +111,7 @@ struct OutflowSpec {
 /// Starts the run from the end of another.
 struct StartSpec {
   std::string from;                            // a folder of results or a checkpoint, relative to the case
-  rigid::Vec3 position = rigid::Vec3::Zero();  // of the other run's origin; its bodies alone come
+  rigid::Vec3 position = rigid::Vec3::Zero();  // of the other run's origin; then only its bodies are taken
 };
 
 // The sides of the domain and the curved walls in it: domain.boundary and [[walls]].
@@ -275,7 +275,7 @@ double cell_reynolds(const Case&);
 
 /// Returns the cell Péclet number u / D at this speed; the case must have [heat].
 double cell_peclet(const Case&);
-/// Returns the largest difference between temperatures that a case gives, the reference among them.
+/// Returns the largest difference between the temperatures of a case, including the reference temperature.
 double largest_difference(const coupler::HeatSpec&);
 
 /// Returns the path of the key that says how viscous the fluid is; whether that is a viscosity.

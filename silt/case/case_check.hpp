@@ -91,7 +91,7 @@ double rounded_up(double x);
 
 /// Limits in cells per step; the compressibility error grows with the square of the speed.
 inline constexpr double doubtful_velocity = 0.1, impossible_velocity = 0.3;
-/// What a number may be beyond a limit: six digits, as messages have them, do not tell the two apart.
+/// The relative amount by which a number may exceed a limit: messages show six digits, which do not show it.
 inline constexpr double unseen = 1e-6;
 /// The deviation of the density above which the fluid is noticeably compressible.
 inline constexpr double doubtful_deviation = 0.02;
@@ -117,9 +117,9 @@ double terminal_velocity(double diameter, double density, double gravity, double
 inline constexpr double furthest_motion = 1;
 
 /// The largest motions by shape, in cells per step. With a fluid furthest_motion. Without, half of
-/// contacts.margin plus half of the least width of a body (of its thinnest part) per sub-step: then of two
-/// bodies out of each other's reach none passes the middle of the other in a sub-step, nor a wall with its
-/// own middle, and contacts push them back.
+/// contacts.margin plus half of the least width of a body (of its thinnest part) per sub-step: then, if two
+/// bodies are out of reach of each other, neither passes the middle of the other in a sub-step, and the
+/// middle of a body passes no wall, so that contacts push them back.
 class MotionLimits {
  public:
   explicit MotionLimits(const Case&);

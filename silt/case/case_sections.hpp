@@ -1,7 +1,7 @@
 #pragma once
-// The sections of a case file: their readers, in the order read_case calls them, and their judges. A reader
-// takes its keys from the root table and leaves what it found in the Case or in the sections of it that it
-// names; errors go to its context.
+// The sections of a case file: their readers, in the order in which read_case calls them, and their checks. A
+// reader takes its keys from the root table and leaves what it found in the Case or in the sections of it
+// that it names; errors go to its context.
 #include <array>
 #include <string>
 #include <vector>
@@ -31,7 +31,8 @@ void look_for_idle_keys(Diagnostics& findings, const std::string& table, const s
 std::vector<KeySection> domain_sections();
 void read_domain(TableReader& root, Case&);  // [units], [domain]; first, for conversions
 
-/// Returns x, on the upper side of the domain where it is beyond that by no more than domain.size may be.
+/// Returns x, moved to the upper side of the domain if it is beyond it by no more than the tolerance of
+/// domain.size.
 double snapped(double x, int cells);
 rigid::Vec3 snapped(const rigid::Vec3& x, const std::array<int, 3>& cells);
 
@@ -44,7 +45,7 @@ KeySection over_time_section();
 /// Reads a variation over time; constant without the key.
 rigid::OverTime read_over_time(TableReader& parent, const char* key);
 
-// heat.cpp: also reads what sides, bodies and walls are to the heat
+// heat.cpp: also reads the thermal keys of sides, bodies and walls
 inline constexpr std::tuple side_heat_keys{
     HandKey{"temperature", "number", "K", "insulating", "temperature of the side, in a case with [heat]"},
     HandKey{"heat_flux", "number", "W/m²", "0",
@@ -108,9 +109,9 @@ KeySection fill_size_section();
 /// Reads the table `diameter` of a fill; empty without it or if it is wrong (reported). Cuts a continuous
 /// distribution into strips of diameters in equal ratios, each with the diameter of its mean volume.
 std::vector<SizeShare> read_fill_sizes(TableReader& fill);
-/// Gives the fills, and the bodies that continue another run, the shapes of their sizes, which are added to
-/// those of the case: one list each. The largest takes the place of the shape that was given, where no other
-/// body has that.
+/// Adds the shapes of all sizes to the case, and makes the fills and the bodies that continue another run
+/// refer to them; the parameters have one list per entry. The largest size replaces the given shape if no
+/// other body uses it.
 void set_fill_sizes(Case&, const std::vector<std::vector<SizeShare>>& of_fills,
                     const std::vector<std::vector<SizeShare>>& of_continued);
 
@@ -170,7 +171,7 @@ MotionFile read_motion_file(const std::string& text, const Units&);
 // Checks of a case: each adds errors and warnings with remedies to Diagnostics.
 void find_domain_faults(const Case&, Diagnostics&);  // cells, blocks, sides, inlets and outlets
 void find_fluid_faults(const Case&, Diagnostics&);  // relaxation time, viscosity, cell Reynolds number, start
-void find_heat_faults(const Case&, Diagnostics&);   // what heat does not go with, cell Péclet number
+void find_heat_faults(const Case&, Diagnostics&);   // features that exclude heat, cell Péclet number
 void find_contact_faults(const Case&, Diagnostics&);  // coefficients, margin, lubrication
 void find_run_faults(const Case&, Diagnostics&);  // length, what becomes steady, output of what is not there
 void find_density_faults(const Case&, Diagnostics&);   // of fluid and bodies, and mistakes of units

@@ -32,9 +32,9 @@ struct QuantitySpec {
   Bearer bearer = Bearer::bodies;
   int kind = -1;  // index into Case::kind_names; -1: every body
   int axis = 2;
-  double time = 0;           // from when on (of an instant: when; without one the end), in steps
-  double height = 0;         // along the axis: of bodies, of a plane
-  double second_height = 0;  // of the second of two planes
+  double time = 0;    // start of the evaluation (of an instant: its time, by default the end), in steps
+  double height = 0;  // along the axis: of bodies, of a plane
+  double second_height = 0;                   // of the second of two planes
   std::optional<std::array<double, 2>> over;  // steps of which the value is the mean, or the deviation
   bool deviation = false;
   int side = 0;       // a Side of the domain

@@ -75,7 +75,7 @@ std::uint64_t count_given(const Case&);
 int entry_of(const Case&, rigid::BodyId);
 
 /// Returns the fault of a body's place, or "". Its centre of mass must be in the domain and, if it moves, it
-/// must not overlap walls at `time`. `key` is what to change.
+/// must not overlap walls at `time`. `key` is the key to change.
 std::string fault_of_place(const Case&, const BodySpec&, const std::string& key, double time = 0);
 
 struct BodyFault {

@@ -74,15 +74,14 @@ std::vector<lbm::LevelBox> saved_levels(const adapters::CheckpointReader&, int c
 
 // ---- another run's start (start_from.cpp, other_cells.cpp) ----
 
-/// How the lattice units of a run differ from those of the one that it begins with: factors of what a fluid
-/// has.
+/// The factors that convert the fluid of an earlier run to the lattice units of this run.
 struct FluidScales {
   double length = 1;  // the width of its cells in those of the earlier run
   double velocity = 1, pressure = 1, off_equilibrium = 1;  // off_equilibrium keeps the rate of strain
 };
 
-/// Collective. Gives the fluid what that of an earlier run on cells of another width has at the same places;
-/// one level of cells each.
+/// Collective. Sets the fluid to that of an earlier run, at the same places, on cells of another width; both
+/// have one level of cells.
 void interpolate_populations(const adapters::CheckpointReader&, const Case&, coupler::FluidFields&,
                              const FluidScales&);
 

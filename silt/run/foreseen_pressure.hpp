@@ -1,5 +1,5 @@
 #pragma once
-// Predicts the pressure drop of a stream through the bodies in it, and what bodies cover of an inlet.
+// Predicts the pressure drop of a stream through bodies, and finds the part of an inlet that bodies cover.
 #include <mpi.h>
 
 #include <optional>
