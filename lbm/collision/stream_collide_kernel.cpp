@@ -87,7 +87,6 @@ template <class Model, bool source, bool linked, class T, class Pass, class Watc
 /// Separates watched planes from the others, since watching takes registers.
 template <class Model, bool source, bool linked, class T, class Pass>
 void planes(const Pass& pass, RowRange range, const WatchedPlanes& watched) {
-  using V = typename VectorOf<T>::type;
   const T scale = Model::square_scale(pass.rates.fluid);
   const auto note = [&](std::ptrdiff_t cell, double speed) { watched.found.push_back({cell, speed}); };
   const Watch<T, decltype(note)> watch{T(speed_of_sound * speed_of_sound) * scale, scale, note};

@@ -4,7 +4,8 @@ rest: a sphere in the middle of a cube with cold sides W diameters wide. The cub
 so that Nu = 2 / (1 - M / (2 W)) up to the ninth power of 1 / W: "box" is against that, "wide" is 2 / Nu of two boxes drawn out to
 1 / W = 0, against Nu = 2.
 
-re...: a stream past a sphere, from an inlet to an outlet between sides that slip. Reference: the flow without bounds, by finite
+re...: a stream past a sphere, from an inlet to an outlet between sides that slip; at Pr < 1 with cells up to a quarter of the
+sphere wide beyond a diameter from it (at Pr = 7 heat in wide cells would grow waves). Reference: the flow without bounds, by finite
 differences (reference/sphere_nusselt.csv, sphere_convection.py). Laws (heat_laws.py) differ by up to 10 % among
 themselves; that of Feng and Michaelides (2000) is within 1 % of the computed values. The Nusselt number over that of their law is "law".
 """
@@ -23,7 +24,7 @@ RESTING = {8: (3, 6), 12: (3, 6)}           # cells across: widths of the boxes 
 REYNOLDS, PRANDTLS = (20, 50, 100), (0.7, 7)
 SIZES = (8, 16)                             # cells across in the stream
 VELOCITY = 0.08                             # cells a step
-WIDTH, BEFORE, BEHIND = 8, 4, 6             # diameters: 2.6 million cells with 16 across
+WIDTH, BEFORE, BEHIND = 8, 4, 6             # diameters
 PASSING = 30                                # diameters that the stream goes, at most
 STREAM = "accuracy.heated_sphere.re{Re}.pr{Pr}.d{D}.error"
 LAW = "accuracy.heated_sphere.re{Re}.pr{Pr}.d{D}.law"
@@ -84,7 +85,7 @@ def stream_run(re, pr, D):
         domain=dict(size=[(BEFORE + BEHIND) * D, across, across],
                     boundary=dict(x=[dict(type="velocity-inlet", velocity=inflow), "pressure-outlet"], y="free-slip", z="free-slip")),
         fluid=dict(kinematic_viscosity=viscosity, collision="auto", initial=dict(type="uniform", velocity=inflow)),
-        heat=dict(thermal_diffusivity=viscosity / pr),
+        heat=dict(thermal_diffusivity=viscosity / pr), coarsening=dict(levels=D // 8, distance=D) if pr < 1 else {},
         **hot_sphere(D, [BEFORE * D + 0.13, across / 2 + 0.31, across / 2 + 0.17]),
         run=dict(steps=PASSING * every, steady=dict(quantity="Nu", change=1e-3, every=every)), quantities=NUSSELT)
     return Run(f"re{re}.pr{pr:g}.d{D}", text, dict(Re=re, Pr=pr, D=D))
