@@ -100,7 +100,7 @@ void LevelBorder<Field>::end_fine_pass() {
 }
 
 template <class Field>
-void LevelBorder<Field>::cross(const Lists& lists, std::span<const typename Rows::Passing> passing) {
+void LevelBorder<Field>::cross(const Lists& lists, std::span<const typename Patches::Passing> passing) {
   passes_on<T>(fine_.device()).cross_border(now_, lists, passing);
 }
 
