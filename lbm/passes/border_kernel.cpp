@@ -12,12 +12,6 @@ void over_patches(const Step& step, const BorderPatches<T>& border, const Entrie
 }
 
 template <class T>
-void carry_packets(const BorderPatches<T>& border,
-                   std::span<const typename BorderPatches<T>::Carried> carried) {
-  over_patches(Carry(), border, carried);
-}
-
-template <class T>
 void cross_border(const BorderPatches<T>& given, const BorderLists<T>& lists,
                   std::span<const typename BorderPatches<T>::Passing> passing) {
   BorderPatches<T> border = given;
@@ -29,10 +23,10 @@ void cross_border(const BorderPatches<T>& given, const BorderLists<T>& lists,
 }  // namespace
 
 template <class T>
-BorderKernels<T> border_kernels() {
-  return {carry_packets<T>, cross_border<T>};
+CrossBorder<T> border_kernel() {
+  return cross_border<T>;
 }
-template BorderKernels<float> border_kernels();
-template BorderKernels<double> border_kernels();
+template CrossBorder<float> border_kernel();
+template CrossBorder<double> border_kernel();
 
 }  // namespace silt::lbm::SILT_BUILD

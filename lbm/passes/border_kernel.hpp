@@ -1,5 +1,5 @@
 #pragma once
-// The passes over a border between levels on the CPU, built once per instruction set (border_kernel.cpp).
+// The pass over a border between levels on the CPU, built once per instruction set (border_kernel.cpp).
 #include <span>
 
 #include "cpu/isa.hpp"
@@ -8,11 +8,8 @@
 namespace silt::lbm {
 
 template <class T>
-struct BorderKernels {
-  void (*carry_packets)(const BorderPatches<T>&, std::span<const typename BorderPatches<T>::Carried>);
-  void (*cross_border)(const BorderPatches<T>&, const BorderLists<T>&,
-                       std::span<const typename BorderPatches<T>::Passing>);
-};
-SILT_BUILDS(template <class T> BorderKernels<T> border_kernels();)
+using CrossBorder = void (*)(const BorderPatches<T>&, const BorderLists<T>&,
+                             std::span<const typename BorderPatches<T>::Passing>);
+SILT_BUILDS(template <class T> CrossBorder<T> border_kernel();)
 
 }  // namespace silt::lbm

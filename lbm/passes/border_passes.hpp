@@ -24,12 +24,6 @@ void over_patches(const Step&, const BorderPatches<T>& border, const Entries& en
 }
 
 template <class T>
-void carry_packets(const BorderPatches<T>& border,
-                   std::span<const typename BorderPatches<T>::Carried> carried) {
-  over_patches(Carry(), border, carried);
-}
-
-template <class T>
 void cross_border(const BorderPatches<T>& given, const BorderLists<T>& lists,
                   std::span<const typename BorderPatches<T>::Passing> passing) {
   BorderPatches<T> border = given;
