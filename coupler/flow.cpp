@@ -49,10 +49,11 @@ template <class T>
 class FlowOf final : public Flow {
  public:
   FlowOf(const FlowSpec& spec, const lbm::Domain& domain, MPI_Comm comm, ParallelBodyExchange& exchange,
-         int substeps)
+         int substeps, const Flow* before)
       : coupling_(spec.coupling),
         world_(exchange.world()),
-        fluid_(domain, collision_of(*spec.fluid), comm, spec.device),
+        fluid_(domain, collision_of(*spec.fluid), comm, spec.device,
+               before ? &static_cast<const FlowOf&>(*before).fluid_ : nullptr),
         heat_(spec.heat ? std::make_unique<HeatFlow<T>>(*spec.heat, spec.boundary, fluid_, exchange)
                         : nullptr),
         levels_(fluid_, spec.coarsening ? spec.coarsening->levels : 0,
@@ -359,10 +360,10 @@ lbm::Domain make_domain(const FlowSpec& spec, int ranks) {
 }
 
 std::unique_ptr<Flow> make_flow(const FlowSpec& spec, const lbm::Domain& domain, MPI_Comm comm,
-                                ParallelBodyExchange& exchange, int substeps) {
+                                ParallelBodyExchange& exchange, int substeps, const Flow* before) {
   if (spec.fluid->precision == Precision::single_)
-    return std::make_unique<FlowOf<float>>(spec, domain, comm, exchange, substeps);
-  return std::make_unique<FlowOf<double>>(spec, domain, comm, exchange, substeps);
+    return std::make_unique<FlowOf<float>>(spec, domain, comm, exchange, substeps, before);
+  return std::make_unique<FlowOf<double>>(spec, domain, comm, exchange, substeps, before);
 }
 
 }  // namespace silt::coupler

@@ -92,8 +92,8 @@ class Flow {
 /// Returns the domain, cut for a number of ranks. Throws std::invalid_argument if it cannot be cut.
 lbm::Domain make_domain(const FlowSpec&, int ranks);
 /// Makes a flow; the spec must have a fluid. `substeps` is that of the bodies per step. The exchange knows
-/// the owners, which receive the sums of forces.
+/// the owners, which receive the sums of forces. A flow that is to take over another one is given it.
 std::unique_ptr<Flow> make_flow(const FlowSpec&, const lbm::Domain&, MPI_Comm, ParallelBodyExchange&,
-                                int substeps);
+                                int substeps, const Flow* before = nullptr);
 
 }  // namespace silt::coupler

@@ -27,6 +27,18 @@ ShellFaces shell_of(const Domain& domain, const BlockPlace& place) {
   return shell;
 }
 
+/// Moves the populations at the ends of the rows of a block.
+template <class T>
+void close_rows(Block<T>& block, Parity parity) {
+  if (block.row_ends(parity).empty()) return;
+  for (int z = 0; z < block.size().z; ++z)
+    for (int y = 0; y < block.size().y; ++y) {
+      T* const first = block.data() + block.cell(0, y, z);
+      for (const RowEnd<T>& end : block.row_ends(parity))
+        first[end.to] = end.wall ? first[end.from] + end.addend : first[end.from];
+    }
+}
+
 template <class T>
 std::vector<PassOrder> orders_of(const Domain& domain, MPI_Comm comm) {
   const int rank = parallel::rank_of(comm);
@@ -35,6 +47,14 @@ std::vector<PassOrder> orders_of(const Domain& domain, MPI_Comm comm) {
     orders.emplace_back(place.box.size, sizeof(T), shell_of(domain, place));
   return orders;
 }
+
+/// Returns the blocks whose arrays a new fluid may take. Populations of a fluid in its other parity would lie
+/// elsewhere in the same array.
+template <class T>
+std::span<const Block<T>> blocks_to_take(const Fluid<T>* before) {
+  if (!before || before->parity() != Parity::settled) return {};
+  return before->blocks();
+}
 }  // namespace
 
 double half_push(const std::array<double, 3>& force, int i) {
@@ -42,16 +62,22 @@ double half_push(const std::array<double, 3>& force, int i) {
 }
 
 template <class T>
-Fluid<T>::Fluid(const Domain& domain, const CollisionSpec& spec, MPI_Comm comm, Device device)
+Fluid<T>::Fluid(const Domain& domain, const CollisionSpec& spec, MPI_Comm comm, Device device,
+                const Fluid* before)
     : domain_(domain),
       spec_(spec),
       rates_(std::make_unique<CollisionRates<T>>(spec)),
       comm_(comm),
       device_(device),
-      blocks_(local_blocks<T, D3Q19>(domain, parallel::rank_of(comm), device)),
+      blocks_(local_blocks<T, D3Q19>(domain, parallel::rank_of(comm), device, blocks_to_take(before),
+                                     &passed_whole_)),
       orders_(orders_of<T>(domain, comm)),
       idle_(blocks_.size(), 0),
-      halo_(domain_, comm, blocks_, orders_, spec.force, device) {}
+      in_parts_(blocks_.size(), 1),
+      halo_(domain_, comm, blocks_, orders_, spec.force, device) {
+  for (const SharedArray<T>& shared : passed_whole_)
+    std::fill(in_parts_.begin() + shared.first, in_parts_.begin() + shared.end, 0);
+}
 
 template <class T>
 Fluid<T>::~Fluid() = default;
@@ -70,6 +96,8 @@ void Fluid<T>::carry(Carried& carried, const HeatSpec& heat, std::span<Block<T, 
   heat_rates_ = std::make_unique<HeatRates<T>>(heat, spec_);
   rates_->heat = heat_rates_.get();
   for (std::size_t b = 0; b < blocks_.size(); ++b) blocks_[b].carry(blocks[b]);
+  passed_whole_.clear();  // cells of no block have no temperature
+  std::ranges::fill(in_parts_, 1);
 }
 
 template <class T>
@@ -114,38 +142,64 @@ void Fluid<T>::begin_pass() {
   fast_cells_.clear();
   for (std::size_t b = 0; b < blocks_.size(); ++b)
     for (const RowRange& rows : orders_[b].shell())
-      if (!idle_[b]) pass_over(b, rows);
+      if (parts(int(b)) > 0) pass_over(int(b), blocks_[b], rows);
+  for (std::size_t k = 0; k < passed_whole_.size(); ++k) {
+    const SharedArray<T>& shared = passed_whole_[k];
+    const Int3 size = shared.whole.size();
+    pass_over(-1 - int(k), passed_whole_[k].whole, {0, size.y, 0, size.z});
+    for (int b = shared.first; b < shared.end; ++b) close_rows(blocks_[b], parity_);
+  }
   halo_.start(flipped(parity_));
   if (carried_) carried_->start_exchange(flipped(parity_));
 }
 
 template <class T>
 void Fluid<T>::collide_rows(int b, RowRange rows) {
-  pass_over(b, rows);
+  pass_over(b, blocks_[b], rows);
   halo_.progress();
 }
 
 template <class T>
-void Fluid<T>::pass_over(std::size_t b, RowRange rows) {
+void Fluid<T>::pass_over(int number, Block<T>& block, RowRange rows) {
   constexpr int period = WatchedPlanes::period;
-  const int first = int(passes_ % period) - blocks_[b].box().lower.z % period;
+  const int first = int(passes_ % period) - block.box().lower.z % period;
   const int watched = (first + period) % period;
-  passes_on<T>(device_).stream_collide(int(b), blocks_[b], parity_, *rates_, rows, watched,
-                                       fast_list(device_));
+  passes_on<T>(device_).stream_collide(number, block, parity_, *rates_, rows, watched, fast_list(device_));
 }
 
 template <class T>
 void Fluid<T>::end_pass() {
   parity_ = flipped(parity_), ++passes_;
-  for (const auto& [b, fast] : take_fast_cells(device_))
-    fast_cells_.push_back({b, blocks_[b].cell_at(fast.cell), fast.speed});
+  for (const auto& [number, fast] : take_fast_cells(device_))
+    if (number >= 0)
+      fast_cells_.push_back({number, blocks_[number].cell_at(fast.cell), fast.speed});
+    else
+      see_fast(passed_whole_[-1 - number], fast);
+}
+
+/// Cells that are of no block are at rest again if one of them is too fast.
+template <class T>
+void Fluid<T>::see_fast(SharedArray<T>& shared, const FastCell& fast) {
+  const auto block_of = [&](Int3 cell) {
+    int b = shared.first;
+    while (b < shared.end && !blocks_[b].box().contains(cell)) ++b;
+    return b;
+  };
+  Block<T>& whole = shared.whole;
+  const Int3 at = whole.box().lower + whole.cell_at(fast.cell);
+  if (const int b = block_of(at); b < shared.end)
+    return fast_cells_.push_back({b, at - blocks_[b].box().lower, fast.speed});
+  for_cells({}, whole.size(), [&](Int3 x) {
+    if (block_of(whole.box().lower + x) < shared.end) return;
+    for (int i = 0; i < D3Q19::directions; ++i) whole.data()[whole.arriving(i, parity_) + whole.cell(x)] = 0;
+  });
 }
 
 template <class T>
 void Fluid<T>::stream_collide() {
   begin_pass();
   for (int b = 0; b < int(blocks_.size()); ++b) {
-    if (idle_[b]) continue;
+    if (parts(b) == 0) continue;
     const RowRange inner = orders_[b].inner();
     const int slices = device_ == Device::gpu ? 1 : 8;  // between checks for messages
     const int planes = std::max(1, (inner.z1 - inner.z0 + slices - 1) / slices);

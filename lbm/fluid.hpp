@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "lbm/blocks/domain.hpp"
+#include "lbm/blocks/local_blocks.hpp"
 #include "lbm/blocks/moments.hpp"
 #include "lbm/blocks/pass_order.hpp"
 #include "lbm/collision/collision_model.hpp"
@@ -47,8 +48,9 @@ class Fluid {
  public:
   using Number = T;
   using Lattice = D3Q19;
-  /// Throws std::invalid_argument for a relaxation time of 1/2 or less.
-  Fluid(const Domain&, const CollisionSpec&, MPI_Comm, Device = Device::cpu);
+  /// Blocks of level 0 that `before`, if given, has as well share its arrays: its cells and theirs are the
+  /// same. Throws std::invalid_argument for a relaxation time of 1/2 or less.
+  Fluid(const Domain&, const CollisionSpec&, MPI_Comm, Device = Device::cpu, const Fluid* before = nullptr);
   ~Fluid();
 
   const Domain& domain() const { return domain_; }
@@ -97,7 +99,7 @@ class Fluid {
   /// The same pass in pieces, with other work in between: begin_pass(), then collide() for the parts of each
   /// block (pass_order.hpp) in their order, then end_pass().
   void begin_pass();
-  int parts(int b) const { return idle_[b] ? 0 : orders_[b].parts(); }
+  int parts(int b) const { return idle_[b] || !in_parts_[b] ? 0 : orders_[b].parts(); }
   void collide(int b, int part) { collide_rows(b, orders_[b].rows_of(part)); }
   void end_pass();
   /// Returns the number of passes, which selects the planes watched in a pass (WatchedPlanes).
@@ -162,7 +164,8 @@ class Fluid {
 
  private:
   void collide_rows(int b, RowRange);
-  void pass_over(std::size_t b, RowRange);
+  void pass_over(int number, Block<T>&, RowRange);
+  void see_fast(SharedArray<T>&, const FastCell&);
   template <class Sum>
   auto for_arriving(int b, Int3 local_cell, Sum&& sum) const;
   void keep_excess(std::size_t b);
@@ -174,9 +177,10 @@ class Fluid {
   Carried* carried_ = nullptr;
   MPI_Comm comm_;
   Device device_;
+  std::vector<SharedArray<T>> passed_whole_;
   std::vector<Block<T>> blocks_;
-  std::vector<PassOrder> orders_;  // of the blocks
-  std::vector<char> idle_;
+  std::vector<PassOrder> orders_;      // of the blocks
+  std::vector<char> idle_, in_parts_;  // in_parts_: not of an array that is passed whole
   Parity parity_ = Parity::settled;
   std::int64_t passes_ = 0;
   std::vector<Fast> fast_cells_;
@@ -190,8 +194,8 @@ class Fluid {
 };
 
 /// Copies the populations that arrive in `from` to the cells of `to`, two cuts of one domain for the same
-/// ranks, from rank to rank. One direction at a time, so that messages hold a nineteenth of the populations
-/// (move_populations.cpp). Collective.
+/// ranks, from rank to rank, except for blocks that share their array. One direction at a time, so that
+/// messages hold a nineteenth of the populations (move_populations.cpp). Collective.
 template <class Field>
 void move_populations(const Field& from, Field& to);
 

@@ -184,7 +184,7 @@ void Scene::repartition(const lbm::CutTree& tree) {
 
 std::unique_ptr<coupler::Flow> Scene::new_flow() const {
   return coupler::make_flow(setup, levels_.view ? *levels_.view : domain, comm, *exchange,
-                            setup.contacts.substeps);
+                            setup.contacts.substeps, flow.get());
 }
 
 void Scene::renew_flow() {

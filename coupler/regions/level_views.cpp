@@ -32,6 +32,18 @@ std::vector<int> ranks_within(int cells, const lbm::Domain& domain, const CellBo
   return ranks;
 }
 
+/// The longest way of a body, in cells, that regions allow for; bodies that are faster end the run anyway.
+constexpr int furthest_ahead = 8;
+
+/// Returns the pose of a body or wall, and where it moves, the one when the regions follow it next.
+std::vector<rigid::Pose> poses_until_regrid(const rigid::BodySet& bodies, std::size_t row) {
+  const rigid::Pose now = bodies.pose(row);
+  const rigid::Vec3 v = bodies.velocity[row], w = bodies.angular_velocity[row];
+  if (v.isZero(0) && w.isZero(0)) return {now};
+  const double steps = regrid_interval, way = std::min(steps, furthest_ahead / std::max(v.norm(), 1e-9));
+  return {now, {now.position + way * v, (rigid::cayley(steps * w) * now.orientation).normalized()}};
+}
+
 double largest_radius(const rigid::World& world) {
   double largest = 0;
   for (const double radius : world.bounding_radii)
@@ -85,7 +97,8 @@ LevelViews::LevelViews(const FlowSpec& flow, std::vector<rigid::BoundingBox> ent
   part_ = parts_.leaf(rank_).box;
   const lbm::Domain domain(parts_, sides_of(flow), parts_.leaves());  // a leaf a rank
   beside_ = ranks_within(2 * coarsest_tile(flow), domain, part_, rank_);
-  in_reach_ = ranks_within(int(std::ceil(largest_radius(world))) + fine_.reach(), domain, part_, rank_);
+  in_reach_ = ranks_within(int(std::ceil(largest_radius(world))) + furthest_ahead + fine_.reach(), domain,
+                           part_, rank_);
   for (const int rank : in_reach_) parts_in_reach_.push_back(parts_.leaf(rank).box);
 }
 
@@ -95,19 +108,23 @@ std::vector<lbm::LevelBox> LevelViews::boxes_here(const rigid::BodySet& bodies) 
   fine_.add_named(boxes);
   for (std::size_t row = bodies.first_wall(); row < bodies.size(); ++row)
     if (bodies.id[row] >= rigid::first_tube_id)
-      fine_.add_wall(world_.shapes[bodies.shape[row]], bodies.pose(row), part_, boxes);
+      for (const rigid::Pose& pose : poses_until_regrid(bodies, row))
+        fine_.add_wall(world_.shapes[bodies.shape[row]], pose, part_, boxes);
   for (const int rank : in_reach_) messages_.to(rank);
-  const auto add = [&](std::size_t row, const rigid::Pose& pose) {
-    const CellBox box = fine_.around(rigid::bounding_box(world_.shapes[bodies.shape[row]], pose));
+  const auto add = [&](std::size_t row, const std::vector<rigid::Pose>& poses) {
+    rigid::BoundingBox all = rigid::BoundingBox::empty();
+    for (const rigid::Pose& pose : poses)
+      all.add(rigid::bounding_box(world_.shapes[bodies.shape[row]], pose));
+    const CellBox box = fine_.around(all);
     for (std::size_t k = 0; k < in_reach_.size(); ++k)
       if (fine_.is_near(box, parts_in_reach_[k])) parallel::put(messages_.to(in_reach_[k]), box);
     fine_.add(box, 0, boxes);
   };
   for (std::size_t row = 0; row < bodies.owned; ++row) {
     const rigid::Pose pose = bodies.pose(row), mapped = mapping_pose(bodies, row);
-    add(row, pose);
+    add(row, poses_until_regrid(bodies, row));
     if ((mapped.position - pose.position).norm() > least_margin(flow_.coupling))
-      add(row, mapped);  // the body has been moved since
+      add(row, {mapped});  // the body has been moved since
   }
   messages_.exchange_with(in_reach_);
   messages_.for_received<CellBox>([&](const CellBox& box, int) { fine_.add(box, 0, boxes); });

@@ -74,7 +74,7 @@ struct FluidSpec {
 };
 
 /// Cells are refined and coarsened only before steps that are multiples of this.
-inline constexpr std::int64_t regrid_interval = 16;
+inline constexpr std::int64_t regrid_interval = 32;
 
 /// A box without cells above a level.
 struct FineBox {

@@ -1,7 +1,9 @@
 #pragma once
 // The blocks of a rank, as populations of any lattice are stored in them.
 #include <algorithm>
+#include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "lbm/blocks/block.hpp"
@@ -9,13 +11,31 @@
 
 namespace silt::lbm {
 
+/// An array that blocks [first, end) of a rank share, and the box of its cells. A pass goes over all of them
+/// where that takes less time than over each of the blocks; nobody reads those that are of no block.
+template <class T, class Lattice = D3Q19>
+struct SharedArray {
+  Block<T, Lattice> whole;
+  int first, end;
+};
+
+/// Returns the time of a pass over a box, in updates of a cell: a row takes whole vectors, and as long again
+/// as one of them to begin.
+template <class T>
+std::int64_t time_of_pass(const CellBox& box) {
+  constexpr int vector = 64 / sizeof(T);
+  return std::int64_t{box.size.y} * box.size.z * ((box.size.x + vector - 1) / vector + 1) * vector;
+}
+
 /// Appends blocks that share arrays. Blocks of a coarse level lie between finer boxes; blocks in one array
 /// need no exchange among them. At least half of the cells of an array belong to its blocks.
 template <class T, class Lattice>
-void add_shared(std::span<const BlockPlace> places, Device device, std::vector<Block<T, Lattice>>& blocks) {
+void add_shared(std::span<const BlockPlace> places, Device device, std::vector<Block<T, Lattice>>& blocks,
+                std::vector<SharedArray<T, Lattice>>* passed_whole) {
   Int3 low = places[0].box.lower, high = low;
-  std::int64_t cells = 0;
+  std::int64_t cells = 0, time = 0;
   for (const BlockPlace& place : places) {
+    time += time_of_pass<T>(place.box);
     for (int d = 0; d < 3; ++d) {
       low[d] = std::min(low[d], place.box.lower[d]);
       high[d] = std::max(high[d], place.box.lower[d] + place.box.size[d]);
@@ -24,23 +44,38 @@ void add_shared(std::span<const BlockPlace> places, Device device, std::vector<B
   }
   const CellBox all{low, high - low};
   if (2 * cells >= all.cells()) {
-    const Block<T, Lattice> whole(all, device);
+    Block<T, Lattice> whole(all, device);
+    const int first = int(blocks.size());
     for (const BlockPlace& place : places) blocks.emplace_back(whole, place.box);
+    if (passed_whole && device == Device::cpu && time_of_pass<T>(all) < time)
+      passed_whole->push_back({std::move(whole), first, int(blocks.size())});
   } else {
-    add_shared(places.first(places.size() / 2), device, blocks);
-    add_shared(places.subspan(places.size() / 2), device, blocks);
+    add_shared(places.first(places.size() / 2), device, blocks, passed_whole);
+    add_shared(places.subspan(places.size() / 2), device, blocks, passed_whole);
   }
 }
 
-/// Makes the local blocks. Those of level 0 share no array: cut links write cells that other blocks hold.
+/// Makes the local blocks. Those of level 0 share no array with one another: cut links write cells that other
+/// blocks hold. They take the arrays of the blocks of the same boxes that there were. Appends the arrays that
+/// are best passed whole, if they are asked for.
 template <class T, class Lattice>
-std::vector<Block<T, Lattice>> local_blocks(const Domain& domain, int rank, Device device) {
+std::vector<Block<T, Lattice>> local_blocks(const Domain& domain, int rank, Device device,
+                                            std::span<const Block<T, Lattice>> before = {},
+                                            std::vector<SharedArray<T, Lattice>>* passed_whole = nullptr) {
   const std::vector<BlockPlace> places = domain.blocks_of(rank);
   std::vector<Block<T, Lattice>> blocks;
   if (domain.level() > 0 && !places.empty())
-    add_shared<T, Lattice>(places, device, blocks);
+    add_shared<T, Lattice>(places, device, blocks, passed_whole);
   else
-    for (const BlockPlace& place : places) blocks.emplace_back(place.box, device);
+    for (const BlockPlace& place : places) {
+      const auto same = std::ranges::find_if(before, [&](const Block<T, Lattice>& b) {
+        return b.box().lower == place.box.lower && b.box().size == place.box.size;
+      });
+      if (same != before.end())
+        blocks.emplace_back(*same, place.box);
+      else
+        blocks.emplace_back(place.box, device);
+    }
   return blocks;
 }
 

@@ -87,6 +87,7 @@ struct Halo<T, Lattice>::Builder {
   }
 
   void add(const BlockPlace& place, Int3 g, int j) {
+    if (home_block.box.contains(place.box.lower + g) && !domain.is_of_level(home_block)) return;  // as below
     const int here = domain.local_index(place, rank);
     if (is_row_end<Lattice>(domain, place.box, g, j)) return;
     along_y = g.y >= 0 && g.y < place.box.size.y && g.z >= 0 && g.z < place.box.size.z;

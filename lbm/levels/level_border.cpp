@@ -46,11 +46,9 @@ LevelBorder<Field>::LevelBorder(Field& fine, Field& coarse, std::pmr::polymorphi
       coarse_before_(memory),
       coarse_fetched_(memory),
       fine_fetched_{std::pmr::vector<T>(memory), std::pmr::vector<T>(memory)},
-      carried_(memory),
       sums_(memory),
       coarse_arrays_{std::pmr::vector<T*>(memory), std::pmr::vector<T*>(memory)},
       fine_arrays_{std::pmr::vector<T*>(memory), std::pmr::vector<T*>(memory)},
-      carry_(memory),
       passing_(memory),
       late_(memory.resource()) {
   make_lists();
@@ -73,8 +71,7 @@ void LevelBorder<Field>::after_coarse_pass() {
   const std::pmr::vector<T*>& arrays = coarse_arrays_[int(coarse_.parity())];
   fetch<T>(coarse_left_, arrays);
   now_.coarse_left = arrays.data(), now_.coarse_arriving = arrays.data() + arrays_of(coarse_);
-  now_.coarse_before = coarse_before_.data(), now_.carried = carried_.data(), now_.sums = sums_.data();
-  passes_on<T>(fine_.device()).carry_packets(now_, carry_);
+  now_.coarse_before = coarse_before_.data(), now_.sums = sums_.data();
 }
 
 template <class Field>
@@ -101,7 +98,7 @@ void LevelBorder<Field>::end_fine_pass() {
 }
 
 template <class Field>
-void LevelBorder<Field>::cross(const Lists& lists, std::span<const typename Rows::Passing> passing) {
+void LevelBorder<Field>::cross(const Lists& lists, std::span<const typename Patches::Passing> passing) {
   passes_on<T>(fine_.device()).cross_border(now_, lists, passing);
 }
 

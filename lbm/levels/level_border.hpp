@@ -6,9 +6,9 @@
 // continues as a packet, and a coarse cell receives the mean of the packets that end in it. No packet is lost
 // or counted twice, so mass and momentum are conserved.
 //
-// Lists are made for rows of coarse cells with the same leaves of the tree of cuts around them: packets of
-// the next cell of a row do the same as its own, two fine cells further on (level_border_lists.cpp). Rows
-// that go on from one another are then joined (join_rows.hpp).
+// Lists are made for patches, rectangles of coarse cells with the same leaves of the tree of cuts around
+// them: packets of the next cell do the same as its own, two fine cells further on (level_border_lists.cpp).
+// Patches that go on from one another are then joined (join_patches.hpp).
 #include <cstdint>
 #include <memory_resource>
 #include <span>
@@ -16,7 +16,7 @@
 
 #include "lbm/exchange/slot_exchange.hpp"
 #include "lbm/fluid.hpp"
-#include "lbm/passes/level_border_rows.hpp"
+#include "lbm/passes/level_border_patches.hpp"
 
 namespace silt::lbm {
 
@@ -44,32 +44,30 @@ class LevelBorder {
 
  private:
   struct Builder;
-  using Rows = BorderRows<T>;
-  using Row = typename Rows::Row;
-  using Explosion = typename Rows::Explosion;
-  using Packet = typename Rows::Packet;
-  using Coalescence = typename Rows::Coalescence;
-  using Source = typename Rows::Source;
-  using Taken = typename Rows::Taken;
+  using Patches = BorderPatches<T>;
+  using Patch = typename Patches::Patch;
+  using Explosion = typename Patches::Explosion;
+  using Coalescence = typename Patches::Coalescence;
+  using Extent = typename Patches::Extent;
   using Lists = BorderLists<T>;
 
   LevelBorder(Field& fine, Field& coarse, std::pmr::polymorphic_allocator<> memory);
   void make_lists();  // level_border_lists.cpp
-  void cross(const Lists&, std::span<const typename Rows::Passing>);
+  void cross(const Lists&, std::span<const typename Patches::Passing>);
 
   Field &fine_, &coarse_;
   SlotExchange<T> before_, coarse_left_, fine_left_[2];
-  std::pmr::vector<T> coarse_before_, coarse_fetched_, fine_fetched_[2], carried_, sums_;
-  /// The tables of rows by parity: arrays of the blocks, then the fetched arrays (and coarse_before_).
+  std::pmr::vector<T> coarse_before_, coarse_fetched_, fine_fetched_[2], sums_;
+  /// The tables of patches by parity: arrays of the blocks, then the fetched arrays (and coarse_before_).
   std::pmr::vector<T*> coarse_arrays_[2], fine_arrays_[2];
-  std::pmr::vector<typename Rows::Carried> carry_;
-  std::pmr::vector<typename Rows::Passing> passing_;
-  /// The lists of rows that can be served after a part of a block, by block and part; none if passes are not
-  /// in parts. Rows that need several blocks or other ranks, or subtract others' values, are served late.
+  std::pmr::vector<typename Patches::Passing> passing_;
+  /// The lists of patches that can be served after a part of a block, by block and part; none if passes are
+  /// not in parts. Patches that need several blocks or other ranks, or subtract others' values, are served
+  /// late.
   std::vector<std::vector<Lists>> ready_;
   std::vector<char> by_parts_;  // whether after_part() was called for a block in this pass
   Lists late_;
-  Rows now_{};  // of the current pass
+  Patches now_{};  // of the current pass
 };
 
 }  // namespace silt::lbm

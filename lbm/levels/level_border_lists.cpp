@@ -7,7 +7,8 @@
 
 #include "lbm/exchange/ghost_home.hpp"
 #include "lbm/heat/temperature.hpp"
-#include "lbm/levels/join_rows.hpp"
+#include "lbm/levels/border_pieces.hpp"
+#include "lbm/levels/join_patches.hpp"
 #include "lbm/levels/level_border.hpp"
 #include "parallel/communicator.hpp"
 
@@ -19,18 +20,19 @@ struct LevelBorder<Field>::Builder {
   const Domain &fine, &coarse;
   int rank;
   Leaves leaves{fine}, coarse_leaves{coarse};
+  BorderSurroundings surroundings{fine, coarse};
 
-  /// The current row: `length` coarse cells from x on along `axis`.
+  /// The current patch: coarse cells from x on, rows along `axis`, one after another along `outer`.
   Int3 x{};
-  int axis = 0;
-  std::uint32_t length = 0;
+  int axis = 0, outer = 1;
+  Extent size{};
 
   struct Entry {
     int sub_step, corner;
     Flight to;
   };
-  std::uint32_t coarse_next = 0, fine_next[2] = {}, sums = 0;
-  /// Of the blocks that share a block's array the first in memory: rows go on from one to the next.
+  std::uint32_t coarse_next = 0, before_next = 0, fine_next[2] = {};
+  /// Of the blocks that share a block's array the first in memory: patches go on from one to the next.
   std::vector<int> first_of[2] = {first_in_memory(border.fine_.blocks()),
                                   first_in_memory(border.coarse_.blocks())};
 
@@ -40,45 +42,60 @@ struct LevelBorder<Field>::Builder {
   bool is_fine(Int3 cell) { return leaves.level(cell) == fine.level(); }
   bool is_coarse(Int3 cell) { return leaves.level(cell) == coarse.level(); }
 
-  /// Returns populations of cells of this rank, one (or every second fine one) per coarse cell of the row.
-  Row own_row(const Field& fluid, Leaves& of, Int3 cell, int direction) const {
+  /// Returns populations of cells of this rank, one (or every second fine one) per coarse cell of the patch.
+  Patch own_patch(const Field& fluid, Leaves& of, Int3 cell, int direction) const {
     const BlockPlace& place = of.at(cell);
     const int b = fluid.domain().local_index(place, rank);
     const auto& block = fluid.blocks()[b];
     const bool is_coarse = fluid.domain().level() == coarse.level();
-    const int stride = int(axis == 0 ? 1 : block.row_stride()), first = first_of[is_coarse][b];
+    const int first = first_of[is_coarse][b];
+    const auto stride = [&](int d) {
+      return std::int32_t((is_coarse ? 1 : 2) * (d == 0   ? 1
+                                                 : d == 1 ? block.row_stride()
+                                                          : block.plane_stride()));
+    };
     return {std::uint32_t(first * Lattice::directions + direction),
             std::int32_t(block.cell(cell - place.box.lower) + (block.data() - fluid.blocks()[first].data())),
-            is_coarse ? stride : 2 * stride};
+            stride(axis), stride(outer)};
   }
-  SlotRun run_of(const Row& row) const { return {row.array, std::uint32_t(row.first), row.step, length}; }
-  /// Returns the row that rank `user` reads populations of any rank from; lists the message, if any.
-  Row fetched(SlotExchange<T>& slots, const Field& fluid, Leaves& of, int user, Int3 cell, int direction,
-              std::uint32_t& next, std::uint32_t table, bool returned = false) {
-    const int owner = of.at(cell).rank;
-    Row row;
-    if (owner == rank) {
-      row = own_row(fluid, of, cell, direction);
-      if (returned) row.array += std::uint32_t(fluid.blocks().size() * Lattice::directions);
-    }
-    if (owner == user) return row;
-    if (owner == rank) slots.sent(user).add(run_of(row));
+  /// Calls use(run) for the rows of a patch.
+  template <class Use>
+  static void for_runs(const Patch& patch, const Extent& size, Use&& use) {
+    for (std::uint32_t row = 0; row < size.rows; ++row)
+      use(SlotRun{patch.array, std::uint32_t(patch.first + std::int64_t{row} * patch.pitch), patch.step,
+                  size.length});
+  }
+  /// Returns the patch that rank `user` reads populations of any rank from; lists the message, if any.
+  Patch fetched(SlotExchange<T>& slots, const Patch& own, int owner, int user, std::uint32_t& next,
+                std::uint32_t table) {
+    if (owner == user) return own;
+    if (owner == rank) for_runs(own, size, [&](const SlotRun& run) { slots.sent(user).add(run); });
     if (user != rank) return {};
-    slots.received(owner).add({table, next, 1, length});
-    next += length;
-    return {table, std::int32_t(next - length), 1};
+    slots.received(owner).add({table, next, 1, size.cells()});
+    next += size.cells();
+    return {table, std::int32_t(next - size.cells()), 1, std::int32_t(size.length)};
   }
-  Row coarse_row(int user, Int3 cell, int direction, bool returned = false) {
-    return fetched(border.coarse_left_, border.coarse_, coarse_leaves, user, cell, direction, coarse_next,
-                   std::uint32_t(2 * border.coarse_.blocks().size() * Lattice::directions), returned);
+  static std::uint32_t arrays_of(const Field& fluid) {
+    return std::uint32_t(fluid.blocks().size() * Lattice::directions);
   }
-  Row fine_row(int user, Int3 cell, int direction, int sub_step) {
-    return fetched(border.fine_left_[sub_step], border.fine_, leaves, user, cell, direction,
-                   fine_next[sub_step],
-                   std::uint32_t(2 * border.fine_.blocks().size() * Lattice::directions + sub_step));
+  /// The same for coarse populations that left, or that outlets returned, and for fine ones that left.
+  Patch coarse_patch(int user, Int3 cell, int direction, bool returned = false) {
+    const int owner = coarse_leaves.at(cell).rank;
+    Patch own;
+    if (owner == rank) {
+      own = own_patch(border.coarse_, coarse_leaves, cell, direction);
+      if (returned) own.array += arrays_of(border.coarse_);
+    }
+    return fetched(border.coarse_left_, own, owner, user, coarse_next, 2 * arrays_of(border.coarse_));
+  }
+  Patch fine_patch(int user, Int3 cell, int direction, int sub_step) {
+    const int owner = leaves.at(cell).rank;
+    const Patch own = owner == rank ? own_patch(border.fine_, leaves, cell, direction) : Patch{};
+    return fetched(border.fine_left_[sub_step], own, owner, user, fine_next[sub_step],
+                   2 * arrays_of(border.fine_) + std::uint32_t(sub_step));
   }
 
-  /// The part of a block after which all fine cells of some rows are done; none for several blocks.
+  /// The part of a block after which all fine cells of some patches are done; none for several blocks.
   struct Part {
     Builder& builder;
     int block = -1, part = 0;
@@ -90,11 +107,10 @@ struct LevelBorder<Field>::Builder {
       several |= b < 0 || (block >= 0 && b != block);
       if (several) return;
       block = b;
-      const Int3 x = cell - place.box.lower;
-      const int last_y = x.y + (builder.axis == 1 ? 2 * int(builder.length - 1) : 0);
-      const PassOrder& order = builder.border.fine_.pass_order(b);
-      part = std::max(
-          {part, order.part_of(x.y, x.z), order.part_of(std::min(last_y, place.box.size.y - 1), x.z)});
+      Int3 last = cell - place.box.lower;
+      last[builder.axis] += 2 * int(builder.size.length - 1),
+          last[builder.outer] += 2 * int(builder.size.rows - 1);
+      part = std::max(part, builder.border.fine_.pass_order(b).ready(last.y, last.z, 0));
     }
     Lists& list() const {
       const bool is_late = several || block < 0 || builder.border.ready_[block].empty();
@@ -117,13 +133,9 @@ struct LevelBorder<Field>::Builder {
     }
     return entries;
   }
-  /// The rows above and below coarse cell y along axis d of the population that left along j; `factor` times
+  /// Returns the populations that left along j above and below coarse cell y along axis d; `factor` times
   /// their difference is the change over a quarter of a cell.
-  struct Slope {
-    Row above, below;
-    T factor;
-  };
-  Slope slope(int user, Int3 y, int j, int d) {
+  typename Patches::Taken slope(int user, Int3 y, int j, int d) {
     Int3 up = y, down = y;
     ++up[d], --down[d];
     up = coarse.wrapped(up), down = coarse.wrapped(down);
@@ -134,7 +146,7 @@ struct LevelBorder<Field>::Builder {
     const bool above = has(up), below = has(down);
     if (!above) up = y;
     if (!below) down = y;
-    return {coarse_row(user, up, j), coarse_row(user, down, j), T(factors[above + below])};
+    return {coarse_patch(user, up, j), coarse_patch(user, down, j), T(factors[above + below])};
   }
 
   void add_explosion(int j) {
@@ -149,47 +161,43 @@ struct LevelBorder<Field>::Builder {
     }
     const bool in_time = in_step[0] == 4 && in_step[1] == 4 && !by_outlet;
     for (const int user : users) {
-      typename Rows::Carried one{length, 0, coarse_row(user, x, j), {}, {}, {}, -1}, returned = one;
+      Explosion one{size, coarse_patch(user, x, j), {}, {}, {}, false, {}, {}, {}}, returned = one;
       for (int d = 0; d < 3; ++d) {
-        const Slope s = slope(user, x, j, d);
+        const auto s = slope(user, x, j, d);
         one.above[d] = s.above, one.below[d] = s.below, one.slope[d] = s.factor;
       }
-      if (by_outlet) returned.value = coarse_row(user, x, opposite(j), true);
+      if (by_outlet) returned.value = coarse_patch(user, x, opposite(j), true);
       returned.above = returned.below = {returned.value, returned.value, returned.value};
-      if (in_time) one.before = before_row(user, j);
+      if (in_time) one.in_time = true, one.before = before_patch(user, j);
       if (user != rank) continue;
       Part part{*this};
       for (const Entry& entry : entries)
         if (leaves.at(entry.to.cell).rank == rank) part.add(entry.to.cell);
       for (const bool outlet : {false, true}) {
-        Explosion explosion{length, std::uint32_t(border.carry_.size()), {}, {}};
+        Explosion explosion = outlet ? returned : one;
         for (int s = 0; s < 2; ++s) explosion.first[s] = std::uint32_t(part.list().packets[s].size());
         for (const Entry& entry : entries) {
           if (entry.to.by_outlet != outlet || leaves.at(entry.to.cell).rank != rank) continue;
           const double addend = entry.to.addend + (in_time ? 0 : entry.to.by_force);
-          RowJoints<T>::add(part.list().packets[entry.sub_step], explosion.packets[entry.sub_step],
-                            {own_row(border.fine_, leaves, entry.to.cell, entry.to.direction), T(addend),
-                             std::uint8_t(entry.corner)});
+          PatchJoints<T>::add(part.list().packets[entry.sub_step], explosion.packets[entry.sub_step],
+                              {own_patch(border.fine_, leaves, entry.to.cell, entry.to.direction), T(addend),
+                               std::uint8_t(entry.corner)});
         }
         if (explosion.packets[0] + explosion.packets[1] == 0) continue;
         part.list().explosions.push_back(explosion);
-        border.carry_.push_back(outlet ? returned : one);
-        RowJoints<T>::join_explosions(part.list(), border.carry_);
+        PatchJoints<T>::join_explosions(part.list());
       }
     }
   }
 
-  /// Lists the populations that arrive along j in the row before collision; returns their place at the user.
-  std::int32_t before_row(int user, int j) {
+  /// Returns the populations that arrive along j in the patch before collision; place_kept() lists the copies
+  /// of those of this rank.
+  Patch before_patch(int user, int j) {
     const int owner = coarse_leaves.at(x).rank;
-    const SlotRun to{
-        std::uint32_t(border.coarse_.blocks().size() * Lattice::directions + 1),  // behind coarse_fetched_
-        std::uint32_t(border.coarse_before_.size()), 1, length};
-    const SlotRun from = owner == rank ? run_of(own_row(border.coarse_, coarse_leaves, x, j)) : SlotRun{0, 0};
-    if (owner == rank || user == rank) border.before_.add(owner, from, user, to, rank);
-    if (user == rank) border.coarse_before_.resize(border.coarse_before_.size() + length);
-    return std::int32_t(to.first);
+    const Patch own = owner == rank ? own_patch(border.coarse_, coarse_leaves, x, j) : Patch{};
+    return fetched(border.before_, own, owner, user, before_next, before_table());
   }
+  std::uint32_t before_table() const { return arrays_of(border.coarse_) + 1; }  // behind coarse_fetched_
 
   void add_coalescence(int j) {
     struct Left {
@@ -225,32 +233,27 @@ struct LevelBorder<Field>::Builder {
     if (packets.size() + by_outlet != (from_coarse ? entered.size() : 8))
       throw std::logic_error("packets are lost or made at a border between levels");
 
-    if (from_coarse && length > 1) {  // the surroundings of the source cell may differ along the row
-      const auto [first, whole] = std::pair(x, length);
-      for (length = 1; x[axis] < first[axis] + int(whole); ++x[axis]) add_coalescence(j);
-      x = first, length = whole;
-      return;
-    }
-    std::vector<Row> sources;
+    if (from_coarse && in_alike_parts(back.cell, [&] { add_coalescence(j); })) return;
+    std::vector<Patch> sources;
     Part part{*this};
     for (const Left& left : packets) {
       part.add(left.from.cell);
-      sources.push_back(fine_row(user, left.from.cell, left.from.direction, left.sub_step));
+      sources.push_back(fine_patch(user, left.from.cell, left.from.direction, left.sub_step));
     }
     Int3 corners{};
     for (const Entry& entry : entered)
       corners = corners + corner(entry.corner) + corner(entry.corner) - Int3{1, 1, 1};
-    std::vector<Taken> taken;
+    std::vector<typename Patches::Taken> taken;
     for (int d = 0; d < 3; ++d) {
       if (corners[d] == 0) continue;
-      const Slope s = slope(user, back.cell, from_direction, d);
-      taken.push_back({s.above, s.below, T(corners[d]) * s.factor});
+      taken.push_back(slope(user, back.cell, from_direction, d));
+      taken.back().factor *= T(corners[d]);
     }
     if (user != rank) return;
     Lists& list = from_coarse ? border.late_ : part.list();
-    Coalescence one{length,
-                    own_row(border.coarse_, coarse_leaves, x, j),
-                    sums,
+    Coalescence one{size,
+                    own_patch(border.coarse_, coarse_leaves, x, j),
+                    0,
                     T(addend),
                     {std::uint32_t(list.sources[0].size()), std::uint32_t(list.sources[1].size())},
                     std::uint32_t(list.taken.size()),
@@ -258,11 +261,10 @@ struct LevelBorder<Field>::Builder {
                     {},
                     std::uint8_t(taken.size())};
     for (std::size_t k = 0; k < packets.size(); ++k)
-      RowJoints<T>::add(list.sources[packets[k].sub_step], one.sources[packets[k].sub_step], sources[k]);
+      PatchJoints<T>::add(list.sources[packets[k].sub_step], one.sources[packets[k].sub_step], sources[k]);
     list.taken.insert(list.taken.end(), taken.begin(), taken.end());
     list.coalescences.push_back(one);
-    sums += length;
-    RowJoints<T>::join_coalescences(list);
+    PatchJoints<T>::join_coalescences(list);
   }
 
   /// Lists packets that leave a fine cell in the first step and enter one in the second, through cell x.
@@ -274,78 +276,51 @@ struct LevelBorder<Field>::Builder {
       const Flight to = one_step<Lattice>(fine, middle);
       if (!is_fine(to.cell)) continue;
       const int user = leaves.at(to.cell).rank;
-      typename Rows::Passing one{length,
-                                 fine_row(user, from.cell, from.direction, 0),
-                                 {},
-                                 sums,
-                                 T(from.addend + to.addend + 2 * by_force(j))};
+      typename Patches::Passing one{size,
+                                    fine_patch(user, from.cell, from.direction, 0),
+                                    {},
+                                    0,
+                                    T(from.addend + to.addend + 2 * by_force(j))};
       if (user != rank) continue;
-      one.to = own_row(border.fine_, leaves, to.cell, to.direction);
-      sums += length;
+      one.to = own_patch(border.fine_, leaves, to.cell, to.direction);
       border.passing_.push_back(one);
     }
   }
 
-  /// The levels around a coarse cell, and the number of cells along `axis` from it on with the same.
-  struct Surroundings {
-    bool any_fine = false, any_outside = false, any_far = false;
-    bool fine[3][3][3] = {};  // by z, y, x
-    int alike = 1 << 30;
-    /// Returns whether a population that moves along j may enter fine cells.
-    bool may_meet(int j) const {
-      bool found = any_outside;
-      for (int k = 1; k < 8; ++k) {
-        const Int3 v = corner(k);
-        found |= fine[1 + v.z * Lattice::c[j].z][1 + v.y * Lattice::c[j].y][1 + v.x * Lattice::c[j].x];
-      }
-      return found;
-    }
-  };
-  Surroundings around(Int3 cell) {
-    Surroundings s;
-    for_cells(cell - Int3{1, 1, 1}, cell + Int3{2, 2, 2}, [&](Int3 y) {
-      const Int3 image = coarse.wrapped(y);
-      if (!coarse.inside(image)) {
-        s.any_outside = true;
-        if (y[axis] != cell[axis]) s.alike = 1;  // at the end of the domain
-        return;
-      }
-      const BlockPlace& place = coarse_leaves.at(image);
-      s.any_far |= !coarse.is_known(place);
-      const bool is_fine = fine.is_of_level(place);
-      const Int3 v = y - cell;
-      s.fine[1 + v.z][1 + v.y][1 + v.x] = is_fine;
-      s.any_fine |= is_fine;
-      s.alike = std::min(s.alike, place.box.lower[axis] + place.box.size[axis] - image[axis]);
-    });
-    return s;
+  /// Calls add() for parts of the patch if the leaves around the cells from y on differ along it; returns
+  /// whether they do.
+  template <class Add>
+  bool in_alike_parts(Int3 y, Add&& add) {
+    const Int3 all = surroundings.around(y).alike;
+    const Extent alike{std::min(size.length, std::uint32_t(all[axis])),
+                       std::min(size.rows, std::uint32_t(all[outer]))};
+    if (alike.cells() == size.cells()) return false;
+    const auto [first, whole] = std::pair(x, size);
+    const Extent rest_of_rows{whole.length - alike.length, alike.rows},
+        other_rows{whole.length, whole.rows - alike.rows};
+    size = alike, add();
+    if (rest_of_rows.length > 0) size = rest_of_rows, x[axis] += int(alike.length), add();
+    x = first;
+    if (other_rows.rows > 0) size = other_rows, x[outer] += int(alike.rows), add();
+    x = first, size = whole;
+    return true;
   }
 
-  /// Cuts the cells of a box, which may touch fine cells, into rows with the same leaves around them.
-  void add_rows(const CellBox& box) {
-    axis = box.size.x > 1 ? 0 : 1;
-    const Int3 end = box.lower + box.size;
-    Int3 ends = end;
-    ends[axis] = box.lower[axis] + 1;
-    for_cells(box.lower, ends, [&](Int3 first) {
-      std::vector<std::pair<CellRun, Surroundings>> runs;
-      for (x = first; x[axis] < end[axis]; x[axis] += int(length)) {
-        const Surroundings s = around(x);
-        length = std::uint32_t(std::min(s.alike, end[axis] - x[axis]));
-        if (s.any_fine && !s.any_far) runs.push_back({{x[axis], int(length)}, s});  // far: not of this rank
-      }
-      const auto for_runs = [&](auto&& concerns, auto&& add) {
-        for (const auto& [run, s] : runs)
-          if (concerns(s)) x[axis] = run.first, length = std::uint32_t(run.count), add();
-      };
-      for (int j = 1; j < Lattice::directions; ++j) {  // run after run, to be joined
-        const auto enters = [j](const Surroundings& s) { return s.may_meet(j); };
-        const auto comes = [j](const Surroundings& s) { return s.may_meet(opposite(j)); };
-        for_runs(enters, [&] { add_explosion(j); });
-        for_runs(comes, [&] { add_coalescence(j); });
-        for_runs([&](const Surroundings& s) { return enters(s) && comes(s); }, [&] { add_passing(j); });
-      }
-    });
+  void add_patches(const CellBox& face) {
+    axis = face.size.x > 1 ? 0 : 1, outer = axis == 0 && face.size.y > 1 ? 1 : 2;
+    const std::vector<BorderPiece> pieces = alike_pieces(surroundings, face, axis, outer);
+    const auto for_pieces = [&](auto&& concerns, auto&& add) {
+      for (const BorderPiece& piece : pieces)
+        if (concerns(piece.around))
+          x = piece.first, size = {std::uint32_t(piece.length), std::uint32_t(piece.rows)}, add();
+    };
+    for (int j = 1; j < Lattice::directions; ++j) {  // piece after piece, to be joined
+      const auto enters = [j](const Surroundings& s) { return s.template may_meet<Lattice>(j); };
+      const auto comes = [j](const Surroundings& s) { return s.template may_meet<Lattice>(opposite(j)); };
+      for_pieces(enters, [&] { add_explosion(j); });
+      for_pieces(comes, [&] { add_coalescence(j); });
+      for_pieces([&](const Surroundings& s) { return enters(s) && comes(s); }, [&] { add_passing(j); });
+    }
   }
 
   void build() {
@@ -368,26 +343,36 @@ struct LevelBorder<Field>::Builder {
         if (inner.size[d] < 0 || face.size.x <= 0 || face.size.y <= 0 || face.size.z <= 0) continue;
         const CellBox around = grown(face, 1);
         if (!fine.blocks_meeting({around.lower + around.lower, around.size + around.size}).empty())
-          add_rows(face);
+          add_patches(face);
       }
     }
     border.coarse_fetched_.resize(coarse_next);
     for (int s = 0; s < 2; ++s) border.fine_fetched_[s].resize(fine_next[s]);
-    border.sums_.resize(sums);
-    place_carried();
+    place_kept();
   }
 
-  /// Places what is carried in one array, to which explosions then refer instead of to entries of carry_.
-  void place_carried() {
-    std::uint32_t carried = 0;
-    for (typename Rows::Carried& its : border.carry_)
-      its.first = std::exchange(carried, carried + std::uint32_t(Rows::carried_rows) * its.length);
-    border.carried_.resize(carried);
+  /// Gives what is kept of each patch its place. Explosions then refer to copies of the populations before
+  /// collision.
+  void place_kept() {
+    std::uint32_t sums = 0;
+    const auto place_before = [&](Explosion& its) {
+      if (!its.in_time || its.before.array == before_table()) return;
+      for_runs(its.before, its.size, [&](const SlotRun& run) {
+        border.before_.copied().add(run, {before_table(), before_next, 1, run.length});
+        before_next += run.length;
+      });
+      its.before = {before_table(), std::int32_t(before_next - its.size.cells()), 1,
+                    std::int32_t(its.size.length)};
+    };
     const auto place = [&](Lists& list) {
-      for (Explosion& one : list.explosions) one.carried = border.carry_[one.carried].first;
+      std::ranges::for_each(list.explosions, place_before);
+      for (Coalescence& one : list.coalescences) one.sum = std::exchange(sums, sums + one.size.cells());
     };
     for (auto& parts : border.ready_) std::for_each(parts.begin(), parts.end(), place);
     place(border.late_);
+    for (typename Patches::Passing& one : border.passing_)
+      one.kept = std::exchange(sums, sums + one.size.cells());
+    border.coarse_before_.resize(before_next), border.sums_.resize(sums);
   }
 };
 

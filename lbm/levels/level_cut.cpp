@@ -27,7 +27,8 @@ struct Plane {
   double worth = 0;
 };
 
-/// Returns the plane through faces of boxes with the largest ratio of faces on it to cells cut by it.
+/// Returns the plane through faces of boxes with the largest ratio of faces on it to cells cut by it. What
+/// crosses a cut across x takes four times as long, an element of a cache line each.
 Plane best_plane(const CellBox& part, std::span<const LevelBox> boxes) {
   Plane best;
   for (int d = 2; d >= 0; --d) {  // ties favour the last axis, for long rows
@@ -41,7 +42,7 @@ Plane best_plane(const CellBox& part, std::span<const LevelBox> boxes) {
     }
     for (int x = 1; x < n; ++x) {
       cut_cells[x] += cut_cells[x - 1];
-      const double worth = double(face_cells[x]) / double(1 + cut_cells[x]);
+      const double worth = double(face_cells[x]) / double(1 + (d == 0 ? 4 : 1) * cut_cells[x]);
       if (worth > best.worth) best = {d, part.lower[d] + x, worth};
     }
   }

@@ -9,10 +9,16 @@ namespace silt::lbm {
 
 namespace {
 
+/// Returns whether a block of the other cut has the array of a block.
+template <class Block, class Field>
+bool is_taken(const Block& block, const Field& there) {
+  return std::ranges::any_of(there.blocks(), [&](const Block& other) { return other.shares_array(block); });
+}
+
 /// Calls visit(rank, run) for the cells that local blocks of one cut share with blocks of the other, in an
 /// order common to both ends of a message. Unknown parts have cells of the same levels.
 template <class Field, class Visit>
-void for_shared_cells(const Field& here, const Domain& there, Visit&& visit) {
+void for_shared_cells(const Field& here, const Field& there, Visit&& visit) {
   struct Row {
     int block, rank;
     Int3 first;
@@ -21,8 +27,9 @@ void for_shared_cells(const Field& here, const Domain& there, Visit&& visit) {
   std::vector<Row> rows;
   for (int b = 0; b < int(here.blocks().size()); ++b) {
     const CellBox& box = here.blocks()[b].box();
-    there.for_leaves_meeting(box, [&](const BlockPlace& place) {
-      if (!there.is_of_level(place) && there.is_known(place)) return;
+    there.domain().for_leaves_meeting(box, [&](const BlockPlace& place) {
+      if (!there.domain().is_of_level(place) && there.domain().is_known(place)) return;
+      if (is_taken(here.blocks()[b], there)) return;
       const CellBox both = overlap(box, place.box);
       for_cells(both.lower, both.lower + Int3{1, both.size.y, both.size.z}, [&](Int3 x) {
         rows.push_back({b, place.rank, x, both.size.x});
@@ -54,8 +61,8 @@ template <class Field>
 void move_populations(const Field& from, Field& to) {
   using T = typename Field::Number;
   SlotExchange<T> cells(to.comm(), 4);
-  for_shared_cells(from, to.domain(), [&](int rank, const SlotRun& row) { cells.sent(rank).add(row); });
-  for_shared_cells(to, from.domain(), [&](int rank, const SlotRun& row) { cells.received(rank).add(row); });
+  for_shared_cells(from, to, [&](int rank, const SlotRun& row) { cells.sent(rank).add(row); });
+  for_shared_cells(to, from, [&](int rank, const SlotRun& row) { cells.received(rank).add(row); });
   for (int i = 0; i < Field::Lattice::directions; ++i) {
     const auto sources = arriving<const T>(from, i);
     cells.start(sources);

@@ -7,7 +7,7 @@
 #include "lbm/blocks/moments.hpp"
 #include "lbm/collision/stream_collide.hpp"
 #include "lbm/passes/fast_list.hpp"
-#include "lbm/passes/level_border_rows.hpp"
+#include "lbm/passes/level_border_patches.hpp"
 #include "lbm/passes/outlet.hpp"
 #include "lbm/passes/slot_lists.hpp"
 
@@ -65,10 +65,9 @@ struct Passes {
                      SlotArrays<T> targets, bool back);
   void (*return_from_outlet)(const OutletCells<T>&, const SideCondition&);
   void (*return_temperature)(const OutletCells<T, D3Q7>&, const SideCondition&);
-  /// The two halves of the exchange at a border between levels: after a coarse pass, and after a fine pass.
-  void (*carry_packets)(const BorderRows<T>&, std::span<const typename BorderRows<T>::Carried>);
-  void (*cross_border)(const BorderRows<T>&, const BorderLists<T>&,
-                       std::span<const typename BorderRows<T>::Passing>);
+  /// The exchange at a border between levels after a fine pass.
+  void (*cross_border)(const BorderPatches<T>&, const BorderLists<T>&,
+                       std::span<const typename BorderPatches<T>::Passing>);
   /// Writes the moments of single cells, or only their density deviations; the other pointer is null.
   void (*gather_moments)(const ListedCells<T>&, Moments*, double* densities);
   /// Adds masses (quanta) to single cells, which may be listed repeatedly.

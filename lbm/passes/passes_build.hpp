@@ -37,40 +37,6 @@ struct MoveSlots {
   }
 };
 
-/// Function objects for the steps of BorderRows, since nvcc takes no pointer to a member.
-struct Carry {
-  SILT_DEVICE void operator()(const auto& rows, const auto&... part) const { rows.carry(part...); }
-};
-struct Explode {
-  SILT_DEVICE void operator()(const auto& rows, const auto&... part) const { rows.explode(part...); }
-};
-struct AddUp {
-  SILT_DEVICE void operator()(const auto& rows, const auto&... part) const { rows.add_up(part...); }
-};
-struct Coalesce {
-  SILT_DEVICE void operator()(const auto& rows, const auto&... part) const { rows.coalesce(part...); }
-};
-struct Pass {
-  SILT_DEVICE void operator()(const auto& rows, const auto&... part) const { rows.pass(part...); }
-};
-
-/// A team of threads handles a row, its members take the elements in turn.
-template <class Act, class T, class Entry>
-struct OverRows {
-  BorderRows<T> rows;
-  const Entry* entries;
-  SILT_DEVICE void operator()(std::int64_t k, Team team) const {
-    const std::ptrdiff_t length = entries[k].length;
-    if (team.size == 1) return Act()(rows, entries[k], 0, length);
-    for (std::ptrdiff_t n = team.lane; n < length; n += team.size) Act()(rows, entries[k], n, n + 1);
-  }
-};
-template <class Act, class T, class Entries>
-void over_rows(const BorderRows<T>& rows, const Entries& entries) {
-  using Entry = std::remove_cvref_t<decltype(*entries.data())>;
-  for_teams(std::int64_t(entries.size()), OverRows<Act, T, Entry>{rows, entries.data()});
-}
-
 template <class T>
 struct GatherMoments {
   ListedCells<T> of;
@@ -94,24 +60,6 @@ void move_slots(const SlotPairs& pairs, std::span<const T> addends, SlotArrays<c
                 SlotArrays<T> targets, bool back) {
   for_teams(std::int64_t(pairs.pairs().size()),
             MoveSlots<T>{pairs.device(), addends.data(), sources, targets, back});
-}
-
-template <class T>
-void carry_packets(const BorderRows<T>& rows, std::span<const typename BorderRows<T>::Carried> carried) {
-  over_rows<Carry>(rows, carried);
-}
-
-/// Adds up everything that arrives before it writes: a target may be the source of another sum.
-template <class T>
-void cross_border(const BorderRows<T>& all, const BorderLists<T>& lists,
-                  std::span<const typename BorderRows<T>::Passing> passing) {
-  BorderRows<T> rows = all;
-  rows.refer_to(lists);
-  over_rows<Explode>(rows, lists.explosions);
-  over_rows<AddUp>(rows, lists.coalescences);
-  over_rows<Coalesce>(rows, lists.coalescences);
-  over_rows<Pass>(rows, passing);
-  silt::SILT_BUILD::wait();
 }
 
 template <class T>
@@ -145,7 +93,6 @@ const Passes<T>& passes() {
                                        move_slots<T>,
                                        return_from_outlet<T, D3Q19>,
                                        return_from_outlet<T, D3Q7>,
-                                       carry_packets<T>,
                                        cross_border<T>,
                                        gather_moments<T>,
                                        give_masses<T>,

@@ -1,9 +1,10 @@
-// The passes on the CPU; those over all cells of a block use its vector kernels, row by row.
+// The passes on the CPU; those over all cells of a block and over borders use its vector kernels.
 #define SILT_BUILD cpu
 #define SILT_SCALAR
 #define SILT_AT_ONCE
 #include <vector>
 
+#include "lbm/passes/border_kernel.hpp"
 #include "lbm/passes/passes.hpp"
 
 namespace silt::lbm::SILT_BUILD {
@@ -32,6 +33,12 @@ void total_rows(const Block<T>& block, Parity parity, std::span<const LocalRows>
       g[i] = block.data() + block.arriving(i, parity) + block.cell(of.first);
     *totals++ = moments_kernels<T>().total(g, {of.cells, of.rows, block.row_stride()}, force);
   }
+}
+
+template <class T>
+void cross_border(const BorderPatches<T>& border, const BorderLists<T>& lists,
+                  std::span<const typename BorderPatches<T>::Passing> passing) {
+  SILT_CHOSEN(border_kernel<T>)()(border, lists, passing);
 }
 
 }  // namespace silt::lbm::SILT_BUILD

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "lbm/passes/block_passes.hpp"
+#include "lbm/passes/border_passes.hpp"
 #include "lbm/passes/passes_build.hpp"
 #include "lbm/walls/link_passes_build.hpp"
 

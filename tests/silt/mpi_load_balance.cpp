@@ -133,8 +133,8 @@ TEST(LoadBalance, AMoveChangesNoBitOfLevels) {
     Simulation s = corner().start(comm);
     throw_about(s);
     for (int t = 0; t < 64; ++t) {
-      if (moves && t % 16 == 0)
-        s.repartition(of_cells(odd_cut(tiles_of(s.setup()), ranks(), 2, 1 + t / 16), s.setup()));
+      if (moves && t % 32 == 0)
+        s.repartition(of_cells(odd_cut(tiles_of(s.setup()), ranks(), 2, 1 + t / 32), s.setup()));
       s.step();
     }
     return s.hash();

@@ -1,0 +1,69 @@
+#include "lbm/levels/border_pieces.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace silt::lbm {
+
+Surroundings BorderSurroundings::around(Int3 cell) {
+  Surroundings s;
+  for_cells({}, {3, 3, 3}, [&](Int3 at) {
+    const Int3 v = at - Int3{1, 1, 1}, image = coarse_.wrapped(cell + v);
+    if (!coarse_.inside(image)) {
+      s.any_outside = true;
+      for (int d = 0; d < 3; ++d)
+        if (v[d] != 0) s.alike[d] = 1;  // at the end of the domain
+      return;
+    }
+    BlockPlace& place = recent_[at.z][at.y][at.x];
+    if (!place.box.contains(image)) place = coarse_.block_at(image);
+    s.any_far |= !coarse_.is_known(place);
+    s.fine[at.z][at.y][at.x] = fine_.is_of_level(place);
+    s.any_fine |= s.fine[at.z][at.y][at.x];
+    for (int d = 0; d < 3; ++d)
+      s.alike[d] = std::min(s.alike[d], place.box.lower[d] + place.box.size[d] - image[d]);
+  });
+  return s;
+}
+
+std::vector<BorderPiece> alike_pieces(BorderSurroundings& surroundings, const CellBox& face, int axis,
+                                      int outer) {
+  constexpr int most_planes = 4;  // fine cells of more planes have left the cache when the last have collided
+  std::vector<BorderPiece> pieces;
+  std::vector<std::size_t> last, now;  // pieces of the last rows, of these
+  const Int3 end = face.lower + face.size;
+  int rows = 0;
+  for (Int3 first = face.lower; first[outer] < end[outer];
+       first[outer] += rows, last.swap(now), now.clear()) {
+    rows = end[outer] - first[outer];
+    for (Int3 at = first; at[axis] < end[axis];) {
+      const Surroundings s = surroundings.around(at);
+      const int length = std::min(s.alike[axis], end[axis] - at[axis]);
+      rows = std::min(rows, s.alike[outer]);
+      const auto found = std::ranges::find_if(last, [&](std::size_t k) {
+        const BorderPiece& p = pieces[k];
+        return p.first[axis] == at[axis] && p.length == length && p.around.alike[outer] > p.rows;
+      });
+      if (found != last.end()) {
+        now.push_back(*found);
+      } else if (s.any_fine && !s.any_far) {
+        now.push_back(pieces.size());
+        pieces.push_back({at, length, 0, s});
+      }
+      at[axis] += length;
+    }
+    for (const std::size_t k : now) pieces[k].rows += rows;
+  }
+  for (std::size_t k = 0; outer == 2 && k < pieces.size(); ++k) {  // more are appended
+    if (pieces[k].rows <= most_planes) continue;
+    BorderPiece rest = pieces[k];
+    rest.first[outer] += most_planes, rest.rows -= most_planes;
+    pieces[k].rows = most_planes;
+    pieces.push_back(rest);
+  }
+  std::ranges::stable_sort(pieces, {},
+                           [&](const BorderPiece& p) { return std::pair(p.first[outer], p.first[axis]); });
+  return pieces;
+}
+
+}  // namespace silt::lbm
