@@ -287,6 +287,7 @@ class FlowOf final : public Flow {
       }
       counts_.links += block.count;
     }
+    if (heat_) heat_->find_pockets(map_.blocks(), bodies);
     if (pairs_) choose_pairs();
   }
 

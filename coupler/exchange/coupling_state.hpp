@@ -94,8 +94,8 @@ struct CouplingState {
   Plain<6> sprung_velocity;
   // for output: the last force and torque of the fluid on the body, and those of its springs
   Plain<6> seen_load, spring_load;
-  // temperature of a body with a heat capacity, relative to the reference; heat that it received from the
-  // fluid in the last step
+  // temperature of a body with a heat capacity, relative to the reference; heat that it receives from the
+  // fluid in a step, over the steps in which heat crosses a cell (heat/heat_flow.cpp)
   Plain<1> temperature, heat_flow;
   OwedHeat heat_owed;
 };
@@ -146,7 +146,7 @@ void visit_columns(const CouplingState& s, Visit&& visit) {
   column("seen_load", impulse, !copied, !saved, s.seen_load);
   column("spring_load", impulse, !copied, !saved, s.spring_load);
   column("temperature", heat, copied, saved, s.temperature);
-  column("heat_flow", heat, !copied, !saved, s.heat_flow);
+  column("heat_flow", heat, !copied, saved, s.heat_flow);
   column("heat_owed", quanta, copied, saved, s.heat_owed);
 }
 

@@ -1,6 +1,7 @@
 #include "coupler/heat/heat_flow.hpp"
 
 #include <algorithm>
+#include <bit>
 
 namespace silt::coupler {
 
@@ -34,7 +35,9 @@ HeatFlow<T>::HeatFlow(const HeatSpec& spec, const std::array<BoundarySpec, 6>& s
       fluid_(fluid),
       exchange_(exchange),
       temperature_(fluid, spec, heat_sides(spec, sides)),
-      links_(fluid.blocks().size()) {}
+      links_(fluid.blocks().size()),
+      pockets_(fluid.domain(), fluid.comm()),
+      passed_on_(std::min(1.0, spec.diffusivity)) {}
 
 template <class T>
 const BodyHeat& HeatFlow<T>::spec_of(const rigid::BodySet& bodies, std::size_t row) const {
@@ -111,6 +114,20 @@ void HeatFlow<T>::list_links(int b, const BlockMap& map, const BlockLinks<T>& bl
 }
 
 template <class T>
+void HeatFlow<T>::find_pockets(std::span<const BlockMap> maps, const rigid::BodySet& bodies) {
+  pockets_.clear();
+  for (std::size_t b = 0; b < maps.size(); ++b)
+    for (std::size_t k = 0; k < links_[b].size(); ++k) {
+      if (spec_of(bodies, maps[b].masks[k].row).temperature) continue;
+      for (lbm::HeatLink& l : links_[b][k]) {
+        const Int3 solid = temperature_.blocks()[b].cell_at(l.cell) + D3Q7::c[l.direction];
+        l.pocket = pockets_.place_of(maps[b], solid, l.direction);
+      }
+    }
+  pockets_.list_shared();
+}
+
+template <class T>
 template <class Visit>
 void HeatFlow<T>::for_surfaces(std::span<const BlockLinks<T>> blocks, Visit&& visit) {
   for (std::size_t b = 0; b < blocks.size(); ++b)
@@ -122,48 +139,65 @@ template <class T>
 void HeatFlow<T>::exchange_heat(std::span<const BlockLinks<T>> blocks, rigid::BodySet& bodies) {
   for_surfaces(blocks,
                [&](auto& block, const SurfaceLinks<T>& of, std::span<const lbm::HeatLink> along_axes) {
+                 if (!spec_of(bodies, of.row).temperature)
+                   lbm::tell_pockets(block, temperature_.parity(), of.links, along_axes, of.motion,
+                                     spec_.excess(), pockets_.told());
+               });
+  pockets_.exchange();
+  for_surfaces(blocks,
+               [&](auto& block, const SurfaceLinks<T>& of, std::span<const lbm::HeatLink> along_axes) {
                  lbm::HeatSums found;
                  lbm::apply_heat_links(block, temperature_.parity(), of.links, along_axes,
-                                       surface(bodies, of.row), of.motion, found);
+                                       surface(bodies, of.row), of.motion, pockets_.told(), found);
                  sums(of.row)[heat] += found.heat, sums(of.row)[conductance] += found.conductance;
                  sums(of.row)[links] += std::int64_t(along_axes.size());
                });
   of_walls_.resize(bodies.walls);
   for (std::size_t w = 0; w < bodies.walls; ++w) of_walls_[w] = sums(bodies.first_wall() + w)[heat];
   exchange_.sum_to_owners(bodies, sums_, width);
-  std::vector<double> changes(bodies.size() * shared, 0.0);  // of temperature; then the heat owed
+  std::vector<double> changes(bodies.size() * shared, 0.0);  // of temperature; then the heat owed, as it is
   for (std::size_t row = 0; row < bodies.owned; ++row) {
+    owe(bodies, row);
     double* const to = changes.data() + row * shared;
-    to[0] = warm(bodies, row);
     const OwedHeat& owed = coupling_of(bodies, row).heat_owed;
-    to[1] = double(owed.all), to[2] = double(owed.by_each_link);
+    to[0] = foreseen_change(bodies, row);
+    to[1] = std::bit_cast<double>(owed.all), to[2] = std::bit_cast<double>(owed.by_each_link);
   }
   exchange_.share_with_copies(bodies, changes, shared);
   for (std::size_t row = bodies.owned; row < bodies.owned + bodies.copies; ++row) {
     const double* const of = changes.data() + row * shared;
-    coupling_of(bodies, row).heat_owed = {std::int64_t(of[1]), std::int64_t(of[2])};
+    coupling_of(bodies, row).heat_owed = {std::bit_cast<std::int64_t>(of[1]),
+                                          std::bit_cast<std::int64_t>(of[2])};
   }
   if (std::ranges::any_of(spec_.kinds, [](const BodyHeat& kind) { return kind.capacity > 0; }))
     correct(blocks, bodies, changes);
+  for (std::size_t row = 0; row < bodies.owned; ++row) {  // passes on a share of what has not been yet
+    double& flow = coupling_of(bodies, row).heat_flow.numbers[0];
+    flow += passed_on_ * (got(row) - flow);
+  }
 }
 
-/// Takes the sums of an owned row into its state. (Cells that it covers beyond those that it uncovers hold
-/// its temperature, too, as heat that it owes.) Returns the change of temperature by which its links must be
-/// corrected, which correct() completes.
+/// Adds to the heat that an owned row owes: what an insulating one got; of one with a heat capacity what the
+/// cells that it covers beyond those that it uncovers hold at its temperature.
 template <class T>
-double HeatFlow<T>::warm(rigid::BodySet& bodies, std::size_t row) {
-  const BodyHeat& spec = spec_of(bodies, row);
+void HeatFlow<T>::owe(rigid::BodySet& bodies, std::size_t row) {
   CouplingState& state = coupling_of(bodies, row);
   const std::int64_t* const of = sums(row);
-  state.heat_flow.numbers[0] = double(of[heat]) * lbm::heat_quantum;
-  if (!spec.temperature) {
+  if (!spec_of(bodies, row).temperature) {
     state.heat_owed.all += of[heat];
     state.heat_owed.by_each_link = of[links] > 0 ? state.heat_owed.all / of[links] : 0;
+  } else if (spec_of(bodies, row).capacity > 0) {
+    state.heat_owed.all += lbm::heat_quanta(double(of[cells]) * state.temperature.numbers[0]);
   }
+}
+
+/// Returns the change of temperature of an owned row by which its links must be corrected.
+template <class T>
+double HeatFlow<T>::foreseen_change(const rigid::BodySet& bodies, std::size_t row) const {
+  const BodyHeat& spec = spec_of(bodies, row);
   if (spec.capacity == 0) return 0;
-  state.heat_owed.all += lbm::heat_quanta(double(of[cells]) * state.temperature.numbers[0]);
-  return (state.heat_flow.numbers[0] + spec.source) /
-         (bodies.mass[row] * spec.capacity + double(of[conductance]) * lbm::heat_quantum);
+  return (got(row) + spec.source) /
+         (bodies.mass[row] * spec.capacity + double(sums(row)[conductance]) * lbm::heat_quantum);
 }
 
 /// Corrects the links of bodies with a heat capacity for their changes of temperature, and warms these by
@@ -171,7 +205,6 @@ double HeatFlow<T>::warm(rigid::BodySet& bodies, std::size_t row) {
 template <class T>
 void HeatFlow<T>::correct(std::span<const BlockLinks<T>> blocks, rigid::BodySet& bodies,
                           std::span<const double> changes) {
-  std::fill(sums_.begin(), sums_.end(), 0);
   for_surfaces(blocks, [&](auto& block, const SurfaceLinks<T>& of,
                            std::span<const lbm::HeatLink> along_axes) {
     const double change = changes[shared * of.row];
@@ -179,17 +212,13 @@ void HeatFlow<T>::correct(std::span<const BlockLinks<T>> blocks, rigid::BodySet&
     sums(of.row)[heat] += lbm::correct_heat_links(block, temperature_.parity(), of.links, along_axes, change);
   });
   exchange_.sum_to_owners(bodies, sums_, width);
+  std::vector<double> temperatures(bodies.size());
   for (std::size_t row = 0; row < bodies.owned; ++row) {
     const BodyHeat& spec = spec_of(bodies, row);
-    if (spec.capacity == 0) continue;
-    CouplingState& state = coupling_of(bodies, row);
-    state.heat_flow.numbers[0] += double(sums(row)[heat]) * lbm::heat_quantum;
-    state.temperature.numbers[0] +=
-        (state.heat_flow.numbers[0] + spec.source) / (bodies.mass[row] * spec.capacity);
+    double& temperature = coupling_of(bodies, row).temperature.numbers[0];
+    if (spec.capacity > 0) temperature += (got(row) + spec.source) / (bodies.mass[row] * spec.capacity);
+    temperatures[row] = temperature;
   }
-  std::vector<double> temperatures(bodies.size());
-  for (std::size_t row = 0; row < bodies.owned; ++row)
-    temperatures[row] = coupling_of(bodies, row).temperature.numbers[0];
   exchange_.share_with_copies(bodies, temperatures, 1);
   for (std::size_t row = bodies.owned; row < bodies.owned + bodies.copies; ++row)
     coupling_of(bodies, row).temperature.numbers[0] = temperatures[row];

@@ -6,6 +6,7 @@
 
 #include "coupler/exchange/coupling_state.hpp"
 #include "coupler/exchange/parallel_body_exchange.hpp"
+#include "coupler/heat/heat_pockets.hpp"
 #include "coupler/mapping/block_links.hpp"
 #include "coupler/mapping/refill.hpp"
 #include "coupler/spec/heat_spec.hpp"
@@ -33,6 +34,8 @@ class HeatFlow {
   void change_cells(std::span<const BlockMap>, const ChangedCells&, const rigid::BodySet&);
   /// Finds the links again of a block whose links have changed.
   void list_links(int block, const BlockMap&, const BlockLinks<T>&);
+  /// Call once the links of all blocks are listed.
+  void find_pockets(std::span<const BlockMap>, const rigid::BodySet&);
   /// Applies the links after the exchange of the fluid and of the temperature, and warms the bodies.
   /// Collective over ranks that hold a body.
   void exchange_heat(std::span<const BlockLinks<T>>, rigid::BodySet&);
@@ -42,14 +45,18 @@ class HeatFlow {
   std::int64_t heat_of_wall(std::size_t wall) const { return wall < of_walls_.size() ? of_walls_[wall] : 0; }
 
  private:
-  /// The sums of a row: heat, H of (H6), cells covered less uncovered, number of links.
+  /// The sums of a row: heat, H of (H7), cells covered less uncovered, number of links.
   enum { heat, conductance, cells, links, width };
   static constexpr int shared = 3;  // numbers of a body that its copies get
   std::int64_t* sums(std::size_t row) { return sums_.data() + row * width; }
+  const std::int64_t* sums(std::size_t row) const { return sums_.data() + row * width; }
+  /// Returns the heat that an owned row got from the fluid in this step.
+  double got(std::size_t row) const { return double(sums(row)[heat]) * lbm::heat_quantum; }
   const BodyHeat& spec_of(const rigid::BodySet&, std::size_t row) const;
   lbm::SurfaceHeat surface(const rigid::BodySet&, std::size_t row) const;
   void set_uncovered(const BlockMap&, const CoveredCell&, const lbm::SurfaceHeat&);
-  double warm(rigid::BodySet&, std::size_t row);
+  void owe(rigid::BodySet&, std::size_t row);
+  double foreseen_change(const rigid::BodySet&, std::size_t row) const;
   void correct(std::span<const BlockLinks<T>>, rigid::BodySet&, std::span<const double> changes);
   template <class Visit>
   void for_surfaces(std::span<const BlockLinks<T>>, Visit&&);
@@ -59,7 +66,9 @@ class HeatFlow {
   ParallelBodyExchange& exchange_;
   lbm::Temperature<T> temperature_;
   std::vector<std::vector<std::vector<lbm::HeatLink>>> links_;  // by block and surface
+  HeatPockets pockets_;
   std::vector<std::int64_t> sums_, of_walls_;
+  double passed_on_;  // share of the heat that a body got which it passes on in a step
 };
 
 }  // namespace silt::coupler

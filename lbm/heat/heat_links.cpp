@@ -48,20 +48,51 @@ double distance(const CutLinks<T>& links, const HeatLink& l) {
   return links.rate.empty() ? links.q[l.link] : links.q[l.link] + links.age * links.rate[l.link];
 }
 
+/// Returns what a moving surface sweeps of the heat at an insulated link.
+template <class T>
+double swept(const HeatSlots<T>& slots, const Block<T, D3Q7>& block, const CutLinks<T>& links,
+             const SurfaceMotion& motion, const HeatLink& l) {
+  const double u = velocity_along(links.frame, motion, block.cell_at(l.cell), D3Q7::c[l.direction]);
+  return u == 0 ? 0 : slots.temperature(l) * u;
+}
+
+/// The share of a link in its pocket, (H6), and what it gets from there.
+double pocket_share(double q, double excess) {
+  const double k = std::clamp(q, 0.0, 1.0);
+  return 2 * excess * k / (1 + (excess - 0.5) * k);
+}
+double from_pocket(PocketLinks all, std::int32_t place) {
+  double shares = 0, sum = 0;
+  for (const PocketLink& l : all.subspan(place - place % pocket_links, pocket_links))
+    shares += l.share, sum += l.share * l.population;
+  return shares > 0 ? all[place].share * (sum / shares - all[place].population) : 0;
+}
+
 }  // namespace
+
+template <class T>
+void tell_pockets(Block<T, D3Q7>& block, Parity parity, const CutLinks<T>& links,
+                  std::span<const HeatLink> along_axes, const SurfaceMotion& motion, double excess,
+                  std::span<PocketLink> told) {
+  const HeatSlots<T> slots(block, parity);
+  for (const HeatLink& l : along_axes)
+    if (l.pocket >= 0)
+      told[l.pocket] = {slots.out(l) - 0.5 * swept(slots, block, links, motion, l),
+                        pocket_share(distance(links, l), excess)};
+}
 
 template <class T>
 void apply_heat_links(Block<T, D3Q7>& block, Parity parity, const CutLinks<T>& links,
                       std::span<const HeatLink> along_axes, const SurfaceHeat& surface,
-                      const SurfaceMotion& motion, HeatSums& sums) {
+                      const SurfaceMotion& motion, PocketLinks told, HeatSums& sums) {
   const HeatSlots<T> slots(block, parity);
   const double returned = double(surface.by_each_link) * heat_quantum;
   for (const HeatLink& l : along_axes) {
     const double out = slots.out(l);
     T& back = slots.back(l);
     if (surface.insulates) {
-      const double u = velocity_along(links.frame, motion, block.cell_at(l.cell), D3Q7::c[l.direction]);
-      back = T(u == 0 ? out + returned : out - slots.temperature(l) * u + returned);
+      const double from_others = l.pocket >= 0 ? from_pocket(told, l.pocket) : 0;
+      back = T(out - swept(slots, block, links, motion, l) + from_others + returned);
     } else {
       const HeatCoefficients k = coefficients(l, distance(links, l));
       back = T(k.out * out + k.behind * slots.behind(l) + k.against * slots.against(l) +
@@ -86,11 +117,15 @@ std::int64_t correct_heat_links(Block<T, D3Q7>& block, Parity parity, const CutL
   return heat;
 }
 
+template void tell_pockets(Block<float, D3Q7>&, Parity, const CutLinks<float>&, std::span<const HeatLink>,
+                           const SurfaceMotion&, double, std::span<PocketLink>);
+template void tell_pockets(Block<double, D3Q7>&, Parity, const CutLinks<double>&, std::span<const HeatLink>,
+                           const SurfaceMotion&, double, std::span<PocketLink>);
 template void apply_heat_links(Block<float, D3Q7>&, Parity, const CutLinks<float>&, std::span<const HeatLink>,
-                               const SurfaceHeat&, const SurfaceMotion&, HeatSums&);
+                               const SurfaceHeat&, const SurfaceMotion&, PocketLinks, HeatSums&);
 template void apply_heat_links(Block<double, D3Q7>&, Parity, const CutLinks<double>&,
                                std::span<const HeatLink>, const SurfaceHeat&, const SurfaceMotion&,
-                               HeatSums&);
+                               PocketLinks, HeatSums&);
 template std::int64_t correct_heat_links(Block<float, D3Q7>&, Parity, const CutLinks<float>&,
                                          std::span<const HeatLink>, double);
 template std::int64_t correct_heat_links(Block<double, D3Q7>&, Parity, const CutLinks<double>&,

@@ -23,8 +23,18 @@ struct HeatLink {
   std::int32_t cell;   // Block::cell of the fluid cell
   std::uint32_t link;  // index in CutLinks::q
   std::int8_t direction;
-  bool gap;  // the cell behind is solid
+  bool gap;                  // the cell behind is solid
+  std::int32_t pocket = -1;  // its place in PocketLinks; -1: none
 };
+
+/// What links of an insulating surface tell each other that lead into one solid cell, a pocket: the
+/// population less the stream of the surface, and its share (H6). Those of a pocket are `pocket_links` in
+/// turn, by direction; a share of 0 is no link.
+struct PocketLink {
+  double population = 0, share = 0;
+};
+inline constexpr int pocket_links = D3Q7::directions - 1;
+using PocketLinks = std::span<const PocketLink>;
 
 /// What a surface is to the heat of the fluid in a step.
 struct SurfaceHeat {
@@ -33,7 +43,7 @@ struct SurfaceHeat {
   std::int64_t by_each_link = 0;  // heat_quantum that each link also returns
 };
 
-/// What the surface gets over its links in a step, and H of (H6), both in heat_quantum.
+/// What the surface gets over its links in a step, and H of (H7), both in heat_quantum.
 struct HeatSums {
   std::int64_t heat = 0, conductance = 0;
 };
@@ -51,11 +61,16 @@ void add_heat_links(const Block<T, D3Q7>& block, const CutLinks<T>& links, const
   }
 }
 
-/// Writes what a surface returns along its links, after the exchange of a pass; `parity` is that after it.
-/// Adds to the sums.
+/// Lets the links of an insulating surface that lead into pockets tell of themselves, after the exchange of a
+/// pass; `parity` is that after it. `excess` is that of HeatSpec.
+template <class T>
+void tell_pockets(Block<T, D3Q7>&, Parity, const CutLinks<T>&, std::span<const HeatLink>,
+                  const SurfaceMotion&, double excess, std::span<PocketLink>);
+
+/// Writes what a surface returns along its links, once pockets are told. Adds to the sums.
 template <class T>
 void apply_heat_links(Block<T, D3Q7>&, Parity, const CutLinks<T>&, std::span<const HeatLink>,
-                      const SurfaceHeat&, const SurfaceMotion&, HeatSums&);
+                      const SurfaceHeat&, const SurfaceMotion&, PocketLinks, HeatSums&);
 
 /// Corrects what it returned as if it were warmer by `increment`. Returns what the surface gets by that, in
 /// heat_quantum.

@@ -31,7 +31,7 @@ GOALS = [Goal(WORST.format(array=name, spheres=kind, D=D), limit) for name in PL
 SHORT_GOALS = [Goal(ONE.format(array=name, spheres=kind, phi=f"{phi:g}", D=D), SIZES[D]) for name, kind, phi, D in SHORT]
 SANGANI = dict(source="Rayleigh's method (reference/conduction_arrays.csv); Sangani, Acrivos, Proc. R. Soc. A 386 (1983) 263",
                doi="10.1098/rspa.1983.0036", uncertainty="3e-6",
-               note="insulating surfaces are steps of whole cells: first order. The gap of the simple cubic array of φ = 0.5 is 0.015 diameters, a fifth of a cell and less, and carries half of the heat")
+               note="gaps between spheres of φ = 0.5 are 0.015 (SC), 0.1 and 0.14 diameters, a fifth of a cell to one and a half, and carry much of the heat")
 CLAIMS = {
     WORST: Claim("effective conductivity, worst of φ = 0.1 to 0.5", "{array} array of {spheres} spheres, fluid at rest", "D = {D}", **SANGANI),
     ONE: Claim("effective conductivity, mean of four places", "{array} array of {spheres} spheres, fluid at rest, φ = {phi}", "D = {D}",

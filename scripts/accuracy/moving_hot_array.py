@@ -4,7 +4,7 @@ A hot and a cold sphere in a periodic cube, as in a body-centred array, solid fr
 force along (1, 0.6, 0.35) drives the fluid past them; moving they have the velocity that the stream would have, the other way, under the
 same force, so that the fluid keeps still on the whole. A change of the frame changes no heat flow. error: the mean of the moving spheres'
 heat flow over TRAVEL cells, against the mean of some places at rest, in percent; noise: its root mean square about its mean, relative to
-that, as surfaces pass from cell to cell.
+that, as surfaces pass from cell to cell. The heat flow of a body is that over the steps in which heat crosses a cell.
 """
 import math
 import pathlib
@@ -33,7 +33,7 @@ CLAIMS = {
         "Galilean invariance; own runs at rest, mean of four places", kind="convergence"),
     FORM.format(D="{D}", what="noise"): Claim(
         "heat flow, root mean square about its mean", "hot and cold spheres that move, body-centred, φ = 0.1, Pe = 10, Re = 1", "D = {D}",
-        "steady motion: no noise", note="a cell gives and takes its heat in the step in which a surface passes its centre")}
+        "steady motion: no noise")}
 
 
 def drag():

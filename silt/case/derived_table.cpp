@@ -170,6 +170,18 @@ void add_heat(const Case& setup, Table& table) {
              fmt::format("of the height along {}", "xyz"[axis]));
 }
 
+/// Adds what bodies of a heat capacity must conduct to have one temperature: the Biot number h (V/A)/k of a
+/// sphere below 0.1, with the Nusselt number of Ranz, Marshall, Chem. Eng. Prog. 48 (1952) 141 at this speed.
+void add_biot(const Case& setup, Table& table, const Entry& kind, double diameter, double speed) {
+  if (!setup.heat || setup.heat->kinds[kind.kind].capacity == 0) return;
+  const double nu = setup.fluid->kinematic_viscosity;
+  const double nusselt = 2 + 0.6 * std::sqrt(speed * diameter / nu) * std::cbrt(nu / setup.heat->diffusivity);
+  constexpr double biot = 0.1;
+  table.line("  of one temperature if",
+             fmt::format("conducting {} times as the fluid", shown(nusselt / (6 * biot))),
+             fmt::format("Biot number below {}, Nusselt number about {}", biot, shown(nusselt)));
+}
+
 /// Adds bodies of one kind; of a fill of many sizes `kind` has the largest shape, `smallest` the other.
 void add_kind(const Case& setup, Table& table, const std::string& name, const Entry& kind, int smallest) {
   const rigid::Shape& shape = setup.shapes[kind.shape];
@@ -179,9 +191,12 @@ void add_kind(const Case& setup, Table& table, const std::string& name, const En
   table.quantity(smallest == kind.shape ? "  cells across" : "  cells across, smallest",
                  rigid::least_width(setup.shapes[smallest]), dimension::length);
   table.line("  density ratio", "", shown(kind.density));
-  if (!setup.fluid || !kind.is_free() || setup.gravity.norm() == 0) return;
+  if (!setup.fluid) return;
   const double diameter = sphere_of_volume(shape), nu = setup.fluid->kinematic_viscosity;
-  const double speed = terminal_velocity(diameter, kind.density, setup.gravity.norm(), nu);
+  const double speed =
+      kind.is_free() ? terminal_velocity(diameter, kind.density, setup.gravity.norm(), nu) : 0;
+  add_biot(setup, table, kind, diameter, std::max(speed, fastest_given(setup)));
+  if (!kind.is_free() || setup.gravity.norm() == 0) return;
   table.quantity("  terminal velocity", speed, dimension::velocity, " (sphere of its volume, unbounded)");
   table.line("  its Reynolds, Mach", "",
              fmt::format("{}, {}", shown(speed * diameter / nu), shown(speed * std::sqrt(3.))));

@@ -19,7 +19,7 @@ const coupler::CouplingState& state_of(const Simulation& simulation, std::size_t
   return coupler::coupling_of(simulation.bodies(), row);
 }
 
-/// Adds the heat that goes into the fluid in the last step, in temperatures of a cell.
+/// Adds the heat that goes into the fluid in a step, in temperatures of a cell.
 void add_heat_flow(const Simulation& simulation, const QuantitySpec& q, std::span<ExactSum> sums) {
   const coupler::Flow& flow = *simulation.scene().flow;
   if (q.bearer == Bearer::bodies)
@@ -97,11 +97,13 @@ void add_stored_heat(const Simulation& simulation, const QuantitySpec&, std::spa
 constexpr Quantity of_heat[] = {
     {"heat-flow", Dimension{2, -3, 1}, Q::bearer | Q::side_bears, Q::fluid | Q::heat,
      in_step({1, add_heat_flow, has_acted}, {of_step<heat_flow>}),
-     "heat per time that goes from bodies, a wall or a side of the domain into the fluid, in the last step"},
+     "heat per time that goes from bodies, a wall or a side of the domain into the fluid, in the last step; "
+     "of "
+     "bodies over the last steps, in which heat crosses a cell"},
     {"nusselt-number", dimension::none, Q::bearer | Q::side_bears, Q::fluid | Q::heat,
      in_step({2, add_nusselt, has_acted}, {of_step<nusselt_number>}),
      "heat flow of bodies, as if spheres in a fluid of the reference temperature, over π d k ΔT; of a side "
-     "over that by conduction to the opposite side; in the last step"},
+     "over that by conduction to the opposite side; over the same steps"},
     {"mean-temperature", dimension::none, 0, Q::fluid | Q::heat,
      in_step({2, add_fluid_temperature}, {of_step<mean_temperature>}),
      "mean temperature of the fluid, at the end", "K"},

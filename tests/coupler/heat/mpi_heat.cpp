@@ -49,5 +49,28 @@ TEST(WarmBalls, AreTheSameOnAnyRanks) {
   }
 }
 
+/// Insulating balls, face-centred between a warm and a cold plane: pockets have links of several blocks.
+std::uint64_t hash_of_insulating_balls(MPI_Comm comm, const std::string& blocks) {
+  CaseText c;
+  c.domain = domain_of({15, 15, 15},
+                       "{ x = \"periodic\", y = \"periodic\", z = [{ type = \"no-slip\", temperature = 1 }, "
+                       "\"no-slip\"] }") +
+             blocks;
+  c.shapes = sphere_of("ball", 7.8);
+  c.bodies.clear();
+  for (const char* position : {"[7.5, 8, 4.1]", "[0.2, 0.5, 4.1]", "[7.5, 0.4, 10.9]", "[0.1, 8.1, 10.9]"})
+    c.bodies += body_of("ball", 1, std::string("motion = \"fixed\"\nposition = ") + position + "\n");
+  c.rest = "[heat]\nthermal_diffusivity = 0.2\n";
+  Simulation s = simulation_of(c.text(), comm);
+  while (s.steps_done() < 40) s.step();
+  return s.hash();
+}
+
+TEST(InsulatingBalls, ConductTheSameOnAnyRanks) {
+  const std::uint64_t alone = tests::alone([&] { return hash_of_insulating_balls(MPI_COMM_SELF, ""); });
+  for (const char* blocks : {"", "blocks = [5, 15, 5]\n", "blocks = [8, 4, 15]\n"})
+    EXPECT_EQ(alone, hash_of_insulating_balls(MPI_COMM_WORLD, blocks)) << blocks;
+}
+
 }  // namespace
 }  // namespace silt::coupler::testing
