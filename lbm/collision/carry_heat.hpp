@@ -26,7 +26,7 @@ struct BuoyantRates : CollisionRates<T> {
 };
 
 /// Collides the temperature (method-heat.md, equations H1 to H3) and returns the rates of the fluid under its
-/// buoyancy (H7). Both lattices have the same cells at the same offsets.
+/// buoyancy (H8). Both lattices have the same cells at the same offsets.
 template <class T>
 struct CarryHeat {
   CollisionRates<T> fluid;
