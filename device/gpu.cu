@@ -2,6 +2,8 @@
 #define SILT_BUILD gpu
 #include <cuda_runtime.h>
 
+#include <array>
+#include <cstring>
 #include <memory>
 #include <memory_resource>
 #include <new>
@@ -86,6 +88,24 @@ std::pmr::memory_resource* message_memory() {
 std::pmr::memory_resource* own_memory() {
   static Memory<allocate_own, cudaFree> own;
   return &own;
+}
+
+/// Memory that other processes may open by its name; the name stays zero if they cannot.
+void* exported(std::size_t bytes, std::array<std::byte, 64>& name) {
+  void* const memory = own_memory()->allocate(bytes);
+  cudaIpcMemHandle_t handle;
+  static_assert(sizeof handle == sizeof name);
+  if (cudaIpcGetMemHandle(&handle, memory) == cudaSuccess) std::memcpy(&name, &handle, sizeof handle);
+  cudaGetLastError();  // forgets an error
+  return memory;
+}
+const void* opened(const std::array<std::byte, 64>& name) {
+  cudaIpcMemHandle_t handle;
+  std::memcpy(&handle, &name, sizeof handle);
+  void* memory = nullptr;
+  const cudaError_t found = cudaIpcOpenMemHandle(&memory, handle, cudaIpcMemLazyEnablePeerAccess);
+  cudaGetLastError();  // forgets an error
+  return found == cudaSuccess ? memory : nullptr;
 }
 
 void copy_in_turn(void* to, const void* from, std::size_t bytes) {

@@ -1,7 +1,9 @@
 #include "device/host_device.hpp"
 
+#include <fcntl.h>
 #include <signal.h>
 #include <sys/mman.h>
+#include <unistd.h>
 
 #include <atomic>
 #include <cstdint>
@@ -9,6 +11,7 @@
 #include <map>
 #include <memory>
 #include <new>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -24,6 +27,13 @@ class LockedMemory final : public std::pmr::memory_resource {
   void lock(bool locked) {
     for (const auto& [memory, bytes] : all_)
       mprotect(memory, bytes, locked ? PROT_NONE : PROT_READ | PROT_WRITE);
+  }
+  /// Allocates memory with the bytes of a file; null if it cannot.
+  void* of_file(int file, std::size_t bytes) {
+    void* const memory = mmap(nullptr, bytes, PROT_NONE, MAP_SHARED, file, 0);
+    if (memory == MAP_FAILED) return nullptr;
+    all_[memory] = bytes;
+    return memory;
   }
   bool has(const void* at) const {
     auto next = all_.upper_bound(const_cast<void*>(at));
@@ -122,6 +132,25 @@ std::shared_ptr<void> zeroed_on_host(std::size_t bytes) {
 }
 std::uint64_t pages_touched_on_host() {
   return pages_touched;
+}
+
+void* exported_on_host(std::size_t bytes, std::array<std::byte, 64>& name) {
+  const int file = memfd_create("silt", MFD_CLOEXEC);  // lives as long as its processes
+  void* const memory =
+      file >= 0 && ftruncate(file, off_t(bytes)) == 0 ? locked_memory().of_file(file, bytes) : nullptr;
+  if (!memory) throw std::bad_alloc();
+  std::memcpy(name.data(), &file, sizeof file);
+  return memory;
+}
+const void* opened_on_host(std::int64_t process, const std::array<std::byte, 64>& name, std::size_t bytes) {
+  int number = 0;
+  std::memcpy(&number, name.data(), sizeof number);
+  const std::string path = "/proc/" + std::to_string(process) + "/fd/" + std::to_string(number);
+  const int file = open(path.c_str(), O_RDWR | O_CLOEXEC);
+  if (file < 0) return nullptr;
+  const void* const memory = locked_memory().of_file(file, bytes);
+  close(file);
+  return memory;
 }
 
 }  // namespace silt

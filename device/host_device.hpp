@@ -2,6 +2,7 @@
 // The device `host` emulates the worst case of a graphics processor, for tests: passes and copies run only
 // when the program waits for them, the device's own memory is accessible only to them, and pages of memory
 // for both processors are counted when the program touches them after passes have run.
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -26,5 +27,9 @@ std::pmr::memory_resource* own_memory_of_host();
 std::pmr::memory_resource* shared_memory_of_host();
 std::shared_ptr<void> zeroed_on_host(std::size_t bytes);
 std::uint64_t pages_touched_on_host();
+/// Allocates a piece of memory that other processes may open by its name (device/exported_memory.hpp).
+void* exported_on_host(std::size_t bytes, std::array<std::byte, 64>& name);
+/// Returns a piece of another process; null if there is none.
+const void* opened_on_host(std::int64_t process, const std::array<std::byte, 64>& name, std::size_t bytes);
 
 }  // namespace silt

@@ -1,6 +1,13 @@
 #include "lbm/exchange/slot_exchange.hpp"
 
+#include <algorithm>
+#include <ranges>
+#include <stdexcept>
+#include <string>
+
 #include "lbm/passes/passes.hpp"
+#include "parallel/collectives.hpp"
+#include "parallel/communicator.hpp"
 
 namespace silt::lbm {
 
@@ -12,21 +19,36 @@ void SlotExchange<T>::clear() {
     for (SlotList& list : peer.list) list.clear();
 }
 
+/// Returns where to pack values that the other rank's device takes from there.
+template <class T>
+T* SlotExchange<T>::Peer::room_to_pack(Device device, std::size_t slots) {
+  DeviceArray<T>& to = packed[turn ^= 1];
+  if (to.size() < slots || to.empty()) to = DeviceArray<T>(slots + slots / 2 + 1, to.get_allocator());
+  sent = place_of(device, to.data());
+  return to.data();
+}
+
 template <class T>
 void SlotExchange<T>::send(std::span<const T* const> sources, bool back, bool early) {
   const Passes<T>& passes = passes_on<T>(device_);
-  const auto is_sent = [&](const Peer& peer) { return peer.early == early && peer.list[back].slots() > 0; };
-  for (auto& [rank, peer] : peers_) {
-    if (!is_sent(peer)) continue;
-    peer.buffer[back].resize(peer.list[back].slots());
-    passes.move_slots(peer.list[back].places(), {}, {.table = sources.data()},
-                      {.only = peer.buffer[back].data()}, false);
+  const auto is_sent = [&](const auto& of) {
+    return of.second.early == early && of.second.has_message(back);
+  };
+  if (std::ranges::none_of(peers_, is_sent)) return;
+  for (auto& [rank, peer] : peers_ | std::views::filter(is_sent)) {
+    const std::size_t slots = peer.list[back].slots();
+    if (!peer.shares) peer.buffer[back].resize(slots);
+    T* const packed = peer.shares ? peer.room_to_pack(device_, slots) : peer.buffer[back].data();
+    passes.move_slots(peer.list[back].places(), {}, {.table = sources.data()}, {.only = packed}, false);
   }
   passes.wait();
-  for (auto& [rank, peer] : peers_) {
-    if (!is_sent(peer)) continue;
-    transfers_.send(rank, std::span(peer.buffer[back]));
-    from_device(peer.buffer[back]);
+  for (auto& [rank, peer] : peers_ | std::views::filter(is_sent)) {
+    if (peer.shares) {
+      transfers_.send(rank, std::span(&peer.sent, 1));
+    } else {
+      transfers_.send(rank, std::span(peer.buffer[back]));
+      from_device(peer.buffer[back]);
+    }
   }
 }
 
@@ -34,9 +56,13 @@ template <class T>
 void SlotExchange<T>::start(std::span<const T* const> sources, bool back) {
   send_lists();
   for (auto& [rank, peer] : peers_) {
-    std::pmr::vector<T>& buffer = peer.buffer[!back];
-    buffer.resize(peer.list[!back].slots());
-    if (!buffer.empty()) transfers_.receive(rank, std::span(buffer));
+    if (!peer.has_message(!back)) continue;
+    if (peer.shares) {
+      transfers_.receive(rank, std::span(&peer.received, 1));
+    } else {
+      peer.buffer[!back].resize(peer.list[!back].slots());
+      transfers_.receive(rank, std::span(peer.buffer[!back]));
+    }
   }
   send(sources, back, true);
 }
@@ -48,9 +74,12 @@ void SlotExchange<T>::finish(std::span<const T* const> sources, std::span<T* con
   passes.move_slots(copied_, {}, {.table = sources.data()}, {.table = targets.data()}, back);
   transfers_.wait();
   for (auto& [rank, peer] : peers_) {
-    passes.move_slots(peer.list[!back].places(), {}, {.only = peer.buffer[!back].data()},
-                      {.table = targets.data()}, true);
-    to_device(peer.buffer[!back]);
+    if (peer.list[!back].slots() == 0) continue;
+    const T* const values =
+        peer.shares ? static_cast<const T*>(opened(device_, peer.received)) : peer.buffer[!back].data();
+    if (!values) throw std::runtime_error("memory of rank " + std::to_string(rank) + " cannot be opened");
+    passes.move_slots(peer.list[!back].places(), {}, {.only = values}, {.table = targets.data()}, true);
+    if (!peer.shares) to_device(peer.buffer[!back]);
   }
   passes.wait();
 }
@@ -70,6 +99,27 @@ std::size_t SlotExchange<T>::message_bytes(bool early_alone) const {
   for (const auto& [rank, peer] : peers_)
     if (peer.early || !early_alone) slots += peer.list[0].slots();
   return slots * sizeof(T);
+}
+
+std::vector<char> ranks_that_share(MPI_Comm comm, Device device) {
+  if (device == Device::cpu) return {};
+  const DeviceArray<char> probe(1, exported_memory(device));
+  const ExportedPlace mine = place_of(device, probe.data());
+  const std::vector<ExportedPlace> places =
+      parallel::gathered(comm, std::span(&mine, 1), parallel::GatherTo::all_ranks);
+  std::vector<int> reads;  // ranks whose memory this one reads
+  for (std::size_t rank = 0; rank < places.size(); ++rank)
+    if (opened(device, places[rank])) reads.push_back(int(rank));
+  std::vector<std::size_t> first;
+  const std::vector<int> all =
+      parallel::gathered(comm, std::span<const int>(reads), parallel::GatherTo::all_ranks, &first);
+  std::vector<char> share(places.size(), 0);
+  for (const int rank : reads) {
+    const std::span theirs(all.begin() + std::ptrdiff_t(first[rank]),
+                           all.begin() + std::ptrdiff_t(first[rank + 1]));
+    share[rank] = std::ranges::find(theirs, parallel::rank_of(comm)) != theirs.end();
+  }
+  return share;
 }
 
 template class SlotExchange<float>;

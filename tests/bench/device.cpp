@@ -138,10 +138,13 @@ void compare(Device device, Figures& out) {
   tell<T>("totals", totals<T>(Device::cpu), totals<T>(device), out);
 }
 
-/// Messages of the ghost layer of a block of n^3 cells, to this rank itself: packed, sent, taken apart.
+/// Messages of the ghost layer of a block of n^3 cells, to this rank itself: packed, sent, taken apart, in
+/// memory that devices share or through the processor.
 template <class T>
-void messages(Device device, int n, Figures& out) {
-  lbm::SlotExchange<T> slots(MPI_COMM_SELF, 7, device);
+void messages(Device device, int n, bool shared, Figures& out) {
+  const std::string name = shared ? "messages.shared" : "messages";
+  lbm::SlotExchange<T> slots(MPI_COMM_SELF, 7, device,
+                             shared ? lbm::ranks_that_share(MPI_COMM_SELF, device) : std::vector<char>());
   std::pmr::vector<T> from(std::size_t(5) * n * n * n, memory_of(device)), to(from.size(), memory_of(device));
   for (std::size_t k = 0; k < from.size(); ++k) from[k] = T(k % 8191);
   const std::pmr::vector<const T*> sources({from.data()}, memory_of(device));
@@ -160,9 +163,9 @@ void messages(Device device, int n, Figures& out) {
     const double t = seconds([&] { slots.start(sources), slots.finish(sources, targets); });
     if (r > 1) rate.add(double(slots.message_bytes()) / t);
   }
-  tell<T>("messages", expected, std::vector<T>(to.begin(), to.end()), out);
-  printf("messages of a block of %d^3: %.2f GB/s\n", n, rate.middle() * 1e-9);
-  out.figures[std::string("device.messages.") + precision_of<T> + ".bytes_a_second"] = rate.middle();
+  tell<T>(name, expected, std::vector<T>(to.begin(), to.end()), out);
+  printf("%s of a block of %d^3: %.2f GB/s\n", name.c_str(), n, rate.middle() * 1e-9);
+  out.figures["device." + name + "." + precision_of<T> + ".bytes_a_second"] = rate.middle();
 }
 
 /// A cube of finest cells in the middle of coarser ones: updates of cells in a second.
@@ -267,8 +270,10 @@ void run(const Options& o) {
     measure<float>(device, n, copied, out);
     if (n < 512) measure<double>(device, n, copied, out);
   }
-  messages<float>(device, small ? 32 : 256, out);
-  messages<double>(device, small ? 32 : 256, out);
+  for (const bool shared : {false, true}) {
+    messages<float>(device, small ? 32 : 256, shared, out);
+    messages<double>(device, small ? 32 : 256, shared, out);
+  }
   measure_levels<float>(device, small ? 96 : 384, out);
   measure_levels<double>(device, small ? 96 : 384, out);
   for (const char name : {'a', 'b'})

@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "lbm/blocks/equal_cut.hpp"
@@ -56,7 +58,9 @@ std::vector<std::vector<double>> filled(int of_rank) {
 struct Ring {
   int next = (rank() + 1) % ranks(), last = (rank() + ranks() - 1) % ranks();
   SlotExchange<double> exchange;
-  explicit Ring(Device device = Device::cpu) : exchange(MPI_COMM_WORLD, 7, device) {
+  explicit Ring(Device device = Device::cpu, bool may_share = true)
+      : exchange(MPI_COMM_WORLD, 7, device,
+                 may_share ? ranks_that_share(MPI_COMM_WORLD, device) : std::vector<char>()) {
     exchange.sent(next).add({0, 0, 1, 4}), exchange.sent(next).add({1, 9}), exchange.sent(next).add({1, 3});
     exchange.received(last).add({1, 20, 3, 5}), exchange.received(last).add({0, 33});
     exchange.copied().add({0, 10, 1, 3}, {1, 39, -1, 3});
@@ -69,15 +73,26 @@ struct Ring {
 };
 
 TEST(SlotExchange, MovesSlotsAndBack) {
-  for (const auto& [late, device] :
-       {std::pair(false, Device::cpu), {true, Device::cpu}, {false, Device::host}, {true, Device::host}}) {
-    Ring ring(device);
+  struct Variant {
+    bool late, may_share;
+    Device device;
+  };
+  for (const auto& [late, may_share, device] : {Variant{false, true, Device::cpu},
+                                                {true, true, Device::cpu},
+                                                {false, true, Device::host},
+                                                {true, true, Device::host},
+                                                {false, false, Device::host},
+                                                {true, false, Device::host}}) {
+    Ring ring(device, may_share);
     if (late) ring.exchange.hold_back(ring.next), ring.exchange.hold_back(ring.last);
     EXPECT_EQ(ring.exchange.message_bytes(), 6 * sizeof(double));
     EXPECT_EQ(ring.exchange.message_bytes(true), late ? 0 : 6 * sizeof(double));
     const auto mine = filled(rank());
     std::vector<std::vector<double>> there(2, std::vector<double>(40, -1)), back = there;
+    const BusBytes before = bus_bytes(device);
     ring.run(mine, there, false);
+    const BusBytes crossed = bus_bytes(device) - before;
+    EXPECT_EQ(crossed.from_device, device == Device::host && may_share ? 0 : 6 * sizeof(double));
     const auto theirs = filled(ring.last);
     for (int n = 0; n < 4; ++n) EXPECT_EQ(there[1][20 + 3 * n], theirs[0][n]);
     EXPECT_EQ(there[1][32], theirs[1][9]);
@@ -89,6 +104,32 @@ TEST(SlotExchange, MovesSlotsAndBack) {
     EXPECT_EQ(back[1][3], mine[1][3]);
     EXPECT_EQ(std::count(back[0].begin(), back[0].end(), -1), 33);
     EXPECT_EQ(std::count(back[1].begin(), back[1].end(), -1), 38);
+  }
+}
+
+/// A rank that is ahead packs new values while the other one has yet to take the last ones, from memory that
+/// both devices read. Values go one way, so that only the places of messages keep the ranks together.
+TEST(SlotExchange, WaitsUntilSharedMemoryWasRead) {
+  const std::vector<char> sharing = ranks_that_share(MPI_COMM_WORLD, Device::host);
+  EXPECT_EQ(std::count(sharing.begin(), sharing.end(), 1), ranks());
+  for (const int sender : {0, 1}) {
+    if (ranks() < 2 || rank() > 1) break;
+    SlotExchange<double> exchange(MPI_COMM_WORLD, 8, Device::host, sharing);
+    for (int n = 1; n < 12; ++n) {
+      const std::uint32_t slots = n % 5 == 0 ? 0 : 40 * n;  // in some rounds there is nothing to send
+      exchange.clear();
+      if (rank() == sender)
+        exchange.sent(1 - rank()).add({0, 0, 1, slots});
+      else
+        exchange.received(1 - rank()).add({0, 0, 1, slots});
+      std::vector<double> values(500, rank() == sender ? 100 + n : -1), taken(500, -1);
+      const double* const from = values.data();
+      double* const to = taken.data();
+      exchange.start({&from, 1});
+      if (rank() != sender) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+      exchange.finish({&from, 1}, {&to, 1});
+      EXPECT_EQ(std::count(taken.begin(), taken.end(), 100. + n), rank() == sender ? 0 : slots) << n;
+    }
   }
 }
 
