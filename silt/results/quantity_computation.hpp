@@ -1,5 +1,5 @@
 #pragma once
-// Defines quantities: rows of families (body_, flow_, motion_, wall_, stress_quantities) with type and
+// Defines quantities: rows of families (body_, flow_, heat_, motion_, wall_, stress_quantities) with type and
 // computation. Computations are collective and give the same on every rank and any number of ranks, in
 // lattice units; NaN stands for a value that does not exist (no such body, no step yet).
 #include <array>
