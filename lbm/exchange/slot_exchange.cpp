@@ -101,24 +101,31 @@ std::size_t SlotExchange<T>::message_bytes(bool early_alone) const {
   return slots * sizeof(T);
 }
 
-std::vector<char> ranks_that_share(MPI_Comm comm, Device device) {
+std::vector<int> ranks_that_share(MPI_Comm comm, Device device) {
   if (device == Device::cpu) return {};
+  struct Offer {
+    int rank;
+    ExportedPlace place;
+  };
   const DeviceArray<char> probe(1, exported_memory(device));
-  const ExportedPlace mine = place_of(device, probe.data());
-  const std::vector<ExportedPlace> places =
-      parallel::gathered(comm, std::span(&mine, 1), parallel::GatherTo::all_ranks);
-  std::vector<int> reads;  // ranks whose memory this one reads
-  for (std::size_t rank = 0; rank < places.size(); ++rank)
-    if (opened(device, places[rank])) reads.push_back(int(rank));
+  const Offer mine{parallel::rank_of(comm), place_of(device, probe.data())};
+  MPI_Comm machine;
+  MPI_Comm_split_type(comm, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &machine);
+  const std::vector<Offer> offers =
+      parallel::gathered(machine, std::span(&mine, 1), parallel::GatherTo::all_ranks);
+  std::vector<int> reads;  // numbers among `offers`
+  for (std::size_t k = 0; k < offers.size(); ++k)
+    if (opened(device, offers[k].place)) reads.push_back(int(k));
   std::vector<std::size_t> first;
   const std::vector<int> all =
-      parallel::gathered(comm, std::span<const int>(reads), parallel::GatherTo::all_ranks, &first);
-  std::vector<char> share(places.size(), 0);
-  for (const int rank : reads) {
-    const std::span theirs(all.begin() + std::ptrdiff_t(first[rank]),
-                           all.begin() + std::ptrdiff_t(first[rank + 1]));
-    share[rank] = std::ranges::find(theirs, parallel::rank_of(comm)) != theirs.end();
-  }
+      parallel::gathered(machine, std::span<const int>(reads), parallel::GatherTo::all_ranks, &first);
+  const int here = parallel::rank_of(machine);
+  MPI_Comm_free(&machine);
+  std::vector<int> share;
+  for (const int k : reads)
+    if (std::find(all.begin() + std::ptrdiff_t(first[k]), all.begin() + std::ptrdiff_t(first[k + 1]), here) !=
+        all.begin() + std::ptrdiff_t(first[k + 1]))
+      share.push_back(offers[k].rank);
   return share;
 }
 

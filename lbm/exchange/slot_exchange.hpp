@@ -6,6 +6,7 @@
 // into its own memory and sends their place, and the other takes them from there. Each of two ranks packs
 // into two buffers in turn: when it packs into one again it has the other's next message, before which that
 // rank had taken the values. So places go both ways, even if values go one way.
+#include <algorithm>
 #include <map>
 #include <memory_resource>
 #include <span>
@@ -19,9 +20,9 @@
 
 namespace silt::lbm {
 
-/// Returns for each rank whether its device and that of this rank can read one another's memory; nothing for
-/// `cpu`. Collective.
-std::vector<char> ranks_that_share(MPI_Comm, Device);
+/// Returns the ranks of this machine whose device and that of this rank can read one another's memory; none
+/// for `cpu`. Collective.
+std::vector<int> ranks_that_share(MPI_Comm, Device);
 
 template <class T>
 class SlotExchange {
@@ -32,7 +33,7 @@ class SlotExchange {
   /// ranks whose device shares memory with this one's (ranks_that_share).
   SlotExchange(MPI_Comm comm, int tag, Device device = Device::cpu)
       : SlotExchange(comm, tag, device, ranks_that_share(comm, device)) {}
-  SlotExchange(MPI_Comm comm, int tag, Device device, std::vector<char> sharing)
+  SlotExchange(MPI_Comm comm, int tag, Device device, std::vector<int> sharing)
       : device_(device), sharing_(std::move(sharing)), copied_(device), transfers_(comm, tag) {}
 
   /// The lists of slots to copy on this rank, to send, and to receive. In an exchange backwards the received
@@ -87,13 +88,13 @@ class SlotExchange {
 
   Peer& peer(int rank) {
     is_sent_ = false;
-    return peers_.try_emplace(rank, device_, rank < int(sharing_.size()) && sharing_[rank]).first->second;
+    return peers_.try_emplace(rank, device_, std::ranges::count(sharing_, rank) > 0).first->second;
   }
   void send(std::span<const T* const> sources, bool back, bool early);
 
   Device device_;
-  std::vector<char> sharing_;  // by rank; may be empty
-  bool is_sent_ = false;       // the device has the present lists
+  std::vector<int> sharing_;  // ranks
+  bool is_sent_ = false;      // the device has the present lists
   SlotPairs copied_;
   std::map<int, Peer> peers_;  // by rank
   parallel::Transfers transfers_;
