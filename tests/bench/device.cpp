@@ -144,7 +144,7 @@ template <class T>
 void messages(Device device, int n, bool shared, Figures& out) {
   const std::string name = shared ? "messages.shared" : "messages";
   lbm::SlotExchange<T> slots(MPI_COMM_SELF, 7, device,
-                             shared ? lbm::ranks_that_share(MPI_COMM_SELF, device) : std::vector<char>());
+                             shared ? lbm::ranks_that_share(MPI_COMM_SELF, device) : std::vector<int>());
   std::pmr::vector<T> from(std::size_t(5) * n * n * n, memory_of(device)), to(from.size(), memory_of(device));
   for (std::size_t k = 0; k < from.size(); ++k) from[k] = T(k % 8191);
   const std::pmr::vector<const T*> sources({from.data()}, memory_of(device));
