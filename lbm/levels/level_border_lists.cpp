@@ -33,13 +33,11 @@ struct LevelBorder<Field>::Builder {
   /// Of the blocks that share a block's array the first in memory: rows go on from one to the next.
   std::vector<int> first_of[2] = {first_in_memory(border.fine_.blocks()),
                                   first_in_memory(border.coarse_.blocks())};
-
   /// A population that leaves a fine cell at rest has this much more than from a coarse cell, one that
   /// arrives lacks as much, and a packet that passes a cell without a collision lacks twice as much.
   double by_force(int j) const { return border.fine_.half_push(j); }
   bool is_fine(Int3 cell) { return leaves.level(cell) == fine.level(); }
   bool is_coarse(Int3 cell) { return leaves.level(cell) == coarse.level(); }
-
   /// Returns populations of cells of this rank, one (or every second fine one) per coarse cell of the row.
   Row own_row(const Field& fluid, Leaves& of, Int3 cell, int direction) const {
     const BlockPlace& place = of.at(cell);
@@ -65,8 +63,7 @@ struct LevelBorder<Field>::Builder {
     if (owner == rank) slots.sent(user).add(run_of(row));
     if (user != rank) return {};
     slots.received(owner).add({table, next, 1, length});
-    next += length;
-    return {table, std::int32_t(next - length), 1};
+    return {table, std::int32_t(std::exchange(next, next + length)), 1};
   }
   Row coarse_row(int user, Int3 cell, int direction, bool returned = false) {
     return fetched(border.coarse_left_, border.coarse_, coarse_leaves, user, cell, direction, coarse_next,
