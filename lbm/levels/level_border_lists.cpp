@@ -35,7 +35,6 @@ struct LevelBorder<Field>::Builder {
   /// Of the blocks that share a block's array the first in memory: patches go on from one to the next.
   std::vector<int> first_of[2] = {first_in_memory(border.fine_.blocks()),
                                   first_in_memory(border.coarse_.blocks())};
-
   /// A population that leaves a fine cell at rest has this much more than from a coarse cell, one that
   /// arrives lacks as much, and a packet that passes a cell without a collision lacks twice as much.
   double by_force(int j) const { return border.fine_.half_push(j); }

@@ -171,10 +171,7 @@ TEST(HeatOfLevels, AStreamCarriesAWaveThroughABorder) {
   const Int3 n{64, 8, 8};
   const HeatSpec heat{0.02};
   const Vector u{0.08, 0, 0};
-  LevelledFlow<double> flow(LevelledCut(
-                                n, 8, [&](Int3 x) { return x.x < 32 ? 0 : 1; }, ranks())
-                                .tree(),
-                            {}, {1.0}, 1, MPI_COMM_WORLD, Device::cpu, &heat);
+  LevelledFlow<double> flow(slabs(n), {}, {1.0}, 1, MPI_COMM_WORLD, Device::cpu, &heat);
   const double k = 2 * std::numbers::pi / n.x;
   flow.set([&](const Vector&, double&, Vector& v, auto&) { v = u; });
   set_heat(flow, [&](const Vector& x) { return std::cos(k * x[0]); });
