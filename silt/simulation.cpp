@@ -197,7 +197,7 @@ void Simulation::balance_work() {
 }
 
 void Simulation::regrid() {
-  if (!setup().coarsening || step_ == 0 || step_ % coupler::regrid_interval != 0) return;
+  if (!setup().coarsening || step_ % coupler::regrid_interval != 0) return;
   if (const auto id = scene_.body_at_border()) throw GuardStop(border_text(setup(), *id, step_));
   if (scene_.regrid()) coupled_step_.renew(scene_.parts());
 }
