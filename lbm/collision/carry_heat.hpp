@@ -86,8 +86,10 @@ struct SameRates {
 /// Calls f(source, rates), by the force on the cells of a block and what it carries.
 template <class T, class F>
 void with_rates(const CollisionRates<T>& rates, Block<T>& block, Parity parity, F&& f) {
-  if (rates.heat)
+  if (rates.heat && (rates.has_force() || rates.heat->has_force()))
     f(std::true_type(), CarryHeat<T>(rates, *block.temperature(), parity));
+  else if (rates.heat)
+    f(std::false_type(), CarryHeat<T>(rates, *block.temperature(), parity));
   else if (rates.has_force())
     f(std::true_type(), SameRates<T>{rates});
   else

@@ -26,6 +26,8 @@ struct HeatRates {
   T quarter;                                     // τ_T⁻/4
   T half_force[3], even_force[3], odd_force[3];  // of a unit of temperature, as in CollisionRates
 
+  bool has_force() const { return half_force[0] != 0 || half_force[1] != 0 || half_force[2] != 0; }
+
   /// Throws std::invalid_argument for a diffusivity that is not above 0.
   HeatRates(const HeatSpec& heat, CollisionSpec fluid) {
     if (!(heat.diffusivity > 0)) throw std::invalid_argument("the thermal diffusivity must be above 0");

@@ -133,7 +133,7 @@ TEST(Regrid, RanksAndCutsChangeNoBit) {
     return s.hash();
   });
   EXPECT_EQ(alone, hash_of(MPI_COMM_WORLD, ""));
-  EXPECT_EQ(alone, hash_of(MPI_COMM_WORLD, "balance = { every = 16 }\n"));
+  EXPECT_EQ(alone, hash_of(MPI_COMM_WORLD, "balance = { every = 32 }\n"));
 }
 
 TEST(Regrid, MomentumIsConserved) {
@@ -155,8 +155,8 @@ TEST(Regrid, ABodyAtABorderIsNamed) {
   EXPECT_EQ(s.hash(), before);
   s.bodies().set_pose(s.bodies().row_of(1), far);  // a program that asks nobody
   s.scene().exchange->relocate(s.bodies());
-  const std::string said = tests::error_of<GuardStop>([&] { s.run(9); });
-  EXPECT_TEXT(said, "step 16: body 1 ");
+  const std::string said = tests::error_of<GuardStop>([&] { s.run(25); });
+  EXPECT_TEXT(said, "step 32: body 1 ");
   EXPECT_TEXT(said, "raise coarsening.distance (now 7 cells)");
 }
 
