@@ -55,12 +55,13 @@ class Ranks(ModuleTest):
                 simulation.bodies.by_id([1, 7])
             except ValueError as error:
                 assert str(error) == "there is no body 7"
-            print(*(float(x).hex() for x in all["position"].ravel()))
+            numpy.save(f"{simulation.ranks}.{simulation.rank}", all["position"])
             """
-        said = {ranks: self.script(program, ranks) for ranks in (1, 3, 4)}
-        for ranks, result in said.items():
+        for ranks in (1, 3, 4):
+            result = self.script(program, ranks)
             self.assertEqual((result.returncode, result.stderr), (0, ""))
-            self.assertEqual(result.stdout.splitlines(), ranks * said[1].stdout.splitlines())
+            for rank in range(ranks):
+                self.assertTrue((np.load(self.case / f"{ranks}.{rank}.npy") == np.load(self.case / "1.0.npy")).all(), (ranks, rank))
 
     def test_an_error_on_one_rank_ends_all(self):
         result = self.script("""
