@@ -1,6 +1,10 @@
 #include "coupler/mapping/device_mapping.hpp"
 
+#include <algorithm>
 #include <bit>
+#include <cstring>
+#include <span>
+#include <utility>
 
 #include "coupler/mapping/solid_map.hpp"
 #include "lbm/passes/passes.hpp"
@@ -92,8 +96,23 @@ void DeviceMapping<T>::count() {
   lbm::wait(device_);
 }
 
+namespace {
+/// Returns whether two parts have the same bits, and no planes.
+template <class T>
+bool is_same(const rigid::SurfacePart<T>& a, const rigid::SurfacePart<T>& b) {
+  const auto same = [](const auto& x, const auto& y) { return std::memcmp(&x, &y, sizeof x) == 0; };
+  return a.kind == b.kind && a.planes == 0 && b.planes == 0 && same(a.axes, b.axes) &&
+         same(a.centre, b.centre) && same(a.size, b.size) && same(a.extent, b.extent);
+}
+}  // namespace
+
+/// Lists a surface, or refers to the parts listed last if they are the same: those of a body that has not
+/// turned, and of balls of one size.
 template <class T>
 SurfaceAtTime DeviceMapping<T>::listed(const rigid::SurfaceView<T>& surface, const lbm::SurfaceFrame& frame) {
+  const std::span parts(surface.parts, std::size_t(surface.count)), all(std::as_const(parts_).host());
+  if (all.size() >= parts.size() && std::ranges::equal(parts, all.last(parts.size()), is_same<T>))
+    return {std::uint32_t(all.size() - parts.size()), std::uint32_t(planes_.size()), surface.count, frame};
   const SurfaceAtTime at{std::uint32_t(parts_.size()), std::uint32_t(planes_.size()), surface.count, frame};
   parts_.host().insert(parts_.host().end(), surface.parts, surface.parts + surface.count);
   for (const rigid::SurfacePart<T>* part = surface.parts; part < surface.parts + surface.count; ++part)
