@@ -223,7 +223,9 @@ std::optional<Springs::Sprung> Springs::sprung(const BodySet& bodies, BodyId id)
 
 /// method.md, equations 49 and 50, at the positions of the bodies.
 SpringInStep Springs::in_step(const SpringSpec& spec, const Sprung& a, const Sprung& b) const {
-  SpringInStep spring{{-1, -1}, {a.pose.orientation * spec.arm, b.pose.orientation * spec.to_arm}};
+  SpringInStep spring;
+  spring.bodies = {-1, -1};
+  spring.arms = {a.pose.orientation * spec.arm, b.pose.orientation * spec.to_arm};
   const auto& [arm_a, arm_b] = spring.arms;
   const Vec3 apart = nearest_image(b.pose.position + arm_b - a.pose.position - arm_a, extent_);
   spring.rate = b.twist.at(arm_b) - a.twist.at(arm_a);

@@ -263,10 +263,8 @@ lbm::SurfaceFrame surface_frame(const BlockMap& map, const BodyMask& mask, int l
   return frame;
 }
 
-}  // namespace
-
 template <class T>
-void build_links(const BlockMap& map, const rigid::World& world, const rigid::BodySet& bodies,
+void write_links(const BlockMap& map, const rigid::World& world, const rigid::BodySet& bodies,
                  const LinkRules<T>& rules, std::vector<SurfaceLinks<T>>& surfaces) {
   DeviceMapping<T> none(Device::cpu), &device = rules.device ? *rules.device : none;
   std::pmr::memory_resource* const memory = memory_of(device.device());
@@ -295,6 +293,14 @@ void build_links(const BlockMap& map, const rigid::World& world, const rigid::Bo
                 wants_resistance ? world.bounding_radii[shape] : 0, surfaces[k]);
   });
   writer.finish();
+}
+
+}  // namespace
+
+template <class T>
+void build_links(const BlockMap& map, const rigid::World& world, const rigid::BodySet& bodies,
+                 const LinkRules<T>& rules, std::vector<SurfaceLinks<T>>& surfaces) {
+  write_links(map, world, bodies, rules, surfaces);
 }
 
 template void build_links(const BlockMap&, const rigid::World&, const rigid::BodySet&,
