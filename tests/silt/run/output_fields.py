@@ -44,7 +44,7 @@ PIPE = (domain_of([24, 24, 8], '{ x = "no-slip", y = "no-slip", z = "periodic" }
 LEVELS = (domain_of([96, 32, 32]) +
           "[fluid]\nrelaxation_time = 0.8\n[coarsening]\nlevels = 2\ndistance = 8\n" +
           shape_of("ball", "sphere", "radius = 3") +
-          body_of("ball", 2, "position = [16, 16, 16]", "velocity = [0.1, 0, 0]") + "[run]\nsteps = 64\n" +
+          body_of("ball", 20, "position = [16, 16, 16]", "velocity = [0.1, 0, 0]") + "[run]\nsteps = 64\n" +
           "[output]\n" +
           'fields = { every = 32, quantities = ["velocity", "density", "vorticity", "body-id"] }\n' +
           "checkpoint = { every = 32 }\n" +
