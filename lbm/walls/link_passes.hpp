@@ -25,7 +25,7 @@ struct LinkPass {
 template <class T>
 struct LinkPasses {
   void (*list_groups)(std::span<const DeviceSurface<T>* const>, const std::uint32_t* first, GroupOfSurface*);
-  void (*set_opposites)(std::span<const OppositeLink<T>>, const LinkPass<T>&);
+  void (*set_opposites)(const OppositesToSet<T>&, const LinkPass<T>&);
   void (*apply)(std::span<const GroupOfSurface>, const LinkPass<T>&);
   void (*apply_crossing)(std::span<const GroupOfSurface>, const LinkPass<T>&);
   void (*correct)(std::span<const GroupOfSurface>, const LinkPass<T>&);
