@@ -29,11 +29,12 @@ void SingleCellGaps<T>::pair(const std::vector<SurfaceLinks<T>>& surfaces, const
   links_.clear(), groups_.clear();
   for (std::uint32_t k = 0; k < surfaces.size(); ++k) {
     const SurfaceLinks<T>& surface = surfaces[k];
-    for (const lbm::LinkGroup& g : surface.links.groups) {
+    for (std::uint32_t number = 0; number < surface.links.groups.size(); ++number) {
+      const lbm::LinkGroup& g = surface.links.groups[number];
       if (g.scheme != lbm::WallScheme::single_cell_gap) continue;
       const std::uint32_t* const place =
           surface.gap_places.empty() ? &surface.links.place[g.begin] : &surface.gap_places[g.opposite];
-      groups_.push_back({k, g.opposite, g.count});
+      groups_.push_back({k, number, g.opposite, g.count});
       for (std::uint32_t l = 0; l < g.count; ++l) {
         const Int3 cell = g.corner + lbm::place_cell(place[l]);
         const int i = lbm::place_direction(place[l]);
@@ -64,7 +65,11 @@ void SingleCellGaps<T>::set(std::vector<SurfaceLinks<T>>& surfaces) const {
 
 template <class T>
 void SingleCellGaps<T>::leave_to(lbm::DeviceLinks<T>& device) {
-  for (const Link& link : links_) device.add(link);
+  auto link = links_.begin();
+  for (const Group& g : groups_) {
+    device.add_gaps({g.surface, g.number});
+    for (std::uint32_t l = 0; l < g.count; ++l) device.add(*link++);
+  }
   links_.clear(), groups_.clear();
 }
 

@@ -52,7 +52,7 @@ class SingleCellGaps {
     std::uint32_t own_number;  // index in place and q
   };
   struct Group {
-    std::uint32_t surface, first, count;  // range of opposite_q and opposite_u
+    std::uint32_t surface, number, first, count;  // range of opposite_q and opposite_u
   };
   template <class F>
   void for_pairs(F&&);  // calls f with the indices of the links of each pair

@@ -1,12 +1,15 @@
 #include "lbm/walls/device_links.hpp"
 
+#include <algorithm>
+
 #include "lbm/passes/passes.hpp"
 
 namespace silt::lbm {
 
 template <class T>
 void DeviceLinks<T>::clear() {
-  surfaces_.host().clear(), steps_.host().clear(), first_group_.host().clear(), opposites_.host().clear();
+  surfaces_.host().clear(), steps_.host().clear(), first_group_.host().clear();
+  gaps_.host().clear(), walls_.host().clear(), side_velocities_.host().clear();
   group_count_ = 0, is_listed_ = has_crossings_ = false;
 }
 
@@ -17,6 +20,18 @@ void DeviceLinks<T>::add(const DeviceSurface<T>* surface, std::span<const LinkGr
   first_group_.host().push_back(group_count_);
   group_count_ += std::uint32_t(groups.size());
   for (const LinkGroup& group : groups) has_crossings_ |= group.crossing;
+}
+
+template <class T>
+void DeviceLinks<T>::add(const OppositeLink<T>& link) {
+  std::uint32_t number = link.number;
+  if (link.other < 0) {
+    std::pmr::vector<T>& all = side_velocities_.host();
+    const auto found = std::find(all.begin(), all.end(), link.side_velocity);
+    number = std::uint32_t(found - all.begin());
+    if (found == all.end()) all.push_back(link.side_velocity);
+  }
+  walls_.host().push_back({link.other, number, link.at_side});
 }
 
 template <class T>
@@ -40,12 +55,12 @@ LinkPass<T> DeviceLinks<T>::pass_over(Block<T>& block) {
           false};
 }
 
-/// Lists the groups of all surfaces, and sends the OppositeLinks, if either has changed.
+/// Lists the groups of all surfaces, and sends the walls behind links, if either has changed.
 template <class T>
 void DeviceLinks<T>::list_groups() {
   if (is_listed_) return;
   is_listed_ = true;
-  opposites_.send(), surfaces_.send();
+  gaps_.send(), walls_.send(), side_velocities_.send(), surfaces_.send();
   groups_.clear(), groups_.resize(group_count_);
   passes().list_groups({surfaces_.device(), surfaces_.size()}, first_group_.send(), groups_.data());
 }
@@ -60,7 +75,7 @@ void DeviceLinks<T>::apply(Block<T>& block, const WallFluid<T>& fluid, const Lin
   LinkPass<T> pass = pass_over(block);
   pass.fluid = fluid, pass.pairs_across = pairs_across;
   pass.galilean = form == ForceForm::galilean;
-  passes().set_opposites({opposites_.device(), opposites_.size()}, pass);
+  passes().set_opposites({gaps_.device(), gaps_.size(), walls_.device(), side_velocities_.device()}, pass);
   passes().apply(groups_, pass);
   // last, since other links read what crossing links write
   if (has_crossings_) passes().apply_crossing(groups_, pass);

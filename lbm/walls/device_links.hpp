@@ -82,6 +82,25 @@ SILT_DEVICE void set_opposite(const OppositeLink<T>& link, Int3 along, const Sur
   own.opposite_q[link.place] = q, own.opposite_u[link.place] = velocity;
 }
 
+/// The wall behind a link as a device is told, which knows the link from its group. `number`: of the opposite
+/// link if there is a surface, else of the velocity of the side.
+struct WallBehind {
+  std::int32_t other;  // index of the opposite surface; -1: none
+  std::uint32_t number : 31, at_side : 1;
+};
+/// A group of `single_cell_gap` links, and the first of its walls behind.
+struct GapGroup {
+  GroupOfSurface group;
+  std::uint32_t first;
+};
+template <class T>
+struct OppositesToSet {
+  const GapGroup* groups;
+  std::size_t group_count;
+  const WallBehind* walls;
+  const T* side_velocities;
+};
+
 template <class T>
 struct LinkPass;
 template <class T>
@@ -97,7 +116,11 @@ class DeviceLinks {
   /// Removes all surfaces. Those added next must stay in memory_of the device.
   void clear();
   void add(const DeviceSurface<T>*, std::span<const LinkGroup>);
-  void add(const OppositeLink<T>& link) { opposites_.host().push_back(link); }
+  /// Adds a group of links that know the wall behind them, and then each of its links in turn.
+  void add_gaps(const GroupOfSurface& group) {
+    gaps_.host().push_back({group, std::uint32_t(walls_.size())});
+  }
+  void add(const OppositeLink<T>&);
   std::size_t size() const { return surfaces_.size(); }  // number of surfaces
 
   /// Sets the motion of surface k in the next step, and the age of its wall distances.
@@ -124,8 +147,10 @@ class DeviceLinks {
   DeviceArray<GroupOfSurface> groups_{memory_of(device_)};  // of all surfaces
   std::uint32_t group_count_ = 0;
   bool is_listed_ = false, has_crossings_ = false;
-  Mirror<OppositeLink<T>> opposites_{device_};
-  Mirror<LinkSlots> slots_{device_};  // of the pass
+  Mirror<GapGroup> gaps_{device_};
+  Mirror<WallBehind> walls_{device_};
+  Mirror<T> side_velocities_{device_};  // a few, as they occur
+  Mirror<LinkSlots> slots_{device_};    // of the pass
 };
 
 /// The data of a pass over groups of links.
@@ -148,7 +173,7 @@ struct LinkPass {
 template <class T>
 struct LinkPasses {
   void (*list_groups)(std::span<const DeviceSurface<T>* const>, const std::uint32_t* first, GroupOfSurface*);
-  void (*set_opposites)(std::span<const OppositeLink<T>>, const LinkPass<T>&);
+  void (*set_opposites)(const OppositesToSet<T>&, const LinkPass<T>&);
   void (*apply)(std::span<const GroupOfSurface>, const LinkPass<T>&);
   void (*apply_crossing)(std::span<const GroupOfSurface>, const LinkPass<T>&);
   void (*correct)(std::span<const GroupOfSurface>, const LinkPass<T>&);

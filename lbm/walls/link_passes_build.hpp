@@ -175,14 +175,32 @@ struct CorrectLinks {
 template <class T>
 struct SetOpposites {
   LinkPass<T> pass;
-  const OppositeLink<T>* links;
-  SILT_DEVICE void operator()(std::int64_t k) const {
-    const std::int32_t packed = pass.slots->components[links[k].direction];
-    const Int3 along{component(packed, 0), component(packed, 1), component(packed, 2)};
-    set_opposite(links[k], along, [&](std::uint32_t n) -> SurfaceInGap<T> {
-      const DeviceSurface<T>& of = *pass.surfaces[n];
-      return {of.frame, pass.steps[n].motion, of.q, of.opposite_q, of.opposite_u};
-    });
+  OppositesToSet<T> all;
+  SILT_DEVICE OppositeLink<T> link_at(const GapGroup& gaps, const LinkGroup& group, std::uint32_t place,
+                                      std::uint32_t l) const {
+    const WallBehind& wall = all.walls[gaps.first + l];
+    return {gaps.group.surface,
+            group.opposite + l,
+            wall.other,
+            wall.number,
+            group.corner + place_cell(place),
+            std::int8_t(place_direction(place)),
+            wall.at_side != 0,
+            wall.other < 0 ? all.side_velocities[wall.number] : T(0)};
+  }
+  SILT_DEVICE void operator()(std::int64_t k, const Team& member) const {
+    const GapGroup& gaps = all.groups[k];
+    const DeviceSurface<T>& own = *pass.surfaces[gaps.group.surface];
+    const LinkGroup& group = own.groups[gaps.group.number];
+    for (auto l = std::uint32_t(member.lane); l < group.count; l += std::uint32_t(member.size)) {
+      const OppositeLink<T> link = link_at(gaps, group, own.place[group.begin + l], l);
+      const std::int32_t packed = pass.slots->components[link.direction];
+      const Int3 along{component(packed, 0), component(packed, 1), component(packed, 2)};
+      set_opposite(link, along, [&](std::uint32_t n) -> SurfaceInGap<T> {
+        const DeviceSurface<T>& of = *pass.surfaces[n];
+        return {of.frame, pass.steps[n].motion, of.q, of.opposite_q, of.opposite_u};
+      });
+    }
   }
 };
 
@@ -192,8 +210,8 @@ void list_groups(std::span<const DeviceSurface<T>* const> surfaces, const std::u
   for_teams(std::int64_t(surfaces.size()), ListGroups<T>{surfaces.data(), first, groups});
 }
 template <class T>
-void set_opposites(std::span<const OppositeLink<T>> links, const LinkPass<T>& pass) {
-  for_each(std::int64_t(links.size()), SetOpposites<T>{pass, links.data()});
+void set_opposites(const OppositesToSet<T>& all, const LinkPass<T>& pass) {
+  for_teams(std::int64_t(all.group_count), SetOpposites<T>{pass, all});
 }
 template <class T, bool crossing>
 void apply_links(std::span<const GroupOfSurface> groups, const LinkPass<T>& pass) {
