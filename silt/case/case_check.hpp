@@ -55,6 +55,10 @@ std::string shown_length(const Case&, double);                  // in the units 
 /// Returns whether a bounding box lies in the domain; it may extend `slack` cells beyond.
 bool lies_in_domain(const Case&, const rigid::BoundingBox&, double slack);
 
+/// Returns the longest cell that fits a domain of this size (m) with at least so many cells, a whole number,
+/// along its shortest side; 0 if no cell in reach does.
+double fitting_cell(const rigid::Vec3& size, double fewest);
+
 /// Returns e.g. "domain.boundary.z[0]" for the number of a side.
 const char* side_key(int side);
 
@@ -85,6 +89,8 @@ std::string time_step_cure(const Case&, double factor);
 
 /// Returns "a smaller units.time_step", or a change of another key that shortens steps; "" in lattice units.
 std::string shorter_step(const Case&);
+/// Returns "a larger units.time_step" and so on; "a longer time step" in lattice units.
+std::string longer_step(const Case&);
 
 /// Return x rounded to two digits, never above (below) it.
 double rounded_down(double x);

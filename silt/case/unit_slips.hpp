@@ -24,6 +24,8 @@ std::string length_slip(const Case&);
 /// Returns the cure of a motion that is too fast: that of the units where they may be wrong, else the given
 /// one.
 std::string units_first(const Case&, const std::string& cure);
+/// Returns "if domain.size is in mm, write [0.01, 0.01, 0.04] (m); else ", or "".
+std::string size_slip(const Case&);
 /// Returns what is wrong with a surface of a file, named by an entry ("walls[0]"), that is so many cells
 /// across: far more than the domain has.
 std::string scale_slip(const Case&, const std::string& entry, double across);
