@@ -23,8 +23,9 @@ namespace {
 
 /// Returns the keys that drive motion, at most one per section: "fluid.body_force, bodies[0].velocity".
 std::string drives(const Case& setup) {
-  constexpr std::array<std::string_view, 6> names = {
-      "acceleration", "body_force", "superficial_velocity", "velocity", "angular_velocity", "amplitude"};
+  constexpr std::array<std::string_view, 7> names = {
+      "acceleration", "body_force", "superficial_velocity", "velocity", "angular_velocity",
+      "amplitude",    "expansion"};
   std::string listed, last;
   for (const auto& [path, place] : setup.places) {
     const std::string section = path.substr(0, path.find_first_of(".["));

@@ -81,15 +81,24 @@ std::string in_metres(const Case& setup, double across) {
   return fmt::format("; is it in millimetres? That would be {} m", shown_length(setup, smaller));
 }
 
+/// Returns "use units.cell_size = 0.00025", a cell that is `factor` times as long or less and fits the
+/// domain.
+std::string cure_of_cells(const Case& setup, double factor) {
+  const double cell = setup.units.cell_size;
+  const rigid::Vec3 size = cell * extent_of(setup).size;
+  const double fitting = fitting_cell(size, std::ceil(size.minCoeff() / (factor * cell) * (1 - unseen)));
+  return fitting > 0 ? fmt::format("use units.cell_size = {:.12g}", fitting)
+                     : fmt::format("use units.cell_size = {}", shown(rounded_down(cell * factor)));
+}
+
 void check_cells_across(const Case& setup, Diagnostics& findings, const Entry& body) {
   const double across = rigid::least_width(setup.shapes[body.shape]), factor = across / fewest_cells_across;
   if (factor >= 1) return;
   const std::string found = fmt::format("{}.shape: shape '{}' is {} cells across", body.key,
                                         setup.shape_names[body.shape], shown(across));
   const std::string cure =
-      setup.units.si
-          ? fmt::format("use units.cell_size = {}", shown(rounded_down(setup.units.cell_size * factor)))
-          : fmt::format("make everything {} times as large", shown(rounded_up(1 / factor)));
+      setup.units.si ? cure_of_cells(setup, factor)
+                     : fmt::format("make everything {} times as large", shown(rounded_up(1 / factor)));
   if (across < fewest_cells_seen)
     findings.error(body.key + ".shape", "{}, which the lattice cannot resolve; {}{}", found, cure,
                    setup.units.si ? "" : ", or system = \"si\" if lengths are in m");
@@ -122,6 +131,16 @@ bool check_scales(const Case& setup, Diagnostics& findings) {
     good = false;
   }
   return good;
+}
+
+/// A fixed body may reach beyond the domain, but one that is far larger is doubtful.
+void check_reach(const Case& setup, Diagnostics& findings, const Entry& body) {
+  constexpr double doubtful = 10;  // times the domain
+  const double across = 2 * rigid::bounding_radius(setup.shapes[body.shape]), times = across / longest(setup);
+  if (times < doubtful) return;
+  findings.warning(body.key + ".shape", "{}.shape: shape '{}' is {} across, {:.0f} times the domain{}",
+                   body.key, setup.shape_names[body.shape], shown_length(setup, across), times,
+                   in_metres(setup, across));
 }
 
 /// A body that moves must find room between the walls, and must not meet itself across a border.
@@ -332,6 +351,7 @@ void find_body_faults(const Case& setup, Diagnostics& findings) {
     if (entry.smallest && setup.fluid) check_cells_across(setup, findings, entry);
     if (entry.largest && !setup.fluid) check_specks(setup, findings, entry);
     if (entry.largest && entry.motion != rigid::Motion::fixed) check_room(setup, findings, entry);
+    if (entry.largest && entry.motion == rigid::Motion::fixed) check_reach(setup, findings, entry);
   }
   if (setup.fluid)
     for (const Entry& entry : continued_entries_of(setup)) check_cells_across(setup, findings, entry);

@@ -177,6 +177,12 @@ std::string shorter_step(const Case& setup) {
   return fmt::format("a {} {}", key == "units.max_velocity" ? "larger" : "smaller", key);
 }
 
+std::string longer_step(const Case& setup) {
+  if (!setup.units.si) return "a longer time step";
+  const std::string key = time_step_key(setup);
+  return fmt::format("a {} {}", key == "units.max_velocity" ? "smaller" : "larger", key);
+}
+
 std::string in_si(const Case& setup, double x, Dimension d) {
   if (!setup.units.si) return "";
   return fmt::format(" ({} {})", shown(setup.units.physical(x, d)), setup.units.unit_text(d));

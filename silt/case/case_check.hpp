@@ -54,6 +54,10 @@ std::string shown_length(const Case&, double);                  // in the units 
 /// Returns whether a bounding box lies in the domain; it may extend `slack` cells beyond.
 bool lies_in_domain(const Case&, const rigid::BoundingBox&, double slack);
 
+/// Returns the longest cell that fits a domain of this size (m) with at least so many cells, a whole number,
+/// along its shortest side; 0 if no cell in reach does.
+double fitting_cell(const rigid::Vec3& size, double fewest);
+
 /// Returns e.g. "domain.boundary.z[0]" for the number of a side.
 const char* side_key(int side);
 
@@ -84,6 +88,8 @@ std::string time_step_cure(const Case&, double factor);
 
 /// Returns "a smaller units.time_step", or a change of another key that shortens steps; "" in lattice units.
 std::string shorter_step(const Case&);
+/// Returns "a larger units.time_step" and so on; "a longer time step" in lattice units.
+std::string longer_step(const Case&);
 
 /// Return x rounded to two digits, never above (below) it.
 double rounded_down(double x);
@@ -163,6 +169,8 @@ std::string motion_slip(const Case&);
 std::string length_slip(const Case&);
 /// For a motion that is too fast: the remedy for the units where they may be wrong, otherwise the given one.
 std::string units_first(const Case&, const std::string& cure);
+/// For the size of the domain in millimetres: "if domain.size is in mm, write [0.01, 0.01, 0.04] (m); else ".
+std::string size_slip(const Case&);
 /// For a surface from a file, named by an entry ("walls[0]"), that is so many cells across: far more than the
 /// domain has.
 std::string scale_slip(const Case&, const std::string& entry, double across);

@@ -128,7 +128,7 @@ constexpr std::tuple top_keys{
         "gravity", "table", "", "0", "what acts on the bodies",
         IdleInCase{[](const Case& setup) { return weighs_nothing(setup) && setup.has_free_bodies(); },
                    "all free bodies are as heavy as the fluid"},
-        IdleInCase{[](const Case& setup) { return weighs_nothing(setup) && !setup.has_free_bodies(); },
+        IdleInCase{[](const Case& s) { return weighs_nothing(s) && !s.has_free_bodies() && !s.heat; },
                    "it acts on free bodies, and the case has none; a pressure gradient is fluid.body_force"}},
     HandKey{"initial", "table", "", "none", "another run, from whose end this one starts"},
     HandKey{"coupling", "table", "", "defaults", "how fluid and bodies are coupled",

@@ -194,15 +194,12 @@ bool are_whole(const rigid::Vec3& cells) {
   });
 }
 
-/// Returns ", or use units.cell_size = 0.000333333333333", the next smaller one that fits the domain, or "".
-std::string fitting_cell(const Case& setup, const rigid::Vec3& size) {
-  constexpr int tries = 64;
-  const double cell = setup.units.cell_size, shortest = size.minCoeff();
-  if (!setup.units.si || !(shortest > 0)) return "";
-  for (int n = int(std::ceil(shortest / cell)), end = n + tries; n < end; ++n)
-    if (are_whole(size * n / shortest))
-      return fmt::format(", or use units.cell_size = {:.12g}", shortest / n);
-  return "";
+/// Returns ", or use units.cell_size = 0.000333333333333", the nearest one that fits the domain or the next
+/// smaller, or "".
+std::string or_fitting_cell(const Case& setup, const rigid::Vec3& size) {
+  if (!setup.units.si || !(size.minCoeff() > 0)) return "";
+  const double fitting = fitting_cell(size, std::round(size.minCoeff() / setup.units.cell_size));
+  return fitting > 0 ? fmt::format(", or use units.cell_size = {:.12g}", fitting) : "";
 }
 
 void read_cells(TableReader& domain, Case& setup) {
@@ -220,7 +217,7 @@ void read_cells(TableReader& domain, Case& setup) {
     domain.fail("size",
                 "domain.size is {}; it must be whole multiples of the cell size {}, at least one; the "
                 "nearest is {}{}",
-                shown(*size), shown(cell), shown(rigid::Vec3(whole * cell)), fitting_cell(setup, *size));
+                shown(*size), shown(cell), shown(rigid::Vec3(whole * cell)), or_fitting_cell(setup, *size));
 }
 
 void read_blocks(TableReader& domain, Case& setup) {
@@ -294,6 +291,14 @@ void check_flows(const Case& setup, Diagnostics& findings) {
 }
 
 }  // namespace
+
+double fitting_cell(const rigid::Vec3& size, double fewest) {
+  constexpr int tries = 64;
+  const double first = std::max(1., fewest);
+  for (double n = first; n < first + tries; ++n)
+    if (are_whole(size * n / size.minCoeff())) return size.minCoeff() / n;
+  return 0;
+}
 
 double snapped(double x, int cells) {
   return x > cells && x <= cells + cell_count_tolerance(cells) ? cells : x;

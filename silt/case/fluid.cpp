@@ -185,10 +185,14 @@ void read_keys_of(coupler::InitialFlow type, TableReader& initial, coupler::Init
 
 void read_initial(TableReader initial, coupler::InitialSpec& spec) {
   if (!initial.present()) return;
+  const std::size_t errors_before = initial.context().errors.size();
   read_keys(initial, spec, initial_keys);
+  if (initial.context().errors.size() > errors_before) return initial.judge_no_keys();  // of what type?
   read_keys_of(coupler::InitialFlow::shear_layer, initial, spec, layer_keys);
   read_keys_of(coupler::InitialFlow::vortex, initial, spec, vortex_keys);
-  if (spec.type != coupler::InitialFlow::rest) read_keys(initial, spec, stream_keys);
+  if (spec.type != coupler::InitialFlow::rest) return read_keys(initial, spec, stream_keys);
+  initial.refuse_given({"velocity"},
+                       "{key} is given, but {table}.type is \"rest\"; take \"uniform\", or remove it");
 }
 
 void read_coupling(TableReader& root, Case& setup) {
@@ -306,8 +310,8 @@ void check_viscosity(const Case& setup, Diagnostics& findings) {
            !lbm::model_of(setup.fluid->collision).has_eddies())
     findings.warning(key,
                      "the relaxation time is {}; below {} runs tend to blow up: use fluid.collision = "
-                     "\"regularised\", smaller cells, a longer time step or a higher viscosity",
-                     shown(tau), doubtful_relaxation_low);
+                     "\"regularised\", smaller cells, {} or a higher viscosity",
+                     shown(tau), doubtful_relaxation_low, longer_step(setup));
   else if (tau > doubtful_relaxation_high)
     check_thick(setup, findings, tau);
 }
@@ -383,8 +387,8 @@ void read_fluid(TableReader& root, Case& setup) {
 void find_fluid_faults(const Case& setup, Diagnostics& findings) {
   if (!setup.fluid) return;
   if (setup.volume() > most_cells)
-    findings.error("domain.size", "the domain has {} cells; at most {} are possible: use larger cells",
-                   shown(setup.volume()), shown(most_cells));
+    findings.error("domain.size", "the domain has {} cells; at most {} are possible: {}use larger cells",
+                   shown(setup.volume()), shown(most_cells), size_slip(setup));
   check_viscosity(setup, findings);
   check_collision(setup, findings);
   check_initial(setup, findings);

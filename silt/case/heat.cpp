@@ -2,8 +2,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 
+#include "silt/case/case_check.hpp"
 #include "silt/case/case_sections.hpp"
 
 namespace silt {
@@ -129,6 +131,50 @@ void check_limits(const Case& setup, Diagnostics& findings) {
          "gravity that changes, if the fluid expands");
 }
 
+void check_capacity(const Case& setup, Diagnostics& findings) {
+  constexpr double least = 100, most = 15000;  // J/(kg K): below mercury, above hydrogen
+  constexpr double kilojoules = 1000;
+  const double found = setup.units.physical(setup.heat->of_fluid, capacity_of_mass);
+  if (!setup.units.si || (found >= least && found <= most)) return;
+  const double meant = kilojoules * found;
+  findings.warning("heat.heat_capacity",
+                   "heat.heat_capacity is {} J/(kg K); fluids have 139 (mercury) to 14300 (hydrogen), water "
+                   "has 4180{}",
+                   shown(found),
+                   meant >= least && meant <= most
+                       ? fmt::format(": if it is in kJ/(kg K), write {} (J/(kg K))", shown(meant))
+                       : "");
+}
+
+/// Warns of temperatures on two scales, and of others too far apart for a fluid that is light in its weight
+/// alone (method-heat.md). In lattice units only the product of expansion and gravity means something.
+void check_expansion(const Case& setup, Diagnostics& findings) {
+  constexpr double most = 0.5;
+  const double difference = largest_difference(*setup.heat);
+  const double change = std::abs(setup.heat->expansion) * difference;
+  if (!setup.units.si || setup.gravity.isZero(0) || change <= most * (1 + unseen)) return;
+  findings.warning(
+      "heat.expansion",
+      "temperatures differ by {} K, and times heat.expansion that is {} of the fluid's density; above "
+      "{} no fluid keeps its density, as the method assumes: are all temperatures on one scale, "
+      "and the expansion in 1/K?",
+      shown(difference), shown(change), most);
+}
+
+/// Warns of a thermal diffusivity in mm2/s; returns whether it did.
+bool diffusivity_is_in_millimetres(const Case& setup, Diagnostics& findings) {
+  constexpr const char* key = "heat.thermal_diffusivity";
+  constexpr double least = 1e-8, most = 1e-2, square_millimetres = 1e6;  // m2/s: oils to thin hydrogen
+  const double found = setup.units.physical(setup.heat->diffusivity, dimension::viscosity);
+  const double meant = found / square_millimetres;
+  if (!setup.units.si || !setup.places.count(key) || found <= most || meant < least) return false;
+  findings.warning(key,
+                   "{} is {} m2/s; water has 1.4e-07, which is 0.14 mm2/s, and air 2.1e-05: if it is in "
+                   "mm2/s, write {} (m2/s)",
+                   key, shown(found), shown(meant));
+  return true;
+}
+
 }  // namespace
 
 double cell_peclet(const Case& setup) {
@@ -194,13 +240,19 @@ void find_heat_faults(const Case& setup, Diagnostics& findings) {
         "the cell Péclet number u/D is {} at the largest speed given; above {} heat is carried with "
         "large errors: use smaller cells",
         shown(found), measured);
+  if (setup.heat->expansion == 0 && !setup.gravity.isZero(0) && !setup.has_free_bodies())
+    findings.idle("gravity", "it acts on free bodies, and on fluid that expands; give heat.expansion");
+  check_capacity(setup, findings);
+  check_expansion(setup, findings);
+  if (diffusivity_is_in_millimetres(setup, findings)) return;
   constexpr double accurate = 0.2;
   if (const double diffusivity = setup.heat->diffusivity; diffusivity > accurate)
     findings.warning(
         key,
         "the thermal diffusivity is {} cells2/step; above {} heat that comes and goes is late by "
-        "percents: use shorter steps",
-        shown(diffusivity), accurate);
+        "percents: {}",
+        shown(diffusivity), accurate,
+        setup.units.si ? time_step_cure(setup, accurate / diffusivity) : "use shorter steps");
 }
 
 }  // namespace silt

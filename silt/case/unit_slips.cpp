@@ -74,6 +74,13 @@ std::string length_slip(const Case& setup) {
                      shown(setup.units.cell_size / millimetres));
 }
 
+std::string size_slip(const Case& setup) {
+  constexpr double millimetres = 1000;  // in a metre
+  const rigid::Vec3 meant = setup.units.cell_size / millimetres * extent_of(setup).size;
+  if (!setup.units.si || !(meant.minCoeff() > setup.units.cell_size)) return "";
+  return fmt::format("if domain.size is in mm, write {} (m); else ", shown(meant));
+}
+
 std::string units_first(const Case& setup, const std::string& cure) {
   const std::string slip = motion_slip(setup), lengths = length_slip(setup);
   if (!slip.empty()) return slip;

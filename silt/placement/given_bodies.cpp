@@ -72,13 +72,25 @@ namespace {
 using rigid::Motion;
 using rigid::Vec3;
 
+/// Returns "; if it is in mm, write [0.0025, 0.005, 0.036] (m)", or "" for a point that would not lie in the
+/// domain.
+std::string position_slip(const Case& setup, const Vec3& position) {
+  constexpr double millimetres = 1000;  // in a metre
+  const Vec3 meant = position / millimetres;
+  const bool fits = (meant.array() >= 0).all() && (meant.array() <= extent_of(setup).size.array()).all();
+  return setup.units.si && fits && meant.norm() > 1
+             ? fmt::format("; if it is in mm, write {} (m)", shown_point(setup, meant))
+             : "";
+}
+
 std::string in_the_domain(const Case& setup, const std::string& key, const BodySpec& body) {
   const bool centred = body.origin.isZero(0);
   return fmt::format(
       "{} is {}{}; it must lie in the domain, {}{}", key, shown_point(setup, body.given_position()),
       centred ? "" : ": this puts the body's centre of mass at " + shown_point(setup, body.pose.position),
       shown_box(setup, box_of(setup)),
-      centred ? "" : "; with origin = \"centre\" the position is that of the centre");
+      centred ? position_slip(setup, body.given_position())
+              : "; with origin = \"centre\" the position is that of the centre");
 }
 
 }  // namespace

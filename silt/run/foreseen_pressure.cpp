@@ -106,7 +106,7 @@ std::optional<Diagnostic> inlet_warning(const Case& setup, const rigid::BodySet&
             "bodies cover {:.0f} % of the inlet {}, where nothing flows in: the flow is less than its "
             "velocity times the area of the side; leave half a diameter or more between them and the "
             "side (bodies of a dry run: initial.position)",
-            100 * share, side_key(side))};
+            100 * std::min(share, 1.), side_key(side))};
   }
   return {};
 }

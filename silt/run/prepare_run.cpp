@@ -140,9 +140,10 @@ std::unique_ptr<adapters::CheckpointReader> first_sound_checkpoint(
   std::rethrow_exception(first);
 }
 
-/// Opens the checkpoint with which a case starts. Collective.
+/// Opens the checkpoint with which a case starts, and adds warnings about it; null without one. Collective.
 std::unique_ptr<adapters::CheckpointReader> checkpoint_of_start(const Case& setup, MPI_Comm comm,
-                                                                std::string& note) {
+                                                                std::vector<Diagnostic>& warnings) {
+  if (!setup.start) return nullptr;
   const fs::path from = setup.directory / setup.start->from;
   auto there = adapters::list_checkpoints(from);
   if (from.extension() == ".h5") there = {{0, from}};
@@ -155,17 +156,11 @@ std::unique_ptr<adapters::CheckpointReader> checkpoint_of_start(const Case& setu
                         : fmt::format("initial.from is '{}', and {} does not exist; name the folder of the "
                                       "other run's results, from that of the case",
                                       setup.start->from, from.lexically_normal().string()));
-  return first_sound_checkpoint(there, comm, note);
-}
-
-/// Returns the bodies of another run with which a case starts; adds warnings about its checkpoints.
-std::vector<rigid::BodyRecord> bodies_of_start(const Case& setup, std::vector<Diagnostic>& warnings) {
-  if (!setup.start) return {};
   std::string note;
-  const auto reader = checkpoint_of_start(setup, MPI_COMM_SELF, note);
+  auto reader = first_sound_checkpoint(there, comm, note);
   if (!note.empty()) warnings.push_back({Diagnostic::Severity::warning, setup.place("initial.from"), note});
   find_idle_keys_at_start(*reader, setup, warnings);
-  return start_from(*reader, setup).bodies.records;
+  return reader;
 }
 
 }  // namespace
@@ -179,12 +174,17 @@ std::string examine_case(const RunOptions& options) {
   require_sound_start(setup, coupler::make_domain(setup, 1), MPI_COMM_SELF);
   const Quantities quantities(setup);
   if (setup.output.bodies.every > 0) drawn_kinds(setup);
-  const RunEstimate estimate = estimate_run(setup, bodies_of_start(setup, warnings), ranks);
+  const auto start = checkpoint_of_start(setup, MPI_COMM_SELF, warnings);
+  const auto there = start ? start_from(*start, setup).bodies.records : std::vector<rigid::BodyRecord>();
+  const RunEstimate estimate = estimate_run(setup, there, ranks);
   if (const auto found = time_warning(setup, estimate)) warnings.push_back(*found);
   if (const auto found = disk_warning(setup, estimate.disk, result_folder(options)))
     warnings.push_back(*found);
   warnings.insert(warnings.end(), estimate.doubts.begin(), estimate.doubts.end());
-  return derived_table(setup) + estimate_table(setup, estimate) + listed(warnings);
+  const std::string begins =
+      start ? fmt::format("  {:<24}  {}\n", "begins at the end of", start->path().lexically_normal().string())
+            : "";
+  return derived_table(setup) + begins + estimate_table(setup, estimate) + listed(warnings);
 }
 
 RunExtent PreparedRun::extent() const {
@@ -221,9 +221,8 @@ PreparedRun prepare_scene(const RunOptions& options, MPI_Comm comm) {
   const auto setup = judged_once(options.directory, comm, prepared,
                                  [&](CaseSource& source) { return read_case(source, options.overrides); });
   require_sound_start(*setup, coupler::make_domain(*setup, parallel::ranks_of(comm)), comm);
-  if (setup->start) {
-    const auto reader = checkpoint_of_start(*setup, comm, prepared.earlier_options);
-    find_idle_keys_at_start(*reader, *setup, prepared.warnings);
+  if (const auto reader = checkpoint_of_start(*setup, comm, prepared.warnings)) {
+    prepared.started_from = reader->path().lexically_normal();
     prepared.simulation = simulation_from(*reader, std::move(*setup), comm);
   } else {
     prepared.simulation = std::make_unique<Simulation>(std::move(*setup), comm);

@@ -24,6 +24,7 @@ struct PreparedRun {
   std::optional<FlowMean> mean;       // likewise
   std::vector<Diagnostic> warnings;
   ReadyFolder folder;  // on rank 0
+  std::filesystem::path started_from;  // the checkpoint of initial.from, if the run begins with one
   bool resumed = false;
   std::int64_t first_step = 0;  // first step of this start
   /// Describes the options of the resumed run that still hold, or "".

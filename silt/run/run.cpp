@@ -164,6 +164,8 @@ void Run::greet() {
   if (prepared_.resumed)
     progress_.say(fmt::format("goes on from step {} to {}{}", prepared_.first_step, setup().steps,
                               prepared_.earlier_options));
+  if (!prepared_.started_from.empty())
+    progress_.say(fmt::format("begins at the end of {}", prepared_.started_from.string()));
   if (const std::int64_t steps = quiet_start_steps(setup()); steps > 0 && !prepared_.resumed)
     progress_.say(fmt::format(
         "starts with the pressure that balances the loads, found in {} steps (fluid.quiet_start)", steps));

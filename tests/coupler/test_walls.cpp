@@ -273,6 +273,7 @@ double difference(const Simulation& a, const Simulation& b) {
     const Vec3 one = velocity(f, block, cell), other = velocity(g, block, cell);
     apart = std::max(apart, (one - other).norm()), largest = std::max(largest, one.norm());
   });
+  EXPECT_GT(largest, 0) << "no cell is fluid in both, or nothing flows there";
   return apart / largest;
 }
 

@@ -63,9 +63,12 @@ class Program(SiltTest):
         newest = max(self.out.glob("checkpoint_*.h5"))
         whole = newest.read_bytes()
         newest.write_bytes(whole[:-100])
-        self.assertRegex(self.silt("check", next_case).stdout, f"warning: passed over: .*{newest.name}")
+        for command in ("check", "run"):
+            said = self.silt(command, next_case)
+            self.assertRegex(said.stdout + said.stderr, f"warning: passed over: .*{newest.name}")
         newest.write_bytes(whole)
-        self.silt("run", next_case, "--steps", "20")
+        self.assertRegex(self.silt("check", next_case).stdout, f"begins at the end of +{newest}")
+        self.assertIn(f"begins at the end of {newest}", self.silt("run", next_case, "--steps", "20", "--overwrite").stdout)
         hashes = [json.loads((next_case / "out/report.json").read_text())["state_hash"]]
         self.silt("run", next_case, "--steps", "20", "--overwrite", ranks=3)
         hashes.append(json.loads((next_case / "out/report.json").read_text())["state_hash"])
