@@ -76,7 +76,7 @@ TEST(Traffic, OnlyWhatHasChangedCrossesTheBus) {
     constexpr int steps = 27;
     for (int i = 0; i < steps; ++i) simulation.step();
     const BusBytes& bytes = simulation.bus_bytes_in_steps();
-    EXPECT_LT(double(bytes.to_device + bytes.from_device) / steps / 27, 400) << diameter;
+    EXPECT_LT(double(bytes.to_device + bytes.from_device) / steps / 27, 340) << diameter;
     EXPECT_EQ(bytes.pages, 0u) << diameter;
   }
 }
