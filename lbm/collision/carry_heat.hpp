@@ -86,14 +86,16 @@ struct SameRates {
 /// Calls f(source, rates), by the force on the cells of a block and what it carries.
 template <class T, class F>
 void with_rates(const CollisionRates<T>& rates, Block<T>& block, Parity parity, F&& f) {
-  if (rates.heat && (rates.has_force() || rates.heat->has_force()))
-    f(std::true_type(), CarryHeat<T>(rates, *block.temperature(), parity));
-  else if (rates.heat)
-    f(std::false_type(), CarryHeat<T>(rates, *block.temperature(), parity));
-  else if (rates.has_force())
-    f(std::true_type(), SameRates<T>{rates});
+  const auto call = [&](bool source, const auto& of) {
+    if (source)
+      f(std::true_type(), of);
+    else
+      f(std::false_type(), of);
+  };
+  if (rates.heat)
+    call(rates.has_force() || rates.heat->has_force(), CarryHeat<T>(rates, *block.temperature(), parity));
   else
-    f(std::false_type(), SameRates<T>{rates});
+    call(rates.has_force(), SameRates<T>{rates});
 }
 
 }  // namespace silt::lbm::SILT_BUILD

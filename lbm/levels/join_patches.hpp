@@ -25,7 +25,8 @@ std::vector<int> first_in_memory(const Blocks& blocks) {
   return first;
 }
 
-/// Pairs and joins the entries of lists.
+/// Pairs and joins the entries of lists. Explosions refer to entries of `carry` here, to what these carry
+/// later.
 template <class T>
 class PatchJoints {
   using Patches = BorderPatches<T>;
@@ -53,15 +54,13 @@ class PatchJoints {
 
   /// Joins the last explosion of a list, whose packets are the last, to the one before it if it goes on; then
   /// so on with the joined one.
-  static void join_explosions(BorderLists<T>& list) {
-    while (list.explosions.size() > 1 &&
-           (join(list, list.explosions, true) || join(list, list.explosions, false))) {
+  static void join_explosions(BorderLists<T>& list, std::pmr::vector<typename Patches::Carried>& carry) {
+    while (list.explosions.size() > 1 && (join(list, carry, true) || join(list, carry, false))) {
     }
   }
   /// The same for the last coalescence of a list.
   static void join_coalescences(BorderLists<T>& list) {
-    while (list.coalescences.size() > 1 &&
-           (join(list, list.coalescences, true) || join(list, list.coalescences, false))) {
+    while (list.coalescences.size() > 1 && (join(list, true) || join(list, false))) {
     }
   }
 
@@ -70,21 +69,34 @@ class PatchJoints {
   PatchJoints(const Extent& size, const Extent& next, bool along_rows)
       : size_(size), next_(next), along_rows_(along_rows) {}
 
-  template <class Entries>
-  static bool join(BorderLists<T>& list, Entries& entries, bool along_rows) {
-    const auto last = entries.back(), first = entries[entries.size() - 2];
+  static bool join(BorderLists<T>& list, std::pmr::vector<typename Patches::Carried>& carry,
+                   bool along_rows) {
+    const typename Patches::Explosion last = list.explosions.back(),
+                                      first = list.explosions[list.explosions.size() - 2];
     const PatchJoints joint(first.size, last.size, along_rows);
-    if (!joint.fits() || !joint.goes_on(list, first, last)) return false;
-    drop_parts(list, last), entries.pop_back();
-    entries.back().size = joint.whole();
+    if (!joint.fits() || first.carried + 2 != carry.size() ||
+        !joint.goes_on(carry[first.carried], carry.back()))
+      return false;
+    for (int s = 0; s < 2; ++s)
+      if (!joint.all_go_on(list.packets[s], first.packets[s], last.packets[s])) return false;
+    for (int s = 0; s < 2; ++s) drop(list.packets[s], last.packets[s]);
+    list.explosions.pop_back(), carry.pop_back();
+    list.explosions.back().size = carry.back().size = joint.whole();
     return true;
   }
-  static void drop_parts(BorderLists<T>& list, const typename Patches::Explosion& last) {
-    for (int s = 0; s < 2; ++s) drop(list.packets[s], last.packets[s]);
-  }
-  static void drop_parts(BorderLists<T>& list, const typename Patches::Coalescence& last) {
+  static bool join(BorderLists<T>& list, bool along_rows) {
+    const typename Patches::Coalescence last = list.coalescences.back(),
+                                        first = list.coalescences[list.coalescences.size() - 2];
+    const PatchJoints joint(first.size, last.size, along_rows);
+    if (!joint.fits() || !joint.goes_on(first.to, last.to) || first.addend != last.addend ||
+        first.from_coarse != last.from_coarse || !joint.all_go_on(list.taken, first.taken, last.taken))
+      return false;
+    for (int s = 0; s < 2; ++s)
+      if (!joint.all_go_on(list.sources[s], first.sources[s], last.sources[s])) return false;
     for (int s = 0; s < 2; ++s) drop(list.sources[s], last.sources[s]);
-    drop(list.taken, last.taken);
+    drop(list.taken, last.taken), list.coalescences.pop_back();
+    list.coalescences.back().size = joint.whole();
+    return true;
   }
 
   bool fits() const { return along_rows_ ? size_.rows == next_.rows : size_.length == next_.length; }
@@ -112,20 +124,11 @@ class PatchJoints {
   bool goes_on(const typename Patches::Taken& t, const typename Patches::Taken& next) const {
     return t.factor == next.factor && goes_on(t.above, next.above) && goes_on(t.below, next.below);
   }
-  bool goes_on(const BorderLists<T>& list, const typename Patches::Explosion& e,
-               const typename Patches::Explosion& next) const {
-    bool all = goes_on(e.value, next.value) && e.slope == next.slope && e.in_time == next.in_time &&
-               (!e.in_time || goes_on(e.before, next.before));
+  bool goes_on(const typename Patches::Carried& c, const typename Patches::Carried& next) const {
+    bool all = goes_on(c.value, next.value) && c.slope == next.slope && c.in_time == next.in_time &&
+               (!c.in_time || goes_on(c.before, next.before));
     for (int d = 0; d < 3; ++d)
-      all = all && goes_on(e.above[d], next.above[d]) && goes_on(e.below[d], next.below[d]);
-    for (int s = 0; s < 2; ++s) all = all && all_go_on(list.packets[s], e.packets[s], next.packets[s]);
-    return all;
-  }
-  bool goes_on(const BorderLists<T>& list, const typename Patches::Coalescence& c,
-               const typename Patches::Coalescence& next) const {
-    bool all = goes_on(c.to, next.to) && c.addend == next.addend && c.from_coarse == next.from_coarse &&
-               all_go_on(list.taken, c.taken, next.taken);
-    for (int s = 0; s < 2; ++s) all = all && all_go_on(list.sources[s], c.sources[s], next.sources[s]);
+      all &= goes_on(c.above[d], next.above[d]) && goes_on(c.below[d], next.below[d]);
     return all;
   }
   /// Returns whether the last `count` entries of a list go on from as many before them.

@@ -46,9 +46,11 @@ LevelBorder<Field>::LevelBorder(Field& fine, Field& coarse, std::pmr::polymorphi
       coarse_before_(memory),
       coarse_fetched_(memory),
       fine_fetched_{std::pmr::vector<T>(memory), std::pmr::vector<T>(memory)},
+      carried_(memory),
       sums_(memory),
       coarse_arrays_{std::pmr::vector<T*>(memory), std::pmr::vector<T*>(memory)},
       fine_arrays_{std::pmr::vector<T*>(memory), std::pmr::vector<T*>(memory)},
+      carry_(memory),
       passing_(memory),
       late_(memory.resource()) {
   make_lists();
@@ -71,7 +73,8 @@ void LevelBorder<Field>::after_coarse_pass() {
   const std::pmr::vector<T*>& arrays = coarse_arrays_[int(coarse_.parity())];
   fetch<T>(coarse_left_, arrays);
   now_.coarse_left = arrays.data(), now_.coarse_arriving = arrays.data() + arrays_of(coarse_);
-  now_.coarse_before = coarse_before_.data(), now_.sums = sums_.data();
+  now_.coarse_before = coarse_before_.data(), now_.carried = carried_.data(), now_.sums = sums_.data();
+  passes_on<T>(fine_.device()).carry_packets(now_, carry_);
 }
 
 template <class Field>

@@ -57,9 +57,10 @@ class LevelBorder {
 
   Field &fine_, &coarse_;
   SlotExchange<T> before_, coarse_left_, fine_left_[2];
-  std::pmr::vector<T> coarse_before_, coarse_fetched_, fine_fetched_[2], sums_;
+  std::pmr::vector<T> coarse_before_, coarse_fetched_, fine_fetched_[2], carried_, sums_;
   /// The tables of patches by parity: arrays of the blocks, then the fetched arrays (and coarse_before_).
   std::pmr::vector<T*> coarse_arrays_[2], fine_arrays_[2];
+  std::pmr::vector<typename Patches::Carried> carry_;
   std::pmr::vector<typename Patches::Passing> passing_;
   /// The lists of patches that can be served after a part of a block, by block and part; none if passes are
   /// not in parts. Patches that need several blocks or other ranks, or subtract others' values, are served

@@ -160,7 +160,7 @@ struct LevelBorder<Field>::Builder {
     }
     const bool in_time = in_step[0] == 4 && in_step[1] == 4 && !by_outlet;
     for (const int user : users) {
-      Explosion one{size, coarse_patch(user, x, j), {}, {}, {}, false, {}, {}, {}}, returned = one;
+      typename Patches::Carried one{size, 0, coarse_patch(user, x, j), {}, {}, {}, false, {}}, returned = one;
       for (int d = 0; d < 3; ++d) {
         const auto s = slope(user, x, j, d);
         one.above[d] = s.above, one.below[d] = s.below, one.slope[d] = s.factor;
@@ -173,7 +173,7 @@ struct LevelBorder<Field>::Builder {
       for (const Entry& entry : entries)
         if (leaves.at(entry.to.cell).rank == rank) part.add(entry.to.cell);
       for (const bool outlet : {false, true}) {
-        Explosion explosion = outlet ? returned : one;
+        Explosion explosion{size, std::uint32_t(border.carry_.size()), {}, {}};
         for (int s = 0; s < 2; ++s) explosion.first[s] = std::uint32_t(part.list().packets[s].size());
         for (const Entry& entry : entries) {
           if (entry.to.by_outlet != outlet || leaves.at(entry.to.cell).rank != rank) continue;
@@ -184,7 +184,8 @@ struct LevelBorder<Field>::Builder {
         }
         if (explosion.packets[0] + explosion.packets[1] == 0) continue;
         part.list().explosions.push_back(explosion);
-        PatchJoints<T>::join_explosions(part.list());
+        border.carry_.push_back(outlet ? returned : one);
+        PatchJoints<T>::join_explosions(part.list(), border.carry_);
       }
     }
   }
@@ -350,28 +351,29 @@ struct LevelBorder<Field>::Builder {
     place_kept();
   }
 
-  /// Gives what is kept of each patch its place. Explosions then refer to copies of the populations before
-  /// collision.
+  /// Gives what is kept of each patch its place. Explosions then refer to what is carried instead of to
+  /// entries of carry_, and these to populations before collision that have been copied.
   void place_kept() {
-    std::uint32_t sums = 0;
-    const auto place_before = [&](Explosion& its) {
-      if (!its.in_time || its.before.array == before_table()) return;
+    std::uint32_t carried = 0, sums = 0;
+    for (typename Patches::Carried& its : border.carry_) {
+      its.first = std::exchange(carried, carried + std::uint32_t(Patches::carried_values) * its.size.cells());
+      if (!its.in_time || its.before.array == before_table()) continue;
       for_runs(its.before, its.size, [&](const SlotRun& run) {
         border.before_.copied().add(run, {before_table(), before_next, 1, run.length});
         before_next += run.length;
       });
       its.before = {before_table(), std::int32_t(before_next - its.size.cells()), 1,
                     std::int32_t(its.size.length)};
-    };
+    }
     const auto place = [&](Lists& list) {
-      std::ranges::for_each(list.explosions, place_before);
+      for (Explosion& one : list.explosions) one.carried = border.carry_[one.carried].first;
       for (Coalescence& one : list.coalescences) one.sum = std::exchange(sums, sums + one.size.cells());
     };
     for (auto& parts : border.ready_) std::for_each(parts.begin(), parts.end(), place);
     place(border.late_);
     for (typename Patches::Passing& one : border.passing_)
       one.kept = std::exchange(sums, sums + one.size.cells());
-    border.coarse_before_.resize(before_next), border.sums_.resize(sums);
+    border.coarse_before_.resize(before_next), border.carried_.resize(carried), border.sums_.resize(sums);
   }
 };
 

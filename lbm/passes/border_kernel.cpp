@@ -4,7 +4,6 @@
 #include "lbm/passes/cross_border.hpp"
 
 namespace silt::lbm::SILT_BUILD {
-namespace {
 
 template <class Step, class T, class Entries>
 void over_patches(const Step& step, const BorderPatches<T>& border, const Entries& entries) {
@@ -12,21 +11,10 @@ void over_patches(const Step& step, const BorderPatches<T>& border, const Entrie
 }
 
 template <class T>
-void cross_border(const BorderPatches<T>& given, const BorderLists<T>& lists,
-                  std::span<const typename BorderPatches<T>::Passing> passing) {
-  BorderPatches<T> border = given;
-  border.refer_to(lists);
-  in_steps<T>(lists, passing,
-              [&](const auto& step, const auto& entries) { over_patches(step, border, entries); });
+BorderKernels<T> border_kernels() {
+  return {carry_over<T>, cross_over<T>};
 }
-
-}  // namespace
-
-template <class T>
-CrossBorder<T> border_kernel() {
-  return cross_border<T>;
-}
-template CrossBorder<float> border_kernel();
-template CrossBorder<double> border_kernel();
+template BorderKernels<float> border_kernels();
+template BorderKernels<double> border_kernels();
 
 }  // namespace silt::lbm::SILT_BUILD

@@ -1,5 +1,5 @@
 #pragma once
-// The pass over a border between levels on the CPU, built once per instruction set (border_kernel.cpp).
+// The passes over a border between levels on the CPU, built once per instruction set (border_kernel.cpp).
 #include <span>
 
 #include "cpu/isa.hpp"
@@ -8,8 +8,11 @@
 namespace silt::lbm {
 
 template <class T>
-using CrossBorder = void (*)(const BorderPatches<T>&, const BorderLists<T>&,
-                             std::span<const typename BorderPatches<T>::Passing>);
-SILT_BUILDS(template <class T> CrossBorder<T> border_kernel();)
+struct BorderKernels {
+  void (*carry_packets)(const BorderPatches<T>&, std::span<const typename BorderPatches<T>::Carried>);
+  void (*cross_border)(const BorderPatches<T>&, const BorderLists<T>&,
+                       std::span<const typename BorderPatches<T>::Passing>);
+};
+SILT_BUILDS(template <class T> BorderKernels<T> border_kernels();)
 
 }  // namespace silt::lbm

@@ -24,12 +24,14 @@ void over_patches(const Step&, const BorderPatches<T>& border, const Entries& en
 }
 
 template <class T>
-void cross_border(const BorderPatches<T>& given, const BorderLists<T>& lists,
+void carry_packets(const BorderPatches<T>& border,
+                   std::span<const typename BorderPatches<T>::Carried> carried) {
+  carry_over(border, carried);
+}
+template <class T>
+void cross_border(const BorderPatches<T>& border, const BorderLists<T>& lists,
                   std::span<const typename BorderPatches<T>::Passing> passing) {
-  BorderPatches<T> border = given;
-  border.refer_to(lists);
-  in_steps<T>(lists, passing,
-              [&](const auto& step, const auto& entries) { over_patches(step, border, entries); });
+  cross_over(border, lists, passing);
   silt::SILT_BUILD::wait();
 }
 

@@ -39,7 +39,6 @@ template <class T>
 struct PatchValues {
   T* first;
   std::ptrdiff_t step, pitch;
-  PatchValues() = default;
   SILT_DEVICE PatchValues(T* first, std::ptrdiff_t step, std::ptrdiff_t pitch)
       : first(first), step(step), pitch(pitch) {}
   template <class Patch>
@@ -158,38 +157,58 @@ SILT_DEVICE inline PatchValues<Kept> kept(Kept* first, const Extent& size) {
 
 // The steps of the exchange, for a part of an entry of a list.
 
-/// Sends the packets of a sub-step: the coarse population extrapolated to a corner, minus (first step) or
-/// plus (second) a quarter of the change by the last collision, i.e. a quarter of a step later or earlier.
+/// Sets the packets of a patch: the coarse population extrapolated to a corner, minus (first step) or plus
+/// (second) a quarter of the change by the last collision, i.e. a quarter of a step later or earlier.
+struct Carry {
+  template <class T>
+  SILT_DEVICE void operator()(const BorderPatches<T>& border, const typename BorderPatches<T>::Carried& c,
+                              const PatchPart& part) const {
+    const PatchValues<T> value(border.coarse_left, c.value);
+    const PatchValues<const T> before(border.coarse_before + c.before.first, 1, c.before.pitch);
+    T* const its = border.carried + c.first;
+    const PatchValues<T> first = kept(its, c.size), second = kept(its + c.size.cells(), c.size);
+    for_part<T>(part, [&]<class V>(V, std::ptrdiff_t row, std::ptrdiff_t n) {
+      const V v = value.template at<V>(row, n);
+      const V fourth = c.in_time ? V(T(0.25) * (before.template at<V>(row, n) - v)) : V{};
+      first.template set<V>(row, n, c.in_time ? V(v + fourth) : v);
+      second.template set<V>(row, n, c.in_time ? V(v - fourth) : v);
+    });
+    for (int d = 0; d < 3; ++d) {
+      const PatchValues<T> above(border.coarse_left, c.above[d]), below(border.coarse_left, c.below[d]);
+      const PatchValues<T> change = kept(its + (2 + d) * c.size.cells(), c.size);
+      const T slope = c.slope[d];
+      for_part<T>(part, [&]<class V>(V, std::ptrdiff_t row, std::ptrdiff_t n) {
+        change.template set<V>(row, n, slope * (above.template at<V>(row, n) - below.template at<V>(row, n)));
+      });
+    }
+  }
+};
+
 struct Explode {
   template <class T>
   SILT_DEVICE void operator()(const BorderPatches<T>& border, const typename BorderPatches<T>::Explosion& e,
                               const PatchPart& part) const {
-    const int count = e.packets[border.sub_step];
-    if (count == 0) return;
-    const auto* const packets = border.packets + e.first[border.sub_step];
-    const T later = border.sub_step == 0 ? T(0.25) : T(-0.25);
-    const PatchValues<T> value(border.coarse_left, e.value);
-    const PatchValues<const T> before(border.coarse_before + e.before.first, 1, e.before.pitch);
-    PatchValues<T> above[3], below[3], to[8];
-    for (int d = 0; d < 3; ++d) {
-      above[d] = PatchValues<T>(border.coarse_left, e.above[d]);
-      below[d] = PatchValues<T>(border.coarse_left, e.below[d]);
-    }
-    for (int k = 0; k < count; ++k) to[k] = PatchValues<T>(border.fine_arriving, packets[k].to);
-    for_part<T>(part, [&]<class V>(V, std::ptrdiff_t row, std::ptrdiff_t n) {
-      V at_centre = value.template at<V>(row, n), along[3];
-      if (e.in_time) at_centre += later * (before.template at<V>(row, n) - at_centre);
-      for (int d = 0; d < 3; ++d)
-        along[d] = e.slope[d] * (above[d].template at<V>(row, n) - below[d].template at<V>(row, n));
-      for (int k = 0; k < count; ++k) {
-        const auto sign = [&](int d) { return packets[k].corner >> d & 1 ? T(1) : T(-1); };
-        const V middle = at_centre + (sign(1) * along[1] + sign(2) * along[2]) + packets[k].addend;
-        if (packets[k].paired)
-          to[k].template set_pairs<V>(row, n, middle - along[0], middle + along[0]);
+    const std::ptrdiff_t cells = e.size.cells();
+    T* const its = border.carried + e.carried;
+    const PatchValues<T> value = kept(its + border.sub_step * cells, e.size),
+                         along_x = kept(its + 2 * cells, e.size), along_y = kept(its + 3 * cells, e.size),
+                         along_z = kept(its + 4 * cells, e.size);
+    for (int k = 0; k < e.packets[border.sub_step]; ++k) {
+      const typename BorderPatches<T>::Packet& packet = border.packets[e.first[border.sub_step] + k];
+      const auto sign = [&](int d) { return packet.corner >> d & 1 ? T(1) : T(-1); };
+      const T x = sign(0), y = sign(1), z = sign(2), addend = packet.addend;
+      const PatchValues<T> to(border.fine_arriving, packet.to);
+      const bool paired = packet.paired;
+      for_part<T>(part, [&]<class V>(V, std::ptrdiff_t row, std::ptrdiff_t n) {
+        const V along = along_x.template at<V>(row, n);
+        const V middle = value.template at<V>(row, n) +
+                         (y * along_y.template at<V>(row, n) + z * along_z.template at<V>(row, n)) + addend;
+        if (paired)
+          to.template set_pairs<V>(row, n, middle - along, middle + along);
         else
-          to[k].template set<V>(row, n, middle + sign(0) * along[0]);
-      }
-    });
+          to.template set<V>(row, n, middle + x * along);
+      });
+    }
   }
 };
 
@@ -257,15 +276,24 @@ struct Pass {
   }
 };
 
-/// Calls each(step, entries) for the steps after a fine pass, in order: everything that arrives is added up
-/// before anything is written, since a target may be the source of another sum.
-template <class T, class Each>
-void in_steps(const BorderLists<T>& lists, std::span<const typename BorderPatches<T>::Passing> passing,
-              Each&& each) {
-  each(Explode(), lists.explosions);
-  each(AddUp(), lists.coalescences);
-  each(Coalesce(), lists.coalescences);
-  each(Pass(), passing);
+// Each file that is built has over_patches(step, border, entries), which does a step for all entries.
+
+/// The half of the exchange after a coarse pass.
+template <class T>
+void carry_over(const BorderPatches<T>& border, std::span<const typename BorderPatches<T>::Carried> carried) {
+  over_patches(Carry(), border, carried);
+}
+/// The half after a fine pass: everything that arrives is added up before anything is written, since a target
+/// may be the source of another sum.
+template <class T>
+void cross_over(const BorderPatches<T>& given, const BorderLists<T>& lists,
+                std::span<const typename BorderPatches<T>::Passing> passing) {
+  BorderPatches<T> border = given;
+  border.refer_to(lists);
+  over_patches(Explode(), border, lists.explosions);
+  over_patches(AddUp(), border, lists.coalescences);
+  over_patches(Coalesce(), border, lists.coalescences);
+  over_patches(Pass(), border, passing);
 }
 
 }  // namespace silt::lbm::SILT_BUILD

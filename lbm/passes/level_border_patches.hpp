@@ -29,15 +29,24 @@ struct BorderPatches {
     std::uint32_t array = 0;
     std::int32_t first = 0, step = 0, pitch = 0;
   };
+  /// The packets that leave a patch of coarse cells along one direction, stored in `carried` patch after
+  /// patch.
+  struct Carried {
+    Extent size;
+    std::uint32_t first;  // index in carried
+    Patch value;
+    std::array<Patch, 3> above,
+        below;               // neighbours along each axis; the cells themselves where none is coarse
+    std::array<T, 3> slope;  // times above - below: change from the centre to a packet
+    bool in_time;            // whether arrivals before the collision count
+    Patch before;            // of them; in lists that are used, elements of coarse_before
+  };
+  static constexpr int carried_values =
+      5;  // of a cell: in the first and in the second step; changes along x, y and z
   /// Moves coarse populations of one direction that left a patch of cells into fine cells.
   struct Explosion {
     Extent size;
-    Patch value;
-    std::array<Patch, 3> above,
-        below;                // neighbours along each axis; the cells themselves where none is coarse
-    std::array<T, 3> slope;   // times above - below: change from the centre to a packet
-    bool in_time;             // whether arrivals before the collision count
-    Patch before;             // of them; in lists that are used, elements of coarse_before
+    std::uint32_t carried;    // index in carried
     std::uint32_t first[2];   // packet, by sub-step
     std::uint8_t packets[2];  // number of packets
   };
@@ -77,7 +86,7 @@ struct BorderPatches {
   /// The tables of both fluids, and the arrays of this border.
   T *const *fine_left, *const *fine_arriving, *const *coarse_left, *const *coarse_arriving;
   const T* coarse_before;
-  T* sums;
+  T *carried, *sums;
   int sub_step;
   /// The lists to which entries refer.
   const Packet* packets;

@@ -65,7 +65,8 @@ struct Passes {
                      SlotArrays<T> targets, bool back);
   void (*return_from_outlet)(const OutletCells<T>&, const SideCondition&);
   void (*return_temperature)(const OutletCells<T, D3Q7>&, const SideCondition&);
-  /// The exchange at a border between levels after a fine pass.
+  /// The two halves of the exchange at a border between levels: after a coarse pass, and after a fine pass.
+  void (*carry_packets)(const BorderPatches<T>&, std::span<const typename BorderPatches<T>::Carried>);
   void (*cross_border)(const BorderPatches<T>&, const BorderLists<T>&,
                        std::span<const typename BorderPatches<T>::Passing>);
   /// Writes the moments of single cells, or only their density deviations; the other pointer is null.

@@ -93,6 +93,7 @@ const Passes<T>& passes() {
                                        move_slots<T>,
                                        return_from_outlet<T, D3Q19>,
                                        return_from_outlet<T, D3Q7>,
+                                       carry_packets<T>,
                                        cross_border<T>,
                                        gather_moments<T>,
                                        give_masses<T>,

@@ -36,9 +36,15 @@ void total_rows(const Block<T>& block, Parity parity, std::span<const LocalRows>
 }
 
 template <class T>
+void carry_packets(const BorderPatches<T>& border,
+                   std::span<const typename BorderPatches<T>::Carried> carried) {
+  SILT_CHOSEN(border_kernels<T>)().carry_packets(border, carried);
+}
+
+template <class T>
 void cross_border(const BorderPatches<T>& border, const BorderLists<T>& lists,
                   std::span<const typename BorderPatches<T>::Passing> passing) {
-  SILT_CHOSEN(border_kernel<T>)()(border, lists, passing);
+  SILT_CHOSEN(border_kernels<T>)().cross_border(border, lists, passing);
 }
 
 }  // namespace silt::lbm::SILT_BUILD

@@ -178,7 +178,7 @@ void add_biot(const Case& setup, Table& table, const Entry& kind, double diamete
   const double nusselt = 2 + 0.6 * std::sqrt(speed * diameter / nu) * std::cbrt(nu / setup.heat->diffusivity);
   constexpr double biot = 0.1;
   table.line("  of one temperature if",
-             fmt::format("conducting {} times as the fluid", shown(nusselt / (6 * biot))),
+             fmt::format("it conducts {} times as well as the fluid", shown(nusselt / (6 * biot))),
              fmt::format("Biot number below {}, Nusselt number about {}", biot, shown(nusselt)));
 }
 

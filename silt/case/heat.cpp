@@ -131,6 +131,7 @@ void check_limits(const Case& setup, Diagnostics& findings) {
          "gravity that changes, if the fluid expands");
 }
 
+/// Warns of a heat capacity that no fluid has, as one in kJ/(kg K).
 void check_capacity(const Case& setup, Diagnostics& findings) {
   constexpr double least = 100, most = 15000;  // J/(kg K): below mercury, above hydrogen
   constexpr double kilojoules = 1000;

@@ -6,16 +6,9 @@
 #include "tests/lbm/fluid_cells.hpp"
 #include "tests/world.hpp"
 
-namespace silt::lbm {
+namespace silt::lbm::testing {
 namespace {
 
-using testing::for_all_cells;
-using testing::no_slip;
-using testing::periodic;
-using testing::side_condition;
-using testing::sides;
-using testing::slip;
-using testing::step;
 using tests::largest_of_ranks;
 using tests::ranks;
 
@@ -220,4 +213,4 @@ TEST(Fluid, AnInletReachesItsEdges) {
 }
 
 }  // namespace
-}  // namespace silt::lbm
+}  // namespace silt::lbm::testing

@@ -7,16 +7,9 @@
 #include "tests/lbm/levelled_cut.hpp"
 #include "tests/world.hpp"
 
-namespace silt::lbm {
+namespace silt::lbm::testing {
 namespace {
 
-using testing::all;
-using testing::bent;
-using testing::LevelledCut;
-using testing::LevelledFlow;
-using testing::Sides;
-using testing::stir;
-using testing::Vector;
 using tests::ranks;
 
 TEST(Levels, MassAndMomentumAreConserved) {
@@ -102,4 +95,4 @@ TEST(Levels, StreamThroughBordersLastsAtLowViscosity) {
 }
 
 }  // namespace
-}  // namespace silt::lbm
+}  // namespace silt::lbm::testing

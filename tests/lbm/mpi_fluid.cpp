@@ -10,15 +10,9 @@
 #include "tests/odd_cut.hpp"
 #include "tests/world.hpp"
 
-namespace silt::lbm {
+namespace silt::lbm::testing {
 namespace {
 
-using testing::for_all_cells;
-using testing::no_slip;
-using testing::periodic;
-using testing::side_condition;
-using testing::slip;
-using testing::step;
 using tests::ranks;
 
 /// A hash without order: every population's bits are mixed with where it is.
@@ -179,4 +173,4 @@ TEST(Fluid, MessagesSetOutBeforeThePassIsDone) {
 }
 
 }  // namespace
-}  // namespace silt::lbm
+}  // namespace silt::lbm::testing

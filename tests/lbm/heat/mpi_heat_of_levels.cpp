@@ -9,16 +9,9 @@
 #include "tests/lbm/levelled_cut.hpp"
 #include "tests/world.hpp"
 
-namespace silt::lbm {
+namespace silt::lbm::testing {
 namespace {
 
-using testing::all;
-using testing::bent;
-using testing::LevelledCut;
-using testing::LevelledFlow;
-using testing::Sides;
-using testing::stir;
-using testing::Vector;
 using tests::ranks;
 
 constexpr Int3 cells{64, 64, 64};
@@ -241,4 +234,4 @@ TEST(HeatOfLevels, IsTheSameOnAnyRanksAndDevice) {
 }
 
 }  // namespace
-}  // namespace silt::lbm
+}  // namespace silt::lbm::testing

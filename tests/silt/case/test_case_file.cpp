@@ -379,6 +379,17 @@ TEST(DerivedTable, OfManySizesTheSmallestIsMeasuredInCells) {
   EXPECT_TEXT(derived_table(c.read()), "  cells across, smallest  6 cells");
 }
 
+/// In fluid at rest the Nusselt number is 2, and of a sphere h (V/A)/k is its sixth times the conductivity of
+/// the fluid over that of the body.
+TEST(DerivedTable, SaysWhatABodyOfOneTemperatureMustConduct) {
+  CaseText c;
+  c.bodies = body_of("ball", 2, "position = [16, 16, 16]\ntemperature = 1\nheat_capacity = 1\n");
+  c.rest = "[heat]\nthermal_diffusivity = 0.1\n";
+  EXPECT_TEXT(derived_table(c.read()), "it conducts 3.33");
+  c.bodies = body_of("ball", 2, "position = [16, 16, 16]\ntemperature = 1\n");
+  EXPECT_FALSE(tests::has_part(derived_table(c.read()), "it conducts"));
+}
+
 TEST(DerivedTable, TerminalVelocityFollowsStokesWhenSlow) {
   const double diameter = 2, density = 1.01, gravity = 1e-6, nu = 1;
   const double stokes = (density - 1) * gravity * diameter * diameter / (18 * nu);
