@@ -4,15 +4,20 @@
 #include "lbm/passes/cross_border.hpp"
 
 namespace silt::lbm::SILT_BUILD {
+namespace {
 
-template <class Step, class T, class Entries>
-void over_patches(const Step& step, const BorderPatches<T>& border, const Entries& entries) {
-  for (const auto& entry : entries) step(border, entry, PatchPart::all_of(entry.size));
-}
+struct OneByOne {
+  template <class Step, class T, class Entries>
+  void operator()(const Step& step, const BorderPatches<T>& border, const Entries& entries) const {
+    for (const auto& entry : entries) step(border, entry, PatchPart::all_of(entry.size));
+  }
+};
+
+}  // namespace
 
 template <class T>
 BorderKernels<T> border_kernels() {
-  return {carry_over<T>, cross_over<T>};
+  return {carry_over<OneByOne, T>, cross_over<OneByOne, T>};
 }
 template BorderKernels<float> border_kernels();
 template BorderKernels<double> border_kernels();

@@ -17,21 +17,23 @@ struct OverPatches {
       Step()(border, entry, PatchPart::cell_of(entry.size, n));
   }
 };
-template <class Step, class T, class Entries>
-void over_patches(const Step&, const BorderPatches<T>& border, const Entries& entries) {
-  using Entry = std::remove_cvref_t<decltype(*entries.data())>;
-  for_teams(std::int64_t(entries.size()), OverPatches<Step, T, Entry>{border, entries.data()});
-}
+struct ByTeams {
+  template <class Step, class T, class Entries>
+  void operator()(const Step&, const BorderPatches<T>& border, const Entries& entries) const {
+    using Entry = std::remove_cvref_t<decltype(*entries.data())>;
+    for_teams(std::int64_t(entries.size()), OverPatches<Step, T, Entry>{border, entries.data()});
+  }
+};
 
 template <class T>
 void carry_packets(const BorderPatches<T>& border,
                    std::span<const typename BorderPatches<T>::Carried> carried) {
-  carry_over(border, carried);
+  carry_over<ByTeams>(border, carried);
 }
 template <class T>
 void cross_border(const BorderPatches<T>& border, const BorderLists<T>& lists,
                   std::span<const typename BorderPatches<T>::Passing> passing) {
-  cross_over(border, lists, passing);
+  cross_over<ByTeams>(border, lists, passing);
   silt::SILT_BUILD::wait();
 }
 

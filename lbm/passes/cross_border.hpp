@@ -276,24 +276,24 @@ struct Pass {
   }
 };
 
-// Each file that is built has over_patches(step, border, entries), which does a step for all entries.
-
-/// The half of the exchange after a coarse pass.
-template <class T>
+/// The half of the exchange after a coarse pass. Over()(step, border, entries) does a step for all entries of
+/// a list.
+template <class Over, class T>
 void carry_over(const BorderPatches<T>& border, std::span<const typename BorderPatches<T>::Carried> carried) {
-  over_patches(Carry(), border, carried);
+  Over()(Carry(), border, carried);
 }
 /// The half after a fine pass: everything that arrives is added up before anything is written, since a target
 /// may be the source of another sum.
-template <class T>
+template <class Over, class T>
 void cross_over(const BorderPatches<T>& given, const BorderLists<T>& lists,
                 std::span<const typename BorderPatches<T>::Passing> passing) {
   BorderPatches<T> border = given;
   border.refer_to(lists);
-  over_patches(Explode(), border, lists.explosions);
-  over_patches(AddUp(), border, lists.coalescences);
-  over_patches(Coalesce(), border, lists.coalescences);
-  over_patches(Pass(), border, passing);
+  constexpr Over over;
+  over(Explode(), border, lists.explosions);
+  over(AddUp(), border, lists.coalescences);
+  over(Coalesce(), border, lists.coalescences);
+  over(Pass(), border, passing);
 }
 
 }  // namespace silt::lbm::SILT_BUILD

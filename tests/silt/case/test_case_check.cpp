@@ -143,7 +143,7 @@ TEST(CaseCheck, SaysThatAllStaysAtRestOnlyWhereItDoes) {
   CaseText c;
   const std::string said = "nothing else moves: all stays at rest";
   EXPECT_TEXT(warnings(c), said);
-  for (const std::string moves :
+  for (const std::string& moves :
        {gravity, spring, std::string("[contacts]\ncohesion = 1e-3\n"),
         std::string("[[walls]]\ntype = \"tube\"\nname = \"drum\"\naxis = \"y\"\nradius = 14\npoint = [16, "
                     "16, 16]\nangular_velocity = 0.001\n")}) {

@@ -238,10 +238,12 @@ TEST(StartFrom, NarrowerCellsKeepTheFlow) {
         const FlowTotals is = start->scene().flow->totals();
         EXPECT_NEAR(is.energy / double(is.fluid_cells) / (was.energy / double(was.fluid_cells)),
                     factor * factor, with_bodies ? 0.1 : 0.005);
-        if (!with_bodies)
+        if (!with_bodies) {
           EXPECT_NEAR((is.max_density - 1) / (was.max_density - 1), factor * factor, 0.1 * factor * factor);
-        if (with_bodies && comm == MPI_COMM_WORLD)
+        }
+        if (with_bodies && comm == MPI_COMM_WORLD) {
           EXPECT_NEAR(Ended::speed(*start, 1), factor * other.bodies[0], 1e-12);
+        }
         start->run(4);
         return start->hash();
       };
