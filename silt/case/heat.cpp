@@ -120,7 +120,7 @@ void check_fields(const Case& setup, Diagnostics& findings) {
   for (const ProbesSpec& probes : setup.output.probes) look("output.probes", probes.quantities);
 }
 
-/// What heat does not go with yet.
+/// Refuses what heat cannot be combined with yet.
 void check_limits(const Case& setup, Diagnostics& findings) {
   const auto refuse = [&](bool found, const char* key, const char* what) {
     if (found) findings.error(key, "[heat] cannot be combined with {}; remove one of them", what);
