@@ -88,17 +88,19 @@ void return_from_outlet(const OutletCells<T, Lattice>& cells, const SideConditio
 
 template <class T>
 const Passes<T>& passes() {
-  static constexpr Passes<T> passes = {stream_collide<T>,
-                                       silt::SILT_BUILD::wait,
-                                       move_slots<T>,
-                                       return_from_outlet<T, D3Q19>,
-                                       return_from_outlet<T, D3Q7>,
-                                       carry_packets<T>,
-                                       cross_border<T>,
-                                       gather_moments<T>,
-                                       give_masses<T>,
-                                       take_excess<T>,
-                                       total_rows<T>};
+  static constexpr Passes<T> passes = {
+      .stream_collide = stream_collide<T>,
+      .wait = silt::SILT_BUILD::wait,
+      .move_slots = move_slots<T>,
+      .return_from_outlet = return_from_outlet<T, D3Q19>,
+      .return_temperature = return_from_outlet<T, D3Q7>,
+      .carry_packets = carry_packets<T>,
+      .cross_border = cross_border<T>,
+      .gather_moments = gather_moments<T>,
+      .give_masses = give_masses<T>,
+      .take_excess = take_excess<T>,
+      .total_rows = total_rows<T>,
+  };
   return passes;
 }
 template const Passes<float>& passes();

@@ -224,8 +224,13 @@ void correct_links(std::span<const GroupOfSurface> groups, const LinkPass<T>& pa
 
 template <class T>
 const LinkPasses<T>& link_passes() {
-  static constexpr LinkPasses<T> passes = {list_groups<T>, set_opposites<T>, apply_links<T, false>,
-                                           apply_links<T, true>, correct_links<T>};
+  static constexpr LinkPasses<T> passes = {
+      .list_groups = list_groups<T>,
+      .set_opposites = set_opposites<T>,
+      .apply = apply_links<T, false>,
+      .apply_crossing = apply_links<T, true>,
+      .correct = correct_links<T>,
+  };
   return passes;
 }
 template const LinkPasses<float>& link_passes();

@@ -109,8 +109,9 @@ struct Kinematics {
 struct BodyRecord : Kinematics {
   BodyId id = 0;
   std::int32_t shape = 0, material = 0, kind = 0;
-  Motion motion = Motion::free;
   std::int32_t image[3] = {};
+  Motion motion = Motion::free;
+  std::uint8_t unused[7] = {};  // no gap is left that hides a member without a column
   double mass = 1, weight_in_fluid = 1;
   double inertia_B[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
   AttachedState attached_state = {};
