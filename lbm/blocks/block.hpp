@@ -129,9 +129,10 @@ class Block {
   /// Returns the excess of the cells, indexed by their offsets; null before the first hold_excess().
   ExcessQuanta<T>* excess() { return excess_.get(); }
   const ExcessQuanta<T>* excess() const { return excess_.get(); }
-  /// Returns the number of elements of excess(): up to the last cell of the block.
+  /// Returns the number of elements of excess(): up to the last cell of the block, and the rest of its vector.
   std::size_t excess_cells() const {
-    return std::size_t(cell(box_.size.x, box_.size.y - 1, box_.size.z - 1));
+    constexpr int most_lanes = 16;
+    return std::size_t(cell(box_.size.x, box_.size.y - 1, box_.size.z - 1)) + most_lanes;
   }
   /// Returns whether cells of a row may have an excess.
   bool has_excess(int y, int z) const { return excess_ && excess_rows_[y + box_.size.y * z]; }

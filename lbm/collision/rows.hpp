@@ -26,7 +26,10 @@ struct FirstLanes {
     for (int i = 0; i < count; ++i) lane[i] = T(i);
     inside = lane < (V{} + T(cells));
   }
-  V operator()(const V& inner, const V& outer) const { return inside ? inner : outer; }
+  template <class Vector>  // with lanes as wide as those of V
+  Vector operator()(const Vector& inner, const Vector& outer) const {
+    return inside ? inner : outer;
+  }
 };
 /// Moves the populations at the ends of a row (Block::row_ends) that begins with the cell at offset `first`.
 template <class Block>

@@ -1,7 +1,6 @@
 // The dense pass, built once per instruction set (SILT_BUILD): 19 reads and 19 writes per cell and step.
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include "cpu/lanes.hpp"
 #include "lbm/collision/carry_heat.hpp"
@@ -44,58 +43,73 @@ void take_excess_of_block(Block<T>& block, Parity parity) {
     }
 }
 
-/// Collides whole vectors from x to `end` of a row with excess, and takes the excess of the cells up to
-/// `row_end`. Kept out of the loop over rows, where it would take registers.
-template <class Model, bool source, class T, class Pass, class Watch>
-[[gnu::noinline]] void collide_with_excess(const Pass& pass, std::ptrdiff_t x, std::ptrdiff_t end,
-                                           std::ptrdiff_t row_end, const Watch& watch) {
-  using V = typename VectorOf<T>::type;
-  ExcessQuanta<T>* const excess = pass.block.excess();
-  for (; x < end; x += vector_bytes / sizeof(T)) {
-    const auto quanta = load<QuantaLanes<T>>(excess + x);
-    if (!any_lane(quanta != QuantaLanes<T>{})) {
-      collide<Model, source, V>(pass.slots, x, pass.rates, AllLanes{}, watch);
-      continue;
-    }
-    const auto g = [&](int i) { return load<V>(pass.slots.arriving(i) + x); };
-    const auto given = given_up<T>(converted<V>(quanta), pass.block.stress_share(), g);
-    collide<Model, source, V>(pass.slots, x, pass.rates, AllLanes{}, watch, given);
-    store(excess + x, QuantaLanes<T>{});
-  }
-  for (; x < row_end; ++x) take_excess_of_cell(pass.slots, x, pass.block);
+/// Sets the excess of a vector of cells to zero; returns what they give up with it.
+template <class T, class Keep, class V = typename VectorOf<T>::type>
+[[gnu::always_inline]] inline GivenUp<V> excess_taken(Block<T>& block, const Slots<T>& slots,
+                                                      std::ptrdiff_t x, const Keep& keep) {
+  ExcessQuanta<T>* const excess = block.excess() + x;
+  constexpr QuantaLanes<T> none{};
+  const auto quanta = load<QuantaLanes<T>>(excess);
+  store(excess, keep(none, quanta));
+  return given_up<T>(converted<V>(keep(quanta, none)), block.stress_share(),
+                     [&](int i) { return load<V>(slots.arriving(i) + x); });
 }
 
-/// `watch` receives the cells' squared speeds and offsets; `linked`: cells of the block may have links.
-template <class Model, bool source, bool linked, class T, class Pass, class Watch>
-[[gnu::noinline]] void row_range(const Pass pass, RowRange range, const Watch& watch) {
+/// Collides rows whose cells have an excess, or none. `watch` receives the cells' squared speeds and offsets.
+template <class Model, bool source, bool with_excess, class T, class Pass, class Watch>
+[[gnu::noinline]] void rows(const Pass pass, RowRange range, const Watch& watch) {
   using V = typename VectorOf<T>::type;
   constexpr int width = vector_bytes / sizeof(T);
   const int nx = pass.block.size().x, whole = nx / width * width;
+  const auto collide_at = [&](std::ptrdiff_t x, const auto& keep) __attribute__((always_inline)) {
+    if constexpr (with_excess)
+      collide<Model, source, V>(pass.slots, x, pass.rates, keep, watch,
+                                excess_taken(pass.block, pass.slots, x, keep));
+    else
+      collide<Model, source, V>(pass.slots, x, pass.rates, keep, watch);
+  };
   for (int z = range.z0; z < range.z1; ++z)
     for (int y = range.y0; y < range.y1; ++y) {
       const std::ptrdiff_t first = pass.block.cell(0, y, z), end = first + whole;
-      std::ptrdiff_t x = first;
-      if (linked && pass.block.has_excess(y, z))
-        collide_with_excess<Model, source, T>(pass, std::exchange(x, end), end, first + nx, watch);
-      for (; x < end; x += width) collide<Model, source, V>(pass.slots, x, pass.rates, AllLanes{}, watch);
-      if (whole < nx) collide<Model, source, V>(pass.slots, end, pass.rates, pass.rest_of_row, watch);
+      for (std::ptrdiff_t x = first; x < end; x += width) collide_at(x, AllLanes{});
+      if (whole < nx) collide_at(end, pass.rest_of_row);
       close_row(pass.block, first, pass.parity);
       if (auto* const carried = pass.block.temperature()) close_row(*carried, first, pass.parity);
     }
 }
 
-/// Separates watched planes from the others, since watching takes registers.
+/// Collides runs of rows with an excess, and of rows without.
+template <class Model, bool source, class T, class Pass, class Watch>
+void linked_rows(const Pass& pass, RowRange range, const Watch& watch) {
+  for (int z = range.z0; z < range.z1; ++z)
+    for (int y = range.y0, end; y < range.y1; y = end) {
+      const bool excess = pass.block.has_excess(y, z);
+      for (end = y + 1; end < range.y1 && pass.block.has_excess(end, z) == excess;) ++end;
+      if (excess)
+        rows<Model, source, true, T>(pass, {y, end, z, z + 1}, watch);
+      else
+        rows<Model, source, false, T>(pass, {y, end, z, z + 1}, watch);
+    }
+}
+
+/// Separates watched planes from the others, since watching takes registers. `linked`: cells of the block may
+/// have links.
 template <class Model, bool source, bool linked, class T, class Pass>
 void planes(const Pass& pass, RowRange range, const WatchedPlanes& watched) {
   const T scale = Model::square_scale(pass.rates.fluid);
   const auto note = [&](std::ptrdiff_t cell, double speed) { watched.found.push_back({cell, speed}); };
   const Watch<T, decltype(note)> watch{T(speed_of_sound * speed_of_sound) * scale, scale, note};
-  const Unseen unseen;
+  const auto collide_planes = [&](int z, int end, const auto& seen) {
+    const RowRange of_planes{range.y0, range.y1, z, end};
+    if constexpr (linked)
+      linked_rows<Model, source, T>(pass, of_planes, seen);
+    else
+      rows<Model, source, false, T>(pass, of_planes, seen);
+  };
   for (int z = range.z0; z < range.z1;) {
     const int plane = std::min(watched.next(z), range.z1);
-    if (z < plane) row_range<Model, source, linked, T>(pass, {range.y0, range.y1, z, plane}, unseen);
-    if (plane < range.z1)
-      row_range<Model, source, linked, T>(pass, {range.y0, range.y1, plane, plane + 1}, watch);
+    if (z < plane) collide_planes(z, plane, Unseen());
+    if (plane < range.z1) collide_planes(plane, plane + 1, watch);
     z = plane + 1;
   }
 }

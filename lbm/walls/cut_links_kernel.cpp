@@ -73,7 +73,6 @@ class LinkFetch {
     const PlaceOrigin<T> origin(block_, group.corner, links.links->frame);
     const std::uint32_t* const place = links.links->place.data() + group.begin + first;
     corner_ = block_.data() + block_.middle() + block_.cell(group.corner);
-    if (wanted_ == Wanted::all) excess_ = block_.excess() + block_.cell(group.corner);
     listed_.group = &group, listed_.count = std::min(window, int(group.count) - first);
     std::int32_t* const start = listed_.slot[listed_.half];
     std::int32_t* end = start;
@@ -108,15 +107,13 @@ class LinkFetch {
     }
   }
 
-  /// Prefetches the listed vector at k with its padding lanes: testing lanes would take longer.
+  /// Prefetches the populations of the listed vector at k with its padding lanes: testing lanes would take
+  /// longer. The dense pass has just read the excess of the cells.
   void fetch(int k) const {
     if (k >= listed_.count) return;
     const Rows rows(listed_.slot[listed_.half] + k * listed_.rows);
     for (int row = 0; row < listed_.rows; ++row)
-      if (row == cell_row)
-        fetch(excess_, rows[row]);
-      else
-        fetch(corner_, rows[row]);
+      if (row != cell_row) fetch(corner_, rows[row]);
   }
   template <class Value>
   static void fetch(const Value* from, const std::int32_t* at) {
@@ -130,8 +127,7 @@ class LinkFetch {
   Wanted wanted_;
   bool fetches_;
   ListedLinks& listed_;
-  const T* corner_ = nullptr;                // of the window listed ahead
-  const ExcessQuanta<T>* excess_ = nullptr;  // of the same window
+  const T* corner_ = nullptr;  // of the window listed ahead
   const std::int32_t* present_slots_ = nullptr;
   int present_rows_ = 0;
 };
