@@ -39,11 +39,14 @@ template <class T>
 ResistanceSums of_links(const CutLinks<T>& links, int exponent) {
   Entries<T> lanes = {};
   for (const LinkGroup& group : links.groups) add_group(links, group, exponent, lanes);
-  ResistanceSums sums;
-  for (int e = 0; e < entries; ++e) {
-    std::int64_t& sum = e < resistance_entries ? sums.h[e] : sums.push[e - resistance_entries];
+  const auto total = [&](int e) {
+    std::int64_t sum = 0;
     for (int l = 0; l < Lanes<T>::count; ++l) sum += lanes[e][l];
-  }
+    return sum;
+  };
+  ResistanceSums sums;
+  for (int e = 0; e < resistance_entries; ++e) sums.h[e] = total(e);
+  for (int e = resistance_entries; e < entries; ++e) sums.push[e - resistance_entries] = total(e);
   return sums;
 }
 
