@@ -125,8 +125,8 @@ class PatchJoints {
     return t.factor == next.factor && goes_on(t.above, next.above) && goes_on(t.below, next.below);
   }
   bool goes_on(const typename Patches::Carried& c, const typename Patches::Carried& next) const {
-    bool all = goes_on(c.value, next.value) && c.slope == next.slope && c.in_time == next.in_time &&
-               (!c.in_time || goes_on(c.before, next.before));
+    bool all = goes_on(c.value, next.value) && c.slope == next.slope && c.change == next.change &&
+               (!c.in_time() || goes_on(c.before, next.before));
     for (int d = 0; d < 3; ++d)
       all &= goes_on(c.above[d], next.above[d]) && goes_on(c.below[d], next.below[d]);
     return all;

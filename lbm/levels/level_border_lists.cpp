@@ -158,16 +158,18 @@ struct LevelBorder<Field>::Builder {
       ++in_step[entry.sub_step], by_outlet |= entry.to.by_outlet;
       users.insert(leaves.at(entry.to.cell).rank);
     }
-    const bool in_time = in_step[0] == 4 && in_step[1] == 4 && !by_outlet;
+    const bool in_time = in_step[0] > 0 && in_step[1] > 0 && !by_outlet;
+    const double half = in_time ? 0.5 / (in_step[0] + in_step[1]) : 0;
+    const double change[2] = {half * in_step[1], -half * in_step[0]};  // together the packets have none
     for (const int user : users) {
-      typename Patches::Carried one{size, 0, coarse_patch(user, x, j), {}, {}, {}, false, {}}, returned = one;
+      typename Patches::Carried one{size, 0, coarse_patch(user, x, j), {}, {}, {}, {}, {}}, returned = one;
       for (int d = 0; d < 3; ++d) {
         const auto s = slope(user, x, j, d);
         one.above[d] = s.above, one.below[d] = s.below, one.slope[d] = s.factor;
       }
       if (by_outlet) returned.value = coarse_patch(user, x, opposite(j), true);
       returned.above = returned.below = {returned.value, returned.value, returned.value};
-      if (in_time) one.in_time = true, one.before = before_patch(user, j);
+      if (in_time) one.change = {T(change[0]), T(change[1])}, one.before = before_patch(user, j);
       if (user != rank) continue;
       Part part{*this};
       for (const Entry& entry : entries)
@@ -177,7 +179,9 @@ struct LevelBorder<Field>::Builder {
         for (int s = 0; s < 2; ++s) explosion.first[s] = std::uint32_t(part.list().packets[s].size());
         for (const Entry& entry : entries) {
           if (entry.to.by_outlet != outlet || leaves.at(entry.to.cell).rank != rank) continue;
-          const double addend = entry.to.addend + (in_time ? 0 : entry.to.by_force);
+          // the change by the collision holds what the force adds
+          const double lacks = entry.to.by_force + 4 * change[entry.sub_step] * by_force(j);
+          const double addend = entry.to.addend + (in_time && in_step[0] == in_step[1] ? 0 : lacks);
           PatchJoints<T>::add(part.list().packets[entry.sub_step], explosion.packets[entry.sub_step],
                               {own_patch(border.fine_, leaves, entry.to.cell, entry.to.direction), T(addend),
                                std::uint8_t(entry.corner)});
@@ -357,7 +361,7 @@ struct LevelBorder<Field>::Builder {
     std::uint32_t carried = 0, sums = 0;
     for (typename Patches::Carried& its : border.carry_) {
       its.first = std::exchange(carried, carried + std::uint32_t(Patches::carried_values) * its.size.cells());
-      if (!its.in_time || its.before.array == before_table()) continue;
+      if (!its.in_time() || its.before.array == before_table()) continue;
       for_runs(its.before, its.size, [&](const SlotRun& run) {
         border.before_.copied().add(run, {before_table(), before_next, 1, run.length});
         before_next += run.length;

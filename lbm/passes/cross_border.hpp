@@ -167,11 +167,13 @@ struct Carry {
     const PatchValues<const T> before(border.coarse_before + c.before.first, 1, c.before.pitch);
     T* const its = border.carried + c.first;
     const PatchValues<T> first = kept(its, c.size), second = kept(its + c.size.cells(), c.size);
+    const T earlier = c.change[0], later = c.change[1];
+    const bool in_time = c.in_time();
     for_part<T>(part, [&]<class V>(V, std::ptrdiff_t row, std::ptrdiff_t n) {
       const V v = value.template at<V>(row, n);
-      const V fourth = c.in_time ? V(T(0.25) * (before.template at<V>(row, n) - v)) : V{};
-      first.template set<V>(row, n, c.in_time ? V(v + fourth) : v);
-      second.template set<V>(row, n, c.in_time ? V(v - fourth) : v);
+      const V change = in_time ? V(before.template at<V>(row, n) - v) : V{};
+      first.template set<V>(row, n, in_time ? V(v + earlier * change) : v);
+      second.template set<V>(row, n, in_time ? V(v + later * change) : v);
     });
     for (int d = 0; d < 3; ++d) {
       const PatchValues<T> above(border.coarse_left, c.above[d]), below(border.coarse_left, c.below[d]);

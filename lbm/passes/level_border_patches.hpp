@@ -36,10 +36,11 @@ struct BorderPatches {
     std::uint32_t first;  // index in carried
     Patch value;
     std::array<Patch, 3> above,
-        below;               // neighbours along each axis; the cells themselves where none is coarse
-    std::array<T, 3> slope;  // times above - below: change from the centre to a packet
-    bool in_time;            // whether arrivals before the collision count
-    Patch before;            // of them; in lists that are used, elements of coarse_before
+        below;                // neighbours along each axis; the cells themselves where none is coarse
+    std::array<T, 3> slope;   // times above - below: change from the centre to a packet
+    std::array<T, 2> change;  // by sub-step: what a packet has of the change by the last collision, over it
+    Patch before;             // of arrivals before it; in lists that are used, elements of coarse_before
+    SILT_DEVICE bool in_time() const { return change[0] != 0; }
   };
   static constexpr int carried_values =
       5;  // of a cell: in the first and in the second step; changes along x, y and z
