@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory_resource>
+#include <utility>
 #include <vector>
 
 #include "lbm/passes/level_border_patches.hpp"
@@ -64,7 +65,33 @@ class PatchJoints {
     }
   }
 
+  /// Makes one row of each patch whose rows are single cells, since passes take several cells of a row at
+  /// once. Call when all are joined.
+  static void turn_columns(BorderLists<T>& list, std::pmr::vector<typename Patches::Carried>& carry) {
+    for (typename Patches::Explosion& one : list.explosions) {
+      if (!is_column(one.size)) continue;
+      for (int s = 0; s < 2; ++s)
+        for (int k = 0; k < one.packets[s]; ++k) turn(list.packets[s][one.first[s] + k].to);
+      typename Patches::Carried& its = carry[one.carried];
+      turn(its.value), turn(its.before);
+      for (int d = 0; d < 3; ++d) turn(its.above[d]), turn(its.below[d]);
+      turn(its.size), turn(one.size);
+    }
+    for (typename Patches::Coalescence& one : list.coalescences) {
+      if (!is_column(one.size)) continue;
+      for (int s = 0; s < 2; ++s)
+        for (int k = 0; k < one.sources[s]; ++k) turn(list.sources[s][one.first[s] + k].from);
+      for (int k = 0; k < one.taken; ++k)
+        turn(list.taken[one.first_taken + k].above), turn(list.taken[one.first_taken + k].below);
+      turn(one.to), turn(one.size);
+    }
+  }
+
  private:
+  static bool is_column(const Extent& size) { return size.length == 1 && size.rows > 1; }
+  static void turn(Extent& size) { std::swap(size.length, size.rows); }
+  static void turn(Patch& patch) { std::swap(patch.step, patch.pitch); }
+
   /// The next patch lies at the end of the rows of the one before it, or behind its last row.
   PatchJoints(const Extent& size, const Extent& next, bool along_rows)
       : size_(size), next_(next), along_rows_(along_rows) {}

@@ -355,29 +355,39 @@ struct LevelBorder<Field>::Builder {
     place_kept();
   }
 
-  /// Gives what is kept of each patch its place. Explosions then refer to what is carried instead of to
-  /// entries of carry_, and these to populations before collision that have been copied.
+  /// Gives what is kept of each patch its place, in the order of passes. Explosions then refer to what is
+  /// carried instead of to entries of carry_, and these to populations before collision that have been
+  /// copied.
   void place_kept() {
     std::uint32_t carried = 0, sums = 0;
-    for (typename Patches::Carried& its : border.carry_) {
-      its.first = std::exchange(carried, carried + std::uint32_t(Patches::carried_values) * its.size.cells());
-      if (!its.in_time() || its.before.array == before_table()) continue;
-      for_runs(its.before, its.size, [&](const SlotRun& run) {
-        border.before_.copied().add(run, {before_table(), before_next, 1, run.length});
-        before_next += run.length;
-      });
-      its.before = {before_table(), std::int32_t(before_next - its.size.cells()), 1,
-                    std::int32_t(its.size.length)};
-    }
+    std::pmr::vector<typename Patches::Carried> carry(border.carry_.get_allocator());
     const auto place = [&](Lists& list) {
-      for (Explosion& one : list.explosions) one.carried = border.carry_[one.carried].first;
+      PatchJoints<T>::turn_columns(list, border.carry_);
+      for (Explosion& one : list.explosions) {
+        carry.push_back(border.carry_[one.carried]);
+        keep_before(carry.back());
+        one.carried = carry.back().first =
+            std::exchange(carried, carried + std::uint32_t(Patches::carried_values) * one.size.cells());
+      }
       for (Coalescence& one : list.coalescences) one.sum = std::exchange(sums, sums + one.size.cells());
     };
     for (auto& parts : border.ready_) std::for_each(parts.begin(), parts.end(), place);
     place(border.late_);
+    border.carry_.swap(carry);
     for (typename Patches::Passing& one : border.passing_)
       one.kept = std::exchange(sums, sums + one.size.cells());
     border.coarse_before_.resize(before_next), border.carried_.resize(carried), border.sums_.resize(sums);
+  }
+
+  /// Lists the copies of populations before collision.
+  void keep_before(typename Patches::Carried& its) {
+    if (!its.in_time() || its.before.array == before_table()) return;
+    for_runs(its.before, its.size, [&](const SlotRun& run) {
+      border.before_.copied().add(run, {before_table(), before_next, 1, run.length});
+      before_next += run.length;
+    });
+    its.before = {before_table(), std::int32_t(before_next - its.size.cells()), 1,
+                  std::int32_t(its.size.length)};
   }
 };
 

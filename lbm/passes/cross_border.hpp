@@ -165,24 +165,21 @@ struct Carry {
                               const PatchPart& part) const {
     const PatchValues<T> value(border.coarse_left, c.value);
     const PatchValues<const T> before(border.coarse_before + c.before.first, 1, c.before.pitch);
+    const std::ptrdiff_t cells = c.size.cells();
     T* const its = border.carried + c.first;
-    const PatchValues<T> first = kept(its, c.size), second = kept(its + c.size.cells(), c.size);
-    const T earlier = c.change[0], later = c.change[1];
     const bool in_time = c.in_time();
     for_part<T>(part, [&]<class V>(V, std::ptrdiff_t row, std::ptrdiff_t n) {
       const V v = value.template at<V>(row, n);
       const V change = in_time ? V(before.template at<V>(row, n) - v) : V{};
-      first.template set<V>(row, n, in_time ? V(v + earlier * change) : v);
-      second.template set<V>(row, n, in_time ? V(v + later * change) : v);
+      for (int s = 0; s < 2; ++s)
+        kept(its + s * cells, c.size).template set<V>(row, n, in_time ? V(v + c.change[s] * change) : v);
+      for (int d = 0; d < 3; ++d) {
+        const PatchValues<T> above(border.coarse_left, c.above[d]), below(border.coarse_left, c.below[d]);
+        kept(its + (2 + d) * cells, c.size)
+            .template set<V>(row, n,
+                             c.slope[d] * (above.template at<V>(row, n) - below.template at<V>(row, n)));
+      }
     });
-    for (int d = 0; d < 3; ++d) {
-      const PatchValues<T> above(border.coarse_left, c.above[d]), below(border.coarse_left, c.below[d]);
-      const PatchValues<T> change = kept(its + (2 + d) * c.size.cells(), c.size);
-      const T slope = c.slope[d];
-      for_part<T>(part, [&]<class V>(V, std::ptrdiff_t row, std::ptrdiff_t n) {
-        change.template set<V>(row, n, slope * (above.template at<V>(row, n) - below.template at<V>(row, n)));
-      });
-    }
   }
 };
 
@@ -195,22 +192,23 @@ struct Explode {
     const PatchValues<T> value = kept(its + border.sub_step * cells, e.size),
                          along_x = kept(its + 2 * cells, e.size), along_y = kept(its + 3 * cells, e.size),
                          along_z = kept(its + 4 * cells, e.size);
-    for (int k = 0; k < e.packets[border.sub_step]; ++k) {
-      const typename BorderPatches<T>::Packet& packet = border.packets[e.first[border.sub_step] + k];
-      const auto sign = [&](int d) { return packet.corner >> d & 1 ? T(1) : T(-1); };
-      const T x = sign(0), y = sign(1), z = sign(2), addend = packet.addend;
-      const PatchValues<T> to(border.fine_arriving, packet.to);
-      const bool paired = packet.paired;
-      for_part<T>(part, [&]<class V>(V, std::ptrdiff_t row, std::ptrdiff_t n) {
-        const V along = along_x.template at<V>(row, n);
-        const V middle = value.template at<V>(row, n) +
-                         (y * along_y.template at<V>(row, n) + z * along_z.template at<V>(row, n)) + addend;
-        if (paired)
-          to.template set_pairs<V>(row, n, middle - along, middle + along);
+    const typename BorderPatches<T>::Packet* const packets = border.packets + e.first[border.sub_step];
+    const int count = e.packets[border.sub_step];
+    if (count == 0) return;
+    for_part<T>(part, [&]<class V>(V, std::ptrdiff_t row, std::ptrdiff_t n) {
+      const V centre = value.template at<V>(row, n), x = along_x.template at<V>(row, n),
+              y = along_y.template at<V>(row, n), z = along_z.template at<V>(row, n);
+      for (int k = 0; k < count; ++k) {
+        const typename BorderPatches<T>::Packet& packet = packets[k];
+        const auto sign = [&](int d) { return packet.corner >> d & 1 ? T(1) : T(-1); };
+        const PatchValues<T> to(border.fine_arriving, packet.to);
+        const V middle = centre + (sign(1) * y + sign(2) * z) + packet.addend;
+        if (packet.paired)
+          to.template set_pairs<V>(row, n, middle - x, middle + x);
         else
-          to.template set<V>(row, n, middle + x * along);
-      });
-    }
+          to.template set<V>(row, n, middle + sign(0) * x);
+      }
+    });
   }
 };
 
@@ -219,34 +217,30 @@ struct AddUp {
   template <class T>
   SILT_DEVICE void operator()(const BorderPatches<T>& border, const typename BorderPatches<T>::Coalescence& c,
                               const PatchPart& part) const {
-    const PatchValues<T> sum = kept(border.sums + c.sum, c.size);
-    const auto add = [&](const PatchValues<T>& from, const auto& changed) {
-      for_part<T>(part, [&]<class V>(V, std::ptrdiff_t row, std::ptrdiff_t n) {
-        sum.template set<V>(row, n, changed(sum.template at<V>(row, n), from.template at<V>(row, n)));
-      });
-    };
-    if (border.sub_step == 0) add(sum, [](auto s, auto) { return decltype(s){}; });
-    for (int k = 0; k < c.sources[border.sub_step]; ++k) {
-      const typename BorderPatches<T>::Source& source = border.sources[c.first[border.sub_step] + k];
-      const PatchValues<T> from(border.fine_left, source.from);
-      if (source.paired)
-        for_part<T>(part, [&]<class V>(V, std::ptrdiff_t row, std::ptrdiff_t n) {
+    const PatchValues<T> kept_sum = kept(border.sums + c.sum, c.size);
+    const int step = border.sub_step;
+    for_part<T>(part, [&]<class V>(V, std::ptrdiff_t row, std::ptrdiff_t n) {
+      V sum = step == 0 ? V{} : kept_sum.template at<V>(row, n);
+      for (int k = 0; k < c.sources[step]; ++k) {
+        const typename BorderPatches<T>::Source& source = border.sources[c.first[step] + k];
+        const PatchValues<T> from(border.fine_left, source.from);
+        if (source.paired) {
           V low, high;
           from.template pairs_at<V>(row, n, low, high);
-          sum.template set<V>(row, n, sum.template at<V>(row, n) + low + high);
-        });
-      else
-        add(from, [](auto s, auto v) { return s + v; });
-    }
-    if (border.sub_step == 0) return;
-    if (c.from_coarse > 0)
-      add(PatchValues<T>(border.coarse_arriving, c.to),
-          [&](auto s, auto v) { return s + T(c.from_coarse) * v; });
-    for (int k = 0; k < c.taken; ++k) {
-      const typename BorderPatches<T>::Taken& t = border.taken[c.first_taken + k];
-      add(PatchValues<T>(border.coarse_left, t.above), [&](auto s, auto v) { return s - t.factor * v; });
-      add(PatchValues<T>(border.coarse_left, t.below), [&](auto s, auto v) { return s + t.factor * v; });
-    }
+          sum = sum + low + high;
+        } else {
+          sum = sum + from.template at<V>(row, n);
+        }
+      }
+      if (step == 1 && c.from_coarse > 0)
+        sum = sum + T(c.from_coarse) * PatchValues<T>(border.coarse_arriving, c.to).template at<V>(row, n);
+      for (int k = 0; step == 1 && k < c.taken; ++k) {
+        const typename BorderPatches<T>::Taken& t = border.taken[c.first_taken + k];
+        sum = sum - t.factor * PatchValues<T>(border.coarse_left, t.above).template at<V>(row, n);
+        sum = sum + t.factor * PatchValues<T>(border.coarse_left, t.below).template at<V>(row, n);
+      }
+      kept_sum.template set<V>(row, n, sum);
+    });
   }
 };
 
@@ -255,7 +249,6 @@ struct Coalesce {
   template <class T>
   SILT_DEVICE void operator()(const BorderPatches<T>& border, const typename BorderPatches<T>::Coalescence& c,
                               const PatchPart& part) const {
-    if (border.sub_step == 0) return;
     const PatchValues<T> sum = kept(border.sums + c.sum, c.size), to(border.coarse_arriving, c.to);
     for_part<T>(part, [&]<class V>(V, std::ptrdiff_t row, std::ptrdiff_t n) {
       to.template set<V>(row, n, sum.template at<V>(row, n) / T(8) + c.addend);
@@ -294,7 +287,7 @@ void cross_over(const BorderPatches<T>& given, const BorderLists<T>& lists,
   constexpr Over over;
   over(Explode(), border, lists.explosions);
   over(AddUp(), border, lists.coalescences);
-  over(Coalesce(), border, lists.coalescences);
+  if (border.sub_step == 1) over(Coalesce(), border, lists.coalescences);
   over(Pass(), border, passing);
 }
 

@@ -36,6 +36,8 @@ struct PairsAcross<T, Lattice>::Builder {
 
   /// Adds the pair of the link that comes from ghost cell g, against j.
   void add(const BlockPlace& place, const PlacesAcross<Lattice>& places, Int3 g, int j) {
+    if (behind_block.box.contains(place.box.lower + g) && !domain.is_of_level(behind_block))
+      return;  // as below
     const Int3 x = g - Lattice::c[j], behind = domain.wrapped(place.box.lower + g);
     const int i = opposite(j), axis = PlacesAcross<Lattice>::axis_of(x, Lattice::c[i], place.box.size);
     if (!domain.inside(behind)) return;
