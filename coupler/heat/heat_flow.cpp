@@ -21,7 +21,7 @@ std::array<lbm::SideCondition, 6> heat_sides(const HeatSpec& heat, const std::ar
     if (sides[side].is_outlet()) all[side].kind = lbm::SideKind::open;
     if (!of.temperature && !sides[side].is_inlet()) continue;
     all[side].kind = lbm::SideKind::temperature;
-    all[side].density_deviation = of.temperature.value_or(0);
+    all[side].value = of.temperature.value_or(0);
   }
   return all;
 }
