@@ -3,6 +3,7 @@
 #include <array>
 #include <stdexcept>
 
+#include "lbm/blocks/lattice.hpp"
 #include "lbm/collision/collision_model.hpp"
 
 namespace silt::lbm {
@@ -13,9 +14,16 @@ struct HeatSpec {
   double reference = 0;                    // temperature of the case from which populations count
   static constexpr double magic = 1. / 6;  // Λ of (H4)
 
-  constexpr double excess() const { return 4 * diffusivity; }  // τ_T⁻ − 1/2
+  constexpr double excess() const { return 4 * diffusivity; }          // τ_T⁻ − 1/2
+  constexpr double relaxation_time() const { return 0.5 + excess(); }  // τ_T⁻
   bool has_buoyancy() const { return buoyancy[0] != 0 || buoyancy[1] != 0 || buoyancy[2] != 0; }
 };
+
+/// Returns the equilibrium (H1) of weight w_i along c_i of D3Q7.
+inline double heat_equilibrium(int i, double temperature, const std::array<double, 3>& velocity) {
+  const Int3 c = D3Q7::c[i];
+  return D3Q7::w(i) * temperature * (1 + 4 * (c.x * velocity[0] + c.y * velocity[1] + c.z * velocity[2]));
+}
 
 /// The rates of (H2) and (H3), and the force on the fluid.
 template <class T>

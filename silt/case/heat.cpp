@@ -120,15 +120,12 @@ void check_fields(const Case& setup, Diagnostics& findings) {
   for (const ProbesSpec& probes : setup.output.probes) look("output.probes", probes.quantities);
 }
 
-/// Refuses what heat cannot be combined with yet.
-void check_limits(const Case& setup, Diagnostics& findings) {
-  const auto refuse = [&](bool found, const char* key, const char* what) {
-    if (found) findings.error(key, "[heat] cannot be combined with {}; remove one of them", what);
-  };
-  refuse(setup.start.has_value(), "initial.from", "the end of another run, initial.from");
-  refuse(setup.fluid->quiet_start, "fluid.quiet_start", "fluid.quiet_start");
-  refuse(setup.heat->expansion != 0 && setup.gravity_over_time.varies(), "gravity.over_time",
-         "gravity that changes, if the fluid expands");
+/// Refuses gravity that changes, of which buoyancy knows nothing.
+void check_constant_gravity(const Case& setup, Diagnostics& findings) {
+  if (setup.heat->expansion == 0 || !setup.gravity_over_time.varies()) return;
+  findings.error("gravity.over_time",
+                 "[heat] cannot be combined with gravity that changes, if the fluid expands; remove one of "
+                 "them");
 }
 
 /// Warns of a heat capacity that no fluid has, as one in kJ/(kg K).
@@ -224,7 +221,7 @@ void read_heat(TableReader& root, Case& setup) {
 
 void find_heat_faults(const Case& setup, Diagnostics& findings) {
   if (!setup.heat) return check_fields(setup, findings);
-  check_limits(setup, findings);
+  check_constant_gravity(setup, findings);
   constexpr double measured = 10, stable = 30;  // cell Péclet numbers (method-heat.md)
   const double found = cell_peclet(setup);
   const double in_widest = found * (setup.coarsening ? 1 << setup.coarsening->levels : 1);

@@ -1,5 +1,5 @@
 // Heat of bodies that fly through cells of several levels, which follow them: none is lost, and the bits are
-// the same on any number of ranks and on a device.
+// the same on any number of ranks, on a device and after a restart.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -8,6 +8,7 @@
 #include "silt/results/quantities.hpp"
 #include "silt/simulation.hpp"
 #include "tests/silt/case/case_text.hpp"
+#include "tests/silt/same_bits.hpp"
 #include "tests/world.hpp"
 
 namespace silt::coupler::testing {
@@ -49,6 +50,12 @@ TEST(WarmLevels, AreTheSameOnAnyRanksAndDevice) {
     EXPECT_EQ(alone, hash(MPI_COMM_WORLD, "cpu")) << coarsening;
     EXPECT_EQ(alone, hash(MPI_COMM_WORLD, "host")) << coarsening;
   }
+}
+
+TEST(WarmLevels, GoOnFromACheckpoint) {
+  Simulation s = flying("single", levels).start(MPI_COMM_WORLD);
+  s.run(68);
+  silt::testing::expect_goes_on(s, 60);
 }
 
 TEST(WarmLevels, LoseNoHeat) {
