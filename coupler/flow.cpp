@@ -170,8 +170,6 @@ class FlowOf final : public Flow {
     account_.set_mapping(counts_);
     cells_changed();
     if (resumed_) return;
-    for (int level = 0; heat_ && level < levels(); ++level)
-      levels_.heat(level)->set_all(heat_->initial_temperature());
     forces_.start(map_.blocks(), bodies);
   }
 

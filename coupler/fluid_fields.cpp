@@ -75,12 +75,13 @@ class FieldsOf final : public FluidFields {
   rigid::FixedSum side_heat(int axis, bool upper) const override {
     rigid::FixedSum sum = 0;
     const int i = 2 * axis + (upper ? 1 : 2);
+    const double conducted = -temperature_->spec().diffusivity * temperature_->spec().gradient_along(i);
     for_layer(axis, upper ? domain().cells()[axis] - 1 : 0, [&](int b, Int3 low, Int3 high) {
       for_cells(low, high, [&](Int3 x) {
         if (!is_fluid(b, x)) return;
         const double lost =
             double(temperature_->leaving(b, x, i)) - temperature_->arriving(b, x, lbm::opposite(i));
-        sum += lbm::heat_quanta(lost);
+        sum += lbm::heat_quanta(lost + conducted);
       });
     });
     return sum * width() * width();

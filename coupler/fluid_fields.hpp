@@ -143,7 +143,11 @@ void for_each_fluid_cell(const FluidFields& fields, Visit&& visit) {
   for_each_fluid_cell(fields, {{}, fields.domain().cells()}, visit);
 }
 
-/// Sets the initial state of a level's fluid (InitialSpec), which must be new and at rest (initial_flow.cpp).
+// ---- the initial state (initial_flow.cpp) ----
+
+/// Sets that of a level's fluid (InitialSpec), which must be new and at rest, and its temperature.
 void set_initial_flow(const FlowSpec&, FluidFields&);
+/// Sets the temperature of a level's fluid, as it moves, to that at the start; does nothing without [heat].
+void set_initial_temperature(const FlowSpec&, FluidFields&);
 
 }  // namespace silt::coupler

@@ -191,6 +191,25 @@ void set_initial_flow(const FlowSpec& spec, FluidFields& fields) {
       nullptr, set<Uniform>, set<TaylorGreen>, set<TaylorGreen3D>, set<ShearLayer>, set<GaussianVortex>};
   if (const auto set_flow = setters[int(spec.fluid->initial.type)]) set_flow(spec, fields);
   if (spec.fluid->initial.noise > 0) add_noise(spec, fields);
+  set_initial_temperature(spec, fields);
+}
+
+void set_initial_temperature(const FlowSpec& spec, FluidFields& fields) {
+  if (!spec.heat) return;
+  std::vector<double> g;
+  for (int b = 0; b < fields.blocks(); ++b) {
+    const lbm::Int3 size = fields.block(b).size;
+    lbm::MomentsByRow moments(fields, b, 0, size.x);
+    for (lbm::CellBox row{{}, {size.x, 1, 1}}; row.lower.z < size.z; ++row.lower.z)
+      for (row.lower.y = 0; row.lower.y < size.y; ++row.lower.y)
+        for (int i = 0; i < lbm::D3Q7::directions; ++i) {
+          g.clear();
+          for_cells(row.lower, row.lower + row.size, [&](lbm::Int3 x) {
+            g.push_back(lbm::heat_equilibrium(i, spec.heat->initial, fields.velocity(moments(x))));
+          });
+          fields.write(b, row, lbm::D3Q19::directions + i, g.data());
+        }
+  }
 }
 
 }  // namespace silt::coupler

@@ -1,5 +1,6 @@
 
 #include <algorithm>
+#include <array>
 #include <optional>
 #include <vector>
 
@@ -42,17 +43,20 @@ class HeldScene final : rigid::StepObserver {
     }
   }
 
-  /// Sets all velocities to zero and keeps the pressure of the fluid.
+  /// Sets all velocities to zero and the temperature to that at the start, and keeps the pressure of the
+  /// fluid.
   void come_to_rest() {
     for (int level = 0; level < scene_.flow->levels(); ++level) {
       coupler::FluidFields& fields = scene_.flow->fields(level);
       for (int b = 0; b < fields.blocks(); ++b) stop(fields, b);
+      coupler::set_initial_temperature(scene_.setup, fields);
     }
     stop_bodies();
     if (scene_.springs) scene_.springs->start(scene_.bodies);
   }
 
-  /// Restores the bodies. Copies get velocities from their owners; their other columns are zero at the start.
+  /// Restores the bodies. Copies get velocities from their owners; their other columns are those at the
+  /// start.
   void give_back() {
     rigid::BodySet& bodies = scene_.bodies;
     for (std::size_t row = 0; row < start_.owned; ++row) {
@@ -60,8 +64,10 @@ class HeldScene final : rigid::StepObserver {
       bodies.stored_impulses[row] = start_.stored_impulses[row];
     }
     for (std::size_t row = start_.owned; row < bodies.first_wall(); ++row) {
-      coupler::coupling_of(bodies, row).foreseen_change = {};
-      coupler::coupling_of(bodies, row).mass_owed = {};
+      coupler::CouplingState& copy = coupler::coupling_of(bodies, row);
+      copy.foreseen_change = {}, copy.mass_owed = {}, copy.heat_owed = {};
+      if (const auto& heat = scene_.setup.heat)
+        copy.temperature.numbers[0] = heat->at_start(bodies.kind[row]);
     }
     for (std::size_t wall = 0; wall < start_.walls; ++wall)
       bodies.assign(bodies.first_wall() + wall, start_.record(start_.first_wall() + wall));
@@ -72,7 +78,15 @@ class HeldScene final : rigid::StepObserver {
   }
 
  private:
-  static void stop(coupler::FluidFields& fields, int b) {
+  /// Returns the force on a cell of fluid of the initial temperature.
+  std::array<double, 3> force_on(const coupler::FluidFields& fields) const {
+    std::array<double, 3> force = fields.spec().force;
+    if (const auto& heat = scene_.setup.heat)
+      for (int d = 0; d < 3; ++d) force[d] += fields.width() * heat->initial * heat->buoyancy[d];
+    return force;
+  }
+  void stop(coupler::FluidFields& fields, int b) const {
+    const std::array<double, 3> force = force_on(fields);
     const lbm::Int3 size = fields.block(b).size;
     for (lbm::CellBox plane{{}, {size.x, size.y, 1}}; plane.lower.z < size.z; ++plane.lower.z) {
       std::vector<double> density(std::size_t(plane.cells())), g(density.size());
@@ -81,7 +95,7 @@ class HeldScene final : rigid::StepObserver {
         for (std::size_t k = 0; k < g.size(); ++k) density[k] += g[k];
       }
       for (int i = 0; i < lbm::D3Q19::directions; ++i) {
-        const double push = lbm::half_push(fields.spec().force, i);
+        const double push = lbm::half_push(force, i);
         for (std::size_t k = 0; k < g.size(); ++k) g[k] = lbm::D3Q19::w(i) * density[k] - push;
         fields.write(b, plane, i, g.data());
       }

@@ -245,9 +245,7 @@ void Scene::set_placed(std::size_t row, rigid::BodyId id, const BodySpec& body, 
   extent_of(setup).wrap(bodies.position[row], bodies.image[row]);
   bodies.set_velocity(row, bodies.velocity[row], bodies.angular_velocity[row]);
   coupler::set_mapping_pose(bodies, row, bodies.pose(row));
-  if (!setup.heat) return;
-  coupler::coupling_of(bodies, row).temperature.numbers[0] =
-      setup.heat->kinds[body.kind].temperature.value_or(0);
+  if (setup.heat) coupler::coupling_of(bodies, row).temperature.numbers[0] = setup.heat->at_start(body.kind);
 }
 
 void Scene::count_bodies() {

@@ -320,7 +320,7 @@ std::array<int, 3> CheckpointReader::lattice(const std::string& name) const {
 
 int CheckpointReader::components(const std::string& name) const {
   const auto shape = state_->file->shape(state_->file->dataset("/cells/" + name));
-  return shape.size() == 4 ? int(shape[0]) : 1;
+  return shape.size() == 4 || shape.size() == 2 ? int(shape[0]) : 1;
 }
 
 bool CheckpointReader::is_stored_as(const std::string& name, Storage storage) const {

@@ -120,7 +120,7 @@ class CheckpointReader {
   std::string provenance(const std::string& name) const;
   std::string case_text() const;
 
-  /// Returns the lattice, and the number of populations per cell, of a dataset.
+  /// Returns the lattice of a field, and the number of populations per cell of a field or list.
   std::array<int, 3> lattice(const std::string& name) const;
   int components(const std::string& name) const;
   bool is_stored_as(const std::string& name, Storage) const;

@@ -18,6 +18,7 @@ WorkCosts::WorkCosts(const FlowSpec& setup, int substeps) {
   impulse = 1000 * substeps;
   if (!setup.fluid) return;
   cell = setup.fluid->precision == Precision::single_ ? 10 : 20;  // by memory bandwidth
+  if (setup.heat) cell += cell * 3 / 5;
   link = setup.coupling.time == TimeCoupling::explicit_ ? 26 : 30;
   mapping = 90;
 }

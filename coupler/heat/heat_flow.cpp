@@ -21,7 +21,7 @@ std::array<lbm::SideCondition, 6> heat_sides(const HeatSpec& heat, const std::ar
     if (sides[side].is_outlet()) all[side].kind = lbm::SideKind::open;
     if (!of.temperature && !sides[side].is_inlet()) continue;
     all[side].kind = lbm::SideKind::temperature;
-    all[side].density_deviation = of.temperature.value_or(0);
+    all[side].value = of.temperature.value_or(0);
   }
   return all;
 }
@@ -51,8 +51,10 @@ template <class T>
 lbm::SurfaceHeat HeatFlow<T>::surface(const rigid::BodySet& bodies, std::size_t row) const {
   const BodyHeat& spec = spec_of(bodies, row);
   const CouplingState& state = coupling_of(bodies, row);
-  if (!spec.temperature) return {true, 0, state.heat_owed.by_each_link};
-  return {false, spec.capacity > 0 ? state.temperature.numbers[0] : *spec.temperature, 0};
+  const lbm::HeatSpec* const lacks = spec_.has_gradient() ? &spec_ : nullptr;
+  if (!spec.temperature) return {true, 0, state.heat_owed.by_each_link, lacks};
+  if (row >= bodies.first_wall()) return {false, *spec.temperature, 0};  // walls have the gradient
+  return {false, spec.capacity > 0 ? state.temperature.numbers[0] : *spec.temperature, 0, lacks};
 }
 
 template <class T>
@@ -140,8 +142,8 @@ void HeatFlow<T>::exchange_heat(std::span<const BlockLinks<T>> blocks, rigid::Bo
   for_surfaces(blocks,
                [&](auto& block, const SurfaceLinks<T>& of, std::span<const lbm::HeatLink> along_axes) {
                  if (!spec_of(bodies, of.row).temperature)
-                   lbm::tell_pockets(block, temperature_.parity(), of.links, along_axes, of.motion,
-                                     spec_.excess(), pockets_.told());
+                   lbm::tell_pockets(block, temperature_.parity(), of.links, along_axes, of.motion, spec_,
+                                     pockets_.told());
                });
   pockets_.exchange();
   for_surfaces(blocks,

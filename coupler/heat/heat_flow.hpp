@@ -24,9 +24,6 @@ class HeatFlow {
   lbm::Temperature<T>& temperature() { return temperature_; }
   const lbm::Temperature<T>& temperature() const { return temperature_; }
 
-  /// Returns that of the fluid at the start.
-  double initial_temperature() const { return spec_.initial; }
-
   // ---- a step, in this order ----
   /// Begins the sums of a step. Call once bodies are mapped.
   void begin_step(const rigid::BodySet&);

@@ -29,6 +29,9 @@ struct HeatSpec : lbm::HeatSpec {
   double of_fluid = 1;   // heat capacity of a cell of fluid, in lattice units of energy
   std::array<SideHeat, 6> sides;
   std::vector<BodyHeat> kinds, walls;  // of bodies, by kind; of [[walls]]
+
+  /// Returns the temperature of a body of a kind at the start.
+  double at_start(std::size_t kind) const { return kinds[kind].temperature.value_or(0); }
 };
 
 }  // namespace silt::coupler

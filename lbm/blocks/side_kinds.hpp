@@ -19,8 +19,8 @@ constexpr bool is_outlet(SideKind kind) {
 struct SideCondition {
   SideKind kind = SideKind::periodic;
   std::array<double, 3> velocity{};  // of a wall or inlet, lattice units
-  double density_deviation = 0;      // of an outlet of given pressure; or the temperature of a side
-  bool varies = false;               // whether the velocity changes over time
+  double value = 0;     // held: of an outlet of given pressure the density deviation, else the temperature
+  bool varies = false;  // whether the velocity changes over time
   /// Returns whether fluid passes through a side across this axis.
   bool is_open(int axis) const {
     return is_outlet(kind) || (kind == SideKind::bounce && velocity[axis] != 0);
@@ -62,9 +62,9 @@ template <class F>
 void with_outlet(const SideCondition& side, F&& f) {
   switch (side.kind) {
     case SideKind::pressure:
-      return f(PressureOutlet{side.density_deviation});
+      return f(PressureOutlet{side.value});
     case SideKind::temperature:
-      return f(TemperatureSide{side.density_deviation});
+      return f(TemperatureSide{side.value});
     case SideKind::open:
       return f(OpenSide{});
     case SideKind::periodic:

@@ -25,9 +25,9 @@ struct BuoyantRates : CollisionRates<T> {
   }
 };
 
-/// Collides the temperature (method-heat.md, equations H1 to H3) and returns the rates of the fluid under its
-/// buoyancy (H8). Both lattices have the same cells at the same offsets.
-template <class T>
+/// Collides the temperature (method-heat.md, equations H1 to H3, with a gradient H9) and returns the rates of
+/// the fluid under its buoyancy (H8). Both lattices have the same cells at the same offsets.
+template <class T, bool has_gradient>
 struct CarryHeat {
   CollisionRates<T> fluid;
   HeatRates<T> heat;
@@ -57,13 +57,19 @@ struct CarryHeat {
       flux[d] = (along[d] - against[d]) - u[d] * t;
       square += u[d] * u[d], stream += u[d] * flux[d];
     }
+    V source{};
+    if constexpr (has_gradient)
+      for (int d = 0; d < 3; ++d) source -= heat.gradient[d] * u[d];
     const V share = heat.along * stream / (heat.quarter - T(0.5) * square);
     // Relaxed by what populations lack, which is zero at equilibrium: rounding then adds no heat step after
     // step.
-    store(slots[0] + x, keep(V(rest + heat.even * (T(D3Q7::w(0)) * t - rest)), rest));
+    V left = rest + heat.even * (T(D3Q7::w(0)) * t - rest);
+    if constexpr (has_gradient) left += T(D3Q7::w(0)) * source;
+    store(slots[0] + x, keep(left, rest));
     for (int k = 0; k < 3; ++k) {
       const V mean = T(0.5) * (along[k] + against[k]);
-      const V p = mean + heat.even * (T(D3Q7::w(1)) * t - mean);
+      V p = mean + heat.even * (T(D3Q7::w(1)) * t - mean);
+      if constexpr (has_gradient) p += T(D3Q7::w(1)) * source;
       const V q = T(0.5) * ((along[k] - against[k]) - heat.odd * (flux[k] - share * u[k]));
       store(slots[2 * k + 1] + x, keep(V(p - q), along[k]));
       store(slots[2 * k + 2] + x, keep(V(p + q), against[k]));
@@ -92,8 +98,11 @@ void with_rates(const CollisionRates<T>& rates, Block<T>& block, Parity parity, 
     else
       f(std::false_type(), of);
   };
-  if (rates.heat)
-    call(rates.has_force() || rates.heat->has_force(), CarryHeat<T>(rates, *block.temperature(), parity));
+  if (rates.heat && rates.heat->has_gradient())
+    f(std::true_type(), CarryHeat<T, true>(rates, *block.temperature(), parity));
+  else if (rates.heat)
+    call(rates.has_force() || rates.heat->has_force(),
+         CarryHeat<T, false>(rates, *block.temperature(), parity));
   else
     call(rates.has_force(), SameRates<T>{rates});
 }

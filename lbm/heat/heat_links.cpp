@@ -56,6 +56,21 @@ double swept(const HeatSlots<T>& slots, const Block<T, D3Q7>& block, const CutLi
   return u == 0 ? 0 : slots.temperature(l) * u;
 }
 
+/// Returns c_i·G of a link.
+double gradient_along(const SurfaceHeat& surface, const HeatLink& l) {
+  return surface.fluid ? surface.fluid->gradient_along(l.direction) : 0;
+}
+
+/// Returns the temperature of a surface at a link, less the mean.
+template <class T>
+double temperature_at(const SurfaceHeat& surface, const Block<T, D3Q7>& block, const SurfaceFrame& frame,
+                      const HeatLink& l, double q) {
+  if (!surface.fluid) return surface.temperature;
+  const std::array<double, 3> arm = arm_of(frame, block.cell_at(l.cell)), &g = surface.fluid->gradient;
+  return surface.temperature - (arm[0] * g[0] + arm[1] * g[1] + arm[2] * g[2]) -
+         q * gradient_along(surface, l);
+}
+
 /// The share of a link in its pocket, (H6), and what it gets from there.
 double pocket_share(double q, double excess) {
   const double k = std::clamp(q, 0.0, 1.0);
@@ -72,13 +87,15 @@ double from_pocket(PocketLinks all, std::int32_t place) {
 
 template <class T>
 void tell_pockets(Block<T, D3Q7>& block, Parity parity, const CutLinks<T>& links,
-                  std::span<const HeatLink> along_axes, const SurfaceMotion& motion, double excess,
+                  std::span<const HeatLink> along_axes, const SurfaceMotion& motion, const HeatSpec& fluid,
                   std::span<PocketLink> told) {
   const HeatSlots<T> slots(block, parity);
+  const double of_gradient = D3Q7::w(1) * fluid.relaxation_time();  // as if from the middle of the pocket
   for (const HeatLink& l : along_axes)
     if (l.pocket >= 0)
-      told[l.pocket] = {slots.out(l) - 0.5 * swept(slots, block, links, motion, l),
-                        pocket_share(distance(links, l), excess)};
+      told[l.pocket] = {slots.out(l) - 0.5 * swept(slots, block, links, motion, l) -
+                            of_gradient * fluid.gradient_along(l.direction),
+                        pocket_share(distance(links, l), fluid.excess())};
 }
 
 template <class T>
@@ -92,11 +109,13 @@ void apply_heat_links(Block<T, D3Q7>& block, Parity parity, const CutLinks<T>& l
     T& back = slots.back(l);
     if (surface.insulates) {
       const double from_others = l.pocket >= 0 ? from_pocket(told, l.pocket) : 0;
-      back = T(out - swept(slots, block, links, motion, l) + from_others + returned);
+      const double conducted = surface.fluid ? surface.fluid->diffusivity * gradient_along(surface, l) : 0;
+      back = T(out - swept(slots, block, links, motion, l) + from_others + returned - conducted);
     } else {
-      const HeatCoefficients k = coefficients(l, distance(links, l));
+      const double q = distance(links, l);
+      const HeatCoefficients k = coefficients(l, q);
       back = T(k.out * out + k.behind * slots.behind(l) + k.against * slots.against(l) +
-               k.surface * surface.temperature);
+               k.surface * temperature_at(surface, block, links.frame, l, q));
       sums.conductance += heat_quanta(k.surface);
     }
     sums.heat += heat_quanta(out - double(back));
@@ -118,9 +137,9 @@ std::int64_t correct_heat_links(Block<T, D3Q7>& block, Parity parity, const CutL
 }
 
 template void tell_pockets(Block<float, D3Q7>&, Parity, const CutLinks<float>&, std::span<const HeatLink>,
-                           const SurfaceMotion&, double, std::span<PocketLink>);
+                           const SurfaceMotion&, const HeatSpec&, std::span<PocketLink>);
 template void tell_pockets(Block<double, D3Q7>&, Parity, const CutLinks<double>&, std::span<const HeatLink>,
-                           const SurfaceMotion&, double, std::span<PocketLink>);
+                           const SurfaceMotion&, const HeatSpec&, std::span<PocketLink>);
 template void apply_heat_links(Block<float, D3Q7>&, Parity, const CutLinks<float>&, std::span<const HeatLink>,
                                const SurfaceHeat&, const SurfaceMotion&, PocketLinks, HeatSums&);
 template void apply_heat_links(Block<double, D3Q7>&, Parity, const CutLinks<double>&,

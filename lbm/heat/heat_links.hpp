@@ -39,8 +39,9 @@ using PocketLinks = std::span<const PocketLink>;
 /// What a surface is to the heat of the fluid in a step.
 struct SurfaceHeat {
   bool insulates = true;
-  double temperature = 0;         // less the reference temperature
-  std::int64_t by_each_link = 0;  // heat_quantum that each link also returns
+  double temperature = 0;           // less the reference temperature
+  std::int64_t by_each_link = 0;    // heat_quantum that each link also returns
+  const HeatSpec* fluid = nullptr;  // of a mean gradient (H9) that the surface lacks; null: none
 };
 
 /// What the surface gets over its links in a step, and H of (H7), both in heat_quantum.
@@ -62,10 +63,10 @@ void add_heat_links(const Block<T, D3Q7>& block, const CutLinks<T>& links, const
 }
 
 /// Lets the links of an insulating surface that lead into pockets tell of themselves, after the exchange of a
-/// pass; `parity` is that after it. `excess` is that of HeatSpec.
+/// pass; `parity` is that after it.
 template <class T>
 void tell_pockets(Block<T, D3Q7>&, Parity, const CutLinks<T>&, std::span<const HeatLink>,
-                  const SurfaceMotion&, double excess, std::span<PocketLink>);
+                  const SurfaceMotion&, const HeatSpec&, std::span<PocketLink>);
 
 /// Writes what a surface returns along its links, once pockets are told. Adds to the sums.
 template <class T>

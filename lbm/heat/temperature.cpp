@@ -39,17 +39,7 @@ double Temperature<T>::at(int b, Int3 cell) const {
 
 template <class T>
 void Temperature<T>::set(int b, Int3 cell, double temperature, const std::array<double, 3>& u) {
-  for (int i = 0; i < D3Q7::directions; ++i) {
-    const Int3 c = D3Q7::c[i];
-    arriving(b, cell, i) = T(D3Q7::w(i) * temperature * (1 + 4 * (c.x * u[0] + c.y * u[1] + c.z * u[2])));
-  }
-}
-
-template <class T>
-void Temperature<T>::set_all(double temperature) {
-  for (int b = 0; b < int(blocks_.size()); ++b)
-    for_cells({}, blocks_[b].size(),
-              [&](Int3 x) { set(b, x, temperature, fluid_.velocity(fluid_.moments(b, x))); });
+  for (int i = 0; i < D3Q7::directions; ++i) arriving(b, cell, i) = T(heat_equilibrium(i, temperature, u));
 }
 
 template <class T>

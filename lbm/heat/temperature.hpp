@@ -55,8 +55,6 @@ class Temperature final : public Carried {
   }
   /// Returns the temperature of a cell, less the reference temperature.
   double at(int b, Int3 cell) const;
-  /// Sets all cells to a temperature, in the fluid as it moves.
-  void set_all(double temperature);
   /// Sets a cell to the equilibrium (H1) of a fluid of this velocity.
   void set(int b, Int3 cell, double temperature, const std::array<double, 3>& velocity);
   /// Returns the size of the arrays of populations.

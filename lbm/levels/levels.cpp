@@ -17,6 +17,7 @@ HeatSpec coarser(HeatSpec spec, int levels) {
   const double factor = 1 << levels;
   spec.diffusivity /= factor;
   for (double& f : spec.buoyancy) f *= factor;
+  for (double& g : spec.gradient) g *= factor;
   return spec;
 }
 

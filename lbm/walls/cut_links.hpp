@@ -177,12 +177,16 @@ struct SurfaceMotion {
   std::int64_t mass_by_link = 0;  // that each link also adds to its cell, in quanta of excess.hpp
 };
 
+/// Returns where a cell is from the reference point of a surface.
+SILT_DEVICE inline std::array<double, 3> arm_of(const SurfaceFrame& frame, Int3 cell) {
+  const Int3 from_frame = cell - frame.cell;
+  return {from_frame.x + frame.offset[0], from_frame.y + frame.offset[1], from_frame.z + frame.offset[2]};
+}
+
 /// Returns the velocity of a rigid surface along c at the cell of a link; along c it equals that at the wall.
 SILT_DEVICE inline double velocity_along(const SurfaceFrame& frame, const SurfaceMotion& m, Int3 cell,
                                          Int3 c) {
-  const Int3 from_frame = cell - frame.cell;
-  const double r[3] = {from_frame.x + frame.offset[0], from_frame.y + frame.offset[1],
-                       from_frame.z + frame.offset[2]};
+  const std::array<double, 3> r = arm_of(frame, cell);
   double sum = 0;
   for (int d = 0; d < 3; ++d) {
     const int e = (d + 1) % 3, f = (d + 2) % 3;

@@ -18,10 +18,11 @@ bool has_weights(const Case& setup) {
   });
 }
 
-/// Returns whether pressure must balance a load; of a periodic body force only with an obstacle.
+/// Returns whether pressure must balance a load; of a periodic force on the fluid only with an obstacle.
 bool is_loaded(const Case& setup) {
   if (has_weights(setup) || !setup.springs.empty()) return true;
-  const Vec3 force = setup.fluid->body_force_over_time.at(0) * setup.fluid->body_force;
+  Vec3 force = setup.fluid->body_force_over_time.at(0) * setup.fluid->body_force;
+  if (setup.heat) force += setup.heat->initial * Vec3(setup.heat->buoyancy.data());
   for (int d = 0; d < 3; ++d)
     if (force[d] != 0 && (!setup.periodic(d) || setup.has_surfaces())) return true;
   return false;

@@ -73,7 +73,9 @@ std::vector<Diagnostic> check_case(const Case&);
 /// Checks a case; throws CaseError if there is an error, else returns the warnings.
 std::vector<Diagnostic> require_runnable(const Case&);
 
-/// Returns the bytes of the fluid's populations (one D3Q19 array, updated in place) and of the solid map.
+/// Returns the number of populations of a cell of fluid, with those of its temperature.
+int populations_of(const Case&);
+/// Returns the bytes of the fluid's populations, which are updated in place, and of the solid map.
 double fluid_memory(const Case&);
 
 /// Returns lines "name   value in the units of the case   in lattice units": cells, time step, relaxation

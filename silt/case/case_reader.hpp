@@ -164,9 +164,10 @@ struct Number {
 };
 struct Vector {
   Dimension dimension = dimension::none;
+  const char* unit = nullptr;  // if the dimension does not give it
   auto read(TableReader& table, const char* key) const { return table.vector(key, dimension); }
   std::string type() const { return "[x, y, z]"; }
-  std::string unit_text() const { return unit_on_page(dimension); }
+  std::string unit_text() const { return unit ? unit : unit_on_page(dimension); }
   static std::string text(const rigid::Vec3& x) { return x.isZero(0) ? "0" : "given"; }
 };
 /// A box, by two corners.

@@ -16,8 +16,6 @@
 namespace silt {
 namespace {
 
-constexpr int populations = 19;
-
 // Lines of three columns, at least two blanks apart.
 class Table {
  public:
@@ -314,11 +312,15 @@ void add_run(const Case& setup, Table& table) {
 
 }  // namespace
 
+int populations_of(const Case& setup) {
+  return lbm::D3Q19::directions + (setup.heat ? lbm::D3Q7::directions : 0);
+}
+
 double fluid_memory(const Case& setup) {
   if (!setup.fluid) return 0;
-  const int of_a_cell = populations + (setup.heat ? lbm::D3Q7::directions : 0);
-  return setup.volume() * (of_a_cell * (setup.fluid->precision == coupler::Precision::double_ ? 8 : 4) +
-                           (setup.has_surfaces() ? 1 : 0));
+  return setup.volume() *
+         (populations_of(setup) * (setup.fluid->precision == coupler::Precision::double_ ? 8 : 4) +
+          (setup.has_surfaces() ? 1 : 0));
 }
 
 std::string derived_table(const Case& setup) {

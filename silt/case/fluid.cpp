@@ -100,11 +100,13 @@ constexpr std::tuple fluid_keys{
              "there is no body force; remove it"},
         IdleInCase{pushes_no_bodies, no_free_bodies}},
     Key{"quiet_start", &coupler::FluidSpec::quiet_start, Flag{},
-        "starts from rest with the pressure that balances weights, springs and the body force, so that no "
-        "sound waves arise",
+        "starts from rest with the pressure that balances weights, springs, the body force and buoyancy, so "
+        "that no sound waves arise",
         nullptr,
-        IdleInCase{[](const Case& c) { return is_quiet_in_vain(c) && begins_at_rest(c); },
-                   "neither weights nor springs nor a body force push anything at the start; remove it"},
+        IdleInCase{
+            [](const Case& c) { return is_quiet_in_vain(c) && begins_at_rest(c); },
+            "neither weights nor springs nor a body force nor buoyancy push anything at the start; remove "
+            "it"},
         IdleInCase{[](const Case& c) { return is_quiet_in_vain(c) && !begins_at_rest(c); },
                    "the case does not begin at rest; remove it, or what moves the fluid at the start"}},
     HandKey{"initial", "table", "", "at rest", "initial state, see below"}};

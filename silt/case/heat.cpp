@@ -11,10 +11,11 @@
 namespace silt {
 namespace {
 
-constexpr Dimension capacity_of_mass{2, -2, 0}, power{2, -3, 1}, power_of_area{0, -3, 1};
+constexpr Dimension capacity_of_mass{2, -2, 0}, power{2, -3, 1}, power_of_area{0, -3, 1}, of_length{-1, 0, 0};
 
 struct GivenHeat : coupler::HeatSpec {
   double prandtl = 0;
+  rigid::Vec3 mean_gradient = rigid::Vec3::Zero();
 };
 constexpr std::tuple heat_keys{
     Key{"thermal_diffusivity", &lbm::HeatSpec::diffusivity, Number{dimension::viscosity, range::above(0)},
@@ -28,7 +29,9 @@ constexpr std::tuple heat_keys{
     Key{"heat_capacity", &coupler::HeatSpec::of_fluid, Number{capacity_of_mass, range::above(0), "J/(kg K)"},
         "of the fluid", "– (si), 1"},
     Key{"expansion", &coupler::HeatSpec::expansion, Number{dimension::none, range::any, "1/K"},
-        "thermal expansion, which with gravity makes the fluid buoyant"}};
+        "thermal expansion, which with gravity makes the fluid buoyant"},
+    Key{"mean_gradient", &GivenHeat::mean_gradient, Vector{of_length, "K/m"},
+        "gradient, along periodic axes, of a mean temperature on top of which all others are"}};
 
 /// Reads the temperature of something, less that of reference.
 std::optional<double> read_temperature(TableReader& table, const coupler::HeatSpec& heat) {
@@ -120,15 +123,31 @@ void check_fields(const Case& setup, Diagnostics& findings) {
   for (const ProbesSpec& probes : setup.output.probes) look("output.probes", probes.quantities);
 }
 
-/// Refuses what heat cannot be combined with yet.
-void check_limits(const Case& setup, Diagnostics& findings) {
-  const auto refuse = [&](bool found, const char* key, const char* what) {
-    if (found) findings.error(key, "[heat] cannot be combined with {}; remove one of them", what);
+/// Refuses a mean gradient along axes that are not periodic, and bodies that would carry their temperature
+/// along it.
+void check_mean_gradient(const Case& setup, Diagnostics& findings) {
+  constexpr const char* key = "heat.mean_gradient";
+  for (int d = 0; d < 3; ++d)
+    if (setup.heat->gradient[d] != 0 && !setup.periodic(d))
+      findings.error(
+          key, "{} has a component along {}, which is not periodic; give its sides temperatures instead", key,
+          "xyz"[d]);
+  const auto is_warm = [&](const auto& of) { return setup.heat->kinds[of.kind].temperature.has_value(); };
+  const auto moves = [&](const BodySpec& body) {
+    return body.motion != rigid::Motion::fixed && is_warm(body);
   };
-  refuse(setup.start.has_value(), "initial.from", "the end of another run, initial.from");
-  refuse(setup.fluid->quiet_start, "fluid.quiet_start", "fluid.quiet_start");
-  refuse(setup.heat->expansion != 0 && setup.gravity_over_time.varies(), "gravity.over_time",
-         "gravity that changes, if the fluid expands");
+  if (setup.heat->has_gradient() && (setup.any_given(moves) || std::ranges::any_of(setup.continued, moves) ||
+                                     std::ranges::any_of(setup.fills, is_warm)))
+    findings.error(key, "{} is given, and bodies of a temperature move; they must be fixed, or insulating",
+                   key);
+}
+
+/// Refuses gravity that changes, of which buoyancy knows nothing.
+void check_constant_gravity(const Case& setup, Diagnostics& findings) {
+  if (setup.heat->expansion == 0 || !setup.gravity_over_time.varies()) return;
+  findings.error("gravity.over_time",
+                 "[heat] cannot be combined with gravity that changes, if the fluid expands; remove one of "
+                 "them");
 }
 
 /// Warns of a heat capacity that no fluid has, as one in kJ/(kg K).
@@ -208,7 +227,8 @@ void read_heat(TableReader& root, Case& setup) {
     heat.diffusivity = setup.fluid->kinematic_viscosity / heat.prandtl;
   if (setup.units.si) table.need("heat_capacity", "of the fluid, J/(kg K)");
   heat.initial = table.number("initial", range::any).value_or(heat.reference) - heat.reference;
-  for (int d = 0; d < 3; ++d) heat.buoyancy[d] = -heat.expansion * setup.gravity[d];
+  for (int d = 0; d < 3; ++d)
+    heat.buoyancy[d] = -heat.expansion * setup.gravity[d], heat.gradient[d] = heat.mean_gradient[d];
   if (heat.expansion != 0 && setup.gravity.isZero(0))
     table.idle("expansion", "there is no [gravity]; remove it");
   for_side_tables(
@@ -224,7 +244,8 @@ void read_heat(TableReader& root, Case& setup) {
 
 void find_heat_faults(const Case& setup, Diagnostics& findings) {
   if (!setup.heat) return check_fields(setup, findings);
-  check_limits(setup, findings);
+  check_constant_gravity(setup, findings);
+  check_mean_gradient(setup, findings);
   constexpr double measured = 10, stable = 30;  // cell Péclet numbers (method-heat.md)
   const double found = cell_peclet(setup);
   const double in_widest = found * (setup.coarsening ? 1 << setup.coarsening->levels : 1);

@@ -161,7 +161,8 @@ void check_bearer(const Case& setup, Diagnostics& findings, const QuantitySpec& 
 void check_place(const Case& setup, Diagnostics& findings, const QuantitySpec& quantity,
                  const std::string& entry) {
   const QuantityType& type = quantity_type(quantity.type);
-  if ((type.takes(Q::side) || quantity.bearer == Bearer::side) && type.asks_for(Q::fluid) &&
+  const bool is_led = type.asks_for(Q::heat) && setup.heat && setup.heat->gradient[quantity.side / 2] != 0;
+  if ((type.takes(Q::side) || quantity.bearer == Bearer::side) && type.asks_for(Q::fluid) && !is_led &&
       !setup.boundary[quantity.side].is_wall())
     findings.error(entry + ".side",
                    "{}.side is {}, which is no wall; it must be a side that is no-slip or moving", entry,

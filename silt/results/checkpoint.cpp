@@ -240,6 +240,9 @@ SavedState read_state(const CheckpointReader& reader, const Case& setup) {
   if (!setup.fluid) return state;
   if (!setup.fluid->superficial_velocity.isZero(0)) visit_flow_control(state.flow_control, Read{reader});
   if (const std::string fault = fault_of_populations(reader, setup); !fault.empty()) reader.refuse(fault);
+  if (has_temperature(reader) != setup.heat.has_value())
+    reader.refuse(setup.heat ? "its fluid has no temperature, that of the case has one"
+                             : "its fluid has a temperature, that of the case has none");
   if (setup.coarsening)
     state.levels = [&reader, coarsest = setup.coarsening->levels](const lbm::CellBox& part) {
       return saved_levels(reader, coarsest, part);

@@ -10,6 +10,7 @@
 #include "lbm/levels/level_cut.hpp"
 #include "silt/case/case_file.hpp"
 #include "silt/results/flow_mean.hpp"
+#include "silt/results/other_fluid.hpp"
 #include "silt/results/quantities.hpp"
 #include "silt/results/steady_watch.hpp"
 #include "silt/simulation.hpp"
@@ -62,23 +63,21 @@ void require_possible(const Case&, const adapters::CheckpointReader::Bodies&, ri
 
 void write_populations(adapters::CheckpointWriter&, const Case&, const coupler::Flow&);
 
-/// Reads populations into a flow whose cells have the levels of the file (saved_levels).
+/// Reads populations into a flow whose cells have the levels of the file (saved_levels). Those of a
+/// temperature are left out if the flow has none.
 void read_populations(const adapters::CheckpointReader&, const Case&, coupler::Flow&);
 
-/// Returns why the file's populations do not fit a case (lattice, precision or levels), or "".
+/// Returns why the file's populations do not fit a case (lattice, precision or levels), or "". Either may
+/// have a temperature without the other.
 std::string fault_of_populations(const adapters::CheckpointReader&, const Case&);
+/// Returns whether the file has populations of a temperature.
+bool has_temperature(const adapters::CheckpointReader&);
 
 /// Returns the levels of cells in a box of finest cells, aligned with the coarsest cells, as disjoint boxes.
 /// `coarsest` is the coarsest level of the case. Collective.
 std::vector<lbm::LevelBox> saved_levels(const adapters::CheckpointReader&, int coarsest, const lbm::CellBox&);
 
 // ---- another run's start (start_from.cpp, other_cells.cpp) ----
-
-/// The factors that convert the fluid of an earlier run to the lattice units of this run.
-struct FluidScales {
-  double length = 1;  // the width of its cells in those of the earlier run
-  double velocity = 1, pressure = 1, off_equilibrium = 1;  // off_equilibrium keeps the rate of strain
-};
 
 /// Collective. Sets the fluid to that of an earlier run, at the same places, on cells of another width; both
 /// have one level of cells.

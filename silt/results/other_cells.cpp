@@ -1,6 +1,7 @@
-// The fluid of another run on cells of this one's, which are narrower or wider: density, momentum and the
-// rest of the populations (the rate of strain) are interpolated between the centres of its cells, to the
-// third order where all 64 cells around are fluid, else linearly between those of the eight that are.
+// The fluid of another run on cells of this one's, which are narrower or wider: density, momentum,
+// temperature and the rest of the populations (rate of strain, gradient of the temperature) are interpolated
+// between the centres of its cells, to the third order where all 64 cells around are fluid, else linearly
+// between those of the eight that are.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -17,26 +18,9 @@ using lbm::Int3;
 
 namespace {
 
-constexpr int directions = lbm::D3Q19::directions;
-
 /// A cell of the other run; outside the domain none is fluid.
-struct OldCell {
-  double rho = 0, j[3] = {},
-         rest[directions] = {};  // rest: the populations, then what is not equilibrium of them
+struct OldCell : CellFluid {
   bool is_fluid = false;
-
-  void add(double weight, const OldCell& other) {
-    rho += weight * other.rho;
-    for (int d = 0; d < 3; ++d) j[d] += weight * other.j[d];
-    for (int i = 0; i < directions; ++i) rest[i] += weight * other.rest[i];
-  }
-  void split() {
-    for (int i = 0; i < directions; ++i) {
-      rho += rest[i];
-      for (int d = 0; d < 3; ++d) j[d] += lbm::D3Q19::c[i][d] * rest[i];
-    }
-    for (int i = 0; i < directions; ++i) rest[i] -= lbm::equilibrium(i, rho, j);
-  }
 };
 
 /// Returns where the centre of a cell is, in cells of the other run from the centre of its first.
@@ -159,18 +143,14 @@ void interpolate_populations(const CheckpointReader& reader, const Case& setup, 
     std::ranges::for_each(around[b].cells, &OldCell::split);
     const CellBox& block = fields.block(b);
     CellBox plane{{}, {block.size.x, block.size.y, 1}};
-    std::array<std::vector<double>, directions> g;
+    std::vector<std::vector<double>> g(scales.populations());
     for (; plane.lower.z < block.size.z; ++plane.lower.z) {
       for (auto& of_one : g) of_one.clear();
       lbm::for_cells(plane.lower, plane.lower + plane.size, [&](Int3 x) {
         const OldCell old = around[b].value_at(block.lower + x, scales.length);
-        const double j[3] = {scales.velocity * old.j[0], scales.velocity * old.j[1],
-                             scales.velocity * old.j[2]};
-        for (int i = 0; i < directions; ++i)
-          g[i].push_back(lbm::equilibrium(i, scales.pressure * old.rho, j) +
-                         scales.off_equilibrium * old.rest[i]);
+        for (std::size_t q = 0; q < g.size(); ++q) g[q].push_back(old.population(int(q), scales));
       });
-      for (int i = 0; i < directions; ++i) fields.write(b, plane, i, g[i].data());
+      for (std::size_t q = 0; q < g.size(); ++q) fields.write(b, plane, int(q), g[q].data());
     }
   }
 }

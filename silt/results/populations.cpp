@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <tuple>
 
 #include "parallel/together.hpp"
@@ -24,8 +25,10 @@ using lbm::Int3;
 
 namespace {
 
-/// The largest population of a valid state, in masses of a cell at reference density.
-constexpr double largest_population = 1024;
+/// Returns the largest population of a valid state: of the fluid in masses of a cell at reference density.
+double largest_population(int q) {
+  return q < lbm::D3Q19::directions ? 1024 : std::numeric_limits<float>::max();
+}
 
 Storage storage_of(const Case& setup) {
   return setup.fluid->precision == coupler::Precision::double_ ? Storage::double_ : Storage::single;
@@ -49,16 +52,17 @@ void take(const coupler::FluidFields& fields, int b, int q, T* out, At&& at) {
   });
 }
 
-/// Sets population q of a block from places at(cell of the block, x fastest).
+/// Sets population q of a block from places at(cell of the block, x fastest), if its cells have one.
 template <class T, class At>
 void give(const CheckpointReader& reader, coupler::FluidFields& fields, int b, int q, const T* in, At&& at) {
+  if (q >= fields.populations()) return;
   std::vector<double> g;
   const lbm::CellBox& block = fields.block(b);
   for_planes(block, [&](const lbm::CellBox& plane, std::int64_t first) {
     g.resize(std::size_t(plane.cells()));
     for (std::size_t n = 0; n < g.size(); ++n) {
       g[n] = in[at(first + n)];
-      if (std::abs(g[n]) <= largest_population) continue;
+      if (std::abs(g[n]) <= largest_population(q)) continue;
       const auto [x, y, z] =
           fields.finest(block.lower + plane.lower + Int3{int(n) % block.size.x, int(n) / block.size.x, 0});
       reader.refuse(fmt::format("/cells/populations, population {} of the cell [{}, {}, {}]: it is {}", q, x,
@@ -186,7 +190,7 @@ void write_cells(CheckpointWriter& writer, const Case& setup, const coupler::Flo
   flow.for_levels([&](const coupler::FluidFields& fields) {
     const CellList list = list_of(tiles, fields);
     writer.list(list_name(fields.level()), storage_of(setup), {tiles.lattice, tiles.box, list.counts},
-                lbm::D3Q19::directions, [&](int q, void* out) {
+                fields.populations(), [&](int q, void* out) {
                   for (int b = 0; b < fields.blocks(); ++b)
                     take(fields, b, q, static_cast<T*>(out),
                          [&](std::size_t n) { return list.places[b][n]; });
@@ -206,7 +210,7 @@ void read_cells(const CheckpointReader& reader, const Case& setup, coupler::Flow
     coupler::FluidFields& fields = flow.fields(level);
     const CellList list = list_of(tiles, fields);
     reader.list(list_name(level), storage_of(setup), {tiles.lattice, tiles.box, list.counts},
-                lbm::D3Q19::directions, [&](int q, const void* in) {
+                fields.populations(), [&](int q, const void* in) {
                   for (int b = 0; b < fields.blocks(); ++b)
                     give(reader, fields, b, q, static_cast<const T*>(in),
                          [&](std::size_t n) { return list.places[b][n]; });
@@ -232,16 +236,23 @@ void read_populations(const CheckpointReader& reader, const Case& setup, coupler
                                         : read_cells<float>(reader, setup, flow);
 }
 
+static int components_of(const CheckpointReader& reader) {
+  return reader.components(reader.has_cells("levels") ? list_name(0) : "populations");
+}
+
+bool has_temperature(const CheckpointReader& reader) {
+  return components_of(reader) == lbm::D3Q19::directions + lbm::D3Q7::directions;
+}
+
 std::string fault_of_populations(const CheckpointReader& reader, const Case& setup) {
   const bool has_levels = reader.has_cells("levels");
   if (has_levels != setup.coarsening.has_value())
     return fmt::format("its cells are of {}, and those of the case are not",
                        has_levels ? "several levels" : "one level");
   const bool fits = has_levels ? reader.lattice("levels") == tiling_of(setup).lattice
-                               : reader.lattice("populations") == setup.cells &&
-                                     reader.components("populations") ==
-                                         lbm::D3Q19::directions + (setup.heat ? lbm::D3Q7::directions : 0);
-  if (!fits) return "its populations are of another lattice than the case's";
+                               : reader.lattice("populations") == setup.cells;
+  if (!fits || (!has_temperature(reader) && components_of(reader) != lbm::D3Q19::directions))
+    return "its populations are of another lattice than the case's";
   const Storage storage = storage_of(setup);
   if (reader.is_stored_as(has_levels ? list_name(0) : "populations", storage)) return "";
   return storage == Storage::double_ ? "its fluid is of single precision, that of the case of double"

@@ -34,32 +34,53 @@ std::string walls_after(const Case& setup, std::int64_t step) {
   return text;
 }
 
+bool takes_fluid(const CheckpointReader& reader, const Case& setup) {
+  return setup.fluid && reader.has_cells("populations");
+}
+
+double positive(const CheckpointReader& reader, const char* name) {
+  const double value = reader.number(name);
+  if (!(value > 0 && std::isfinite(value)))
+    reader.refuse(fmt::format("{} is {}; it must be a number above 0", name, value));
+  return value;
+}
+
 /// The lattice units of a run in those of the run from which it starts.
 struct Scales {
   double length = 1, step = 1, density = 1;  // in those of the earlier run
   double off_equilibrium = 1;                // of the populations: what keeps the rate of strain
-  bool keep_fluid() const { return step == 1 && density == 1 && off_equilibrium == 1; }
+  std::optional<HeatScales> heat;            // none: not both runs have [heat]
+  bool keep_fluid() const {
+    return step == 1 && density == 1 && off_equilibrium == 1 &&
+           (!heat || (heat->shift == 0 && heat->off_equilibrium == 1));
+  }
   double velocity() const { return step / length; }
   FluidScales of_fluid() const {
-    return {length, velocity(), velocity() * velocity() / density, off_equilibrium};
+    return {length, velocity(), velocity() * velocity() / density, off_equilibrium, heat};
   }
 };
+
+std::optional<HeatScales> heat_scales_of(const CheckpointReader& reader, const Case& setup, double length) {
+  if (!setup.heat || !takes_fluid(reader, setup) || !has_temperature(reader)) return {};
+  if (!reader.has("start.heat_relaxation_time"))
+    reader.refuse("it does not say what its temperatures are relative to; let a new one write it");
+  const double reference = reader.number("start.reference_temperature");
+  if (!std::isfinite(reference)) reader.refuse("its reference temperature is not a number");
+  return HeatScales{reference - setup.heat->reference,
+                    length * setup.heat->relaxation_time() / positive(reader, "start.heat_relaxation_time")};
+}
 
 Scales scales_of(const CheckpointReader& reader, const Case& setup) {
   if (!reader.has("start.cell_size"))
     reader.refuse("it does not say of what run it is; let a new one write it");
-  const auto positive = [&](const char* name) {
-    const double value = reader.number(name);
-    if (!(value > 0 && std::isfinite(value)))
-      reader.refuse(fmt::format("{} is {}; it must be a number above 0", name, value));
-    return value;
-  };
   Scales scales;
-  scales.length = setup.units.cell_size / positive("start.cell_size");
-  scales.step = setup.units.time_step / positive("start.time_step");
-  scales.density = setup.units.density / positive("start.density");
+  scales.length = setup.units.cell_size / positive(reader, "start.cell_size");
+  scales.step = setup.units.time_step / positive(reader, "start.time_step");
+  scales.density = setup.units.density / positive(reader, "start.density");
   if (setup.fluid && reader.has("start.relaxation_time"))
-    scales.off_equilibrium = scales.step * setup.fluid->relaxation_time / positive("start.relaxation_time");
+    scales.off_equilibrium =
+        scales.step * setup.fluid->relaxation_time / positive(reader, "start.relaxation_time");
+  scales.heat = heat_scales_of(reader, setup, scales.length);
   return scales;
 }
 
@@ -104,11 +125,24 @@ BodyRecord body_from(const BodyRecord& was, const ContinuedSpec& entry,
   return r;
 }
 
+std::vector<std::string> lines_of(const CheckpointReader& reader, const char* name) {
+  std::vector<std::string> lines;
+  std::istringstream text(reader.text(name));
+  for (std::string line; std::getline(text, line);) lines.push_back(line);
+  return lines;
+}
+
+/// Returns the temperature of a body less the reference: what it had, if it had one and may change it.
+double temperature_from(const BodyRecord& was, bool was_warm, const coupler::HeatSpec& heat, int kind,
+                        const std::optional<HeatScales>& scales) {
+  if (!scales || !was_warm || heat.kinds[kind].capacity == 0) return heat.at_start(kind);
+  return coupler::coupling_of(was.attached_state).temperature.numbers[0] + scales->shift;
+}
+
 /// Returns the bodies of the other run as those of the case.
 SavedState state_from(const CheckpointReader& reader, const Case& setup, const Scales& scales) {
-  std::vector<std::string> kinds;
-  std::istringstream names(reader.text("start.kinds"));
-  for (std::string name; std::getline(names, name);) kinds.push_back(name);
+  const std::vector<std::string> kinds = lines_of(reader, "start.kinds");
+  const auto warm = scales.heat ? lines_of(reader, "start.warm_kinds") : std::vector<std::string>();
   const auto shapes = centred_shapes(setup);
   auto bodies = reader.bodies(saved_columns());
   SavedState state;
@@ -125,15 +159,14 @@ SavedState state_from(const CheckpointReader& reader, const Case& setup, const S
             fmt::format("{}: it has bodies '{}', of which the case has no entry; give [[bodies]] "
                         "of that name without positions",
                         reader.path().string(), name));
-      state.bodies.records.push_back(body_from(was, *entry, shapes, scales, setup));
+      BodyRecord& body = state.bodies.records.emplace_back(body_from(was, *entry, shapes, scales, setup));
+      if (setup.heat)
+        coupler::coupling_of(body.attached_state).temperature.numbers[0] =
+            temperature_from(was, std::ranges::count(warm, name) > 0, *setup.heat, body.kind, scales.heat);
     }
   });
   state.bodies.impulses.resize(state.bodies.records.size());
   return state;
-}
-
-bool takes_fluid(const CheckpointReader& reader, const Case& setup) {
-  return setup.fluid && reader.has_cells("populations");
 }
 
 /// Returns whether the walls of the other run, whose cells may be of another width, end where those begin.
@@ -169,7 +202,7 @@ void require_fluid(const CheckpointReader& reader, const Case& setup, double len
           fmt::format("its domain has {} x {} x {} cells, each as wide as {:.6g} of the case, which has "
                       "{} x {} x {}; the domains must be of one size",
                       n[0], n[1], n[2], 1 / length, setup.cells[0], setup.cells[1], setup.cells[2]));
-  if (reader.components("populations") != lbm::D3Q19::directions)
+  if (!has_temperature(reader) && reader.components("populations") != lbm::D3Q19::directions)
     reader.refuse_case("its populations are of another lattice than the case's");
   if (!reader.has("start.surfaces"))
     reader.refuse_case(
@@ -177,28 +210,22 @@ void require_fluid(const CheckpointReader& reader, const Case& setup, double len
         "a new one write it");
 }
 
-/// Velocity, pressure and rate of strain stay what they are in the units of the case.
+/// Velocity, pressure, rate of strain and temperature stay what they are in the units of the case.
 void rescale(coupler::FluidFields& fields, const FluidScales& scales) {
   for (int b = 0; b < fields.blocks(); ++b) {
     lbm::CellBox plane{{}, {fields.block(b).size.x, fields.block(b).size.y, 1}};
-    std::array<std::vector<double>, lbm::D3Q19::directions> g;
+    std::vector<double> g(std::size_t(plane.cells()));
     for (; plane.lower.z < fields.block(b).size.z; ++plane.lower.z) {
-      for (int i = 0; i < lbm::D3Q19::directions; ++i) {
-        g[i].resize(std::size_t(plane.cells()));
-        fields.read(b, plane, i, g[i].data());
+      std::vector<CellFluid> cells(g.size());
+      for (int q = 0; q < scales.populations(); ++q) {
+        fields.read(b, plane, q, g.data());
+        for (std::size_t n = 0; n < g.size(); ++n) cells[n].rest[q] = g[n];
       }
-      for (std::size_t n = 0; n < g[0].size(); ++n) {
-        double rho = 0, j[3] = {};
-        for (int i = 0; i < lbm::D3Q19::directions; ++i) {
-          rho += g[i][n];
-          for (int d = 0; d < 3; ++d) j[d] += lbm::D3Q19::c[i][d] * g[i][n];
-        }
-        const double scaled[3] = {scales.velocity * j[0], scales.velocity * j[1], scales.velocity * j[2]};
-        for (int i = 0; i < lbm::D3Q19::directions; ++i)
-          g[i][n] = lbm::equilibrium(i, scales.pressure * rho, scaled) +
-                    scales.off_equilibrium * (g[i][n] - lbm::equilibrium(i, rho, j));
+      std::ranges::for_each(cells, &CellFluid::split);
+      for (int q = 0; q < scales.populations(); ++q) {
+        for (std::size_t n = 0; n < g.size(); ++n) g[n] = cells[n].population(q, scales);
+        fields.write(b, plane, q, g.data());
       }
-      for (int i = 0; i < lbm::D3Q19::directions; ++i) fields.write(b, plane, i, g[i].data());
     }
   }
 }
@@ -215,6 +242,13 @@ void write_origin_of_start(adapters::CheckpointWriter& writer, const Case& setup
   writer.set("start.time_step", setup.units.time_step);
   writer.set("start.density", setup.units.density);
   if (setup.fluid) writer.set("start.relaxation_time", setup.fluid->relaxation_time);
+  if (!setup.heat) return;
+  std::string warm;
+  for (std::size_t k = 0; k < setup.kind_names.size(); ++k)
+    if (setup.heat->kinds[k].temperature) warm += setup.kind_names[k] + '\n';
+  writer.set("start.warm_kinds", warm);  // those of a temperature
+  writer.set("start.reference_temperature", setup.heat->reference);
+  writer.set("start.heat_relaxation_time", setup.heat->relaxation_time());
 }
 
 SavedState start_from(const CheckpointReader& reader, const Case& setup) {
@@ -232,10 +266,15 @@ SavedState start_from(const CheckpointReader& reader, const Case& setup) {
 
 void find_idle_keys_at_start(const CheckpointReader& reader, const Case& setup,
                              std::vector<Diagnostic>& warnings) {
-  if (takes_fluid(reader, setup) && setup.places.count("fluid.initial"))
-    warnings.push_back({Diagnostic::Severity::warning, setup.place("fluid.initial"),
-                        "fluid.initial has no effect: initial.from has a fluid, with which the run begins; "
-                        "remove it"});
+  const auto tell = [&](bool is_there, const char* key, const char* what) {
+    if (is_there && setup.places.count(key))
+      warnings.push_back({Diagnostic::Severity::warning, setup.place(key),
+                          fmt::format("{} has no effect: initial.from has {}, with which the run begins; "
+                                      "remove it",
+                                      key, what)});
+  };
+  tell(takes_fluid(reader, setup), "fluid.initial", "a fluid");
+  tell(takes_fluid(reader, setup) && has_temperature(reader), "heat.initial", "a temperature");
 }
 
 std::unique_ptr<Simulation> simulation_from(const CheckpointReader& reader, Case setup, MPI_Comm comm) {
@@ -244,9 +283,12 @@ std::unique_ptr<Simulation> simulation_from(const CheckpointReader& reader, Case
   std::function<void(const Case&, coupler::Flow&)> set_populations;
   if (takes_fluid(reader, setup))
     set_populations = [&](const Case& of, coupler::Flow& flow) {
-      if (scales.length != 1) return interpolate_populations(reader, of, flow.fields(), scales.of_fluid());
-      read_populations(reader, of, flow);
-      if (!scales.keep_fluid()) rescale(flow.fields(), scales.of_fluid());
+      if (scales.length != 1)
+        interpolate_populations(reader, of, flow.fields(), scales.of_fluid());
+      else
+        read_populations(reader, of, flow);
+      if (scales.length == 1 && !scales.keep_fluid()) rescale(flow.fields(), scales.of_fluid());
+      if (!scales.heat) set_initial_temperature(of, flow.fields());
     };
   return std::make_unique<Simulation>(std::move(setup), comm, state, set_populations);
 }

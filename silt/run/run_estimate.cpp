@@ -186,7 +186,8 @@ double seconds_of_output(const Case& setup, double bodies, double cell, double s
   }
   const double report = seconds_of_a_report + bodies * report_body + cells * report_cell * cell;
   const double checkpoint =
-      seconds_of_a_checkpoint + (cells * 19 * words * of_a_population + bodies * of_a_saved_body) * cell;
+      seconds_of_a_checkpoint +
+      (cells * populations_of(setup) * words * of_a_population + bodies * of_a_saved_body) * cell;
   double seconds = times(output.report, setup.steps, true) * report + cells * of_a_hashed_cell * cell +
                    times(output.checkpoint, setup.steps, false) * checkpoint;
   if (bodies > 0)

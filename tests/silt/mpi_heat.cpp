@@ -127,5 +127,60 @@ TEST(Heat, OfALumpGoesIntoTheFluid) {
   EXPECT_NEAR(value_now(s, "fluid") / value_now(s, "ball"), 1, 1e-4);
 }
 
+// ---- a mean gradient ----
+
+/// Returns what flows in through the low side along x, over what the fluid alone would conduct.
+const std::string through_x =
+    "[[quantities]]\nname = \"in\"\ntype = \"heat-flow\"\nside = \"x-low\"\n"
+    "[[quantities]]\nname = \"mean\"\ntype = \"mean-temperature\"\n";
+
+/// A cubic array of spheres, 0.3 of the volume, across the sides along the gradient.
+double conductivity_of_array(const std::string& sphere) {
+  constexpr int edge = 10;
+  constexpr double diffusivity = 0.25, gradient = 0.2;
+  CaseText c;
+  c.domain = domain_of({edge, edge, edge});
+  c.fluid = "[fluid]\nrelaxation_time = 1.0\n";
+  c.rest = "[heat]\nthermal_diffusivity = 0.25\nmean_gradient = [0.2, 0, 0]\n";
+  c.shapes = sphere_of("ball", edge * std::cbrt(6 * 0.3 / std::numbers::pi));
+  c.bodies = body_of("ball", 1, "motion = \"fixed\"\nposition = [5.1, 0.2, 9.7]\n" + sphere);
+  c.run = "[run]\nsteps = 400\n" + through_x;
+  return c.values(MPI_COMM_WORLD)[0] / (-diffusivity * gradient * edge * edge);
+}
+
+/// Sangani, Acrivos, Proc. R. Soc. A 386 (1983) 263: scripts/accuracy/reference/conduction_arrays.csv.
+TEST(MeanGradient, IsConductedThroughAnArray) {
+  EXPECT_NEAR(conductivity_of_array("") / 0.60566, 1, 0.01);
+  EXPECT_NEAR(conductivity_of_array("temperature = 0\n") / 2.33288, 1, 0.015);
+}
+
+/// Between insulating plates 2 h apart heat spreads in a stream of Pe = U h/D by D (1 + 2/105 Pe^2), besides
+/// what the stream carries (Taylor, Aris).
+TEST(MeanGradient, SpreadsInAStreamByTheLawOfTaylorAndAris) {
+  constexpr int gap = 16, steps = 4000;
+  constexpr double diffusivity = 0.02, gradient = 0.1, push = 1.2e-4;
+  CaseText c;
+  c.domain = domain_of({4, 4, gap}, R"({ x = "periodic", y = "periodic", z = ["no-slip", "no-slip"] })");
+  c.fluid = "[fluid]\nrelaxation_time = 0.8\nprecision = \"double\"\nbody_force = [1.2e-4, 0, 0]\n";
+  c.rest = "[heat]\nthermal_diffusivity = 0.02\nmean_gradient = [0.1, 0, 0]\n";
+  c.shapes = c.bodies = "";
+  c.run = "[run]\nsteps = 4000\n" + through_x;
+  Simulation s = c.start(MPI_COMM_WORLD);
+  s.run(steps);
+  const double speed = s.checked_totals().momentum[0] / (4 * 4 * gap) + push / 2;
+  const double flux = value_now(s, "in") / (4 * gap), peclet = speed * (gap / 2.) / diffusivity;
+  const double spread = (speed * value_now(s, "mean") - flux) / gradient;
+  EXPECT_NEAR(spread / diffusivity, 1 + 2. / 105 * peclet * peclet, 0.02 * peclet);
+}
+
+TEST(MeanGradient, HasOneHashAndGoesOn) {
+  CaseText c = crowd();
+  c.rest += heat + "initial = 1\nexpansion = 0.05\nmean_gradient = [0.1, -0.05, 0]\n";
+  expect_one_hash(c, 30, {"[6, 10, 7]", "[24, 20, 4]"});
+  Simulation s = c.start(MPI_COMM_WORLD, {"run.device=host"});
+  s.run(9);
+  expect_goes_on(s, 7);
+}
+
 }  // namespace
 }  // namespace silt::testing

@@ -56,14 +56,19 @@ double sum_of_bodies(const Simulation& s, Of&& of) {
   return all;
 }
 
-/// A body force in a closed box is balanced by the pressure c_s^2 rho = F z, whatever stands there, and
-/// nothing moves.
-void expect_still(const std::string& coarsening) {
+/// A force of -1e-5 on the fluid, as a body force and as the weight of cold fluid.
+const std::string body_force = "body_force = [0, 0, -1e-5]\n",
+                  cold =
+                      "[gravity]\nacceleration = [0, 0, -1e-4]\n[heat]\nthermal_diffusivity = 0.1\n"
+                      "initial = -1\nexpansion = 0.1\n";
+
+/// It is balanced in a closed box by the pressure c_s^2 rho = F z, whatever stands there, and nothing moves.
+void expect_still(const std::string& push, const std::string& rest) {
   constexpr double force = -1e-5, height = 48;
   CaseText c;
   c.domain = domain_of({32, 32, 48}, "\"free-slip\"");
-  c.fluid += "body_force = [0, 0, -1e-5]\n";
-  c.rest = coarsening;
+  c.fluid += push;
+  c.rest = rest;
   c.bodies = body_of("ball", 1, "motion = \"fixed\"\nposition = [16, 16, 12]");
   Quiet s(c);
   double off = 0;
@@ -85,10 +90,11 @@ void expect_still(const std::string& coarsening) {
 }
 
 TEST(QuietStart, FluidInAClosedBoxKeepsStill) {
-  expect_still("");
+  expect_still(body_force, "");
+  expect_still("", cold);
 }
 TEST(QuietStart, FluidOnTwoLevelsKeepsStill) {
-  expect_still("[coarsening]\nlevels = 1\ndistance = 6\n");
+  expect_still(body_force, "[coarsening]\nlevels = 1\ndistance = 6\n");
 }
 
 /// No volume flows through the cross-sections of a closed box: the momentum of the fluid is less than that of
@@ -122,6 +128,33 @@ TEST(QuietStart, BodiesThatRestStayAtRest) {
             1e-3 * gravity);
 }
 
+/// The crowd in warm fluid, with lumps that are warmer and a wall that warms it.
+CaseText crowd_on_a_hot_floor() {
+  CaseText c = crowd();
+  c.domain = domain_of({24, 20, 28},
+                       "{ x = \"periodic\", y = \"periodic\", z = [{ type = \"no-slip\", temperature = 5 }, "
+                       "\"free-slip\"] }");
+  c.rest += "[heat]\nthermal_diffusivity = 0.1\ninitial = 1\nexpansion = 0.05\n";
+  c.bodies += fill_of("sphere", 2, 3, "name = \"lump\"\ntemperature = 3\nheat_capacity = 0.1");
+  c.run +=
+      "[[quantities]]\nname = \"heat\"\ntype = \"stored-heat\"\n"
+      "[[quantities]]\nname = \"lumps\"\ntype = \"body-temperature\"\nbody = \"lump\"\n";
+  return c;
+}
+
+TEST(QuietStart, KeepsTheTemperature) {
+  Simulation s = crowd_on_a_hot_floor().start(MPI_COMM_WORLD, Quiet::quietly());
+  const auto now = [&](const char* name) { return Quantities(s.setup()).evaluate(s, name); };
+  const double heat = now("heat");
+  s.start_quietly();
+  EXPECT_EQ(now("lumps"), 3);
+  EXPECT_NEAR(now("heat") / heat, 1, 1e-6);
+  for_each_cell(s.scene().flow->fields(), [&](int b, lbm::Int3 x, lbm::Int3) {
+    EXPECT_NEAR(s.scene().flow->fields().temperature(b, x), 1, 1e-6);
+  });
+  expect_goes_on(s, 9);
+}
+
 TEST(QuietStart, ChangesTheFluidsPressureAlone) {
   CaseText c = crowd();
   c.bodies += body_of("sphere", 2, "position = [4, 5, 14]\nvelocity = [0.01, 0, 0.02]");
@@ -150,7 +183,7 @@ TEST(QuietStart, HasOneOutcomeOnAnyRanks) {
   exact.rest += "[coupling]\nforce = \"exact\"\n";
   CaseText dense = crowd();  // spheres that are coupled in one pass
   dense.bodies = fill_of("sphere", 6, 8, "seed = 4");
-  for (const CaseText& text : {crowd(), exact, dense}) {
+  for (const CaseText& text : {crowd(), exact, dense, crowd_on_a_hot_floor()}) {
     const std::uint64_t alone = tests::alone([&] { return hash_of(text, MPI_COMM_SELF); });
     EXPECT_EQ(hash_of(text, MPI_COMM_WORLD), alone);
     EXPECT_EQ(hash_of(text, MPI_COMM_WORLD, {"domain.blocks=[12, 10, 7]"}), alone);

@@ -1,4 +1,4 @@
-// Maps of work: a point's and a box's tiles, and what contacts of bodies count for.
+// Maps of work: a point's and a box's tiles, and what cells and contacts of bodies count for.
 #include <gtest/gtest.h>
 
 #include "coupler/balance/body_work.hpp"
@@ -86,6 +86,17 @@ std::int64_t work_of(const std::vector<Body>& all) {
   std::int64_t sum = 0;
   for (const WorkItem& item : work.items()) sum += item.work;
   return sum;
+}
+
+/// As much as it takes (measurements.md, "Heat").
+TEST(CellWork, WarmCellsCountMore) {
+  for (const char* precision : {"single", "double"}) {
+    const std::string stored = std::string("fluid.precision=") + precision;
+    const WorkCosts cold(testing::CaseText{}.read({stored}), 1),
+        warm(testing::CaseText{}.read({stored, "heat.prandtl=1"}), 1);
+    EXPECT_EQ(10 * warm.cell, 16 * cold.cell) << precision;
+    EXPECT_EQ(warm.link, cold.link);
+  }
 }
 
 TEST(BodyWork, AContactCountsAlikeWhereverItIs) {

@@ -1,5 +1,5 @@
 // Heat of bodies that fly through cells of several levels, which follow them: none is lost, and the bits are
-// the same on any number of ranks and on a device.
+// the same on any number of ranks, on a device and after a restart.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -8,6 +8,7 @@
 #include "silt/results/quantities.hpp"
 #include "silt/simulation.hpp"
 #include "tests/silt/case/case_text.hpp"
+#include "tests/silt/same_bits.hpp"
 #include "tests/world.hpp"
 
 namespace silt::coupler::testing {
@@ -38,17 +39,31 @@ CaseText flying(const std::string& precision, const std::string& coarsening) {
   return c;
 }
 
+/// The warm body is fixed in a mean gradient.
+CaseText flying_in_a_gradient() {
+  CaseText c = flying("single", levels);
+  c.rest.replace(c.rest.find("initial"), 0, "mean_gradient = [0.01, 0, 0.02]\n");
+  c.bodies.replace(c.bodies.find("velocity = [0.08, 0.03, 0.0]"), 28, "motion = \"fixed\"");
+  return c;
+}
+
 TEST(WarmLevels, AreTheSameOnAnyRanksAndDevice) {
-  for (const std::string coarsening : {"", levels}) {
+  for (const CaseText& text : {flying("single", ""), flying("single", levels), flying_in_a_gradient()}) {
     const auto hash = [&](MPI_Comm comm, const std::string& device) {
-      Simulation s = flying("single", coarsening).start(comm, {"run.device=" + device});
+      Simulation s = text.start(comm, {"run.device=" + device});
       while (s.steps_done() < 112) s.step();
       return s.hash();
     };
     const std::uint64_t alone = tests::alone([&] { return hash(MPI_COMM_SELF, "cpu"); });
-    EXPECT_EQ(alone, hash(MPI_COMM_WORLD, "cpu")) << coarsening;
-    EXPECT_EQ(alone, hash(MPI_COMM_WORLD, "host")) << coarsening;
+    EXPECT_EQ(alone, hash(MPI_COMM_WORLD, "cpu")) << text.rest;
+    EXPECT_EQ(alone, hash(MPI_COMM_WORLD, "host")) << text.rest;
   }
+}
+
+TEST(WarmLevels, GoOnFromACheckpoint) {
+  Simulation s = flying("single", levels).start(MPI_COMM_WORLD);
+  s.run(68);
+  silt::testing::expect_goes_on(s, 60);
 }
 
 TEST(WarmLevels, LoseNoHeat) {

@@ -21,7 +21,7 @@ template <class T>
 std::uint64_t stirred_heat(const CutTree& tree, bool periodic_rows, MPI_Comm comm, int ranks, bool in_parts) {
   SideCondition across = periodic_rows ? periodic : no_slip, warm{SideKind::temperature},
                 open{SideKind::open};
-  warm.density_deviation = 2;
+  warm.value = 2;
   Fluid<T> fluid(Domain(tree, {across, across, periodic, periodic, no_slip, no_slip}, ranks),
                  {0.6, 3. / 16, Collision::trt, {1e-5, 2e-5, 0}}, comm);
   const SideCondition low = periodic_rows ? periodic : heat_side(0, 0.01),

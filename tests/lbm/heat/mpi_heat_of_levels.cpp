@@ -99,7 +99,7 @@ TEST(HeatOfLevels, IsConservedWhereLevelsChange) {
 TEST(HeatOfLevels, ConductionPassesABorderExactly) {
   Sides sides = all({SideKind::bounce});
   sides[4].kind = sides[5].kind = SideKind::temperature;
-  sides[4].density_deviation = 1, sides[5].density_deviation = 3;
+  sides[4].value = 1, sides[5].value = 3;
   const HeatSpec heat{0.07};
   const auto made = [&](int shift) {
     return std::make_unique<LevelledFlow<double>>(bent_tree(2, ranks(), shift), all({SideKind::bounce}),
@@ -210,7 +210,7 @@ template <class T>
 std::uint64_t warm_fingerprint(int ranks, MPI_Comm comm, Device device) {
   const HeatSpec heat{0.05, {0, 0, 1e-4}};
   Sides sides = all({SideKind::bounce}), warm = sides;
-  warm[0].kind = SideKind::temperature, warm[0].density_deviation = 1;
+  warm[0].kind = SideKind::temperature, warm[0].value = 1;
   warm[5] = heat_side(5, 0.01);
   LevelledFlow<T> flow(bent_tree(2, ranks), sides, {0.6}, 2, comm, device, &heat, warm);
   stir(flow, cells);

@@ -248,6 +248,7 @@ SceneOfKeys warm() {
   scene.samples = {{"heat.temperature", "1"},
                    {"heat.initial", "3"},
                    {"heat.expansion", "0.1"},
+                   {"heat.mean_gradient", "[0.1, 0, 0]"},
                    {"domain.boundary.z[0].temperature", "4"},
                    {"domain.boundary.z[0].heat_flux", "0.1"}};
   for (const std::string of : {"bodies[0]", "fill[0]"}) {

@@ -1,17 +1,14 @@
-// Runs that go on from a checkpoint, with the case and the files that they
-// began with, and runs that begin with one with other parameters.
+// Runs that begin with the end of another run, with other parameters.
 #include <gtest/gtest.h>
 #include <mpi.h>
 
 #include <cmath>
-#include <fstream>
 #include <tuple>
 
 #include "rigid/shapes/shape.hpp"
 #include "silt/case/case_file.hpp"
-#include "silt/results/build_info.hpp"
 #include "silt/results/checkpoint.hpp"
-#include "tests/adapters/hdf5/scratch.hpp"
+#include "tests/coupler/single_cells.hpp"
 #include "tests/errors.hpp"
 #include "tests/silt/case/case_text.hpp"
 #include "tests/silt/coupled_scenes.hpp"
@@ -22,111 +19,6 @@ namespace silt::testing {
 namespace {
 
 using namespace coupler;
-
-using tests::rank;
-using tests::ranks;
-using tests::Scratch;
-
-Case resumed(const adapters::CheckpointReader& reader, const std::filesystem::path& directory,
-             const Overrides& overrides) {
-  CaseSource source = read_source(directory);
-  return case_to_resume(read_origin(reader), source, overrides);
-}
-
-TEST(Resume, AChangedCaseIsNotResumed) {
-  const Scratch scratch;
-  CaseText text;
-  text.fluid.clear();
-  const auto directory = scratch / "case";
-  if (rank() == 0) {
-    std::filesystem::create_directory(directory);
-    std::ofstream(directory / "case.toml") << text.text();
-  }
-  MPI_Barrier(MPI_COMM_WORLD);
-  const Case scene = read_case(directory, {"contacts.friction=0.25"});
-  Simulation simulation(scene, MPI_COMM_WORLD);
-  const auto path = write_checkpoint(simulation, {Quantities(scene)}, scratch.path(),
-                                     provenance_of(scene, ranks(), "auto"));
-  const adapters::CheckpointReader reader(MPI_COMM_WORLD, path);
-  const Case again = resumed(reader, directory, {"run.steps=900"});
-  EXPECT_EQ(again.steps, 900);
-  EXPECT_EQ(again.pair_materials[0].friction, 0.25) << "--set of the first run is kept";
-  EXPECT_TEXT(error_of([&] { resumed(reader, directory, {"contacts.friction=0.5"}); }),
-              "start another case from these results ([initial] from)");
-  MPI_Barrier(MPI_COMM_WORLD);
-  if (rank() == 0) {
-    std::string changed = text.text();
-    changed.replace(changed.find("radius = 4"), 10, "radius = 3");
-    std::ofstream(directory / "case.toml") << changed;
-  }
-  MPI_Barrier(MPI_COMM_WORLD);
-  const std::string error = error_of([&] { resumed(reader, directory, {}); });
-  EXPECT_TEXT(error, "has changed");
-  EXPECT_TEXT(error, "radius = 4");
-}
-
-constexpr const char* tetrahedron_stl = R"(solid rock
-facet normal 0 0 0 outer loop vertex 0 0 0 vertex 0 8 0 vertex 8 0 0 endloop endfacet
-facet normal 0 0 0 outer loop vertex 0 0 0 vertex 8 0 0 vertex 0 0 8 endloop endfacet
-facet normal 0 0 0 outer loop vertex 8 0 0 vertex 0 8 0 vertex 0 0 8 endloop endfacet
-facet normal 0 0 0 outer loop vertex 0 8 0 vertex 0 0 0 vertex 0 0 8 endloop endfacet
-endsolid rock
-)";
-
-TEST(Resume, ARunGoesOnOnlyWithTheFilesItBeganWith) {
-  const tests::Scratch scratch;
-  const auto directory = scratch / "case";
-  const auto write = [&](const std::string& stl) {
-    MPI_Barrier(MPI_COMM_WORLD);
-    if (tests::rank() == 0) {
-      std::filesystem::create_directory(directory);
-      CaseText c;
-      c.fluid.clear();
-      c.shapes = "[[shapes]]\nname = \"ball\"\ntype = \"polyhedron\"\nfile = \"rock.stl\"\nscale = 0.5\n";
-      std::ofstream(directory / "case.toml") << c.text();
-      std::ofstream(directory / "rock.stl") << stl;
-    }
-    MPI_Barrier(MPI_COMM_WORLD);
-  };
-  write(tetrahedron_stl);
-  const Case scene = read_case(directory);
-  EXPECT_NEAR(rigid::mass_properties(scene.shapes[0]).volume, 4 * 4 * 4 / 6., 1e-12);
-  EXPECT_TEXT(scene.text, "\n# file rock.stl: ");
-  Simulation simulation(scene, MPI_COMM_WORLD);
-  const auto path = write_checkpoint(simulation, {Quantities(scene)}, scratch.path(),
-                                     provenance_of(scene, tests::ranks(), "auto"));
-  const adapters::CheckpointReader reader(MPI_COMM_WORLD, path);
-  EXPECT_EQ(resumed(reader, directory, {}).files, scene.files);
-  std::string changed = tetrahedron_stl;
-  changed.replace(changed.find("0 0 8"), 5, "0 0 7");
-  while (changed.find("0 0 8") != changed.npos) changed.replace(changed.find("0 0 8"), 5, "0 0 7");
-  write(changed);
-  const std::string error = error_of([&] { resumed(reader, directory, {}); });
-  EXPECT_TEXT(error,
-              "a file has changed since the checkpoint was written: it was " + scene.files[0] + "; it is ");
-}
-
-/// The others need nothing but what rank 0 has read.
-TEST(CaseSource, IsReadOnce) {
-  const tests::Scratch scratch;
-  const auto directory = scratch / "case";
-  CaseSource source;
-  if (tests::rank() == 0) {
-    std::filesystem::create_directory(directory);
-    CaseText c;
-    c.shapes = shape_of("ball", "polyhedron", "file = \"rock.stl\"");
-    std::ofstream(directory / "case.toml") << c.text();
-    std::ofstream(directory / "rock.stl") << tetrahedron_stl;
-    source = read_source(directory);
-    read_case(source);
-    std::filesystem::remove_all(directory);
-  }
-  broadcast(MPI_COMM_WORLD, source);
-  const Case scene = read_case(source);
-  EXPECT_NEAR(rigid::mass_properties(scene.shapes[0]).volume, 8 * 8 * 8 / 6., 1e-12);
-  ASSERT_EQ(scene.files.size(), 1u);
-  EXPECT_TRUE(scene.files[0].starts_with("rock.stl: ")) << scene.files[0];
-}
 
 /// The checkpoint with which a run of a case has ended after some steps.
 struct Ended {
@@ -151,6 +43,11 @@ struct Ended {
     const std::size_t row = simulation.bodies().row_of(id);
     return tests::sum_over_ranks(row < simulation.bodies().owned ? simulation.bodies().velocity[row][0] : 0);
   }
+  static double temperature(const Simulation& simulation, rigid::BodyId id) {
+    const std::size_t row = simulation.bodies().row_of(id);
+    const bool is_mine = row < simulation.bodies().owned;
+    return tests::sum_over_ranks(is_mine ? coupling_of(simulation.bodies(), row).temperature.numbers[0] : 0);
+  }
   std::unique_ptr<Simulation> start(CaseText text, MPI_Comm comm = MPI_COMM_WORLD,
                                     const Overrides& overrides = {}) const {
     text.rest += "[initial]\nfrom = \"other\"\n";
@@ -174,7 +71,9 @@ TEST(StartFrom, TheSameParametersTakeTheSameFluidAndBodies) {
   EXPECT_EQ(start->body_count(), 3u);
 }
 
-/// A vortex, and two balls in it.
+const std::string warm = "temperature = 3\nheat_capacity = 800\n";
+
+/// A vortex, and two warm balls in it.
 CaseText fluid_of_a_vortex(bool with_bodies) {
   CaseText c;
   c.units = "[units]\nsystem = \"si\"\ncell_size = 1e-3\ntime_step = 1e-3\n";
@@ -184,10 +83,21 @@ CaseText fluid_of_a_vortex(bool with_bodies) {
       "initial = { type = \"taylor-green-3d\", velocity = [0.02, 0, 0] }\n";
   c.shapes = c.bodies = "";
   if (!with_bodies) return c;
+  c.rest = "[heat]\nthermal_diffusivity = 2e-4\nheat_capacity = 4000\n";
   c.shapes = shape_of("ball", "sphere", "diameter = 6e-3");
-  c.bodies = body_of("ball", 1200,
-                     "positions = [[0.004, 0.004, 0.004], [0.012, 0.011, 0.012]]\nvelocity = [0.01, 0, 0]");
+  c.bodies =
+      body_of("ball", 1200,
+              "positions = [[0.004, 0.004, 0.004], [0.012, 0.011, 0.012]]\nvelocity = [0.01, 0, 0]\n" + warm);
   return c;
+}
+
+double mean_temperature(const Simulation& simulation) {
+  double heat = 0, cells = 0;
+  const FluidFields& fields = simulation.scene().flow->fields();
+  for_each_cell(fields, [&](int b, lbm::Int3 x, lbm::Int3) {
+    if (fields.is_fluid(b, x)) heat += fields.temperature(b, x), ++cells;
+  });
+  return tests::sum_over_ranks(heat) / tests::sum_over_ranks(cells);
 }
 
 /// Half as long steps, another density of the fluid, another viscosity.
@@ -218,8 +128,8 @@ TEST(StartFrom, OtherUnitsKeepVelocityPressureAndRateOfStrain) {
   EXPECT_NEAR(stress(*after), stress(*before) / 2, 1e-9 * stress(*before));
 }
 
-/// Cells half as wide, and two thirds: mean energy and pressure of the vortex, and the bodies, are what they
-/// were, and so are the bits on any ranks.
+/// Cells half as wide, and two thirds: mean energy and pressure of the vortex, and the bodies and their
+/// temperatures, are what they were, and so are the bits on any ranks.
 TEST(StartFrom, NarrowerCellsKeepTheFlow) {
   for (const bool with_bodies : {false, true}) {
     const CaseText c = fluid_of_a_vortex(with_bodies);
@@ -232,7 +142,7 @@ TEST(StartFrom, NarrowerCellsKeepTheFlow) {
       next.units =
           std::string("[units]\nsystem = \"si\"\ncell_size = ") + size + "\ntime_step = " + step + "\n";
       next.fluid = "[fluid]\ndensity = 1000\nkinematic_viscosity = 1e-4\n";  // single precision
-      if (with_bodies) next.bodies = body_of("ball", 1200, "");
+      if (with_bodies) next.bodies = body_of("ball", 1200, warm);
       const auto hash = [&](MPI_Comm comm, const std::string& blocks) {
         const auto start = other.start(next, comm, {"domain.blocks=" + blocks});
         const FlowTotals is = start->scene().flow->totals();
@@ -243,6 +153,8 @@ TEST(StartFrom, NarrowerCellsKeepTheFlow) {
         }
         if (with_bodies && comm == MPI_COMM_WORLD) {
           EXPECT_NEAR(Ended::speed(*start, 1), factor * other.bodies[0], 1e-12);
+          EXPECT_EQ(Ended::temperature(*start, 1), Ended::temperature(*before, 1));
+          EXPECT_NEAR(mean_temperature(*start) / mean_temperature(*before), 1, 0.1);
         }
         start->run(4);
         return start->hash();
@@ -252,6 +164,58 @@ TEST(StartFrom, NarrowerCellsKeepTheFlow) {
       expect_goes_on(*other.start(next), 3);
     }
   }
+}
+
+/// Fluid at rest between sides of 1 and 5 K.
+CaseText conduction(const std::string& units, const std::string& heat) {
+  CaseText c;
+  c.units = "[units]\nsystem = \"si\"\n" + units;
+  c.domain =
+      "[domain]\nsize = [0.004, 0.004, 0.016]\nboundary = { x = \"periodic\", y = \"periodic\", "
+      "z = [{ type = \"no-slip\", temperature = 1 }, { type = \"no-slip\", temperature = 5 }] }\n";
+  c.fluid = "[fluid]\ndensity = 1000\nkinematic_viscosity = 1e-4\nprecision = \"double\"\n";
+  c.rest = "[heat]\nheat_capacity = 4000\n" + heat;
+  c.shapes = c.bodies = "";
+  return c;
+}
+
+/// Temperatures along a line, and the flux of heat that the populations have at such a gradient, whatever the
+/// reference, the diffusivity, the step and the width of cells.
+TEST(StartFrom, TheTemperatureKeepsItsGradient) {
+  const std::string wide = "cell_size = 1e-3\ntime_step = 1e-3\n";
+  const Ended other(conduction(wide, "thermal_diffusivity = 2e-4\ntemperature = 3\n"), 3000);
+  for (const auto& [units, heat] :
+       {std::pair(wide, "thermal_diffusivity = 2e-4\ntemperature = 2\n"),
+        {"cell_size = 1e-3\ntime_step = 5e-4\n", "thermal_diffusivity = 3e-4\ntemperature = 3\n"},
+        {"cell_size = 5e-4\ntime_step = 5e-4\n", "thermal_diffusivity = 5e-5\ntemperature = 0\n"}}) {
+    const auto start = other.start(conduction(units, heat));
+    const FluidFields& fields = start->scene().flow->fields();
+    const int height = start->setup().cells[2];
+    const double gradient = 4. / height, lag = start->setup().heat->relaxation_time() / 4;
+    for_each_cell(fields, [&](int b, lbm::Int3 x, lbm::Int3 global) {
+      if (4 * global.z < height || 4 * global.z >= 3 * height) return;  // sides need some steps
+      const auto g = [&](int i) { return arriving(fields, b, x, lbm::D3Q19::directions + i); };
+      EXPECT_NEAR(fields.temperature(b, x), 1 + gradient * (global.z + 0.5), 1e-8);
+      EXPECT_NEAR(g(5) - g(6), -lag * gradient, 1e-8);
+    });
+  }
+}
+
+/// Where the other run has no temperature, the fluid has that of the case; one that the case does not ask for
+/// is left behind.
+TEST(StartFrom, ATemperatureComesOrIsLeft) {
+  CaseText cold = free_spheres(), hot = cold, next = followers();
+  const std::string heat = "[heat]\nthermal_diffusivity = 0.1\ninitial = 2\n";
+  hot.rest += heat;
+  const Ended without(cold, 20), with(hot, 20);
+  EXPECT_EQ(Ended::hash_of_fluid(*with.start(next)), without.fluid);
+  next.rest += heat;
+  EXPECT_EQ(Ended::hash_of_fluid(*with.start(next)), with.fluid);
+  const auto start = without.start(next);
+  EXPECT_NEAR(mean_temperature(*start), 2, 1e-12);
+  start->run(5);
+  EXPECT_NEAR(mean_temperature(*start), 2, 1e-3);
+  expect_goes_on(*start, 5);
 }
 
 CaseText arrivals() {

@@ -28,6 +28,17 @@ class Estimates(SiltTest):
         self.assertGreater(number(said, "time"), 0)
         self.assertIn("on 1 rank of this machine, on idle cores)", said)
 
+    def test_heat_takes_memory(self):
+        """Seven numbers a cell: those of a run, less those of one without heat."""
+        self.write(self.LARGE.replace("[[6, 8, 8], [18, 8, 9]]", "[[30, 40, 40], [90, 40, 45]]"))
+        found, foreseen = [], []
+        for heat in ([], ["--set", "heat.prandtl=1"]):
+            foreseen.append(number(self.silt("check", self.case, *heat).stdout, "memory"))
+            self.silt("run", self.case, "--overwrite", *heat)
+            found.append(self.report()["memory_peak_bytes"]["max"])
+        for memory in (found, foreseen):
+            self.assertAlmostEqual((memory[1] - memory[0]) / (7 * 4 * 120 * 80 * 80), 1, delta=0.15)
+
     # Nine spheres of 8 cells in a column, a cell apart, in the stream of an inlet; 20 % solid in between.
     COLUMN = """[units]
 system = "lattice"
