@@ -19,6 +19,12 @@ constexpr int ghosts = CellBits::ghosts;
 
 CellBits wall_bits(const lbm::Domain& domain, const lbm::CellBox& box) {
   CellBits bits(box.size);
+  const lbm::CellBox all = lbm::grown(box, ghosts);
+  bool reaches_outside = false;
+  for (int d = 0; d < 3; ++d)
+    reaches_outside |=
+        !domain.periodic(d) && (all.lower[d] < 0 || all.lower[d] + all.size[d] > domain.cells()[d]);
+  if (!reaches_outside) return bits;
   for_cells({-ghosts, -ghosts, -ghosts}, box.size + Int3{ghosts, ghosts, ghosts}, [&](Int3 x) {
     if (!domain.inside(domain.wrapped(box.lower + x))) bits.set(x);
   });
