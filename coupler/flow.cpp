@@ -288,7 +288,7 @@ class FlowOf final : public Flow {
       counts_.links += block.count;
     }
     if (heat_) heat_->find_pockets(map_.blocks(), bodies);
-    if (pairs_) choose_pairs();
+    if (pairs_ && pairs_->chooses()) choose_pairs();
   }
 
   void hold_excess(std::size_t b) {

@@ -107,8 +107,7 @@ void FluidForces<T>::begin(const lbm::Fluid<T>& fluid, std::span<const BlockMap>
       SurfaceLinks<T>& surface = links[b].surfaces[k];
       surface.row = masks[k].row, surface.sums = {}, surface.finished = false;
       surface.left = std::uint32_t(surface.links.groups.size());
-      if (!surface.links.rate.empty())
-        surface.links.age = T(double(fluid.passes()) - coupling_of(bodies, surface.row).mapped.middle());
+      surface.links.age = T(double(fluid.passes()) - coupling_of(bodies, surface.row).mapped.middle());
       const Vec6 motion = motion_of_links(bodies, surface.row);
       set_motion(surface.motion, motion.head<3>(), motion.tail<3>());
       surface.motion.mass_by_link = coupling_of(bodies, surface.row).mass_owed.by_each_link;
@@ -272,13 +271,14 @@ template <class T>
 void FluidForces<T>::correct(lbm::Block<T>& block, BlockLinks<T>& links, const rigid::BodySet& bodies,
                              std::span<const double> corrections) {
   std::vector<typename BlockLinks<T>::Group> open;
-  std::vector<lbm::SurfaceIncrement> increments(links.at_once.size());
+  std::vector<lbm::SurfaceIncrement> increments(links.at_once.bodies());
   for (std::uint32_t k = 0; k < links.surfaces.size(); ++k) {
     SurfaceLinks<T>& surface = links.surfaces[k];
     if (surface.finished || !bodies.is_dynamic(surface.row)) continue;
     const double* const d = corrections.data() + surface.row * 6;
-    if (k < increments.size()) {
-      std::copy_n(d, 3, increments[k].v), std::copy_n(d + 3, 3, increments[k].omega);
+    if (k < links.at_once.size()) {
+      lbm::SurfaceIncrement& increment = increments[links.at_once.body(k)];
+      std::copy_n(d, 3, increment.v), std::copy_n(d + 3, 3, increment.omega);
       continue;
     }
     set_motion(surface.motion, Vec3(d[0], d[1], d[2]), Vec3(d[3], d[4], d[5]));

@@ -9,8 +9,17 @@
 #include "lbm/blocks/pass_order.hpp"
 #include "lbm/walls/cut_links.hpp"
 #include "lbm/walls/device_links.hpp"
+#include "rigid/shapes/turned_parts.hpp"
 
 namespace silt::coupler {
+
+/// A surface and its shape in memory of a device, which sets `frame` and `group_count` if it lists the links.
+template <class T>
+struct MappedSurface {
+  lbm::DeviceSurface<T> links;
+  rigid::ShapeView<T> shape;
+  bool operator==(const MappedSurface&) const = default;
+};
 
 /// The links of one periodic image of a body, or of a wall.
 template <class T>
@@ -19,9 +28,12 @@ struct SurfaceLinks {
   struct DeviceCopy {
     DeviceArray<std::uint64_t> cells;  // BodyMask::bits, if the device lists the links
     DeviceArray<lbm::LinkGroup> groups;
-    DeviceArray<lbm::DeviceSurface<T>> record;  // one element
+    DeviceArray<rigid::ShapePart> parts;
+    DeviceArray<rigid::Plane<T>> planes;
+    DeviceArray<MappedSurface<T>> record;  // one element
+    MappedSurface<T> told{};               // the record as it was sent last
     explicit DeviceCopy(std::pmr::memory_resource* m = std::pmr::new_delete_resource())
-        : cells(m), groups(m), record(m) {}
+        : cells(m), groups(m), parts(m), planes(m), record(m) {}
   } device{};                               // the links in memory of a device
   std::vector<std::uint32_t> gap_places{};  // of the links of `single_cell_gap`
   lbm::ResistanceSums resistance{};         // of movable bodies; updated with the links
@@ -118,23 +130,28 @@ struct BlockLinks {
           visit(surfaces[order[k].surface], group_of(order[k]), next);
         });
   }
+  bool is_first_of_body(std::size_t surface) const {
+    return surface == 0 || surfaces[surface - 1].row != surfaces[surface].row;
+  }
   /// Passes the links to the device, if any. Call after they were built or paired.
   void leave_to_device() {
     if (at_once.device() == Device::cpu) return;
     at_once.clear();
     gaps.leave_to(at_once);
-    for (const SurfaceLinks<T>& surface : surfaces)
-      at_once.add(surface.device.record.data(), surface.links.groups);
+    for (std::size_t k = 0; k < surfaces.size(); ++k)
+      at_once.add(&surfaces[k].device.record.data()->links, surfaces[k].links.groups, !is_first_of_body(k));
   }
   /// Call once the motions of a step are set.
   void begin_step() {
     gaps.set(surfaces);
     for (std::size_t k = 0; k < at_once.size(); ++k)
-      at_once.set_motion(k, surfaces[k].motion, surfaces[k].links.age);
+      if (is_first_of_body(k))
+        at_once.set_motion(at_once.body(k), surfaces[k].motion, surfaces[k].links.age);
   }
   void apply_at_once(lbm::Block<T>& block, lbm::ForceForm form) {
     if (at_once.size() > 0) at_once.apply(block, surfaces.front().links.fluid, slots, pairs_across, form);
-    for (std::size_t k = 0; k < at_once.size(); ++k) surfaces[k].sums = at_once.sums(k);
+    for (std::size_t k = 0; k < at_once.size(); ++k)
+      if (is_first_of_body(k)) surfaces[k].sums = at_once.sums(at_once.body(k));
   }
   /// Sets inner, first_inner, rim and count. Call after links were built.
   void order_groups(const lbm::PassOrder& sweep) {

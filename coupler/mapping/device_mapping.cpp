@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <cstring>
 #include <span>
 #include <utility>
 
@@ -96,42 +95,34 @@ void DeviceMapping<T>::count() {
   lbm::wait(device_);
 }
 
-namespace {
-/// Returns whether two parts have the same bits, and no planes.
+/// Lists an orientation unless it is the last one, as of bodies that have not turned.
 template <class T>
-bool is_same(const rigid::SurfacePart<T>& a, const rigid::SurfacePart<T>& b) {
-  const auto same = [](const auto& x, const auto& y) { return std::memcmp(&x, &y, sizeof x) == 0; };
-  return a.kind == b.kind && a.planes == 0 && b.planes == 0 && same(a.axes, b.axes) &&
-         same(a.centre, b.centre) && same(a.size, b.size) && same(a.extent, b.extent);
-}
-}  // namespace
-
-/// Lists a surface, or refers to the parts listed last if they are the same: those of a body that has not
-/// turned, and of balls of one size.
-template <class T>
-SurfaceAtTime DeviceMapping<T>::listed(const rigid::SurfaceView<T>& surface, const lbm::SurfaceFrame& frame) {
-  const std::span parts(surface.parts, std::size_t(surface.count)), all(std::as_const(parts_).host());
-  if (all.size() >= parts.size() && std::ranges::equal(parts, all.last(parts.size()), is_same<T>))
-    return {std::uint32_t(all.size() - parts.size()), std::uint32_t(planes_.size()), surface.count, frame};
-  const SurfaceAtTime at{std::uint32_t(parts_.size()), std::uint32_t(planes_.size()), surface.count, frame};
-  parts_.host().insert(parts_.host().end(), surface.parts, surface.parts + surface.count);
-  for (const rigid::SurfacePart<T>* part = surface.parts; part < surface.parts + surface.count; ++part)
-    if (const std::size_t end = at.first_plane + part->first_plane + part->planes; end > planes_.size()) {
-      const rigid::Plane<T>* const from = surface.planes + (planes_.size() - at.first_plane);
-      planes_.host().insert(planes_.host().end(), from, surface.planes + (end - at.first_plane));
-    }
-  return at;
+TurnedSurface DeviceMapping<T>::turned(const rigid::Turn& turn, int parts) {
+  std::pmr::vector<rigid::Turn>& all = turns_.host();
+  if (all.empty() || (parts > 0 && !(all.back() == turn))) all.push_back(turn);
+  const TurnedSurface found{std::uint32_t(all.size() - 1), part_count_};
+  part_count_ += std::uint32_t(parts);
+  return found;
 }
 
 template <class T>
-void DeviceMapping<T>::add(SurfaceLinks<T>& surface, std::size_t n, const rigid::SurfaceView<T>& view,
-                           T arm) {
-  lbm::CutLinks<T>& links = surface.links;
-  const SurfaceAtTime now = this->listed(view, links.frame);
-  surfaces_.host().push_back({now, now, 0, arm, links.place.data(), links.across.data(), links.q.data(),
-                              nullptr, surface.device.groups.data(), first_slab_[n],
-                              first_slab_[n + 1] - first_slab_[n], group_count_,
-                              std::uint32_t(links.groups.size()), std::uint32_t(gaps_.size())});
+void DeviceMapping<T>::add(SurfaceLinks<T>& surface, std::size_t n, const rigid::ShapeView<T>& shape,
+                           const rigid::Turn& turn, T arm) {
+  const lbm::CutLinks<T>& links = surface.links;
+  surface.device.record.resize(1);
+  const TurnedSurface now = turned(turn, shape.count);
+  surfaces_.host().push_back({surface.device.record.data(),
+                              links.frame,
+                              {},
+                              0,
+                              arm,
+                              now,
+                              now,
+                              first_slab_[n],
+                              first_slab_[n + 1] - first_slab_[n],
+                              group_count_,
+                              std::uint32_t(links.groups.size()),
+                              std::uint32_t(gaps_.size())});
   group_count_ += std::uint32_t(links.groups.size());
   for (const lbm::LinkGroup& g : links.groups)
     if (g.scheme == lbm::WallScheme::single_cell_gap && lbm::knows_opposite_wall(scheme_))
@@ -140,12 +131,32 @@ void DeviceMapping<T>::add(SurfaceLinks<T>& surface, std::size_t n, const rigid:
 }
 
 template <class T>
-void DeviceMapping<T>::add_rates(const rigid::SurfaceView<T>& view, const lbm::SurfaceFrame& frame,
-                                 double steps) {
+void DeviceMapping<T>::add_rates(const rigid::Turn& turn, const lbm::SurfaceFrame& frame, double steps) {
   lbm::CutLinks<T>& links = wanted_.back()->links;
   links.rate.resize(links.q.size());
   SurfaceToMap<T>& surface = surfaces_.host().back();
-  surface.last = listed(view, frame), surface.steps = steps, surface.rate = links.rate.data();
+  surface.last = turned(turn, int(part_count_ - surface.now.first_part)), surface.steps = steps;
+  std::ranges::copy(frame.offset, surface.last_offset);
+}
+
+/// Sends the shape of a surface once, and its record if arrays have moved. The device sets the frame and the
+/// number of groups of links that it lists itself.
+template <class T>
+void DeviceMapping<T>::tell(SurfaceLinks<T>& surface, const rigid::ShapeView<T>& shape, bool lists) {
+  auto& copy = surface.device;
+  copy.record.resize(1);
+  if (lists && copy.parts.size() != std::size_t(shape.count)) {
+    const rigid::ShapePart& last = shape.parts[shape.count - 1];
+    copy.parts.resize(std::size_t(shape.count)), copy.planes.resize(last.first_plane + last.planes);
+    upload(std::span(shape.parts, copy.parts.size()), copy.parts.data());
+    upload(std::span(shape.planes, copy.planes.size()), copy.planes.data());
+  }
+  MappedSurface<T> now{lbm::device_surface(surface.links, copy.groups.data()),
+                       {copy.parts.data(), shape.count, copy.planes.data()}};
+  if (lists) now.links.frame = {}, now.links.group_count = 0;
+  if (now == copy.told) return;
+  copy.told = now;
+  upload(std::span<const MappedSurface<T>>(&now, 1), copy.record.data());
 }
 
 template <class T>
@@ -155,6 +166,7 @@ void DeviceMapping<T>::run() {
   std::uint32_t* const gaps = gaps_.size() > 0 ? gaps_.make_room() : nullptr;
   lists_.clear(), lists_.resize(slabs_.size());
   groups_.clear(), groups_.resize(group_count_);
+  turned_.clear(), turned_.resize(part_count_);
   const LinksToMap<T> pass{bits_,
                            lists_.data(),
                            gaps,
@@ -164,8 +176,8 @@ void DeviceMapping<T>::run() {
                            surfaces_.send(),
                            surfaces_.size(),
                            resistance_.clear(),
-                           parts_.send(),
-                           planes_.send(),
+                           turns_.send(),
+                           turned_.data(),
                            runs_.send(),
                            runs_.size(),
                            told_.send()};

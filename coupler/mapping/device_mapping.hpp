@@ -89,21 +89,19 @@ struct SlabLists {
   std::uint32_t first_gap;
 };
 
-/// A surface at one time: the ranges of its parts and planes, and its frame.
-struct SurfaceAtTime {
-  std::uint32_t first_part, first_plane;
-  int parts;
-  lbm::SurfaceFrame frame;
+/// The orientation of a surface at one time, and the first of its turned parts.
+struct TurnedSurface {
+  std::uint32_t turn, first_part;
 };
 
 template <class T>
 struct SurfaceToMap {
-  SurfaceAtTime now, last;  // at the middle of the mapping's steps, and in the last of them
-  double steps;             // from now to last; 0: distances have no rates
-  T arm;                    // 2^-exponent of the resistance; 0: not needed
-  std::uint32_t *place, *across;
-  T *q, *rate;
-  lbm::LinkGroup* groups;  // of its slabs, then those of crossing links, which are given
+  MappedSurface<T>* surface;  // its groups: of its slabs, then those of crossing links, which are given
+  lbm::SurfaceFrame frame;    // at the middle of the mapping's steps
+  double last_offset[3];      // of the frame in the last of them
+  double steps;               // from the middle to the last; 0: distances have no rates
+  T arm;                      // 2^-exponent of the resistance; 0: not needed
+  TurnedSurface now, last;
   std::uint32_t first_slab, slabs;
   std::uint32_t first_group, group_count;  // among all groups
   std::uint32_t first_gap;                 // among links that know the wall on the other side
@@ -167,8 +165,8 @@ struct LinksToMap {
   const SurfaceToMap<T>* surfaces;
   std::size_t surface_count;
   lbm::ResistanceSums* resistance;  // per surface
-  const rigid::SurfacePart<T>* parts;
-  const rigid::Plane<T>* planes;
+  const rigid::Turn* turns;
+  rigid::SurfacePart<T>* turned;
   const HostCopy* runs;
   std::size_t run_count;
   const std::uint32_t* told;
@@ -196,7 +194,7 @@ class DeviceMapping {
   }
   /// Queues the n-th of them, with groups for the counts of its slabs: lists its links, sets wall distances,
   /// and the resistance. `arm` is SurfaceToMap::arm.
-  void add(SurfaceLinks<T>&, std::size_t n, const rigid::SurfaceView<T>&, T arm);
+  void add(SurfaceLinks<T>&, std::size_t n, const rigid::ShapeView<T>&, const rigid::Turn&, T arm);
   /// Queues a copy of values to an array in memory_of the device.
   template <class Value>
   void upload(std::span<const Value> values, Value* to) {
@@ -208,18 +206,19 @@ class DeviceMapping {
         {reinterpret_cast<std::uint32_t*>(to), std::uint32_t(all.size()), std::uint32_t(count)});
     all.insert(all.end(), words, words + count);
   }
-  /// Queues the rates of the surface added last, from the surface and its frame after `steps` steps.
-  void add_rates(const rigid::SurfaceView<T>&, const lbm::SurfaceFrame&, double steps);
+  /// Queues the rates of the surface added last, from its orientation and its frame after `steps` steps.
+  void add_rates(const rigid::Turn&, const lbm::SurfaceFrame&, double steps);
+  /// Queues what the device has yet to know of a surface, whose links it lists or not.
+  void tell(SurfaceLinks<T>&, const rigid::ShapeView<T>&, bool lists);
   /// Runs all that was queued. The surfaces must not have moved in memory.
   void run();
 
  private:
-  SurfaceAtTime listed(const rigid::SurfaceView<T>&, const lbm::SurfaceFrame&);
+  TurnedSurface turned(const rigid::Turn&, int parts);
   void clear() {
     const auto all = [](auto&... lists) { (lists.host().clear(), ...); };
-    all(masks_, slabs_, counts_, gaps_, surfaces_, parts_, planes_, words_, moved_, flipped_, flips_, runs_,
-        told_);
-    left_.clear(), group_count_ = 0;
+    all(masks_, slabs_, counts_, gaps_, surfaces_, turns_, words_, moved_, flipped_, flips_, runs_, told_);
+    left_.clear(), group_count_ = part_count_ = 0;
   }
   void add_words(std::uint64_t* to, const std::uint64_t* now, std::size_t count);
   void end_flips(std::uint64_t* words);
@@ -240,8 +239,9 @@ class DeviceMapping {
   std::vector<SurfaceLinks<T>*> wanted_;
   Mirror<SurfaceToMap<T>> surfaces_{device_};
   Mirror<lbm::ResistanceSums> resistance_{device_};
-  Mirror<rigid::SurfacePart<T>> parts_{device_};
-  Mirror<rigid::Plane<T>> planes_{device_};
+  Mirror<rigid::Turn> turns_{device_};
+  DeviceArray<rigid::SurfacePart<T>> turned_{memory_of(device_)};
+  std::uint32_t part_count_ = 0;
   Mirror<NewWord> words_{device_};
   Mirror<MovedFrame> moved_{device_};
   Mirror<FlippedBits> flipped_{device_};

@@ -68,19 +68,21 @@ std::vector<lbm::Moments> remote_moments(lbm::Fluid<T>& fluid, const std::vector
   return offers.exchange(fluid.comm(), 2, fluid.moments(offered), wants);
 }
 
+/// Lists the uncovered cells, their neighbours, and where the moments of those in other blocks are.
 template <class T>
 void list_uncovered(lbm::Fluid<T>& fluid, const std::vector<BlockMap>& maps, const ChangedCells& changed,
                     UncoveredCells<T>& all) {
   const std::vector<lbm::Moments> remote = remote_moments(fluid, maps, changed);
+  all.told.host().assign(remote.begin(), remote.end());
   const lbm::Domain& domain = fluid.domain();
   const int rank = parallel::rank_of(fluid.comm());
-  all.cells.host().clear(), all.told.host().clear();
-  std::vector<std::uint8_t> is_remote;  // of neighbours in other blocks
-  std::vector<lbm::LocalCell> local;    // those on this rank
+  all.cells.host().clear(), all.places.host().clear();
+  std::vector<lbm::LocalCell> near;
+  std::uint32_t told = 0;
   for (const CoveredCell& u : changed.uncovered) {
     const BlockMap& map = maps[u.block];
     UncoveredCell cell;
-    cell.first_told = std::uint32_t(is_remote.size());
+    cell.first_place = std::uint32_t(all.places.size());
     for (int k = 1; k < lbm::D3Q19::directions; ++k) {
       const Int3 y = u.cell + lbm::D3Q19::c[k];
       if (!map.was_and_is_fluid(y)) continue;
@@ -90,14 +92,15 @@ void list_uncovered(lbm::Fluid<T>& fluid, const std::vector<BlockMap>& maps, con
       const Int3 g = domain.wrapped(map.box.lower + y);
       const lbm::BlockPlace there = domain.block_at(g);
       const int block = domain.local_index(there, rank);
-      is_remote.push_back(block < 0);
-      if (block >= 0) local.push_back({block, g - there.box.lower});
+      all.places.host().push_back(block < 0 ? 2 * told++ : 2 * std::uint32_t(near.size()) + 1);
+      if (block >= 0) near.push_back({block, g - there.box.lower});
     }
     all.cells.host().push_back(cell);
   }
-  auto next_remote = remote.begin();
-  auto next_local = fluid.moments(local).begin();
-  for (const bool away : is_remote) all.told.host().push_back(away ? *next_remote++ : *next_local++);
+  all.near.host().resize(near.size());
+  if (near.empty()) return;
+  lbm::passes_on<T>(fluid.device())
+      .gather_moments(fluid.listed(near, all.listed_near), all.near.make_room(), nullptr);
 }
 
 }  // namespace
@@ -155,7 +158,8 @@ void refill(lbm::Fluid<T>& fluid, const std::vector<BlockMap>& maps, const Chang
     }
   }
   const RefillCells<T> pass{fluid.listed(places(cells.uncovered), uncovered.listed), uncovered.cells.send(),
-                            uncovered.told.send(), force};
+                            {uncovered.places.send(), uncovered.told.send(), uncovered.near.device()},
+                            force};
   SILT_ON(fluid.device(), refill_cells<T>)(pass);
 }
 

@@ -31,13 +31,16 @@ std::vector<lbm::LocalCell> places(const std::vector<CoveredCell>&);
 /// Returns the vector from the nearest periodic image of a body's centre of mass to the centre of a cell.
 rigid::Vec3 nearest_arm(const lbm::Domain&, const rigid::Vec3& position, lbm::Int3 global_cell);
 
-/// Uncovered cells, and moments of neighbours in other blocks, as passes read them. Kept to reuse the memory.
+/// Uncovered cells, and moments of neighbours in other blocks (MomentsElsewhere), as passes read them. Kept to
+/// reuse the memory.
 template <class T>
 struct UncoveredCells {
   Mirror<UncoveredCell> cells;
-  Mirror<lbm::Moments> told;
-  lbm::CellLists<T> listed;
-  explicit UncoveredCells(Device device) : cells(device), told(device), listed(device) {}
+  Mirror<std::uint32_t> places;
+  Mirror<lbm::Moments> told, near;
+  lbm::CellLists<T> listed, listed_near;
+  explicit UncoveredCells(Device device)
+      : cells(device), places(device), told(device), near(device), listed(device), listed_near(device) {}
 };
 
 /// Sets uncovered cells to the mean density of their neighbours, the body's velocity at the cell, and the

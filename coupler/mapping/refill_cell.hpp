@@ -10,10 +10,20 @@
 namespace silt::coupler {
 
 /// An uncovered cell: its neighbours that were and are fluid, as bits by direction, and those in other
-/// blocks, whose moments are in `told` from first_told on.
+/// blocks, whose moments are at places (MomentsElsewhere) from first_place on.
 struct UncoveredCell {
-  std::uint32_t neighbours = 0, elsewhere = 0, first_told = 0;
+  std::uint32_t neighbours = 0, elsewhere = 0, first_place = 0;
   double momentum[3] = {};  // of the surface there, less half the force
+};
+
+/// The moments of neighbours in other blocks: of this rank, computed by a pass; of other ranks, as they told.
+struct MomentsElsewhere {
+  const std::uint32_t* places;  // 2 n: the n-th that was told; 2 n + 1: the n-th of this rank
+  const lbm::Moments *told, *near;
+  SILT_DEVICE const lbm::Moments& operator[](std::uint32_t k) const {
+    const std::uint32_t place = places[k];
+    return (place & 1 ? near : told)[place >> 1];
+  }
 };
 
 /// Means over neighbours of the density and of the flux of momentum off equilibrium, sum c c (g - g_eq).
@@ -51,7 +61,7 @@ template <class T>
 struct RefillCells {
   lbm::ListedCells<T> listed;
   const UncoveredCell* uncovered;
-  const lbm::Moments* told;
+  MomentsElsewhere elsewhere;
   std::array<double, 3> force;
 
   static constexpr int ahead = 2;
@@ -71,11 +81,11 @@ struct RefillCells {
       return excess ? lbm::moments_of<T>(g, step, excess[step], block.stress_share)
                     : lbm::moments_of<T>(g, step);
     };
-    const lbm::Moments* next = told + cell.first_told;
+    std::uint32_t next = cell.first_place;
     NeighbourMeans means;
     for (int i = 1; i < lbm::D3Q19::directions; ++i)
       if (cell.neighbours >> i & 1)
-        means.add(cell.elsewhere >> i & 1 ? *next++ : moments_at(block.step[i]), force);
+        means.add(cell.elsewhere >> i & 1 ? elsewhere[next++] : moments_at(block.step[i]), force);
     means.finish();
     lbm::for_directions<lbm::D3Q19, 0>([&](auto i) {
       constexpr lbm::Int3 c = lbm::D3Q19::c[i()];

@@ -13,10 +13,22 @@ namespace silt::lbm {
 
 template <class T>
 void SlotExchange<T>::clear() {
-  is_sent_ = false;
   copied_.clear();
   for (auto& [rank, peer] : peers_)
     for (SlotList& list : peer.list) list.clear();
+}
+
+template <class T>
+bool SlotExchange<T>::is_direct(int rank) const {
+  return device_ != Device::cpu && (rank == here_ || std::ranges::count(sharing_, rank) > 0);
+}
+
+template <class T>
+void SlotExchange<T>::clear_indirect() {
+  if (!is_direct(here_)) copied_.clear();
+  for (auto& [rank, peer] : peers_)
+    for (SlotList& list : peer.list)
+      if (!is_direct(rank)) list.clear();
 }
 
 /// Returns where to pack values that the other rank's device takes from there.
@@ -86,8 +98,6 @@ void SlotExchange<T>::finish(std::span<const T* const> sources, std::span<T* con
 
 template <class T>
 void SlotExchange<T>::send_lists() {
-  if (is_sent_) return;
-  is_sent_ = true;
   copied_.send();
   for (auto& [rank, peer] : peers_)
     for (SlotList& list : peer.list) list.send();

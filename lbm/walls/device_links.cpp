@@ -8,16 +8,15 @@ namespace silt::lbm {
 
 template <class T>
 void DeviceLinks<T>::clear() {
-  surfaces_.host().clear(), steps_.host().clear(), first_group_.host().clear();
+  surfaces_.host().clear(), steps_.host().clear();
   gaps_.host().clear(), walls_.host().clear(), side_velocities_.host().clear();
   group_count_ = 0, is_listed_ = has_crossings_ = false;
 }
 
 template <class T>
-void DeviceLinks<T>::add(const DeviceSurface<T>* surface, std::span<const LinkGroup> groups) {
-  surfaces_.host().push_back(surface);
-  steps_.host().resize(surfaces_.size());
-  first_group_.host().push_back(group_count_);
+void DeviceLinks<T>::add(const DeviceSurface<T>* surface, std::span<const LinkGroup> groups, bool same_body) {
+  if (!same_body) steps_.host().emplace_back();
+  surfaces_.host().push_back({surface, group_count_, std::uint32_t(steps_.size() - 1)});
   group_count_ += std::uint32_t(groups.size());
   for (const LinkGroup& group : groups) has_crossings_ |= group.crossing;
 }
@@ -45,7 +44,7 @@ LinkPass<T> DeviceLinks<T>::pass_over(Block<T>& block) {
           std::int32_t(block.row_stride()),
           std::int32_t(block.plane_stride()),
           block.excess(),
-          slots_.device(),
+          slots_.device() + slots_in_use_,
           {},
           surfaces_.device(),
           steps_.device(),
@@ -62,15 +61,25 @@ void DeviceLinks<T>::list_groups() {
   is_listed_ = true;
   gaps_.send(), walls_.send(), side_velocities_.send(), surfaces_.send();
   groups_.clear(), groups_.resize(group_count_);
-  passes().list_groups({surfaces_.device(), surfaces_.size()}, first_group_.send(), groups_.data());
+  passes().list_groups({surfaces_.device(), surfaces_.size()}, groups_.data());
+}
+
+/// Sends the slots unless the device has them from an earlier step.
+template <class T>
+void DeviceLinks<T>::take_slots(const LinkSlots& slots) {
+  std::pmr::vector<LinkSlots>& known = slots_.host();
+  slots_in_use_ = std::size_t(std::ranges::find(known, slots) - known.begin());
+  if (slots_in_use_ < known.size()) return;
+  if (known.size() == 2) known.clear(), slots_in_use_ = 0;
+  known.push_back(slots), slots_.send();
 }
 
 template <class T>
 void DeviceLinks<T>::apply(Block<T>& block, const WallFluid<T>& fluid, const LinkSlots& slots,
                            const BeyondPair<T>* pairs_across, ForceForm form) {
   if (size() == 0) return;
-  sums_.host().resize(surfaces_.size());
-  sums_.clear(), slots_.host().assign(1, slots), slots_.send(), steps_.send();
+  sums_.host().resize(bodies());
+  sums_.clear(), steps_.send(), take_slots(slots);
   list_groups();
   LinkPass<T> pass = pass_over(block);
   pass.fluid = fluid, pass.pairs_across = pairs_across;
@@ -85,7 +94,8 @@ void DeviceLinks<T>::apply(Block<T>& block, const WallFluid<T>& fluid, const Lin
 
 template <class T>
 void DeviceLinks<T>::correct(Block<T>& block, std::span<const SurfaceIncrement> increments) {
-  if (size() == 0) return;
+  if (std::ranges::all_of(increments, [](const SurfaceIncrement& i) { return i == SurfaceIncrement{}; }))
+    return;
   increments_.host().assign(increments.begin(), increments.end()), increments_.send();
   passes().correct(groups_, pass_over(block));
   wait(device_);

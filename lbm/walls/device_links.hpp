@@ -1,6 +1,6 @@
 #pragma once
-// The cut links of a block for a device: all groups of the block in one list, one team of threads per group,
-// and the input and sums of each surface in a step.
+// The cut links of a block for a device: all groups of the block in one list, one team of threads per group.
+// The input of a step and its sums are one for each body, whose periodic images are surfaces.
 #include <cstdint>
 #include <span>
 
@@ -13,14 +13,14 @@ namespace silt::lbm {
 template <class T>
 struct DeviceSurface {
   SurfaceFrame frame;
-  const LinkGroup* groups;
+  LinkGroup* groups;
   std::uint32_t group_count;
-  const std::uint32_t *place, *across;
-  const T *q, *rate;
-  T *opposite_q, *opposite_u;
+  std::uint32_t *place, *across;
+  T *q, *rate, *opposite_q, *opposite_u;
+  bool operator==(const DeviceSurface&) const = default;
 };
 template <class T>
-DeviceSurface<T> device_surface(CutLinks<T>& links, const LinkGroup* groups) {
+DeviceSurface<T> device_surface(CutLinks<T>& links, LinkGroup* groups) {
   const auto first = [](auto& values) { return values.empty() ? nullptr : values.data(); };
   return {links.frame,
           groups,
@@ -33,7 +33,14 @@ DeviceSurface<T> device_surface(CutLinks<T>& links, const LinkGroup* groups) {
           first(links.opposite_u)};
 }
 
-/// A surface in the current step: its motion, and the age of its wall distances.
+/// A surface of the block. Those of one body, with one number `body`, follow one another.
+template <class T>
+struct ListedSurface {
+  const DeviceSurface<T>* record;
+  std::uint32_t first_group, body;  // the former among the groups of all surfaces
+};
+
+/// The surfaces of a body in the current step: their motion, and the age of their wall distances.
 template <class T>
 struct SurfaceStep {
   SurfaceMotion motion;
@@ -42,6 +49,7 @@ struct SurfaceStep {
 /// The increment of a surface's velocity in a correction; all zero: its links are left as they are.
 struct SurfaceIncrement {
   double v[3] = {}, omega[3] = {};
+  bool operator==(const SurfaceIncrement&) const = default;
 };
 
 struct GroupOfSurface {
@@ -115,21 +123,26 @@ class DeviceLinks {
 
   /// Removes all surfaces. Those added next must stay in memory_of the device.
   void clear();
-  void add(const DeviceSurface<T>*, std::span<const LinkGroup>);
+  /// Adds a surface of the same body as the one before, or of another one.
+  void add(const DeviceSurface<T>*, std::span<const LinkGroup>, bool same_body);
   /// Adds a group of links that know the wall behind them, and then each of its links in turn.
   void add_gaps(const GroupOfSurface& group) {
     gaps_.host().push_back({group, std::uint32_t(walls_.size())});
   }
   void add(const OppositeLink<T>&);
   std::size_t size() const { return surfaces_.size(); }  // number of surfaces
+  std::size_t bodies() const { return steps_.size(); }
+  std::uint32_t body(std::size_t surface) const { return surfaces_.host()[surface].body; }
 
-  /// Sets the motion of surface k in the next step, and the age of its wall distances.
-  void set_motion(std::size_t k, const SurfaceMotion& motion, T age) { steps_.host()[k] = {motion, age}; }
+  /// Sets the motion of a body in the next step, and the age of its wall distances.
+  void set_motion(std::uint32_t body, const SurfaceMotion& motion, T age) {
+    steps_.host()[body] = {motion, age};
+  }
   /// Writes the populations that links return, adds to their cells' excess, sums force and torque.
   void apply(Block<T>&, const WallFluid<T>&, const LinkSlots&, const BeyondPair<T>* pairs_across, ForceForm);
-  const LinkSums& sums(std::size_t k) const { return sums_.host()[k]; }
+  const LinkSums& sums(std::uint32_t body) const { return sums_.host()[body]; }
 
-  /// Corrects the populations that surfaces returned, for an increment of the velocity of each; after
+  /// Corrects the populations that surfaces returned, for an increment of the velocity of each body; after
   /// apply().
   void correct(Block<T>&, std::span<const SurfaceIncrement>);
 
@@ -137,20 +150,21 @@ class DeviceLinks {
   const LinkPasses<T>& passes() const;
   LinkPass<T> pass_over(Block<T>&);
   void list_groups();
+  void take_slots(const LinkSlots&);
 
   Device device_;
-  Mirror<const DeviceSurface<T>*> surfaces_{device_};
-  Mirror<SurfaceStep<T>> steps_{device_};  // this and the next two: per surface
+  Mirror<ListedSurface<T>> surfaces_{device_};
+  Mirror<SurfaceStep<T>> steps_{device_};  // this and the next two: per body
   Mirror<SurfaceIncrement> increments_{device_};
   Mirror<LinkSums> sums_{device_};
-  Mirror<std::uint32_t> first_group_{device_};              // per surface, among all groups
   DeviceArray<GroupOfSurface> groups_{memory_of(device_)};  // of all surfaces
   std::uint32_t group_count_ = 0;
   bool is_listed_ = false, has_crossings_ = false;
   Mirror<GapGroup> gaps_{device_};
   Mirror<WallBehind> walls_{device_};
   Mirror<T> side_velocities_{device_};  // a few, as they occur
-  Mirror<LinkSlots> slots_{device_};    // of the pass
+  Mirror<LinkSlots> slots_{device_};    // of either parity, as they occur
+  std::size_t slots_in_use_ = 0;
 };
 
 /// The data of a pass over groups of links.
@@ -161,8 +175,8 @@ struct LinkPass {
   ExcessQuanta<T>* excess;  // of cell 0 of the block
   const LinkSlots* slots;
   WallFluid<T> fluid;
-  const DeviceSurface<T>* const* surfaces;
-  const SurfaceStep<T>* steps;         // this and the following: of the surfaces
+  const ListedSurface<T>* surfaces;
+  const SurfaceStep<T>* steps;         // this and the following: of the bodies
   const SurfaceIncrement* increments;  // of a correction
   LinkSums* sums;
   const BeyondPair<T>* pairs_across;
@@ -172,7 +186,7 @@ struct LinkPass {
 /// The passes over the links of a block, as built for each device (link_passes_build.hpp).
 template <class T>
 struct LinkPasses {
-  void (*list_groups)(std::span<const DeviceSurface<T>* const>, const std::uint32_t* first, GroupOfSurface*);
+  void (*list_groups)(std::span<const ListedSurface<T>>, GroupOfSurface*);
   void (*set_opposites)(const OppositesToSet<T>&, const LinkPass<T>&);
   void (*apply)(std::span<const GroupOfSurface>, const LinkPass<T>&);
   void (*apply_crossing)(std::span<const GroupOfSurface>, const LinkPass<T>&);

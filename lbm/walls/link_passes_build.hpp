@@ -21,10 +21,10 @@ struct LinksOfGroup {
 
   SILT_DEVICE LinksOfGroup(const LinkPass<T>& pass, const GroupOfSurface& of)
       : pass(pass),
-        step(pass.steps[of.surface]),
-        surface(*pass.surfaces[of.surface]),
+        step(pass.steps[pass.surfaces[of.surface].body]),
+        surface(*pass.surfaces[of.surface].record),
         group(surface.groups[of.number]),
-        sums(pass.sums[of.surface]),
+        sums(pass.sums[pass.surfaces[of.surface].body]),
         origin(group.corner, surface.frame, pass.slots->components),
         distance(surface.q + group.begin, surface.rate ? surface.rate + group.begin : nullptr, step.age),
         corner(pass.data + corner_cell()),
@@ -135,13 +135,12 @@ SILT_DEVICE void correct_group(const LinksOfGroup<T>& links, const SurfaceIncrem
 
 template <class T>
 struct ListGroups {
-  const DeviceSurface<T>* const* surfaces;
-  const std::uint32_t* first;
+  const ListedSurface<T>* surfaces;
   GroupOfSurface* groups;
   SILT_DEVICE void operator()(std::int64_t k, const Team& member) const {
-    const std::uint32_t count = surfaces[k]->group_count;
+    const std::uint32_t count = surfaces[k].record->group_count;
     for (auto n = std::uint32_t(member.lane); n < count; n += std::uint32_t(member.size))
-      groups[first[k] + n] = {std::uint32_t(k), n};
+      groups[surfaces[k].first_group + n] = {std::uint32_t(k), n};
   }
 };
 
@@ -165,7 +164,7 @@ struct CorrectLinks {
   LinkPass<T> pass;
   const GroupOfSurface* groups;
   SILT_DEVICE void operator()(std::int64_t k, const Team& member) const {
-    const SurfaceIncrement& increment = pass.increments[groups[k].surface];
+    const SurfaceIncrement& increment = pass.increments[pass.surfaces[groups[k].surface].body];
     bool is_zero = true;
     for (int d = 0; d < 3; ++d) is_zero &= increment.v[d] == 0 && increment.omega[d] == 0;
     if (!is_zero) correct_group(LinksOfGroup<T>(pass, groups[k]), increment, member);
@@ -190,24 +189,23 @@ struct SetOpposites {
   }
   SILT_DEVICE void operator()(std::int64_t k, const Team& member) const {
     const GapGroup& gaps = all.groups[k];
-    const DeviceSurface<T>& own = *pass.surfaces[gaps.group.surface];
+    const DeviceSurface<T>& own = *pass.surfaces[gaps.group.surface].record;
     const LinkGroup& group = own.groups[gaps.group.number];
     for (auto l = std::uint32_t(member.lane); l < group.count; l += std::uint32_t(member.size)) {
       const OppositeLink<T> link = link_at(gaps, group, own.place[group.begin + l], l);
       const std::int32_t packed = pass.slots->components[link.direction];
       const Int3 along{component(packed, 0), component(packed, 1), component(packed, 2)};
       set_opposite(link, along, [&](std::uint32_t n) -> SurfaceInGap<T> {
-        const DeviceSurface<T>& of = *pass.surfaces[n];
-        return {of.frame, pass.steps[n].motion, of.q, of.opposite_q, of.opposite_u};
+        const DeviceSurface<T>& of = *pass.surfaces[n].record;
+        return {of.frame, pass.steps[pass.surfaces[n].body].motion, of.q, of.opposite_q, of.opposite_u};
       });
     }
   }
 };
 
 template <class T>
-void list_groups(std::span<const DeviceSurface<T>* const> surfaces, const std::uint32_t* first,
-                 GroupOfSurface* groups) {
-  for_teams(std::int64_t(surfaces.size()), ListGroups<T>{surfaces.data(), first, groups});
+void list_groups(std::span<const ListedSurface<T>> surfaces, GroupOfSurface* groups) {
+  for_teams(std::int64_t(surfaces.size()), ListGroups<T>{surfaces.data(), groups});
 }
 template <class T>
 void set_opposites(const OppositesToSet<T>& all, const LinkPass<T>& pass) {
