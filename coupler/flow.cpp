@@ -125,7 +125,7 @@ class FlowOf final : public Flow {
     fluid_.end_pass();
   }
   void communicate() override {
-    passed_.give(fluid_);
+    turned_.give(fluid_);
     fluid_.exchange();
     levels_.end_step();
     if (pairs_) pairs_->exchange(fluid_.blocks(), fluid_.parity());
@@ -227,10 +227,10 @@ class FlowOf final : public Flow {
   void remap(const rigid::BodySet& bodies, const BodyChanges& changes) {
     const ChangedCells cells = changed_cells(map_.blocks());
     take_cells(+1, cells.covered, bodies, changes);
-    refill(fluid_, map_.blocks(), cells, bodies, changes.gone, uncovered_);
+    turned_.refill(fluid_, map_.blocks(), cells, bodies, changes.gone);
     if (heat_) heat_->change_cells(map_.blocks(), cells, bodies);
     take_cells(-1, cells.uncovered, bodies, changes);
-    account_.take_mass(passed_.weigh(fluid_, map_.blocks(), cells));
+    account_.take_mass(turned_.weigh(fluid_, map_.blocks(), cells));
     counts_.covered = cells.covered.size(), counts_.uncovered = cells.uncovered.size();
     rebuild_links(bodies);
   }
@@ -330,8 +330,7 @@ class FlowOf final : public Flow {
   std::vector<BlockLinks<T>> links_;
   std::vector<DeviceMapping<T>> mappings_;  // per block
   MeshDistances meshes_{map_.meshes()};
-  UncoveredCells<T> uncovered_{fluid_.device()};
-  PassedMass<T> passed_{fluid_.device()};     // of the current step
+  TurnedCells<T> turned_{fluid_.device()};    // of the last mapping
   std::optional<lbm::PairsAcross<T>> pairs_;  // for schemes that read beyond
   std::vector<SideColumns> columns_;          // per block, for pairs_
   bool pushes_bodies_;

@@ -15,12 +15,12 @@ void DeviceMapping<T>::add_words(std::uint64_t* to, const std::uint64_t* now, st
   for (std::size_t k = 0; k < count; ++k) words_.host().push_back({to + k, now[k]});
 }
 
-/// Ends the flips of a stream.
+/// Ends the flips of a mask, or of solid cells alone.
 template <class T>
-void DeviceMapping<T>::end_flips(std::uint64_t* words) {
+void DeviceMapping<T>::end_flips(std::uint32_t mask) {
   const FlippedBits last = flipped_.size() == 0 ? FlippedBits{} : flipped_.host().back();
   const std::uint32_t first = last.first + last.count, count = std::uint32_t(flips_.size()) - first;
-  if (count > 0) flipped_.host().push_back({words, first, count});
+  if (count > 0) flipped_.host().push_back({mask, first, count});
 }
 
 namespace {
@@ -29,15 +29,20 @@ void add_bits(std::uint64_t bits, std::size_t bit, std::pmr::vector<std::uint32_
   for (; bits; bits &= bits - 1) to.push_back(std::uint32_t(bit) + std::uint32_t(std::countr_zero(bits)));
 }
 
-/// Adds the bits of a window that differ from those that the one before had in the same cells.
-void add_flips(const BitWindow& now, const BitWindow& before, std::pmr::vector<std::uint32_t>& to) {
+/// Adds the bits of a window that differ from those that the one before had in the same cells; flips these
+/// cells in `solid`.
+void add_flips(const BitWindow& now, const BitWindow& before, std::pmr::vector<std::uint32_t>& to,
+               CellBits& solid) {
   const BitFrame &f = now.frame(), &b = before.frame();
   for (int z = f.low.z; z < f.low.z + f.size.z; ++z)
     for (int y = f.low.y; y < f.low.y + f.size.y; ++y)
       for (int x = 0; x < f.pitch; x += 64) {
         const std::uint64_t common = shared_cells(b, {f.low.x + x, y, z}) & f.row_bits();
         const std::uint64_t was = common ? before.from({f.low.x + x, y, z}) & common : 0;
-        add_bits(now.row(x, y, z) ^ was, f.row(y, z) + std::size_t(x), to);
+        const std::uint64_t flipped = now.row(x, y, z) ^ was;
+        if (!flipped) continue;
+        add_bits(flipped, f.row(y, z) + std::size_t(x), to);
+        solid.flip(f.low.x + x, y, z, flipped);
       }
 }
 }  // namespace
@@ -51,10 +56,10 @@ void DeviceMapping<T>::begin(const BlockMap& map, lbm::WallScheme scheme) {
   const std::vector<std::uint64_t>& now = map.solid.all();
   if (solid_.size() != now.size()) {
     solid_.resize(now.size());
+    changed_ = CellBits(map.box.size);
     return add_words(solid_.data(), now.data(), now.size());
   }
-  for (std::size_t k = 0; k < now.size(); ++k) add_bits(now[k] ^ map.before.all()[k], 64 * k, flips_.host());
-  end_flips(solid_.data());
+  for (std::size_t k = 0; k < now.size(); ++k) changed_.all()[k] = now[k] ^ map.before.all()[k];
 }
 
 template <class T>
@@ -69,8 +74,8 @@ void DeviceMapping<T>::add_mask(SurfaceLinks<T>& surface, const BodyMask& mask, 
     if (is_known) moved_.host().push_back({before->frame(), frame, left_.back().data(), cells.data()});
   }
   if (is_known) {
-    add_flips(mask.bits, before->bits, flips_.host());
-    end_flips(cells.data());
+    add_flips(mask.bits, before->bits, flips_.host(), changed_);
+    end_flips(std::uint32_t(masks_.size()));
   } else {
     add_words(cells.data(), mask.bits.words(), words);
   }
@@ -85,6 +90,9 @@ void DeviceMapping<T>::add_mask(SurfaceLinks<T>& surface, const BodyMask& mask, 
 template <class T>
 void DeviceMapping<T>::count() {
   if (!has_links()) return;
+  for (std::size_t k = 0; k < changed_.all().size(); ++k)
+    add_bits(changed_.all()[k], 64 * k, flips_.host());
+  end_flips(FlippedBits::solid_alone);
   first_slab_.push_back(std::uint32_t(slabs_.size()));
   counts_.host().resize(slabs_.size());
   bits_ = {words_.send(),       words_.size(), moved_.send(),  moved_.size(),       flipped_.send(),

@@ -44,7 +44,7 @@ using KindCounts = std::array<std::uint32_t, link_kinds>;
 /// The bits of a surface on a device: the cells that it covers.
 struct MaskToMap {
   BitFrame frame;
-  const std::uint64_t* cells;
+  std::uint64_t* cells;
 };
 
 /// The planes of a mask, from `z` on, that the places of one group can reach.
@@ -115,10 +115,11 @@ struct GroupToMap {
 struct NewWord {
   std::uint64_t *at, bits;
 };
-/// A stream of bits some of which change: `flips` from `first` on are their indices.
+/// The cells of a mask some of which change, and with it the solid cells of the block; or the latter alone.
+/// `flips` from `first` on are indices of their bits.
 struct FlippedBits {
-  std::uint64_t* words;
-  std::uint32_t first, count;
+  static constexpr std::uint32_t solid_alone = ~0u;
+  std::uint32_t mask, first, count;
 };
 /// The cells of a surface move to another frame, with those that lie in both.
 struct MovedFrame {
@@ -145,8 +146,8 @@ struct BitsToMap {
   const MaskToMap* masks;
   const SlabToMap* slabs;
   std::size_t slab_count;
-  KindCounts* counts;          // per slab
-  const std::uint64_t* solid;  // CellBits of the block
+  KindCounts* counts;    // per slab
+  std::uint64_t* solid;  // CellBits of the block
   lbm::Int3 size;
   int solid_words;  // per row
   lbm::WallScheme scheme;
@@ -221,7 +222,7 @@ class DeviceMapping {
     left_.clear(), group_count_ = part_count_ = 0;
   }
   void add_words(std::uint64_t* to, const std::uint64_t* now, std::size_t count);
-  void end_flips(std::uint64_t* words);
+  void end_flips(std::uint32_t mask);
 
   Device device_;
   const BlockMap* map_ = nullptr;
@@ -246,6 +247,7 @@ class DeviceMapping {
   Mirror<MovedFrame> moved_{device_};
   Mirror<FlippedBits> flipped_{device_};
   Mirror<std::uint32_t> flips_{device_};
+  CellBits changed_;                              // solid cells that no mask's flips tell
   std::vector<DeviceArray<std::uint64_t>> left_;  // cells in frames of before
   Mirror<HostCopy> runs_{device_};
   Mirror<std::uint32_t> told_{device_};

@@ -37,12 +37,18 @@ struct MoveFrame {
 };
 
 struct FlipBits {
-  const FlippedBits* flipped;
-  const std::uint32_t* flips;
+  BitsToMap all;
   SILT_DEVICE void operator()(std::int64_t k, const Team& member) const {
-    const FlippedBits& of = flipped[k];
-    for (std::uint32_t n = std::uint32_t(member.lane); n < of.count; n += std::uint32_t(member.size))
-      flip_bit(of.words, flips[of.first + n]);
+    const FlippedBits& of = all.flipped[k];
+    for (std::uint32_t n = std::uint32_t(member.lane); n < of.count; n += std::uint32_t(member.size)) {
+      std::uint32_t bit = all.flips[of.first + n];
+      if (of.mask != FlippedBits::solid_alone) {
+        const MaskToMap& mask = all.masks[of.mask];
+        flip_bit(mask.cells, bit);
+        bit = std::uint32_t(CellBits::index(all.size, mask.frame.cell(bit), all.solid_words));
+      }
+      flip_bit(all.solid, bit);
+    }
   }
 };
 
@@ -147,7 +153,7 @@ struct CountSlab {
 void count_links(const BitsToMap& all) {
   for_each(std::int64_t(all.word_count), SetWords{all.words});
   for_teams(std::int64_t(all.moved_count), MoveFrame{all.moved});
-  for_teams(std::int64_t(all.flipped_count), FlipBits{all.flipped, all.flips});
+  for_teams(std::int64_t(all.flipped_count), FlipBits{all});
   for_teams(std::int64_t(all.slab_count), CountSlab{all});
 }
 
