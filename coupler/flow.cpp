@@ -194,10 +194,7 @@ class FlowOf final : public Flow {
       fluid_.set_side_velocity(side, {u[0], u[1], u[2]});
       sides_vary = true;
     }
-    for (std::size_t b = 0; sides_vary && b < links_.size(); ++b) {
-      if (!lbm::knows_opposite_wall(coupling_.wall_scheme)) break;
-      pair_gaps(b);
-    }
+    for (std::size_t b = 0; sides_vary && b < links_.size(); ++b) pair_gaps(b);
     if (!control_ && !drive_.over_time.varies()) return;
     const Vec3 given = drive_.over_time.at(time) * drive_.body_force;
     const Vec3 f = control_ ? control_->force(given) : given;
@@ -282,6 +279,7 @@ class FlowOf final : public Flow {
                        block.surfaces);
         block.order_groups(fluid_.pass_order(int(b)));
         pair_gaps(b);
+        block.leave_to_device();
         hold_excess(b);
         if (heat_) heat_->list_links(int(b), map, block);
       }
@@ -302,11 +300,10 @@ class FlowOf final : public Flow {
     fluid_.hold_excess(int(b), rows);
   }
 
+  /// A device pairs gaps itself.
   void pair_gaps(std::size_t b) {
-    BlockLinks<T>& block = links_[b];
-    if (lbm::knows_opposite_wall(coupling_.wall_scheme))
-      block.gaps.pair(block.surfaces, fluid_.domain(), map_.blocks()[b].box);
-    block.leave_to_device();
+    if (lbm::knows_opposite_wall(coupling_.wall_scheme) && fluid_.device() == Device::cpu)
+      links_[b].gaps.pair(links_[b].surfaces, fluid_.domain(), map_.blocks()[b].box);
   }
 
   void choose_pairs() {

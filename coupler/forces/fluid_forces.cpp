@@ -202,7 +202,7 @@ void FluidForces<T>::apply_rims(lbm::Fluid<T>& fluid, std::span<BlockLinks<T>> l
     links[b].for_groups(rim, 0, rim.size(), [&](auto& surface, const auto& group, const auto& next) {
       apply(fluid.blocks()[b], links[b], surface, group, next, false);
     });
-    links[b].apply_at_once(fluid.blocks()[b], spec_.force);
+    links[b].apply_at_once(fluid.blocks()[b], fluid.domain(), spec_.force);
     for (const SurfaceLinks<T>& surface : links[b].surfaces) {
       if (surface.sums.invalid)
         outcome_.out_of_range = std::min(outcome_.out_of_range, bodies_->id[surface.row]);

@@ -34,9 +34,8 @@ struct SurfaceLinks {
     MappedSurface<T> told{};               // the record as it was sent last
     explicit DeviceCopy(std::pmr::memory_resource* m = std::pmr::new_delete_resource())
         : cells(m), groups(m), parts(m), planes(m), record(m) {}
-  } device{};                               // the links in memory of a device
-  std::vector<std::uint32_t> gap_places{};  // of the links of `single_cell_gap`
-  lbm::ResistanceSums resistance{};         // of movable bodies; updated with the links
+  } device{};                        // the links in memory of a device
+  lbm::ResistanceSums resistance{};  // of movable bodies; updated with the links
   // in the current step:
   std::size_t row = 0;  // in the BodySet
   lbm::SurfaceMotion motion{};
@@ -55,8 +54,6 @@ class SingleCellGaps {
   /// Sets opposite_q and opposite_u of all links. Call once the motions of a step are set; the surfaces must
   /// be those that were paired.
   void set(std::vector<SurfaceLinks<T>>&) const;
-  /// Lets a device set them in each step.
-  void leave_to(lbm::DeviceLinks<T>&);
 
  private:
   struct Link : lbm::OppositeLink<T> {
@@ -133,13 +130,12 @@ struct BlockLinks {
   bool is_first_of_body(std::size_t surface) const {
     return surface == 0 || surfaces[surface - 1].row != surfaces[surface].row;
   }
-  /// Passes the links to the device, if any. Call after they were built or paired.
+  /// Passes the links to the device, if any. Call after they were built.
   void leave_to_device() {
     if (at_once.device() == Device::cpu) return;
     at_once.clear();
-    gaps.leave_to(at_once);
     for (std::size_t k = 0; k < surfaces.size(); ++k)
-      at_once.add(&surfaces[k].device.record.data()->links, surfaces[k].links.groups, !is_first_of_body(k));
+      at_once.add(&surfaces[k].device.record.data()->links, surfaces[k].links, !is_first_of_body(k));
   }
   /// Call once the motions of a step are set.
   void begin_step() {
@@ -148,8 +144,9 @@ struct BlockLinks {
       if (is_first_of_body(k))
         at_once.set_motion(at_once.body(k), surfaces[k].motion, surfaces[k].links.age);
   }
-  void apply_at_once(lbm::Block<T>& block, lbm::ForceForm form) {
-    if (at_once.size() > 0) at_once.apply(block, surfaces.front().links.fluid, slots, pairs_across, form);
+  void apply_at_once(lbm::Block<T>& block, const lbm::Domain& domain, lbm::ForceForm form) {
+    if (at_once.size() > 0)
+      at_once.apply(block, domain, surfaces.front().links.fluid, slots, pairs_across, form);
     for (std::size_t k = 0; k < at_once.size(); ++k)
       if (is_first_of_body(k)) surfaces[k].sums = at_once.sums(at_once.body(k));
   }

@@ -71,7 +71,6 @@ class LinkWriter {
     if (radius > 0) surface.resistance = lbm::resistance_of(links, exponent);
     if (!device_.has_links()) return;
     to_device(links.place, links.q, links.rate, links.across);
-    surface.gap_places = groups_.gap_places();
     tell_device(surface, {}, false);
   }
   /// Lets the device list and measure the links that it counts.

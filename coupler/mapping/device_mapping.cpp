@@ -129,12 +129,8 @@ void DeviceMapping<T>::add(SurfaceLinks<T>& surface, std::size_t n, const rigid:
                               first_slab_[n],
                               first_slab_[n + 1] - first_slab_[n],
                               group_count_,
-                              std::uint32_t(links.groups.size()),
-                              std::uint32_t(gaps_.size())});
+                              std::uint32_t(links.groups.size())});
   group_count_ += std::uint32_t(links.groups.size());
-  for (const lbm::LinkGroup& g : links.groups)
-    if (g.scheme == lbm::WallScheme::single_cell_gap && lbm::knows_opposite_wall(scheme_))
-      gaps_.host().resize(gaps_.size() + g.count);
   wanted_.push_back(&surface);
 }
 
@@ -171,13 +167,11 @@ template <class T>
 void DeviceMapping<T>::run() {
   if (!has_links()) return;
   resistance_.host().resize(surfaces_.size());
-  std::uint32_t* const gaps = gaps_.size() > 0 ? gaps_.make_room() : nullptr;
   lists_.clear(), lists_.resize(slabs_.size());
   groups_.clear(), groups_.resize(group_count_);
   turned_.clear(), turned_.resize(part_count_);
   const LinksToMap<T> pass{bits_,
                            lists_.data(),
-                           gaps,
                            lbm::PlacesAcross<lbm::D3Q19>(map_->box.size),
                            groups_.data(),
                            groups_.size(),
@@ -190,20 +184,10 @@ void DeviceMapping<T>::run() {
                            runs_.size(),
                            told_.send()};
   SILT_OFF_CPU(device_, map_links<T>)(pass);
-  resistance_.fetch(), gaps_.fetch();
+  resistance_.fetch();
   lbm::wait(device_);
-  const std::uint32_t* gap = gaps_.host().data();
-  for (std::size_t k = 0; k < wanted_.size(); ++k) {
-    SurfaceLinks<T>& surface = *wanted_[k];
-    if (surfaces_.host()[k].arm != 0) surface.resistance = resistance_.host()[k];
-    surface.gap_places.clear();
-    for (const lbm::LinkGroup& g : surface.links.groups)
-      if (g.scheme == lbm::WallScheme::single_cell_gap && lbm::knows_opposite_wall(scheme_)) {
-        surface.gap_places.insert(surface.gap_places.end(), gap, gap + g.count);
-        surface.gap_places.resize(lbm::padded(std::uint32_t(surface.gap_places.size())));
-        gap += g.count;
-      }
-  }
+  for (std::size_t k = 0; k < wanted_.size(); ++k)
+    if (surfaces_.host()[k].arm != 0) wanted_[k]->resistance = resistance_.host()[k];
 }
 
 template class DeviceMapping<float>;

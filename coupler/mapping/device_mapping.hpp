@@ -1,8 +1,8 @@
 #pragma once
 // Builds the links of a block's bodies by passes of a device (device/for_each.hpp): counts the links of each
 // kind from the bits of bodies, then lists them, and sets wall distances, their rates, and the resistance of
-// bodies with convex parts, one team per group of links. Only changed bits are sent to the device; only the
-// counts, and the places of links that use the opposite wall of their gap, come back.
+// bodies with convex parts, one team per group of links. Only changed bits and poses are sent to the device;
+// only the counts and the resistance come back.
 #include <array>
 #include <cstdint>
 #include <span>
@@ -82,11 +82,9 @@ struct LinkRoom {
   }
 };
 
-/// Where the links of a slab are listed: their first places by kind, the first indices of their pairs across,
-/// and the first place among those that return to the processor.
+/// Where the links of a slab are listed: their first places by kind, the first indices of their pairs across.
 struct SlabLists {
   std::uint32_t *place[link_kinds], *across;
-  std::uint32_t first_gap;
 };
 
 /// The orientation of a surface at one time, and the first of its turned parts.
@@ -104,7 +102,6 @@ struct SurfaceToMap {
   TurnedSurface now, last;
   std::uint32_t first_slab, slabs;
   std::uint32_t first_group, group_count;  // among all groups
-  std::uint32_t first_gap;                 // among links that know the wall on the other side
 };
 
 struct GroupToMap {
@@ -158,8 +155,7 @@ struct BitsToMap {
 template <class T>
 struct LinksToMap {
   BitsToMap bits;
-  SlabLists* lists;     // per slab
-  std::uint32_t* gaps;  // places of all links that know the wall on the other side
+  SlabLists* lists;  // per slab
   lbm::PlacesAcross<lbm::D3Q19> pairs;
   GroupToMap* groups;
   std::size_t group_count;
@@ -218,7 +214,7 @@ class DeviceMapping {
   TurnedSurface turned(const rigid::Turn&, int parts);
   void clear() {
     const auto all = [](auto&... lists) { (lists.host().clear(), ...); };
-    all(masks_, slabs_, counts_, gaps_, surfaces_, turns_, words_, moved_, flipped_, flips_, runs_, told_);
+    all(masks_, slabs_, counts_, surfaces_, turns_, words_, moved_, flipped_, flips_, runs_, told_);
     left_.clear(), group_count_ = part_count_ = 0;
   }
   void add_words(std::uint64_t* to, const std::uint64_t* now, std::size_t count);
@@ -236,7 +232,6 @@ class DeviceMapping {
   DeviceArray<SlabLists> lists_{memory_of(device_)};
   DeviceArray<GroupToMap> groups_{memory_of(device_)};
   std::uint32_t group_count_ = 0;
-  Mirror<std::uint32_t> gaps_{device_};
   std::vector<SurfaceLinks<T>*> wanted_;
   Mirror<SurfaceToMap<T>> surfaces_{device_};
   Mirror<lbm::ResistanceSums> resistance_{device_};

@@ -168,18 +168,15 @@ struct MakeGroups {
     links.frame = surface.frame, links.group_count = surface.group_count;
     LinkRoom room{all.bits.scheme};
     lbm::LinkGroup* to = links.groups;
-    std::uint32_t gap = surface.first_gap;
     for (std::uint32_t n = surface.first_slab; n < surface.first_slab + surface.slabs; ++n) {
       const lbm::Int3 corner = LinksOfSlab(all.bits, n).corner;
       SlabLists& lists = all.lists[n];
-      lists.first_gap = gap;
       for (int kind = 0; kind < link_kinds; ++kind) {
         const std::uint32_t count = all.bits.counts[n][kind];
         if (count == 0) continue;
         const lbm::LinkGroup group = room.group(LinkKind(kind), count, corner);
         lists.place[kind] = links.place + group.begin;
         if (group.across) lists.across = links.across + group.across_begin;
-        if (group.scheme == lbm::WallScheme::single_cell_gap) gap += count;
         *to++ = group;
       }
     }
@@ -206,7 +203,6 @@ struct ListSlab {
           lists.place[kind][to] = place;
           if (kind == int(LinkKind::across))
             lists.across[to] = all.pairs(links.corner + at, found.direction, found.c);
-          if (kind == int(LinkKind::single_cell) && all.gaps) all.gaps[lists.first_gap + to] = place;
         }
       }
     });

@@ -12,23 +12,17 @@
 namespace silt::lbm {
 
 template <class T>
-void SlotExchange<T>::clear() {
-  copied_.clear();
-  for (auto& [rank, peer] : peers_)
-    for (SlotList& list : peer.list) list.clear();
-}
-
-template <class T>
 bool SlotExchange<T>::is_direct(int rank) const {
   return device_ != Device::cpu && (rank == here_ || std::ranges::count(sharing_, rank) > 0);
 }
 
 template <class T>
-void SlotExchange<T>::clear_indirect() {
-  if (!is_direct(here_)) copied_.clear();
+void SlotExchange<T>::clear(bool keep_direct) {
+  const auto keeps = [&](int rank) { return keep_direct && is_direct(rank); };
+  if (!keeps(here_)) copied_.clear();
   for (auto& [rank, peer] : peers_)
-    for (SlotList& list : peer.list)
-      if (!is_direct(rank)) list.clear();
+    if (!keeps(rank))
+      for (SlotList& list : peer.list) list.clear();
 }
 
 /// Returns where to pack values that the other rank's device takes from there.

@@ -57,11 +57,10 @@ class SlotExchange {
   }
   /// Lets finish() send the message to this rank, since its slots are not written before start().
   void hold_back(int rank) { peer(rank).early = false; }
-  void clear();
   /// Returns whether values to or from a rank, maybe this one, go from device to device, past the processors.
   bool is_direct(int rank) const;
-  /// Clears the lists of values that are not direct.
-  void clear_indirect();
+  /// Clears the lists, or only those of values that are not direct.
+  void clear(bool keep_direct = false);
   /// Copies changed lists to the device; start() does so if this was not called.
   void send_lists();
 

@@ -77,7 +77,7 @@ class PairsAcross {
 template <class T, class Lattice>
 template <class Solid>
 void PairsAcross<T, Lattice>::choose(Solid&& solid) {
-  slots_.clear_indirect();
+  slots_.clear(true);
   for (const Line& line : lines_) {
     if (is_direct(line)) continue;
     const int axis = line.along_y ? 1 : 0;
