@@ -145,7 +145,8 @@ SILT_DEVICE inline void flip_bit(std::uint64_t* words, std::uint32_t bit) {
 /// Sets a word that is 0 to a value; returns what it was before. Other threads may do so simultaneously.
 SILT_DEVICE inline std::uint64_t set_if_zero(std::uint64_t& word, std::uint64_t value) {
 #if defined(__CUDA_ARCH__)
-  return atomicCAS(reinterpret_cast<unsigned long long*>(&word), 0ull, static_cast<unsigned long long>(value));
+  return atomicCAS(reinterpret_cast<unsigned long long*>(&word), 0ull,
+                   static_cast<unsigned long long>(value));
 #else
   const std::uint64_t before = word;
   if (before == 0) word = value;

@@ -271,21 +271,22 @@ template <class T>
 void FluidForces<T>::correct(lbm::Block<T>& block, BlockLinks<T>& links, const rigid::BodySet& bodies,
                              std::span<const double> corrections) {
   std::vector<typename BlockLinks<T>::Group> open;
-  std::vector<lbm::SurfaceIncrement> increments(links.at_once.bodies());
+  std::vector<lbm::SurfaceIncrement> increments;
+  links.for_bodies([&](std::uint32_t body, std::size_t k) {
+    const double* const d = corrections.data() + links.surfaces[k].row * 6;
+    if (bodies.is_dynamic(links.surfaces[k].row) && std::any_of(d, d + 6, [](double x) { return x != 0; }))
+      increments.push_back({{d[0], d[1], d[2]}, {d[3], d[4], d[5]}, body});
+  });
+  links.at_once.correct(block, increments);
+  if (links.at_once.size() > 0) return;
   for (std::uint32_t k = 0; k < links.surfaces.size(); ++k) {
     SurfaceLinks<T>& surface = links.surfaces[k];
     if (surface.finished || !bodies.is_dynamic(surface.row)) continue;
     const double* const d = corrections.data() + surface.row * 6;
-    if (k < links.at_once.size()) {
-      lbm::SurfaceIncrement& increment = increments[links.at_once.body(k)];
-      std::copy_n(d, 3, increment.v), std::copy_n(d + 3, 3, increment.omega);
-      continue;
-    }
     set_motion(surface.motion, Vec3(d[0], d[1], d[2]), Vec3(d[3], d[4], d[5]));
     if (!is_at_rest(surface.motion))
       for (std::uint32_t g = 0; g < surface.links.groups.size(); ++g) open.push_back({k, g});
   }
-  links.at_once.correct(block, increments);
   lbm::ListedLinks listed;
   links.for_groups(open, 0, open.size(), [&](const auto& surface, const auto& group, const auto& next) {
     lbm::correct_cut_links<T>({block, links.slots, surface.links, group, next, nullptr, &listed, true},

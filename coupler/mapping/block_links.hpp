@@ -127,28 +127,34 @@ struct BlockLinks {
           visit(surfaces[order[k].surface], group_of(order[k]), next);
         });
   }
-  bool is_first_of_body(std::size_t surface) const {
-    return surface == 0 || surfaces[surface - 1].row != surfaces[surface].row;
-  }
   /// Passes the links to the device, if any. Call after they were built.
   void leave_to_device() {
     if (at_once.device() == Device::cpu) return;
     at_once.clear();
-    for (std::size_t k = 0; k < surfaces.size(); ++k)
-      at_once.add(&surfaces[k].device.record.data()->links, surfaces[k].links, !is_first_of_body(k));
+    for (std::size_t k = 0; k < surfaces.size(); ++k) {
+      auto& record = surfaces[k].device.record;
+      at_once.add(record.empty() ? nullptr : &record.data()->links, surfaces[k].links,
+                  k > 0 && surfaces[k - 1].row == surfaces[k].row);
+    }
+  }
+  /// Calls visit(number, first surface with links) for each body of a device.
+  template <class Visit>
+  void for_bodies(Visit&& visit) const {
+    std::uint32_t next = 0;
+    for (std::size_t k = 0; k < at_once.size(); ++k)
+      if (at_once.body(k) == next) visit(next++, k);
   }
   /// Call once the motions of a step are set.
   void begin_step() {
     gaps.set(surfaces);
-    for (std::size_t k = 0; k < at_once.size(); ++k)
-      if (is_first_of_body(k))
-        at_once.set_motion(at_once.body(k), surfaces[k].motion, surfaces[k].links.age);
+    for_bodies([&](std::uint32_t body, std::size_t k) {
+      at_once.set_motion(body, surfaces[k].motion, surfaces[k].links.age);
+    });
   }
   void apply_at_once(lbm::Block<T>& block, const lbm::Domain& domain, lbm::ForceForm form) {
     if (at_once.size() > 0)
       at_once.apply(block, domain, surfaces.front().links.fluid, slots, pairs_across, form);
-    for (std::size_t k = 0; k < at_once.size(); ++k)
-      if (is_first_of_body(k)) surfaces[k].sums = at_once.sums(at_once.body(k));
+    for_bodies([&](std::uint32_t body, std::size_t k) { surfaces[k].sums = at_once.sums(body); });
   }
   /// Sets inner, first_inner, rim and count. Call after links were built.
   void order_groups(const lbm::PassOrder& sweep) {

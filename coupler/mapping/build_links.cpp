@@ -87,6 +87,10 @@ class LinkWriter {
       });
       if (surface_.has_crossings()) crossing_groups(frame);
       groups_.end_for_device(device_);
+      if (surface->links.groups.empty()) {  // it is near the block
+        surface->links.rate.clear(), surface->resistance = {};
+        continue;
+      }
       surface->device.groups.clear(), surface->device.groups.resize(surface->links.groups.size());
       surface_.leave_to_device(*surface, n, mask->pose.orientation, *mapped,
                                radius > 0 ? T(std::ldexp(1.0, -lbm::resistance_exponent(radius))) : T(0));
@@ -107,6 +111,7 @@ class LinkWriter {
   /// Sends what the device has to know of a surface, and of its groups those that the device does not make.
   void tell_device(SurfaceLinks<T>& surface, const rigid::ShapeView<T>& shape, bool lists) {
     const auto& groups = surface.links.groups;
+    if (groups.empty()) return;
     const auto first = std::find_if(groups.begin(), groups.end(),
                                     [&](const lbm::LinkGroup& g) { return !lists || g.crossing; });
     DeviceArray<lbm::LinkGroup>& copies = surface.device.groups;

@@ -90,8 +90,7 @@ void DeviceMapping<T>::add_mask(SurfaceLinks<T>& surface, const BodyMask& mask, 
 template <class T>
 void DeviceMapping<T>::count() {
   if (!has_links()) return;
-  for (std::size_t k = 0; k < changed_.all().size(); ++k)
-    add_bits(changed_.all()[k], 64 * k, flips_.host());
+  for (std::size_t k = 0; k < changed_.all().size(); ++k) add_bits(changed_.all()[k], 64 * k, flips_.host());
   end_flips(FlippedBits::solid_alone);
   first_slab_.push_back(std::uint32_t(slabs_.size()));
   counts_.host().resize(slabs_.size());

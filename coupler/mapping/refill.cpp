@@ -194,10 +194,9 @@ void TurnedCells<T>::refill(lbm::Fluid<T>& fluid, const std::vector<BlockMap>& m
                                    near_.device()};
   momenta_.send();
   for (const Range& range : ranges_)
-    if (range.sign < 0)
-      SILT_ON(fluid.device(), refill_cells<T>)
-      ({in_block(fluid, range), range.first - std::uint32_t(changed.covered.size()), momenta_.device(),
-        elsewhere, force});
+    if (range.sign < 0) SILT_ON(fluid.device(), refill_cells<T>)
+  ({in_block(fluid, range), range.first - std::uint32_t(changed.covered.size()), momenta_.device(), elsewhere,
+    force});
   lbm::wait(fluid.device());
 }
 

@@ -37,8 +37,8 @@ struct MassShares {
   std::vector<std::int64_t> masses;
 };
 
-/// What happens to the cells of this rank that a mapping has changed: passes list them once, as offsets in their
-/// block. The processor handles what crosses faces of blocks.
+/// What happens to the cells of this rank that a mapping has changed: passes list them once, as offsets in
+/// their block. The processor handles what crosses faces of blocks.
 template <class T>
 class TurnedCells {
  public:
@@ -54,14 +54,14 @@ class TurnedCells {
         left_(device) {}
 
   /// Sets uncovered cells to the mean density of their neighbours, the body's velocity at the cell, and the
-  /// mean non-equilibrium flux of momentum, g_i = g_i^eq + 9/2 w_i (c.Pi.c - tr Pi/3). Cells of a removed body
-  /// take its velocity, cells without a fluid neighbour the reference density. Collective over ranks of
+  /// mean non-equilibrium flux of momentum, g_i = g_i^eq + 9/2 w_i (c.Pi.c - tr Pi/3). Cells of a removed
+  /// body take its velocity, cells without a fluid neighbour the reference density. Collective over ranks of
   /// neighbouring blocks.
   void refill(lbm::Fluid<T>&, const std::vector<BlockMap>&, const ChangedCells&, const rigid::BodySet&,
               const rigid::BodySet& gone);
-  /// Weighs the mass that cells pass on: a covered cell gives its density deviation to the fluid around it, and
-  /// an uncovered cell takes it from there (method.md, equations 46 and 47), so that moving bodies conserve
-  /// mass with any sides. Call after refill(), before covered cells change. Returns the mass, in
+  /// Weighs the mass that cells pass on: a covered cell gives its density deviation to the fluid around it,
+  /// and an uncovered cell takes it from there (method.md, equations 46 and 47), so that moving bodies
+  /// conserve mass with any sides. Call after refill(), before covered cells change. Returns the mass, in
   /// lbm::mass_quantum, of cells without a fluid neighbour. Collective over neighbour ranks.
   rigid::FixedSum weigh(lbm::Fluid<T>&, const std::vector<BlockMap>&, const ChangedCells&);
   /// Gives the masses to the neighbours, once: after the collision, since their sum with an older excess

@@ -21,8 +21,8 @@ struct WeighCells {
     const auto& [offset, neighbours] = all.of.cells[k];
     all.masses[k] = 0;
     if (neighbours & ChangedCell::at_face) return;
-    all.masses[k] = all.sign * std::llrint(all.of.block.moments_at(offset).density_deviation /
-                                           lbm::excess_quantum<T>);
+    all.masses[k] =
+        all.sign * std::llrint(all.of.block.moments_at(offset).density_deviation / lbm::excess_quantum<T>);
     if (neighbours == 0) add_to(*all.left, all.masses[k]);
   }
 };

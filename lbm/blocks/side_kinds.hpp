@@ -28,7 +28,8 @@ struct SideCondition {
   }
 };
 
-/// Returns the bouncing sides of a box of `cells` behind which a cell lies, per axis: -1 (low), 1 (high) or 0.
+/// Returns the bouncing sides of a box of `cells` behind which a cell lies, per axis: -1 (low), 1 (high) or
+/// 0.
 SILT_DEVICE inline Int3 walls_met(const std::array<SideCondition, 6>& sides, Int3 cells, Int3 x) {
   Int3 walls{0, 0, 0};
   for (int d = 0; d < 3; ++d) {

@@ -15,8 +15,11 @@ void DeviceLinks<T>::clear() {
 
 template <class T>
 void DeviceLinks<T>::add(const DeviceSurface<T>* surface, const CutLinks<T>& links, bool same_body) {
-  if (!same_body) steps_.host().emplace_back();
-  surfaces_.host().push_back({surface, group_count_, std::uint32_t(steps_.size() - 1)});
+  constexpr std::uint32_t no_body = ListedSurface<T>::no_body;
+  if (!same_body) body_ = no_body;
+  if (body_ == no_body && !links.groups.empty())
+    body_ = std::uint32_t(steps_.size()), steps_.host().emplace_back();
+  surfaces_.host().push_back({surface, group_count_, links.groups.empty() ? no_body : body_});
   group_count_ += std::uint32_t(links.groups.size()), gap_links_ += links.opposite_q.size();
   for (const LinkGroup& group : links.groups) has_crossings_ |= group.crossing;
 }
@@ -36,7 +39,7 @@ LinkPass<T> DeviceLinks<T>::pass_over(Block<T>& block) {
           {},
           surfaces_.device(),
           steps_.device(),
-          increments_.device(),
+          {increments_.device(), increments_.size()},
           sums_.device(),
           nullptr,
           false};
@@ -63,7 +66,7 @@ void DeviceLinks<T>::list_groups(const LinkPass<T>& pass) {
 
 template <class T>
 LinesInGaps DeviceLinks<T>::table() {
-  return {lines_.data(), std::bit_width(lines_.size()) - 1};
+  return {lines_.data(), int(std::bit_width(lines_.size())) - 1};
 }
 
 /// Sends the slots unless the device has them from an earlier step.
@@ -98,8 +101,7 @@ void DeviceLinks<T>::apply(Block<T>& block, const Domain& domain, const WallFlui
 
 template <class T>
 void DeviceLinks<T>::correct(Block<T>& block, std::span<const SurfaceIncrement> increments) {
-  if (std::ranges::all_of(increments, [](const SurfaceIncrement& i) { return i == SurfaceIncrement{}; }))
-    return;
+  if (increments.empty()) return;
   increments_.host().assign(increments.begin(), increments.end()), increments_.send();
   passes().correct(groups_, pass_over(block));
   wait(device_);

@@ -38,6 +38,7 @@ DeviceSurface<T> device_surface(CutLinks<T>& links, LinkGroup* groups) {
 /// A surface of the block. Those of one body, with one number `body`, follow one another.
 template <class T>
 struct ListedSurface {
+  static constexpr std::uint32_t no_body = ~0u;  // of a surface without links
   const DeviceSurface<T>* record;
   std::uint32_t first_group, body;  // the former among the groups of all surfaces
 };
@@ -48,10 +49,10 @@ struct SurfaceStep {
   SurfaceMotion motion;
   T age;
 };
-/// The increment of a surface's velocity in a correction; all zero: its links are left as they are.
+/// The increment of a body's velocity in a correction.
 struct SurfaceIncrement {
   double v[3] = {}, omega[3] = {};
-  bool operator==(const SurfaceIncrement&) const = default;
+  std::uint32_t body = 0;
 };
 
 struct GroupOfSurface {
@@ -139,7 +140,8 @@ class DeviceLinks {
 
   /// Removes all surfaces. Those added next must stay in memory_of the device.
   void clear();
-  /// Adds a surface of the same body as the one before, or of another one.
+  /// Adds a surface of the same body as the one before, or of another one; only bodies with links have a
+  /// number.
   void add(const DeviceSurface<T>*, const CutLinks<T>&, bool same_body);
   std::size_t size() const { return surfaces_.size(); }  // number of surfaces
   std::size_t bodies() const { return steps_.size(); }
@@ -154,8 +156,8 @@ class DeviceLinks {
              const BeyondPair<T>* pairs_across, ForceForm);
   const LinkSums& sums(std::uint32_t body) const { return sums_.host()[body]; }
 
-  /// Corrects the populations that surfaces returned, for an increment of the velocity of each body; after
-  /// apply().
+  /// Corrects the populations that surfaces of some bodies, in order, returned for an increment of their
+  /// velocity; after apply().
   void correct(Block<T>&, std::span<const SurfaceIncrement>);
 
  private:
@@ -172,7 +174,7 @@ class DeviceLinks {
   Mirror<SurfaceIncrement> increments_{device_};
   Mirror<LinkSums> sums_{device_};
   DeviceArray<GroupOfSurface> groups_{memory_of(device_)};  // of all surfaces
-  std::uint32_t group_count_ = 0;
+  std::uint32_t group_count_ = 0, body_ = 0;                // of all surfaces; of the one added last
   bool is_listed_ = false, has_crossings_ = false;
   std::size_t gap_links_ = 0;  // at most, of those that know the wall on the other side
   DeviceArray<LineInGap> lines_{memory_of(device_)};
@@ -189,8 +191,8 @@ struct LinkPass {
   const LinkSlots* slots;
   WallFluid<T> fluid;
   const ListedSurface<T>* surfaces;
-  const SurfaceStep<T>* steps;         // this and the following: of the bodies
-  const SurfaceIncrement* increments;  // of a correction
+  const SurfaceStep<T>* steps;                   // this and the following: of the bodies
+  std::span<const SurfaceIncrement> increments;  // of a correction
   LinkSums* sums;
   const BeyondPair<T>* pairs_across;
   bool galilean;

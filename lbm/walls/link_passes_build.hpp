@@ -138,6 +138,7 @@ struct ListGroups {
   const ListedSurface<T>* surfaces;
   GroupOfSurface* groups;
   SILT_DEVICE void operator()(std::int64_t k, const Team& member) const {
+    if (surfaces[k].body == ListedSurface<T>::no_body) return;
     const std::uint32_t count = surfaces[k].record->group_count;
     for (auto n = std::uint32_t(member.lane); n < count; n += std::uint32_t(member.size))
       groups[surfaces[k].first_group + n] = {std::uint32_t(k), n};
@@ -164,10 +165,14 @@ struct CorrectLinks {
   LinkPass<T> pass;
   const GroupOfSurface* groups;
   SILT_DEVICE void operator()(std::int64_t k, const Team& member) const {
-    const SurfaceIncrement& increment = pass.increments[pass.surfaces[groups[k].surface].body];
-    bool is_zero = true;
-    for (int d = 0; d < 3; ++d) is_zero &= increment.v[d] == 0 && increment.omega[d] == 0;
-    if (!is_zero) correct_group(LinksOfGroup<T>(pass, groups[k]), increment, member);
+    const std::uint32_t body = pass.surfaces[groups[k].surface].body;
+    std::size_t first = 0, end = pass.increments.size();
+    while (end - first > 1) {
+      const std::size_t middle = (first + end) / 2;
+      (pass.increments[middle].body <= body ? first : end) = middle;
+    }
+    if (pass.increments[first].body == body)
+      correct_group(LinksOfGroup<T>(pass, groups[k]), pass.increments[first], member);
   }
 };
 
@@ -203,7 +208,8 @@ struct PairGaps {
       const std::size_t last = (std::size_t{1} << table.log_size) - 1;
       std::size_t at = first_place(key, table.log_size);
       for (;; at = (at + 1) & last)
-        if (const std::uint64_t found = set_if_zero(table.lines[at].key, key); found == 0 || found == key) break;
+        if (const std::uint64_t found = set_if_zero(table.lines[at].key, key); found == 0 || found == key)
+          break;
       LineInGap& line = table.lines[at];
       line.surface[(i - 1) & 1] = groups[k].surface + 1, line.number[(i - 1) & 1] = links.group.begin + l;
     });
@@ -256,7 +262,8 @@ void pair_gaps(std::span<const GroupOfSurface> groups, const LinkPass<T>& pass, 
   for_teams(std::int64_t(groups.size()), PairGaps<T>{pass, groups.data(), table});
 }
 template <class T>
-void set_opposites(std::span<const GroupOfSurface> groups, const LinkPass<T>& pass, const OppositesToSet& all) {
+void set_opposites(std::span<const GroupOfSurface> groups, const LinkPass<T>& pass,
+                   const OppositesToSet& all) {
   for_teams(std::int64_t(groups.size()), SetOpposites<T>{pass, groups.data(), all});
 }
 template <class T, bool crossing>
@@ -270,9 +277,8 @@ void correct_links(std::span<const GroupOfSurface> groups, const LinkPass<T>& pa
 
 template <class T>
 const LinkPasses<T>& link_passes() {
-  static constexpr LinkPasses<T> passes = {list_groups<T>,        pair_gaps<T>,
-                                           set_opposites<T>,      apply_links<T, false>,
-                                           apply_links<T, true>, correct_links<T>};
+  static constexpr LinkPasses<T> passes = {list_groups<T>,        pair_gaps<T>,         set_opposites<T>,
+                                           apply_links<T, false>, apply_links<T, true>, correct_links<T>};
   return passes;
 }
 template const LinkPasses<float>& link_passes();

@@ -85,6 +85,7 @@ PairsAcross<T, Lattice>::PairsAcross(const Domain& domain, MPI_Comm comm, std::s
   for (auto& of_block : pairs_) targets_.host().push_back(reinterpret_cast<T*>(of_block.data()));
   targets_.send();
   for (const Line& line : lines_) add(line, 0, line.length);
+  slots_.send_lists();
 }
 
 template <class T, class Lattice>
@@ -105,8 +106,7 @@ void PairsAcross<T, Lattice>::exchange(std::span<const Block> blocks, Parity par
       all[source<Lattice>(b, i) + 1] = blocks[b].data() + blocks[b].arriving(i, parity);
     }
   Mirror<const T*>& sources = sources_[parity == Parity::settled];
-  if (!std::ranges::equal(all, sources.host()))
-    sources.host().assign(all.begin(), all.end()), sources.send();
+  if (!std::ranges::equal(all, sources.host())) sources.host().assign(all.begin(), all.end()), sources.send();
   slots_.start({sources.device(), sources.size()});
   slots_.finish({sources.device(), sources.size()}, {targets_.device(), targets_.size()});
 }

@@ -171,7 +171,7 @@ Outcome<T> by_passes(const LinkPasses<T>& passes, CutLinks<T> links, const std::
                          links.fluid,
                          &listed,
                          &step,
-                         &increment,
+                         {&increment, 1},
                          &sums,
                          pairs.data(),
                          true};
