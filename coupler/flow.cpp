@@ -125,7 +125,7 @@ class FlowOf final : public Flow {
     fluid_.end_pass();
   }
   void communicate() override {
-    passed_.give(fluid_);
+    turned_.give(fluid_);
     fluid_.exchange();
     levels_.end_step();
     if (pairs_) pairs_->exchange(fluid_.blocks(), fluid_.parity());
@@ -192,10 +192,7 @@ class FlowOf final : public Flow {
       fluid_.set_side_velocity(side, {u[0], u[1], u[2]});
       sides_vary = true;
     }
-    for (std::size_t b = 0; sides_vary && b < links_.size(); ++b) {
-      if (!lbm::knows_opposite_wall(coupling_.wall_scheme)) break;
-      pair_gaps(b);
-    }
+    for (std::size_t b = 0; sides_vary && b < links_.size(); ++b) pair_gaps(b);
     if (!control_ && !drive_.over_time.varies()) return;
     const Vec3 given = drive_.over_time.at(time) * drive_.body_force;
     const Vec3 f = control_ ? control_->force(given) : given;
@@ -225,10 +222,10 @@ class FlowOf final : public Flow {
   void remap(const rigid::BodySet& bodies, const BodyChanges& changes) {
     const ChangedCells cells = changed_cells(map_.blocks());
     take_cells(+1, cells.covered, bodies, changes);
-    refill(fluid_, map_.blocks(), cells, bodies, changes.gone, uncovered_);
+    turned_.refill(fluid_, map_.blocks(), cells, bodies, changes.gone);
     if (heat_) heat_->change_cells(map_.blocks(), cells, bodies);
     take_cells(-1, cells.uncovered, bodies, changes);
-    account_.take_mass(passed_.weigh(fluid_, map_.blocks(), cells));
+    account_.take_mass(turned_.weigh(fluid_, map_.blocks(), cells));
     counts_.covered = cells.covered.size(), counts_.uncovered = cells.uncovered.size();
     rebuild_links(bodies);
   }
@@ -280,13 +277,14 @@ class FlowOf final : public Flow {
                        block.surfaces);
         block.order_groups(fluid_.pass_order(int(b)));
         pair_gaps(b);
+        block.leave_to_device();
         hold_excess(b);
         if (heat_) heat_->list_links(int(b), map, block);
       }
       counts_.links += block.count;
     }
     if (heat_) heat_->find_pockets(map_.blocks(), bodies);
-    if (pairs_) choose_pairs();
+    if (pairs_ && pairs_->chooses()) choose_pairs();
   }
 
   void hold_excess(std::size_t b) {
@@ -300,11 +298,10 @@ class FlowOf final : public Flow {
     fluid_.hold_excess(int(b), rows);
   }
 
+  /// A device pairs gaps itself.
   void pair_gaps(std::size_t b) {
-    BlockLinks<T>& block = links_[b];
-    if (lbm::knows_opposite_wall(coupling_.wall_scheme))
-      block.gaps.pair(block.surfaces, fluid_.domain(), map_.blocks()[b].box);
-    block.leave_to_device();
+    if (lbm::knows_opposite_wall(coupling_.wall_scheme) && fluid_.device() == Device::cpu)
+      links_[b].gaps.pair(links_[b].surfaces, fluid_.domain(), map_.blocks()[b].box);
   }
 
   void choose_pairs() {
@@ -328,8 +325,7 @@ class FlowOf final : public Flow {
   std::vector<BlockLinks<T>> links_;
   std::vector<DeviceMapping<T>> mappings_;  // per block
   MeshDistances meshes_{map_.meshes()};
-  UncoveredCells<T> uncovered_{fluid_.device()};
-  PassedMass<T> passed_{fluid_.device()};     // of the current step
+  TurnedCells<T> turned_{fluid_.device()};    // of the last mapping
   std::optional<lbm::PairsAcross<T>> pairs_;  // for schemes that read beyond
   std::vector<SideColumns> columns_;          // per block, for pairs_
   bool pushes_bodies_;

@@ -142,6 +142,17 @@ SILT_DEVICE inline void flip_bit(std::uint64_t* words, std::uint32_t bit) {
   words[bit >> 6] ^= of_word;
 #endif
 }
+/// Sets a word that is 0 to a value; returns what it was before. Other threads may do so simultaneously.
+SILT_DEVICE inline std::uint64_t set_if_zero(std::uint64_t& word, std::uint64_t value) {
+#if defined(__CUDA_ARCH__)
+  return atomicCAS(reinterpret_cast<unsigned long long*>(&word), 0ull,
+                   static_cast<unsigned long long>(value));
+#else
+  const std::uint64_t before = word;
+  if (before == 0) word = value;
+  return before;
+#endif
+}
 /// Increments a count and returns its previous value.
 SILT_DEVICE inline unsigned next_of(unsigned* count) {
 #if defined(__CUDA_ARCH__)
@@ -201,6 +212,11 @@ void add_to(Whole& sum, Whole term) {
 }
 inline void flip_bit(std::uint64_t* words, std::uint32_t bit) {
   words[bit >> 6] ^= std::uint64_t{1} << (bit & 63);
+}
+inline std::uint64_t set_if_zero(std::uint64_t& word, std::uint64_t value) {
+  const std::uint64_t before = word;
+  if (before == 0) word = value;
+  return before;
 }
 inline unsigned next_of(unsigned* count) {
   return (*count)++;

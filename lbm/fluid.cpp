@@ -249,21 +249,19 @@ Moments Fluid<T>::moments(int b, Int3 x) const {
 }
 
 template <class T>
-void Fluid<T>::list_blocks(CellLists<T>& lists) {
-  lists.blocks.host().resize(blocks_.size());
-  for (std::size_t b = 0; b < blocks_.size(); ++b) {
-    auto& listed = lists.blocks.host()[b];
-    listed.data = blocks_[b].data(), listed.excess = blocks_[b].excess();
-    listed.stress_share = blocks_[b].stress_share();
-    for (int i = 0; i < D3Q19::directions; ++i)
-      listed.arriving[i] = blocks_[b].arriving(i, parity_), listed.step[i] = blocks_[b].step(i);
-  }
-  lists.blocks.send();
+typename ListedCells<T>::Block Fluid<T>::listed_block(int b) {
+  Block<T>& block = blocks_[b];
+  typename ListedCells<T>::Block listed{{}, {}, block.data(), block.excess(), block.stress_share()};
+  for (int i = 0; i < D3Q19::directions; ++i)
+    listed.arriving[i] = block.arriving(i, parity_), listed.step[i] = block.step(i);
+  return listed;
 }
 
 template <class T>
 ListedCells<T> Fluid<T>::listed(std::span<const LocalCell> cells, CellLists<T>& lists) {
-  list_blocks(lists);
+  lists.blocks.host().clear();
+  for (int b = 0; b < int(blocks_.size()); ++b) lists.blocks.host().push_back(listed_block(b));
+  lists.blocks.send();
   lists.cells.host().resize(cells.size());
   for (std::size_t k = 0; k < cells.size(); ++k)
     lists.cells.host()[k] = {std::uint32_t(blocks_[cells[k].block].cell(cells[k].cell)),

@@ -149,8 +149,8 @@ class Fluid {
   void give_masses(std::span<const LocalCell>, std::span<const std::int64_t>);
   /// Returns single cells as passes address them, in these lists.
   ListedCells<T> listed(std::span<const LocalCell>, CellLists<T>&);
-  /// Updates the lists of blocks after a change of their parity or excess.
-  void list_blocks(CellLists<T>&);
+  /// Returns a block as passes over its cells see it, until its parity or excess changes.
+  typename ListedCells<T>::Block listed_block(int b);
   void moments(int b, const CellBox&, MomentArrays&) const;
   /// Return the totals of rows of cells; for many rows, in memory that the device reaches.
   CellTotals totals(int b, const LocalRows&) const;

@@ -107,8 +107,7 @@ void FluidForces<T>::begin(const lbm::Fluid<T>& fluid, std::span<const BlockMap>
       SurfaceLinks<T>& surface = links[b].surfaces[k];
       surface.row = masks[k].row, surface.sums = {}, surface.finished = false;
       surface.left = std::uint32_t(surface.links.groups.size());
-      if (!surface.links.rate.empty())
-        surface.links.age = T(double(fluid.passes()) - coupling_of(bodies, surface.row).mapped.middle());
+      surface.links.age = T(double(fluid.passes()) - coupling_of(bodies, surface.row).mapped.middle());
       const Vec6 motion = motion_of_links(bodies, surface.row);
       set_motion(surface.motion, motion.head<3>(), motion.tail<3>());
       surface.motion.mass_by_link = coupling_of(bodies, surface.row).mass_owed.by_each_link;
@@ -203,7 +202,7 @@ void FluidForces<T>::apply_rims(lbm::Fluid<T>& fluid, std::span<BlockLinks<T>> l
     links[b].for_groups(rim, 0, rim.size(), [&](auto& surface, const auto& group, const auto& next) {
       apply(fluid.blocks()[b], links[b], surface, group, next, false);
     });
-    links[b].apply_at_once(fluid.blocks()[b], spec_.force);
+    links[b].apply_at_once(fluid.blocks()[b], fluid.domain(), spec_.force);
     for (const SurfaceLinks<T>& surface : links[b].surfaces) {
       if (surface.sums.invalid)
         outcome_.out_of_range = std::min(outcome_.out_of_range, bodies_->id[surface.row]);
@@ -272,20 +271,22 @@ template <class T>
 void FluidForces<T>::correct(lbm::Block<T>& block, BlockLinks<T>& links, const rigid::BodySet& bodies,
                              std::span<const double> corrections) {
   std::vector<typename BlockLinks<T>::Group> open;
-  std::vector<lbm::SurfaceIncrement> increments(links.at_once.size());
+  std::vector<lbm::SurfaceIncrement> increments;
+  links.for_bodies([&](std::uint32_t body, std::size_t k) {
+    const double* const d = corrections.data() + links.surfaces[k].row * 6;
+    if (bodies.is_dynamic(links.surfaces[k].row) && std::any_of(d, d + 6, [](double x) { return x != 0; }))
+      increments.push_back({{d[0], d[1], d[2]}, {d[3], d[4], d[5]}, body});
+  });
+  links.at_once.correct(block, increments);
+  if (links.at_once.size() > 0) return;
   for (std::uint32_t k = 0; k < links.surfaces.size(); ++k) {
     SurfaceLinks<T>& surface = links.surfaces[k];
     if (surface.finished || !bodies.is_dynamic(surface.row)) continue;
     const double* const d = corrections.data() + surface.row * 6;
-    if (k < increments.size()) {
-      std::copy_n(d, 3, increments[k].v), std::copy_n(d + 3, 3, increments[k].omega);
-      continue;
-    }
     set_motion(surface.motion, Vec3(d[0], d[1], d[2]), Vec3(d[3], d[4], d[5]));
     if (!is_at_rest(surface.motion))
       for (std::uint32_t g = 0; g < surface.links.groups.size(); ++g) open.push_back({k, g});
   }
-  links.at_once.correct(block, increments);
   lbm::ListedLinks listed;
   links.for_groups(open, 0, open.size(), [&](const auto& surface, const auto& group, const auto& next) {
     lbm::correct_cut_links<T>({block, links.slots, surface.links, group, next, nullptr, &listed, true},

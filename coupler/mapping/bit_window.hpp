@@ -30,6 +30,11 @@ struct BitFrame {
   SILT_DEVICE std::size_t row(int y, int z) const {
     return std::size_t(z - low.z) * plane * 64 + std::size_t(y - low.y) * pitch;
   }
+  /// Returns the cell of a bit, block coordinates.
+  SILT_DEVICE lbm::Int3 cell(std::uint32_t bit) const {
+    const int in_plane = int(bit % (unsigned(plane) * 64));
+    return low + lbm::Int3{in_plane % pitch, in_plane / pitch, int(bit / (unsigned(plane) * 64))};
+  }
   bool contains(lbm::Int3 c) const {
     return c.x >= low.x && c.x < low.x + size.x && c.y >= low.y && c.y < low.y + size.y && c.z >= low.z &&
            c.z < low.z + size.z;

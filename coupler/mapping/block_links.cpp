@@ -8,21 +8,6 @@ namespace silt::coupler {
 
 using lbm::Int3;
 
-namespace {
-
-/// Returns a key common to the two links of a pair and unique in blocks below 2^18 cells per edge; cells may
-/// lie outside the block.
-std::uint64_t key_of(Int3 cell, int direction) {
-  const auto part = [](int x) {
-    const int shifted = x + (1 << 18);
-    return std::uint64_t(shifted);
-  };
-  const int pair = (direction - 1) / 2;  // opposites are neighbours
-  return ((part(cell.z) << 19 | part(cell.y)) << 19 | part(cell.x)) << 4 | std::uint64_t(pair);
-}
-
-}  // namespace
-
 template <class T>
 void SingleCellGaps<T>::pair(const std::vector<SurfaceLinks<T>>& surfaces, const lbm::Domain& domain,
                              const lbm::CellBox& box) {
@@ -32,8 +17,7 @@ void SingleCellGaps<T>::pair(const std::vector<SurfaceLinks<T>>& surfaces, const
     for (std::uint32_t number = 0; number < surface.links.groups.size(); ++number) {
       const lbm::LinkGroup& g = surface.links.groups[number];
       if (g.scheme != lbm::WallScheme::single_cell_gap) continue;
-      const std::uint32_t* const place =
-          surface.gap_places.empty() ? &surface.links.place[g.begin] : &surface.gap_places[g.opposite];
+      const std::uint32_t* const place = &surface.links.place[g.begin];
       groups_.push_back({k, number, g.opposite, g.count});
       for (std::uint32_t l = 0; l < g.count; ++l) {
         const Int3 cell = g.corner + lbm::place_cell(place[l]);
@@ -42,7 +26,7 @@ void SingleCellGaps<T>::pair(const std::vector<SurfaceLinks<T>>& surfaces, const
         const bool at_side = walls != Int3{0, 0, 0};
         links_.push_back({{k, g.opposite + l, -1, 0, cell, std::int8_t(i), at_side,
                            at_side ? T(domain.wall_velocity_along(walls, lbm::D3Q19::c[i])) : T(0)},
-                          key_of(cell, i),
+                          lbm::key_of_line(cell, i),
                           g.begin + l});
       }
     }
@@ -63,16 +47,6 @@ void SingleCellGaps<T>::set(std::vector<SurfaceLinks<T>>& surfaces) const {
   pad(surfaces, &lbm::CutLinks<T>::opposite_q), pad(surfaces, &lbm::CutLinks<T>::opposite_u);
 }
 
-template <class T>
-void SingleCellGaps<T>::leave_to(lbm::DeviceLinks<T>& device) {
-  auto link = links_.begin();
-  for (const Group& g : groups_) {
-    device.add_gaps({g.surface, g.number});
-    for (std::uint32_t l = 0; l < g.count; ++l) device.add(*link++);
-  }
-  links_.clear(), groups_.clear();
-}
-
 /// Pads the groups with copies of the values of their last links.
 template <class T>
 void SingleCellGaps<T>::pad(std::vector<SurfaceLinks<T>>& surfaces,
@@ -90,8 +64,7 @@ void SingleCellGaps<T>::for_pairs(F&& f) {
   const int log_size = std::bit_width(2 * links_.size() + 1);
   table_.assign(std::size_t(1) << log_size, 0);
   for (std::uint32_t n = 0; n < links_.size(); ++n) {
-    constexpr std::uint64_t golden = 0x9e3779b97f4a7c15;
-    std::size_t at = links_[n].key * golden >> (64 - log_size);
+    std::size_t at = lbm::first_place(links_[n].key, log_size);
     while (table_[at] != 0 && links_[table_[at] - 1].key != links_[n].key)
       at = (at + 1) & (table_.size() - 1);
     if (table_[at] != 0)

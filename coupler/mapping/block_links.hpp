@@ -9,8 +9,17 @@
 #include "lbm/blocks/pass_order.hpp"
 #include "lbm/walls/cut_links.hpp"
 #include "lbm/walls/device_links.hpp"
+#include "rigid/shapes/turned_parts.hpp"
 
 namespace silt::coupler {
+
+/// A surface and its shape in memory of a device, which sets `frame` and `group_count` if it lists the links.
+template <class T>
+struct MappedSurface {
+  lbm::DeviceSurface<T> links;
+  rigid::ShapeView<T> shape;
+  bool operator==(const MappedSurface&) const = default;
+};
 
 /// The links of one periodic image of a body, or of a wall.
 template <class T>
@@ -19,12 +28,14 @@ struct SurfaceLinks {
   struct DeviceCopy {
     DeviceArray<std::uint64_t> cells;  // BodyMask::bits, if the device lists the links
     DeviceArray<lbm::LinkGroup> groups;
-    DeviceArray<lbm::DeviceSurface<T>> record;  // one element
+    DeviceArray<rigid::ShapePart> parts;
+    DeviceArray<rigid::Plane<T>> planes;
+    DeviceArray<MappedSurface<T>> record;  // one element
+    MappedSurface<T> told{};               // the record as it was sent last
     explicit DeviceCopy(std::pmr::memory_resource* m = std::pmr::new_delete_resource())
-        : cells(m), groups(m), record(m) {}
-  } device{};                               // the links in memory of a device
-  std::vector<std::uint32_t> gap_places{};  // of the links of `single_cell_gap`
-  lbm::ResistanceSums resistance{};         // of movable bodies; updated with the links
+        : cells(m), groups(m), parts(m), planes(m), record(m) {}
+  } device{};                        // the links in memory of a device
+  lbm::ResistanceSums resistance{};  // of movable bodies; updated with the links
   // in the current step:
   std::size_t row = 0;  // in the BodySet
   lbm::SurfaceMotion motion{};
@@ -43,8 +54,6 @@ class SingleCellGaps {
   /// Sets opposite_q and opposite_u of all links. Call once the motions of a step are set; the surfaces must
   /// be those that were paired.
   void set(std::vector<SurfaceLinks<T>>&) const;
-  /// Lets a device set them in each step.
-  void leave_to(lbm::DeviceLinks<T>&);
 
  private:
   struct Link : lbm::OppositeLink<T> {
@@ -118,23 +127,34 @@ struct BlockLinks {
           visit(surfaces[order[k].surface], group_of(order[k]), next);
         });
   }
-  /// Passes the links to the device, if any. Call after they were built or paired.
+  /// Passes the links to the device, if any. Call after they were built.
   void leave_to_device() {
     if (at_once.device() == Device::cpu) return;
     at_once.clear();
-    gaps.leave_to(at_once);
-    for (const SurfaceLinks<T>& surface : surfaces)
-      at_once.add(surface.device.record.data(), surface.links.groups);
+    for (std::size_t k = 0; k < surfaces.size(); ++k) {
+      auto& record = surfaces[k].device.record;
+      at_once.add(record.empty() ? nullptr : &record.data()->links, surfaces[k].links,
+                  k > 0 && surfaces[k - 1].row == surfaces[k].row);
+    }
+  }
+  /// Calls visit(number, first surface with links) for each body of a device.
+  template <class Visit>
+  void for_bodies(Visit&& visit) const {
+    std::uint32_t next = 0;
+    for (std::size_t k = 0; k < at_once.size(); ++k)
+      if (at_once.body(k) == next) visit(next++, k);
   }
   /// Call once the motions of a step are set.
   void begin_step() {
     gaps.set(surfaces);
-    for (std::size_t k = 0; k < at_once.size(); ++k)
-      at_once.set_motion(k, surfaces[k].motion, surfaces[k].links.age);
+    for_bodies([&](std::uint32_t body, std::size_t k) {
+      at_once.set_motion(body, surfaces[k].motion, surfaces[k].links.age);
+    });
   }
-  void apply_at_once(lbm::Block<T>& block, lbm::ForceForm form) {
-    if (at_once.size() > 0) at_once.apply(block, surfaces.front().links.fluid, slots, pairs_across, form);
-    for (std::size_t k = 0; k < at_once.size(); ++k) surfaces[k].sums = at_once.sums(k);
+  void apply_at_once(lbm::Block<T>& block, const lbm::Domain& domain, lbm::ForceForm form) {
+    if (at_once.size() > 0)
+      at_once.apply(block, domain, surfaces.front().links.fluid, slots, pairs_across, form);
+    for_bodies([&](std::uint32_t body, std::size_t k) { surfaces[k].sums = at_once.sums(body); });
   }
   /// Sets inner, first_inner, rim and count. Call after links were built.
   void order_groups(const lbm::PassOrder& sweep) {

@@ -71,8 +71,7 @@ class LinkWriter {
     if (radius > 0) surface.resistance = lbm::resistance_of(links, exponent);
     if (!device_.has_links()) return;
     to_device(links.place, links.q, links.rate, links.across);
-    surface.gap_places = groups_.gap_places();
-    tell_device(surface, [](const lbm::LinkGroup&) { return true; });
+    tell_device(surface, {}, false);
   }
   /// Lets the device list and measure the links that it counts.
   void finish() {
@@ -88,10 +87,14 @@ class LinkWriter {
       });
       if (surface_.has_crossings()) crossing_groups(frame);
       groups_.end_for_device(device_);
+      if (surface->links.groups.empty()) {  // it is near the block
+        surface->links.rate.clear(), surface->resistance = {};
+        continue;
+      }
       surface->device.groups.clear(), surface->device.groups.resize(surface->links.groups.size());
-      surface_.leave_to_device(*surface, n, *shape, *mapped,
+      surface_.leave_to_device(*surface, n, mask->pose.orientation, *mapped,
                                radius > 0 ? T(std::ldexp(1.0, -lbm::resistance_exponent(radius))) : T(0));
-      tell_device(*surface, [](const lbm::LinkGroup& g) { return g.crossing; });
+      tell_device(*surface, surface_.shape(), true);
     }
     device_.run();
   }
@@ -105,16 +108,17 @@ class LinkWriter {
     double radius;
     SurfaceLinks<T>* surface;
   };
-  /// Sends the record of a surface and its groups from the first one on that the device does not make.
-  void tell_device(SurfaceLinks<T>& surface, bool (*is_sent)(const lbm::LinkGroup&)) {
+  /// Sends what the device has to know of a surface, and of its groups those that the device does not make.
+  void tell_device(SurfaceLinks<T>& surface, const rigid::ShapeView<T>& shape, bool lists) {
     const auto& groups = surface.links.groups;
-    const auto first = std::find_if(groups.begin(), groups.end(), is_sent);
-    auto& copy = surface.device;
-    copy.groups.resize(groups.size()), copy.record.resize(1);
+    if (groups.empty()) return;
+    const auto first = std::find_if(groups.begin(), groups.end(),
+                                    [&](const lbm::LinkGroup& g) { return !lists || g.crossing; });
+    DeviceArray<lbm::LinkGroup>& copies = surface.device.groups;
+    copies.resize(groups.size());
     if (first != groups.end())
-      device_.upload(std::span(first, groups.end()), copy.groups.data() + (first - groups.begin()));
-    const lbm::DeviceSurface<T> record = lbm::device_surface(surface.links, copy.groups.data());
-    device_.upload(std::span(&record, 1), copy.record.data());
+      device_.upload(std::span(first, groups.end()), copies.data() + (first - groups.begin()));
+    device_.tell(surface, shape, lists);
   }
 
   void write(const rigid::Shape& shape, const lbm::SurfaceFrame& at) {
@@ -283,6 +287,7 @@ void write_links(const BlockMap& map, const rigid::World& world, const rigid::Bo
   for_masks(map.masks, [&](std::size_t k) {
     const BodyMask& mask = map.masks[k];
     if (mask.before >= 0) surfaces[k] = std::move(before[mask.before]);
+    surfaces[k].row = mask.row;
     if (mask.kept) return;
     lbm::CutLinks<T>& links = surfaces[k].links;
     links.fluid = rules.fluid, links.frame = surface_frame(map, mask, link_reach);

@@ -37,12 +37,16 @@ class CellBits {
     const std::uint64_t* const w = row + (bit >> 6);
     return w[0] >> (bit & 63) | w[1] << 1 << (63 - (bit & 63));
   }
-  /// Sets the cells of a word whose bit 0 is cell x.
-  void add(int x, int y, int z, std::uint64_t cells) {
+  /// Flips the cells of a word whose bit 0 is cell x.
+  void flip(int x, int y, int z, std::uint64_t cells) {
     const int bit = x + ghosts;
     std::uint64_t* const w = at(y, z) + (bit >> 6);
-    w[0] |= cells << (bit & 63);
-    if (const std::uint64_t beyond = cells >> 1 >> (63 - (bit & 63))) w[1] |= beyond;
+    w[0] ^= cells << (bit & 63);
+    if (const std::uint64_t beyond = cells >> 1 >> (63 - (bit & 63))) w[1] ^= beyond;
+  }
+  /// Returns the index of the bit of a cell, in a block of `size` cells with `words` words per row.
+  SILT_DEVICE static std::size_t index(lbm::Int3 size, lbm::Int3 c, int words) {
+    return 64 * row(size, c.y, c.z, words) + std::size_t(c.x + ghosts);
   }
   bool test(lbm::Int3 c) const {
     const int bit = c.x + ghosts;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <cstring>
 #include <span>
 #include <utility>
 
@@ -16,12 +15,12 @@ void DeviceMapping<T>::add_words(std::uint64_t* to, const std::uint64_t* now, st
   for (std::size_t k = 0; k < count; ++k) words_.host().push_back({to + k, now[k]});
 }
 
-/// Ends the flips of a stream.
+/// Ends the flips of a mask, or of solid cells alone.
 template <class T>
-void DeviceMapping<T>::end_flips(std::uint64_t* words) {
+void DeviceMapping<T>::end_flips(std::uint32_t mask) {
   const FlippedBits last = flipped_.size() == 0 ? FlippedBits{} : flipped_.host().back();
   const std::uint32_t first = last.first + last.count, count = std::uint32_t(flips_.size()) - first;
-  if (count > 0) flipped_.host().push_back({words, first, count});
+  if (count > 0) flipped_.host().push_back({mask, first, count});
 }
 
 namespace {
@@ -30,15 +29,20 @@ void add_bits(std::uint64_t bits, std::size_t bit, std::pmr::vector<std::uint32_
   for (; bits; bits &= bits - 1) to.push_back(std::uint32_t(bit) + std::uint32_t(std::countr_zero(bits)));
 }
 
-/// Adds the bits of a window that differ from those that the one before had in the same cells.
-void add_flips(const BitWindow& now, const BitWindow& before, std::pmr::vector<std::uint32_t>& to) {
+/// Adds the bits of a window that differ from those that the one before had in the same cells; flips these
+/// cells in `solid`.
+void add_flips(const BitWindow& now, const BitWindow& before, std::pmr::vector<std::uint32_t>& to,
+               CellBits& solid) {
   const BitFrame &f = now.frame(), &b = before.frame();
   for (int z = f.low.z; z < f.low.z + f.size.z; ++z)
     for (int y = f.low.y; y < f.low.y + f.size.y; ++y)
       for (int x = 0; x < f.pitch; x += 64) {
         const std::uint64_t common = shared_cells(b, {f.low.x + x, y, z}) & f.row_bits();
         const std::uint64_t was = common ? before.from({f.low.x + x, y, z}) & common : 0;
-        add_bits(now.row(x, y, z) ^ was, f.row(y, z) + std::size_t(x), to);
+        const std::uint64_t flipped = now.row(x, y, z) ^ was;
+        if (!flipped) continue;
+        add_bits(flipped, f.row(y, z) + std::size_t(x), to);
+        solid.flip(f.low.x + x, y, z, flipped);
       }
 }
 }  // namespace
@@ -52,10 +56,10 @@ void DeviceMapping<T>::begin(const BlockMap& map, lbm::WallScheme scheme) {
   const std::vector<std::uint64_t>& now = map.solid.all();
   if (solid_.size() != now.size()) {
     solid_.resize(now.size());
+    changed_ = CellBits(map.box.size);
     return add_words(solid_.data(), now.data(), now.size());
   }
-  for (std::size_t k = 0; k < now.size(); ++k) add_bits(now[k] ^ map.before.all()[k], 64 * k, flips_.host());
-  end_flips(solid_.data());
+  for (std::size_t k = 0; k < now.size(); ++k) changed_.all()[k] = now[k] ^ map.before.all()[k];
 }
 
 template <class T>
@@ -70,8 +74,8 @@ void DeviceMapping<T>::add_mask(SurfaceLinks<T>& surface, const BodyMask& mask, 
     if (is_known) moved_.host().push_back({before->frame(), frame, left_.back().data(), cells.data()});
   }
   if (is_known) {
-    add_flips(mask.bits, before->bits, flips_.host());
-    end_flips(cells.data());
+    add_flips(mask.bits, before->bits, flips_.host(), changed_);
+    end_flips(std::uint32_t(masks_.size()));
   } else {
     add_words(cells.data(), mask.bits.words(), words);
   }
@@ -86,6 +90,8 @@ void DeviceMapping<T>::add_mask(SurfaceLinks<T>& surface, const BodyMask& mask, 
 template <class T>
 void DeviceMapping<T>::count() {
   if (!has_links()) return;
+  for (std::size_t k = 0; k < changed_.all().size(); ++k) add_bits(changed_.all()[k], 64 * k, flips_.host());
+  end_flips(FlippedBits::solid_alone);
   first_slab_.push_back(std::uint32_t(slabs_.size()));
   counts_.host().resize(slabs_.size());
   bits_ = {words_.send(),       words_.size(), moved_.send(),  moved_.size(),       flipped_.send(),
@@ -96,94 +102,91 @@ void DeviceMapping<T>::count() {
   lbm::wait(device_);
 }
 
-namespace {
-/// Returns whether two parts have the same bits, and no planes.
+/// Lists an orientation unless it is the last one, as of bodies that have not turned.
 template <class T>
-bool is_same(const rigid::SurfacePart<T>& a, const rigid::SurfacePart<T>& b) {
-  const auto same = [](const auto& x, const auto& y) { return std::memcmp(&x, &y, sizeof x) == 0; };
-  return a.kind == b.kind && a.planes == 0 && b.planes == 0 && same(a.axes, b.axes) &&
-         same(a.centre, b.centre) && same(a.size, b.size) && same(a.extent, b.extent);
-}
-}  // namespace
-
-/// Lists a surface, or refers to the parts listed last if they are the same: those of a body that has not
-/// turned, and of balls of one size.
-template <class T>
-SurfaceAtTime DeviceMapping<T>::listed(const rigid::SurfaceView<T>& surface, const lbm::SurfaceFrame& frame) {
-  const std::span parts(surface.parts, std::size_t(surface.count)), all(std::as_const(parts_).host());
-  if (all.size() >= parts.size() && std::ranges::equal(parts, all.last(parts.size()), is_same<T>))
-    return {std::uint32_t(all.size() - parts.size()), std::uint32_t(planes_.size()), surface.count, frame};
-  const SurfaceAtTime at{std::uint32_t(parts_.size()), std::uint32_t(planes_.size()), surface.count, frame};
-  parts_.host().insert(parts_.host().end(), surface.parts, surface.parts + surface.count);
-  for (const rigid::SurfacePart<T>* part = surface.parts; part < surface.parts + surface.count; ++part)
-    if (const std::size_t end = at.first_plane + part->first_plane + part->planes; end > planes_.size()) {
-      const rigid::Plane<T>* const from = surface.planes + (planes_.size() - at.first_plane);
-      planes_.host().insert(planes_.host().end(), from, surface.planes + (end - at.first_plane));
-    }
-  return at;
+TurnedSurface DeviceMapping<T>::turned(const rigid::Turn& turn, int parts) {
+  std::pmr::vector<rigid::Turn>& all = turns_.host();
+  if (all.empty() || (parts > 0 && !(all.back() == turn))) all.push_back(turn);
+  const TurnedSurface found{std::uint32_t(all.size() - 1), part_count_};
+  part_count_ += std::uint32_t(parts);
+  return found;
 }
 
 template <class T>
-void DeviceMapping<T>::add(SurfaceLinks<T>& surface, std::size_t n, const rigid::SurfaceView<T>& view,
-                           T arm) {
-  lbm::CutLinks<T>& links = surface.links;
-  const SurfaceAtTime now = this->listed(view, links.frame);
-  surfaces_.host().push_back({now, now, 0, arm, links.place.data(), links.across.data(), links.q.data(),
-                              nullptr, surface.device.groups.data(), first_slab_[n],
-                              first_slab_[n + 1] - first_slab_[n], group_count_,
-                              std::uint32_t(links.groups.size()), std::uint32_t(gaps_.size())});
+void DeviceMapping<T>::add(SurfaceLinks<T>& surface, std::size_t n, const rigid::ShapeView<T>& shape,
+                           const rigid::Turn& turn, T arm) {
+  const lbm::CutLinks<T>& links = surface.links;
+  surface.device.record.resize(1);
+  const TurnedSurface now = turned(turn, shape.count);
+  surfaces_.host().push_back({surface.device.record.data(),
+                              links.frame,
+                              {},
+                              0,
+                              arm,
+                              now,
+                              now,
+                              first_slab_[n],
+                              first_slab_[n + 1] - first_slab_[n],
+                              group_count_,
+                              std::uint32_t(links.groups.size())});
   group_count_ += std::uint32_t(links.groups.size());
-  for (const lbm::LinkGroup& g : links.groups)
-    if (g.scheme == lbm::WallScheme::single_cell_gap && lbm::knows_opposite_wall(scheme_))
-      gaps_.host().resize(gaps_.size() + g.count);
   wanted_.push_back(&surface);
 }
 
 template <class T>
-void DeviceMapping<T>::add_rates(const rigid::SurfaceView<T>& view, const lbm::SurfaceFrame& frame,
-                                 double steps) {
+void DeviceMapping<T>::add_rates(const rigid::Turn& turn, const lbm::SurfaceFrame& frame, double steps) {
   lbm::CutLinks<T>& links = wanted_.back()->links;
   links.rate.resize(links.q.size());
   SurfaceToMap<T>& surface = surfaces_.host().back();
-  surface.last = listed(view, frame), surface.steps = steps, surface.rate = links.rate.data();
+  surface.last = turned(turn, int(part_count_ - surface.now.first_part)), surface.steps = steps;
+  std::ranges::copy(frame.offset, surface.last_offset);
+}
+
+/// Sends the shape of a surface once, and its record if arrays have moved. The device sets the frame and the
+/// number of groups of links that it lists itself.
+template <class T>
+void DeviceMapping<T>::tell(SurfaceLinks<T>& surface, const rigid::ShapeView<T>& shape, bool lists) {
+  auto& copy = surface.device;
+  copy.record.resize(1);
+  if (lists && copy.parts.size() != std::size_t(shape.count)) {
+    const rigid::ShapePart& last = shape.parts[shape.count - 1];
+    copy.parts.resize(std::size_t(shape.count)), copy.planes.resize(last.first_plane + last.planes);
+    upload(std::span(shape.parts, copy.parts.size()), copy.parts.data());
+    upload(std::span(shape.planes, copy.planes.size()), copy.planes.data());
+  }
+  MappedSurface<T> now{lbm::device_surface(surface.links, copy.groups.data()),
+                       {copy.parts.data(), shape.count, copy.planes.data()}};
+  if (lists) now.links.frame = {}, now.links.group_count = 0;
+  if (now == copy.told) return;
+  copy.told = now;
+  upload(std::span<const MappedSurface<T>>(&now, 1), copy.record.data());
 }
 
 template <class T>
 void DeviceMapping<T>::run() {
   if (!has_links()) return;
   resistance_.host().resize(surfaces_.size());
-  std::uint32_t* const gaps = gaps_.size() > 0 ? gaps_.make_room() : nullptr;
   lists_.clear(), lists_.resize(slabs_.size());
   groups_.clear(), groups_.resize(group_count_);
+  turned_.clear(), turned_.resize(part_count_);
   const LinksToMap<T> pass{bits_,
                            lists_.data(),
-                           gaps,
                            lbm::PlacesAcross<lbm::D3Q19>(map_->box.size),
                            groups_.data(),
                            groups_.size(),
                            surfaces_.send(),
                            surfaces_.size(),
                            resistance_.clear(),
-                           parts_.send(),
-                           planes_.send(),
+                           turns_.send(),
+                           turned_.data(),
                            runs_.send(),
                            runs_.size(),
                            told_.send()};
   SILT_OFF_CPU(device_, map_links<T>)(pass);
-  resistance_.fetch(), gaps_.fetch();
+  resistance_.fetch();
   lbm::wait(device_);
-  const std::uint32_t* gap = gaps_.host().data();
-  for (std::size_t k = 0; k < wanted_.size(); ++k) {
-    SurfaceLinks<T>& surface = *wanted_[k];
-    if (surfaces_.host()[k].arm != 0) surface.resistance = resistance_.host()[k];
-    surface.gap_places.clear();
-    for (const lbm::LinkGroup& g : surface.links.groups)
-      if (g.scheme == lbm::WallScheme::single_cell_gap && lbm::knows_opposite_wall(scheme_)) {
-        surface.gap_places.insert(surface.gap_places.end(), gap, gap + g.count);
-        surface.gap_places.resize(lbm::padded(std::uint32_t(surface.gap_places.size())));
-        gap += g.count;
-      }
-  }
+  for (std::size_t k = 0; k < wanted_.size(); ++k)
+    if (surfaces_.host()[k].arm != 0) wanted_[k]->resistance = resistance_.host()[k];
 }
 
 template class DeviceMapping<float>;

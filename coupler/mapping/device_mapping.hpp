@@ -1,8 +1,8 @@
 #pragma once
 // Builds the links of a block's bodies by passes of a device (device/for_each.hpp): counts the links of each
 // kind from the bits of bodies, then lists them, and sets wall distances, their rates, and the resistance of
-// bodies with convex parts, one team per group of links. Only changed bits are sent to the device; only the
-// counts, and the places of links that use the opposite wall of their gap, come back.
+// bodies with convex parts, one team per group of links. Only changed bits and poses are sent to the device;
+// only the counts and the resistance come back.
 #include <array>
 #include <cstdint>
 #include <span>
@@ -44,7 +44,7 @@ using KindCounts = std::array<std::uint32_t, link_kinds>;
 /// The bits of a surface on a device: the cells that it covers.
 struct MaskToMap {
   BitFrame frame;
-  const std::uint64_t* cells;
+  std::uint64_t* cells;
 };
 
 /// The planes of a mask, from `z` on, that the places of one group can reach.
@@ -82,31 +82,26 @@ struct LinkRoom {
   }
 };
 
-/// Where the links of a slab are listed: their first places by kind, the first indices of their pairs across,
-/// and the first place among those that return to the processor.
+/// Where the links of a slab are listed: their first places by kind, the first indices of their pairs across.
 struct SlabLists {
   std::uint32_t *place[link_kinds], *across;
-  std::uint32_t first_gap;
 };
 
-/// A surface at one time: the ranges of its parts and planes, and its frame.
-struct SurfaceAtTime {
-  std::uint32_t first_part, first_plane;
-  int parts;
-  lbm::SurfaceFrame frame;
+/// The orientation of a surface at one time, and the first of its turned parts.
+struct TurnedSurface {
+  std::uint32_t turn, first_part;
 };
 
 template <class T>
 struct SurfaceToMap {
-  SurfaceAtTime now, last;  // at the middle of the mapping's steps, and in the last of them
-  double steps;             // from now to last; 0: distances have no rates
-  T arm;                    // 2^-exponent of the resistance; 0: not needed
-  std::uint32_t *place, *across;
-  T *q, *rate;
-  lbm::LinkGroup* groups;  // of its slabs, then those of crossing links, which are given
+  MappedSurface<T>* surface;  // its groups: of its slabs, then those of crossing links, which are given
+  lbm::SurfaceFrame frame;    // at the middle of the mapping's steps
+  double last_offset[3];      // of the frame in the last of them
+  double steps;               // from the middle to the last; 0: distances have no rates
+  T arm;                      // 2^-exponent of the resistance; 0: not needed
+  TurnedSurface now, last;
   std::uint32_t first_slab, slabs;
   std::uint32_t first_group, group_count;  // among all groups
-  std::uint32_t first_gap;                 // among links that know the wall on the other side
 };
 
 struct GroupToMap {
@@ -117,10 +112,11 @@ struct GroupToMap {
 struct NewWord {
   std::uint64_t *at, bits;
 };
-/// A stream of bits some of which change: `flips` from `first` on are their indices.
+/// The cells of a mask some of which change, and with it the solid cells of the block; or the latter alone.
+/// `flips` from `first` on are indices of their bits.
 struct FlippedBits {
-  std::uint64_t* words;
-  std::uint32_t first, count;
+  static constexpr std::uint32_t solid_alone = ~0u;
+  std::uint32_t mask, first, count;
 };
 /// The cells of a surface move to another frame, with those that lie in both.
 struct MovedFrame {
@@ -147,8 +143,8 @@ struct BitsToMap {
   const MaskToMap* masks;
   const SlabToMap* slabs;
   std::size_t slab_count;
-  KindCounts* counts;          // per slab
-  const std::uint64_t* solid;  // CellBits of the block
+  KindCounts* counts;    // per slab
+  std::uint64_t* solid;  // CellBits of the block
   lbm::Int3 size;
   int solid_words;  // per row
   lbm::WallScheme scheme;
@@ -159,16 +155,15 @@ struct BitsToMap {
 template <class T>
 struct LinksToMap {
   BitsToMap bits;
-  SlabLists* lists;     // per slab
-  std::uint32_t* gaps;  // places of all links that know the wall on the other side
+  SlabLists* lists;  // per slab
   lbm::PlacesAcross<lbm::D3Q19> pairs;
   GroupToMap* groups;
   std::size_t group_count;
   const SurfaceToMap<T>* surfaces;
   std::size_t surface_count;
   lbm::ResistanceSums* resistance;  // per surface
-  const rigid::SurfacePart<T>* parts;
-  const rigid::Plane<T>* planes;
+  const rigid::Turn* turns;
+  rigid::SurfacePart<T>* turned;
   const HostCopy* runs;
   std::size_t run_count;
   const std::uint32_t* told;
@@ -196,7 +191,7 @@ class DeviceMapping {
   }
   /// Queues the n-th of them, with groups for the counts of its slabs: lists its links, sets wall distances,
   /// and the resistance. `arm` is SurfaceToMap::arm.
-  void add(SurfaceLinks<T>&, std::size_t n, const rigid::SurfaceView<T>&, T arm);
+  void add(SurfaceLinks<T>&, std::size_t n, const rigid::ShapeView<T>&, const rigid::Turn&, T arm);
   /// Queues a copy of values to an array in memory_of the device.
   template <class Value>
   void upload(std::span<const Value> values, Value* to) {
@@ -208,21 +203,22 @@ class DeviceMapping {
         {reinterpret_cast<std::uint32_t*>(to), std::uint32_t(all.size()), std::uint32_t(count)});
     all.insert(all.end(), words, words + count);
   }
-  /// Queues the rates of the surface added last, from the surface and its frame after `steps` steps.
-  void add_rates(const rigid::SurfaceView<T>&, const lbm::SurfaceFrame&, double steps);
+  /// Queues the rates of the surface added last, from its orientation and its frame after `steps` steps.
+  void add_rates(const rigid::Turn&, const lbm::SurfaceFrame&, double steps);
+  /// Queues what the device has yet to know of a surface, whose links it lists or not.
+  void tell(SurfaceLinks<T>&, const rigid::ShapeView<T>&, bool lists);
   /// Runs all that was queued. The surfaces must not have moved in memory.
   void run();
 
  private:
-  SurfaceAtTime listed(const rigid::SurfaceView<T>&, const lbm::SurfaceFrame&);
+  TurnedSurface turned(const rigid::Turn&, int parts);
   void clear() {
     const auto all = [](auto&... lists) { (lists.host().clear(), ...); };
-    all(masks_, slabs_, counts_, gaps_, surfaces_, parts_, planes_, words_, moved_, flipped_, flips_, runs_,
-        told_);
-    left_.clear(), group_count_ = 0;
+    all(masks_, slabs_, counts_, surfaces_, turns_, words_, moved_, flipped_, flips_, runs_, told_);
+    left_.clear(), group_count_ = part_count_ = 0;
   }
   void add_words(std::uint64_t* to, const std::uint64_t* now, std::size_t count);
-  void end_flips(std::uint64_t* words);
+  void end_flips(std::uint32_t mask);
 
   Device device_;
   const BlockMap* map_ = nullptr;
@@ -236,16 +232,17 @@ class DeviceMapping {
   DeviceArray<SlabLists> lists_{memory_of(device_)};
   DeviceArray<GroupToMap> groups_{memory_of(device_)};
   std::uint32_t group_count_ = 0;
-  Mirror<std::uint32_t> gaps_{device_};
   std::vector<SurfaceLinks<T>*> wanted_;
   Mirror<SurfaceToMap<T>> surfaces_{device_};
   Mirror<lbm::ResistanceSums> resistance_{device_};
-  Mirror<rigid::SurfacePart<T>> parts_{device_};
-  Mirror<rigid::Plane<T>> planes_{device_};
+  Mirror<rigid::Turn> turns_{device_};
+  DeviceArray<rigid::SurfacePart<T>> turned_{memory_of(device_)};
+  std::uint32_t part_count_ = 0;
   Mirror<NewWord> words_{device_};
   Mirror<MovedFrame> moved_{device_};
   Mirror<FlippedBits> flipped_{device_};
   Mirror<std::uint32_t> flips_{device_};
+  CellBits changed_;                              // solid cells that no mask's flips tell
   std::vector<DeviceArray<std::uint64_t>> left_;  // cells in frames of before
   Mirror<HostCopy> runs_{device_};
   Mirror<std::uint32_t> told_{device_};

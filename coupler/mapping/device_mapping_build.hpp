@@ -37,12 +37,33 @@ struct MoveFrame {
 };
 
 struct FlipBits {
-  const FlippedBits* flipped;
-  const std::uint32_t* flips;
+  BitsToMap all;
   SILT_DEVICE void operator()(std::int64_t k, const Team& member) const {
-    const FlippedBits& of = flipped[k];
-    for (std::uint32_t n = std::uint32_t(member.lane); n < of.count; n += std::uint32_t(member.size))
-      flip_bit(of.words, flips[of.first + n]);
+    const FlippedBits& of = all.flipped[k];
+    for (std::uint32_t n = std::uint32_t(member.lane); n < of.count; n += std::uint32_t(member.size)) {
+      std::uint32_t bit = all.flips[of.first + n];
+      if (of.mask != FlippedBits::solid_alone) {
+        const MaskToMap& mask = all.masks[of.mask];
+        flip_bit(mask.cells, bit);
+        bit = std::uint32_t(CellBits::index(all.size, mask.frame.cell(bit), all.solid_words));
+      }
+      flip_bit(all.solid, bit);
+    }
+  }
+};
+
+template <class T>
+struct TurnParts {
+  LinksToMap<T> all;
+  SILT_DEVICE void operator()(std::int64_t k) const {
+    const SurfaceToMap<T>& surface = all.surfaces[k];
+    const auto turn_to = [&](const TurnedSurface& at) {
+      const rigid::Rotation turn(all.turns[at.turn]);
+      for (int p = 0; p < surface.surface->shape.count; ++p)
+        all.turned[at.first_part + p] = rigid::turned<T>(surface.surface->shape.parts[p], turn);
+    };
+    turn_to(surface.now);
+    if (surface.steps > 0) turn_to(surface.last);
   }
 };
 
@@ -132,7 +153,7 @@ struct CountSlab {
 void count_links(const BitsToMap& all) {
   for_each(std::int64_t(all.word_count), SetWords{all.words});
   for_teams(std::int64_t(all.moved_count), MoveFrame{all.moved});
-  for_teams(std::int64_t(all.flipped_count), FlipBits{all.flipped, all.flips});
+  for_teams(std::int64_t(all.flipped_count), FlipBits{all});
   for_teams(std::int64_t(all.slab_count), CountSlab{all});
 }
 
@@ -143,20 +164,19 @@ struct MakeGroups {
 
   SILT_DEVICE void operator()(std::int64_t k) const {
     const SurfaceToMap<T>& surface = all.surfaces[k];
+    lbm::DeviceSurface<T>& links = surface.surface->links;
+    links.frame = surface.frame, links.group_count = surface.group_count;
     LinkRoom room{all.bits.scheme};
-    lbm::LinkGroup* to = surface.groups;
-    std::uint32_t gap = surface.first_gap;
+    lbm::LinkGroup* to = links.groups;
     for (std::uint32_t n = surface.first_slab; n < surface.first_slab + surface.slabs; ++n) {
       const lbm::Int3 corner = LinksOfSlab(all.bits, n).corner;
       SlabLists& lists = all.lists[n];
-      lists.first_gap = gap;
       for (int kind = 0; kind < link_kinds; ++kind) {
         const std::uint32_t count = all.bits.counts[n][kind];
         if (count == 0) continue;
         const lbm::LinkGroup group = room.group(LinkKind(kind), count, corner);
-        lists.place[kind] = surface.place + group.begin;
-        if (group.across) lists.across = surface.across + group.across_begin;
-        if (group.scheme == lbm::WallScheme::single_cell_gap) gap += count;
+        lists.place[kind] = links.place + group.begin;
+        if (group.across) lists.across = links.across + group.across_begin;
         *to++ = group;
       }
     }
@@ -183,7 +203,6 @@ struct ListSlab {
           lists.place[kind][to] = place;
           if (kind == int(LinkKind::across))
             lists.across[to] = all.pairs(links.corner + at, found.direction, found.c);
-          if (kind == int(LinkKind::single_cell) && all.gaps) all.gaps[lists.first_gap + to] = place;
         }
       }
     });
@@ -211,17 +230,15 @@ struct MeasureGroup {
   using V = typename L::Real;
   LinksToMap<T> all;
 
-  SILT_DEVICE SurfaceView<T> view(const SurfaceAtTime& at) const {
-    return {all.parts + at.first_part, at.parts, all.planes + at.first_plane};
-  }
   SILT_DEVICE lbm::SILT_BUILD::PlaceOrigin<T> origin(const lbm::LinkGroup& group,
-                                                     const SurfaceAtTime& at) const {
-    return {group.corner, at.frame, all.bits.directions.packed};
+                                                     const lbm::SurfaceFrame& frame) const {
+    return {group.corner, frame, all.bits.directions.packed};
   }
   SILT_DEVICE void operator()(std::int64_t k, const Team& member) const {
     const SurfaceToMap<T>& surface = all.surfaces[all.groups[k].surface];
-    const lbm::LinkGroup& group = surface.groups[all.groups[k].number];
-    if (member.lane == 0) pad(group, surface.place + group.begin);
+    const lbm::DeviceSurface<T>& links = surface.surface->links;
+    const lbm::LinkGroup& group = links.groups[all.groups[k].number];
+    if (member.lane == 0) pad(group, links.place + group.begin);
     measure(group, surface, member);
     if (surface.arm != 0) add_resistance_of(group, surface, all.resistance[all.groups[k].surface], member);
   }
@@ -232,20 +249,25 @@ struct MeasureGroup {
   /// Sets whole vectors of distances and rates.
   SILT_DEVICE void measure(const lbm::LinkGroup& group, const SurfaceToMap<T>& surface,
                            const Team& member) const {
+    const lbm::DeviceSurface<T>& links = surface.surface->links;
+    const rigid::ShapeView<T>& shape = surface.surface->shape;
+    lbm::SurfaceFrame last = surface.frame;
+    for (int d = 0; d < 3; ++d) last.offset[d] = surface.last_offset[d];
     for (int n = L::count * member.lane; n < int(group.count); n += L::count * member.size) {
       const int l = int(group.begin) + n;
-      const auto at = [&](const SurfaceAtTime& time, T past) {
-        return distance_of(surface.place + l, origin(group, time), view(time), past);
+      const auto at = [&](const TurnedSurface& time, const lbm::SurfaceFrame& frame, T past) {
+        return distance_of(links.place + l, origin(group, frame),
+                           {all.turned + time.first_part, shape.count, shape.planes}, past);
       };
       V q = V{} + T(0.5);
       if (group.crossing)
-        q = load<V>(surface.q + l);
+        q = load<V>(links.q + l);
       else if (lbm::follows_distance(group.scheme))
-        q = at(surface.now, T(0));
-      store(surface.q + l, q);
+        q = at(surface.now, surface.frame, T(0));
+      store(links.q + l, q);
       if (surface.steps > 0)
-        store(surface.rate + l,
-              group.crossing ? V{} : rate_of<T>(q, at(surface.last, T(most_change)), surface.steps));
+        store(links.rate + l,
+              group.crossing ? V{} : rate_of<T>(q, at(surface.last, last, T(most_change)), surface.steps));
     }
   }
   SILT_DEVICE void add_resistance_of(const lbm::LinkGroup& group, const SurfaceToMap<T>& surface,
@@ -254,7 +276,8 @@ struct MeasureGroup {
     using lbm::SILT_BUILD::resistance_entries, lbm::SILT_BUILD::push_entries;
     typename L::Quanta h[resistance_entries + push_entries] = {};
     for (int l = L::count * member.lane; l < int(group.count); l += L::count * member.size) {
-      const lbm::SILT_BUILD::Places<T> at(surface.place + group.begin + l, origin(group, surface.now));
+      const lbm::SILT_BUILD::Places<T> at(surface.surface->links.place + group.begin + l,
+                                          origin(group, surface.frame));
       lbm::SILT_BUILD::add_resistance<T>(
           at, L::below(int(group.count) - l), surface.arm,
           [&](int e, const V& term) { h[e] += converted<typename L::Quanta>(converted<Terms>(term)); });
@@ -271,8 +294,9 @@ struct MeasureGroup {
 
 template <class T>
 void map_links(const LinksToMap<T>& all) {
-  for_each(std::int64_t(all.surface_count), MakeGroups<T>{all});
   for_teams(std::int64_t(all.run_count), CopyTold<T>{all});
+  for_each(std::int64_t(all.surface_count), MakeGroups<T>{all});
+  for_each(std::int64_t(all.surface_count), TurnParts<T>{all});
   for_teams(std::int64_t(all.bits.slab_count), ListSlab<T>{all});
   for_teams(std::int64_t(all.group_count), MeasureGroup<T>{all});
 }

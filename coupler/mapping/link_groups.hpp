@@ -104,15 +104,6 @@ class LinkGroups {
     for (const lbm::LinkGroup& g : links_->groups)
       if (g.crossing) tell(g, place_, links_->place), tell(g, q_, links_->q);
   }
-  /// Returns the places of links that use the opposite wall, group by group.
-  std::vector<std::uint32_t> gap_places() const {
-    std::vector<std::uint32_t> all;
-    if (!lbm::knows_opposite_wall(scheme_)) return all;
-    for (const lbm::LinkGroup& g : links_->groups)
-      if (g.scheme == WallScheme::single_cell_gap)
-        all.insert(all.end(), place_.begin() + g.begin, place_.begin() + g.begin + lbm::padded(g.count));
-    return all;
-  }
 
  private:
   struct Deferred {

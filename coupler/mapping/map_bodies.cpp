@@ -50,7 +50,7 @@ void take_cells(CellBits& solid, BodyMask& mask) {
         if (!mine) continue;
         const std::uint64_t taken = mine & solid.from(f.low.x + x, y, z);
         mask.bits.words()[(row + x) >> 6] &= ~(taken << (row & 63));
-        solid.add(f.low.x + x, y, z, mine & ~taken);
+        solid.flip(f.low.x + x, y, z, mine & ~taken);
         mask.any |= (mine & ~taken) != 0;
       }
     }

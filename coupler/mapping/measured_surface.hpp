@@ -50,14 +50,14 @@ class MeasuredSurface {
                                                   std::holds_alternative<rigid::Tube>(shape)));
   }
   /// Queues the n-th surface that the device has counted: its groups, distances, rates and resistance.
-  void leave_to_device(SurfaceLinks<T>& surface, std::size_t n, const rigid::Shape& shape,
+  void leave_to_device(SurfaceLinks<T>& surface, std::size_t n, const rigid::Quat& orientation,
                        const MappedMotion& mapped, T arm) {
     surface.links.rate.clear();
-    device_.add(surface, n, parts_.view(), arm);
+    device_.add(surface, n, parts_.shape(), rigid::turn_of(orientation), arm);
     const double steps = steps_with_rates(surface.links, mapped);
     if (steps == 0) return;
-    parts_.reset(shape, mapped.pose_after(steps).orientation);
-    device_.add_rates(parts_.view(), frame_after(surface.links.frame, mapped, steps), steps);
+    device_.add_rates(rigid::turn_of(mapped.pose_after(steps).orientation),
+                      frame_after(surface.links.frame, mapped, steps), steps);
   }
 
   /// Sets the rates of links, which were built for the middle of the mapping's steps, from their distances in
@@ -84,6 +84,7 @@ class MeasuredSurface {
   /// Returns whether the surface has edges that links may cross.
   bool has_crossings() const { return follows_ && way_ == Way::parts && parts_.has_edges(); }
   rigid::SurfaceView<T> view() const { return parts_.view(); }
+  rigid::ShapeView<T> shape() const { return parts_.shape(); }
 
  private:
   enum class Way { parts, tube, mesh };

@@ -68,38 +68,6 @@ std::vector<lbm::Moments> remote_moments(lbm::Fluid<T>& fluid, const std::vector
   return offers.exchange(fluid.comm(), 2, fluid.moments(offered), wants);
 }
 
-template <class T>
-void list_uncovered(lbm::Fluid<T>& fluid, const std::vector<BlockMap>& maps, const ChangedCells& changed,
-                    UncoveredCells<T>& all) {
-  const std::vector<lbm::Moments> remote = remote_moments(fluid, maps, changed);
-  const lbm::Domain& domain = fluid.domain();
-  const int rank = parallel::rank_of(fluid.comm());
-  all.cells.host().clear(), all.told.host().clear();
-  std::vector<std::uint8_t> is_remote;  // of neighbours in other blocks
-  std::vector<lbm::LocalCell> local;    // those on this rank
-  for (const CoveredCell& u : changed.uncovered) {
-    const BlockMap& map = maps[u.block];
-    UncoveredCell cell;
-    cell.first_told = std::uint32_t(is_remote.size());
-    for (int k = 1; k < lbm::D3Q19::directions; ++k) {
-      const Int3 y = u.cell + lbm::D3Q19::c[k];
-      if (!map.was_and_is_fluid(y)) continue;
-      cell.neighbours |= 1u << k;
-      if (map.has(y)) continue;
-      cell.elsewhere |= 1u << k;
-      const Int3 g = domain.wrapped(map.box.lower + y);
-      const lbm::BlockPlace there = domain.block_at(g);
-      const int block = domain.local_index(there, rank);
-      is_remote.push_back(block < 0);
-      if (block >= 0) local.push_back({block, g - there.box.lower});
-    }
-    all.cells.host().push_back(cell);
-  }
-  auto next_remote = remote.begin();
-  auto next_local = fluid.moments(local).begin();
-  for (const bool away : is_remote) all.told.host().push_back(away ? *next_remote++ : *next_local++);
-}
-
 }  // namespace
 
 rigid::Vec3 nearest_arm(const lbm::Domain& domain, const rigid::Vec3& position, Int3 cell) {
@@ -139,30 +107,98 @@ std::vector<lbm::LocalCell> places(const std::vector<CoveredCell>& cells) {
 }
 
 template <class T>
-void refill(lbm::Fluid<T>& fluid, const std::vector<BlockMap>& maps, const ChangedCells& cells,
-            const rigid::BodySet& bodies, const rigid::BodySet& gone, UncoveredCells<T>& uncovered) {
-  const auto& domain = fluid.domain();
+void TurnedCells<T>::list(lbm::Fluid<T>& fluid, const std::vector<BlockMap>& maps,
+                          const ChangedCells& changed) {
+  cells_.host().clear(), ranges_.clear();
+  const auto add = [&](const std::vector<CoveredCell>& cells, int sign) {
+    for (const CoveredCell& c : cells) {
+      const BlockMap& map = maps[c.block];
+      ChangedCell cell{std::uint32_t(fluid.blocks()[c.block].cell(c.cell)), 0};
+      for (int k = 1; k < lbm::D3Q19::directions; ++k) {
+        const Int3 y = c.cell + lbm::D3Q19::c[k];
+        if (map.was_and_is_fluid(y)) cell.neighbours |= 1u << k | (map.has(y) ? 0 : ChangedCell::at_face);
+      }
+      if (ranges_.empty() || ranges_.back().block != c.block || ranges_.back().sign != sign)
+        ranges_.push_back({c.block, sign, std::uint32_t(cells_.size()), 0});
+      ++ranges_.back().count;
+      cells_.host().push_back(cell);
+    }
+  };
+  add(changed.covered, +1), add(changed.uncovered, -1);
+  cells_.send();
+}
+
+/// Lists neighbours of uncovered cells in other blocks, and has their moments computed or told.
+template <class T>
+void TurnedCells<T>::list_faces(lbm::Fluid<T>& fluid, const std::vector<BlockMap>& maps,
+                                const ChangedCells& changed) {
+  const std::vector<lbm::Moments> remote = remote_moments(fluid, maps, changed);
+  told_.host().assign(remote.begin(), remote.end());
+  const lbm::Domain& domain = fluid.domain();
+  const int rank = parallel::rank_of(fluid.comm());
+  faces_.host().clear(), places_.host().clear();
+  std::vector<lbm::LocalCell> near;
+  std::uint32_t told = 0;
+  for (std::uint32_t n = 0; n < changed.uncovered.size(); ++n) {
+    const std::uint32_t neighbours = cells_.host()[changed.covered.size() + n].neighbours;
+    if (!(neighbours & ChangedCell::at_face)) continue;
+    const CoveredCell& u = changed.uncovered[n];
+    const BlockMap& map = maps[u.block];
+    FaceCell face{n, 0, std::uint32_t(places_.size())};
+    for (int k = 1; k < lbm::D3Q19::directions; ++k) {
+      const Int3 y = u.cell + lbm::D3Q19::c[k];
+      if (!(neighbours >> k & 1) || map.has(y)) continue;
+      face.neighbours |= 1u << k;
+      const Int3 g = domain.wrapped(map.box.lower + y);
+      const lbm::BlockPlace there = domain.block_at(g);
+      const int block = domain.local_index(there, rank);
+      places_.host().push_back(block < 0 ? 2 * told++ : 2 * std::uint32_t(near.size()) + 1);
+      if (block >= 0) near.push_back({block, g - there.box.lower});
+    }
+    faces_.host().push_back(face);
+  }
+  near_.host().resize(near.size());
+  if (near.empty()) return;
+  lbm::passes_on<T>(fluid.device())
+      .gather_moments(fluid.listed(near, listed_near_), near_.make_room(), nullptr);
+}
+
+template <class T>
+ChangedInBlock<T> TurnedCells<T>::in_block(lbm::Fluid<T>& fluid, const Range& range) {
+  return {fluid.listed_block(range.block), cells_.device() + range.first, range.count};
+}
+
+template <class T>
+PassingCells<T> TurnedCells<T>::passing(lbm::Fluid<T>& fluid, const Range& range) {
+  return {in_block(fluid, range), range.sign, masses_.device() + range.first, left_.device()};
+}
+
+template <class T>
+void TurnedCells<T>::refill(lbm::Fluid<T>& fluid, const std::vector<BlockMap>& maps,
+                            const ChangedCells& changed, const rigid::BodySet& bodies,
+                            const rigid::BodySet& gone) {
+  list(fluid, maps, changed), list_faces(fluid, maps, changed);
   const auto& force = fluid.spec().force;
-  list_uncovered(fluid, maps, cells, uncovered);
-  for (std::size_t n = 0; n < cells.uncovered.size(); ++n) {
-    const CoveredCell& u = cells.uncovered[n];
+  momenta_.host().assign(changed.uncovered.size(), {});
+  for (std::size_t n = 0; n < changed.uncovered.size(); ++n) {
+    const CoveredCell& u = changed.uncovered[n];
     for (const rigid::BodySet* set : {&bodies, &gone}) {
       const std::size_t row = u.body ? set->row_of(u.body->id) : set->size();
       if (row >= set->size()) continue;
       const Int3 cell = maps[u.block].box.lower + u.cell;
-      const rigid::Vec3 v = set->velocity_at(row, nearest_arm(domain, set->position[row], cell));
-      for (int d = 0; d < 3; ++d) uncovered.cells.host()[n].momentum[d] = v[d] - 0.5 * force[d];
+      const rigid::Vec3 v = set->velocity_at(row, nearest_arm(fluid.domain(), set->position[row], cell));
+      for (std::size_t d = 0; d < 3; ++d) momenta_.host()[n][d] = v[Eigen::Index(d)] - 0.5 * force[d];
     }
   }
-  const RefillCells<T> pass{fluid.listed(places(cells.uncovered), uncovered.listed), uncovered.cells.send(),
-                            uncovered.told.send(), force};
-  SILT_ON(fluid.device(), refill_cells<T>)(pass);
+  const MomentsElsewhere elsewhere{faces_.send(), std::int64_t(faces_.size()), places_.send(), told_.send(),
+                                   near_.device()};
+  momenta_.send();
+  for (const Range& range : ranges_)
+    if (range.sign < 0) SILT_ON(fluid.device(), refill_cells<T>)
+  ({in_block(fluid, range), range.first - std::uint32_t(changed.covered.size()), momenta_.device(), elsewhere,
+    force});
+  lbm::wait(fluid.device());
 }
-
-template void refill(lbm::Fluid<float>&, const std::vector<BlockMap>&, const ChangedCells&,
-                     const rigid::BodySet&, const rigid::BodySet&, UncoveredCells<float>&);
-template void refill(lbm::Fluid<double>&, const std::vector<BlockMap>&, const ChangedCells&,
-                     const rigid::BodySet&, const rigid::BodySet&, UncoveredCells<double>&);
 
 namespace {
 
@@ -244,65 +280,49 @@ class PassOn {
   std::vector<double> parts_;
 };
 
-/// Returns the neighbours of a cell that were and are fluid, as bits by direction, if all are in its block.
-std::optional<std::uint32_t> neighbours_in_block(const BlockMap& map, Int3 cell) {
-  std::uint32_t found = 0;
-  for (int k = 1; k < lbm::D3Q19::directions; ++k) {
-    const Int3 y = cell + lbm::D3Q19::c[k];
-    if (!map.was_and_is_fluid(y)) continue;
-    if (!map.has(y)) return std::nullopt;
-    found |= 1u << k;
-  }
-  return found;
-}
-
 }  // namespace
 
 template <class T>
-rigid::FixedSum PassedMass<T>::weigh(lbm::Fluid<T>& fluid, const std::vector<BlockMap>& maps,
-                                     const ChangedCells& changed) {
-  inner_.clear(), neighbours_.host().clear(), left_.host().assign(1, 0);
+rigid::FixedSum TurnedCells<T>::weigh(lbm::Fluid<T>& fluid, const std::vector<BlockMap>& maps,
+                                      const ChangedCells& changed) {
   PassOn<T> pass(fluid, maps);
   std::int64_t left = 0;
-  const auto share = [&](const std::vector<CoveredCell>& cells, int sign) {
+  const auto share = [&](const std::vector<CoveredCell>& cells, int sign, std::size_t first) {
     std::vector<CoveredCell> at_faces;
-    for (const CoveredCell& cell : cells)
-      if (const auto neighbours = neighbours_in_block(maps[cell.block], cell.cell))
-        inner_.push_back({cell.block, cell.cell}), neighbours_.host().push_back(*neighbours);
-      else
-        at_faces.push_back(cell);
+    for (std::size_t n = 0; n < cells.size(); ++n)
+      if (cells_.host()[first + n].neighbours & ChangedCell::at_face) at_faces.push_back(cells[n]);
     if (at_faces.empty()) return;
     const std::span<const double> densities = fluid.densities(places(at_faces));
     for (std::size_t n = 0; n < at_faces.size(); ++n)
       left += pass.share(at_faces[n], sign * std::llrint(densities[n] / lbm::excess_quantum<T>));
   };
-  share(changed.covered, +1);
-  const auto covered = std::int64_t(inner_.size());
-  share(changed.uncovered, -1);
+  share(changed.covered, +1, 0), share(changed.uncovered, -1, changed.covered.size());
   others_ = pass.finish();
-  if (!inner_.empty()) {
-    masses_.host().resize(inner_.size());
-    passing_ = {fluid.listed(inner_, listed_), covered, neighbours_.send(), masses_.make_room(),
-                left_.clear()};
-    SILT_ON(fluid.device(), weigh_cells<T>)(passing_);
+  masses_.host().resize(cells_.size()), masses_.make_room();
+  left_.host().assign(1, 0);
+  if (!ranges_.empty()) {
+    left_.clear();
+    for (const Range& range : ranges_) SILT_ON(fluid.device(), weigh_cells<T>)(passing(fluid, range));
     left_.fetch(), lbm::wait(fluid.device());
   }
   return std::llrint(double(left + left_.host()[0]) * lbm::excess_quantum<T> / lbm::mass_quantum);
 }
 
 template <class T>
-void PassedMass<T>::give(lbm::Fluid<T>& fluid) {
+void TurnedCells<T>::give(lbm::Fluid<T>& fluid) {
   fluid.give_masses(others_.cells, others_.masses);
   others_ = {};
-  if (inner_.empty()) return;
-  for (const lbm::LocalCell& cell : inner_) fluid.hold_excess_around(cell);
-  fluid.list_blocks(listed_);  // the excess may be new
-  SILT_ON(fluid.device(), share_masses<T>)(passing_);
+  if (ranges_.empty()) return;
+  for (const Range& range : ranges_)
+    for (std::uint32_t n = range.first; n < range.first + range.count; ++n)
+      if (const auto& [offset, neighbours] = cells_.host()[n]; !(neighbours & ChangedCell::at_face))
+        fluid.hold_excess_around({range.block, fluid.blocks()[range.block].cell_at(offset)});
+  for (const Range& range : ranges_) SILT_ON(fluid.device(), share_masses<T>)(passing(fluid, range));
   lbm::wait(fluid.device());
-  inner_.clear();
+  ranges_.clear();
 }
 
-template class PassedMass<float>;
-template class PassedMass<double>;
+template class TurnedCells<float>;
+template class TurnedCells<double>;
 
 }  // namespace silt::coupler

@@ -31,39 +31,37 @@ std::vector<lbm::LocalCell> places(const std::vector<CoveredCell>&);
 /// Returns the vector from the nearest periodic image of a body's centre of mass to the centre of a cell.
 rigid::Vec3 nearest_arm(const lbm::Domain&, const rigid::Vec3& position, lbm::Int3 global_cell);
 
-/// Uncovered cells, and moments of neighbours in other blocks, as passes read them. Kept to reuse the memory.
-template <class T>
-struct UncoveredCells {
-  Mirror<UncoveredCell> cells;
-  Mirror<lbm::Moments> told;
-  lbm::CellLists<T> listed;
-  explicit UncoveredCells(Device device) : cells(device), told(device), listed(device) {}
-};
-
-/// Sets uncovered cells to the mean density of their neighbours, the body's velocity at the cell, and the
-/// mean non-equilibrium flux of momentum, g_i = g_i^eq + 9/2 w_i (c.Pi.c - tr Pi/3). Cells of a removed body
-/// take its velocity, cells without a fluid neighbour the reference density. Collective over ranks of
-/// neighbouring blocks.
-template <class T>
-void refill(lbm::Fluid<T>&, const std::vector<BlockMap>&, const ChangedCells&, const rigid::BodySet&,
-            const rigid::BodySet& gone, UncoveredCells<T>&);
-
 /// Masses for cells of this rank, in quanta of lbm/blocks/excess.hpp.
 struct MassShares {
   std::vector<lbm::LocalCell> cells;
   std::vector<std::int64_t> masses;
 };
 
-/// The mass that cells which turn solid or fluid pass on: a covered cell gives its density deviation to the
-/// fluid around it, and an uncovered cell takes it from there (method.md, equations 46 and 47), so that
-/// moving bodies conserve mass with any sides. A device handles cells with all fluid neighbours in their own
-/// block; the processor handles the others, which have neighbours on any rank.
+/// What happens to the cells of this rank that a mapping has changed: passes list them once, as offsets in
+/// their block. The processor handles what crosses faces of blocks.
 template <class T>
-class PassedMass {
+class TurnedCells {
  public:
-  explicit PassedMass(Device device) : neighbours_(device), masses_(device), left_(device), listed_(device) {}
+  explicit TurnedCells(Device device)
+      : cells_(device),
+        momenta_(device),
+        faces_(device),
+        places_(device),
+        told_(device),
+        near_(device),
+        listed_near_(device),
+        masses_(device),
+        left_(device) {}
 
-  /// Weighs the cells that changed. Call after refill(), before covered cells change. Returns the mass, in
+  /// Sets uncovered cells to the mean density of their neighbours, the body's velocity at the cell, and the
+  /// mean non-equilibrium flux of momentum, g_i = g_i^eq + 9/2 w_i (c.Pi.c - tr Pi/3). Cells of a removed
+  /// body take its velocity, cells without a fluid neighbour the reference density. Collective over ranks of
+  /// neighbouring blocks.
+  void refill(lbm::Fluid<T>&, const std::vector<BlockMap>&, const ChangedCells&, const rigid::BodySet&,
+              const rigid::BodySet& gone);
+  /// Weighs the mass that cells pass on: a covered cell gives its density deviation to the fluid around it,
+  /// and an uncovered cell takes it from there (method.md, equations 46 and 47), so that moving bodies
+  /// conserve mass with any sides. Call after refill(), before covered cells change. Returns the mass, in
   /// lbm::mass_quantum, of cells without a fluid neighbour. Collective over neighbour ranks.
   rigid::FixedSum weigh(lbm::Fluid<T>&, const std::vector<BlockMap>&, const ChangedCells&);
   /// Gives the masses to the neighbours, once: after the collision, since their sum with an older excess
@@ -71,12 +69,25 @@ class PassedMass {
   void give(lbm::Fluid<T>&);
 
  private:
-  std::vector<lbm::LocalCell> inner_;  // covered, then uncovered: all fluid neighbours are in the block
-  Mirror<std::uint32_t> neighbours_;
+  /// Covered (sign 1) or uncovered (-1) cells of a block.
+  struct Range {
+    int block, sign;
+    std::uint32_t first, count;  // in cells_
+  };
+  void list(lbm::Fluid<T>&, const std::vector<BlockMap>&, const ChangedCells&);
+  void list_faces(lbm::Fluid<T>&, const std::vector<BlockMap>&, const ChangedCells&);
+  ChangedInBlock<T> in_block(lbm::Fluid<T>&, const Range&);
+  PassingCells<T> passing(lbm::Fluid<T>&, const Range&);
+
+  Mirror<ChangedCell> cells_;  // covered, then uncovered, each block by block
+  std::vector<Range> ranges_;  // empty once masses were given
+  Mirror<std::array<double, 3>> momenta_;
+  Mirror<FaceCell> faces_;  // this and the next four: MomentsElsewhere
+  Mirror<std::uint32_t> places_;
+  Mirror<lbm::Moments> told_, near_;
+  lbm::CellLists<T> listed_near_;
   Mirror<std::int64_t> masses_, left_;
-  lbm::CellLists<T> listed_;
-  PassingCells<T> passing_{};
-  MassShares others_;
+  MassShares others_;  // of cells with neighbours in other blocks
 };
 
 }  // namespace silt::coupler

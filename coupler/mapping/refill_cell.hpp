@@ -1,5 +1,6 @@
 #pragma once
-// The pass that sets the populations of cells that a body has left.
+// Passes over cells that turned solid or fluid: the populations of those that a body has left, and the mass
+// that they pass on.
 #include <array>
 #include <cstdint>
 
@@ -9,11 +10,46 @@
 
 namespace silt::coupler {
 
-/// An uncovered cell: its neighbours that were and are fluid, as bits by direction, and those in other
-/// blocks, whose moments are in `told` from first_told on.
-struct UncoveredCell {
-  std::uint32_t neighbours = 0, elsewhere = 0, first_told = 0;
-  double momentum[3] = {};  // of the surface there, less half the force
+/// A cell that turned solid or fluid: its offset in the block, and its neighbours that were and are fluid, as
+/// bits by direction.
+struct ChangedCell {
+  static constexpr std::uint32_t at_face = 1;  // in `neighbours`: one of them is in another block
+  std::uint32_t offset, neighbours;
+};
+
+/// Such cells of one block.
+template <class T>
+struct ChangedInBlock {
+  typename lbm::ListedCells<T>::Block block;
+  const ChangedCell* cells;
+  std::int64_t count;
+};
+
+/// Neighbours in other blocks of an uncovered cell, as bits by direction; their moments are at places
+/// (MomentsElsewhere) from first_place on.
+struct FaceCell {
+  std::uint32_t cell, neighbours, first_place;
+};
+
+/// The moments of neighbours in other blocks: of this rank, computed by a pass; of other ranks, as they told.
+struct MomentsElsewhere {
+  const FaceCell* cells;  // in the order of `cell`
+  std::int64_t count;
+  const std::uint32_t* places;  // 2 n: the n-th that was told; 2 n + 1: the n-th of this rank
+  const lbm::Moments *told, *near;
+
+  SILT_DEVICE const FaceCell& of(std::uint32_t cell) const {
+    std::int64_t first = 0, end = count;
+    while (end - first > 1) {
+      const std::int64_t middle = (first + end) / 2;
+      (cells[middle].cell <= cell ? first : end) = middle;
+    }
+    return cells[first];
+  }
+  SILT_DEVICE const lbm::Moments& operator[](std::uint32_t k) const {
+    const std::uint32_t place = places[k];
+    return (place & 1 ? near : told)[place >> 1];
+  }
 };
 
 /// Means over neighbours of the density and of the flux of momentum off equilibrium, sum c c (g - g_eq).
@@ -49,52 +85,55 @@ class NeighbourMeans {
 /// Sets the populations that arrive at uncovered cells; no uncovered cell is read for another.
 template <class T>
 struct RefillCells {
-  lbm::ListedCells<T> listed;
-  const UncoveredCell* uncovered;
-  const lbm::Moments* told;
+  ChangedInBlock<T> of;
+  std::uint32_t first;                   // number of the first of them among all uncovered cells
+  const std::array<double, 3>* momenta;  // of the surface at each of all, less half the force
+  MomentsElsewhere elsewhere;
   std::array<double, 3> force;
 
   static constexpr int ahead = 2;
   void fetch(std::int64_t k) const {
-    const auto& block = listed.block_of(k);
-    for (const std::ptrdiff_t step : block.step)
-      for (const std::ptrdiff_t arriving : block.arriving) prefetch_to_read(listed.data(k) + step + arriving);
+    for (const std::ptrdiff_t step : of.block.step)
+      for (const std::ptrdiff_t arriving : of.block.arriving)
+        prefetch_to_read(of.block.data + of.cells[k].offset + step + arriving);
   }
-  SILT_DEVICE void operator()(std::int64_t k) const {
-    const auto& block = listed.block_of(k);
-    const UncoveredCell& cell = uncovered[k];
-    T* const data = listed.data(k);
-    const T* g[lbm::D3Q19::directions];
-    for (int i = 0; i < lbm::D3Q19::directions; ++i) g[i] = data + block.arriving[i];
-    lbm::ExcessQuanta<T>* const excess = listed.excess(k);
-    const auto moments_at = [&](std::ptrdiff_t step) {
-      return excess ? lbm::moments_of<T>(g, step, excess[step], block.stress_share)
-                    : lbm::moments_of<T>(g, step);
-    };
-    const lbm::Moments* next = told + cell.first_told;
+  SILT_DEVICE NeighbourMeans means_around(std::int64_t k) const {
+    const auto& [offset, neighbours] = of.cells[k];
+    const auto cell = first + std::uint32_t(k);
+    const FaceCell face = neighbours & ChangedCell::at_face ? elsewhere.of(cell) : FaceCell{};
+    std::uint32_t next = face.first_place;
     NeighbourMeans means;
     for (int i = 1; i < lbm::D3Q19::directions; ++i)
-      if (cell.neighbours >> i & 1)
-        means.add(cell.elsewhere >> i & 1 ? *next++ : moments_at(block.step[i]), force);
+      if (neighbours >> i & 1)
+        means.add(face.neighbours >> i & 1 ? elsewhere[next++]
+                                           : of.block.moments_at(offset + std::uint32_t(of.block.step[i])),
+                  force);
     means.finish();
+    return means;
+  }
+  SILT_DEVICE void operator()(std::int64_t k) const {
+    T* const data = of.block.data + of.cells[k].offset;
+    double momentum[3];
+    for (int d = 0; d < 3; ++d) momentum[d] = momenta[first + k][std::size_t(d)];
+    const NeighbourMeans means = means_around(k);
     lbm::for_directions<lbm::D3Q19, 0>([&](auto i) {
       constexpr lbm::Int3 c = lbm::D3Q19::c[i()];
-      const double arriving = lbm::equilibrium(c, lbm::D3Q19::w(i()), means.density, cell.momentum) +
+      const double arriving = lbm::equilibrium(c, lbm::D3Q19::w(i()), means.density, momentum) +
                               means.grad_part(c, lbm::D3Q19::w(i()));
-      data[block.arriving[i()]] = T(arriving);
+      data[of.block.arriving[i()]] = T(arriving);
     });
-    if (excess) *excess = 0;
+    if (of.block.excess) of.block.excess[of.cells[k].offset] = 0;
   }
 };
 
-/// Cells that pass their mass on to neighbours in their block that were and are fluid, as bits by direction.
-/// The first `covered` of them give it away, the others take it.
+/// Cells that pass their mass on to their neighbours that were and are fluid: covered cells give it away,
+/// uncovered ones take it. Those with neighbours in other blocks do nothing.
 template <class T>
 struct PassingCells {
-  lbm::ListedCells<T> listed;
-  std::int64_t covered;
-  const std::uint32_t* neighbours;
-  std::int64_t *masses, *left;  // in quanta of lbm/blocks/excess.hpp; `left`: of cells without a neighbour
+  ChangedInBlock<T> of;
+  int sign;              // -1: they take it
+  std::int64_t* masses;  // this and the next in quanta of lbm/blocks/excess.hpp
+  std::int64_t* left;    // of all cells without a neighbour
 };
 
 SILT_DEVICES(template <class T> void refill_cells(const RefillCells<T>&);

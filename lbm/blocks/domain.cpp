@@ -1,7 +1,6 @@
 #include "lbm/blocks/domain.hpp"
 
 #include <algorithm>
-#include <cstdlib>
 #include <set>
 #include <stdexcept>
 #include <string>
@@ -52,28 +51,6 @@ Int3 Domain::wrapped(Int3 x) const {
 
 bool Domain::inside(Int3 x) const {
   return CellBox{{}, cells()}.contains(x);
-}
-
-Int3 Domain::walls_met(Int3 x) const {
-  Int3 walls{0, 0, 0};
-  for (int d = 0; d < 3; ++d) {
-    if (periodic(d) || (x[d] >= 0 && x[d] < cells()[d])) continue;
-    const bool upper = x[d] >= cells()[d];
-    if (side(d, upper).kind == SideKind::bounce) walls[d] = upper ? 1 : -1;
-  }
-  return walls;
-}
-
-double Domain::wall_velocity_along(Int3 walls, Int3 along) const {
-  const bool edge = std::abs(walls.x) + std::abs(walls.y) + std::abs(walls.z) > 1;
-  double cu = 0;
-  for (int d = 0; d < 3; ++d) {
-    if (walls[d] == 0) continue;
-    const auto& u = side(d, walls[d] > 0).velocity;
-    for (int e = 0; e < 3; ++e)
-      if (!edge || e == d) cu += along[e] * u[e];
-  }
-  return cu;
 }
 
 std::vector<int> Domain::blocks_meeting(const CellBox& box) const {

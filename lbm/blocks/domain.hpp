@@ -64,12 +64,11 @@ class Domain {
   Int3 wrapped(Int3 cell) const;
   bool inside(Int3 cell) const;
   /// Returns the bouncing sides behind which a cell lies, per axis: -1 (low), 1 (high) or 0.
-  Int3 walls_met(Int3 cell) const;
-  /// Returns c_j . u of a population (along: c_j) that meets these walls (from walls_met()). At an edge only
-  /// the component of a wall's velocity normal to the wall counts, so the corner is at rest. With the full
-  /// velocity of the lid, the jets of a lid-driven square of 65 cells at Reynolds number 1000 are 10 % too
-  /// weak.
-  double wall_velocity_along(Int3 walls, Int3 along) const;
+  Int3 walls_met(Int3 cell) const { return lbm::walls_met(sides_, cells(), cell); }
+  /// Returns c_j . u of a population (along: c_j) that meets these walls.
+  double wall_velocity_along(Int3 walls, Int3 along) const {
+    return lbm::wall_velocity_along(sides_, walls, along);
+  }
   /// Calls visit(BlockPlace) for every block of this level that overlaps a box, or the runs of the three
   /// axes; more than once if a run continues at the beginning of a periodic axis.
   template <class Visit>

@@ -3,6 +3,7 @@
 #include <array>
 
 #include "cpu/device_code.hpp"
+#include "lbm/blocks/lattice.hpp"
 
 namespace silt::lbm {
 
@@ -26,6 +27,35 @@ struct SideCondition {
     return is_outlet(kind) || (kind == SideKind::bounce && velocity[axis] != 0);
   }
 };
+
+/// Returns the bouncing sides of a box of `cells` behind which a cell lies, per axis: -1 (low), 1 (high) or
+/// 0.
+SILT_DEVICE inline Int3 walls_met(const std::array<SideCondition, 6>& sides, Int3 cells, Int3 x) {
+  Int3 walls{0, 0, 0};
+  for (int d = 0; d < 3; ++d) {
+    if (x[d] >= 0 && x[d] < cells[d]) continue;
+    const bool upper = x[d] >= cells[d];
+    if (sides[std::size_t(2 * d + upper)].kind == SideKind::bounce) walls[d] = upper ? 1 : -1;
+  }
+  return walls;
+}
+
+/// Returns c_j . u of a population (along: c_j) that meets these walls (from walls_met()). At an edge only
+/// the component of a wall's velocity normal to the wall counts, so the corner is at rest. With the full
+/// velocity of the lid, the jets of a lid-driven square of 65 cells at Reynolds number 1000 are 10 % too
+/// weak.
+SILT_DEVICE inline double wall_velocity_along(const std::array<SideCondition, 6>& sides, Int3 walls,
+                                              Int3 along) {
+  const bool edge = (walls.x != 0) + (walls.y != 0) + (walls.z != 0) > 1;
+  double cu = 0;
+  for (int d = 0; d < 3; ++d) {
+    if (walls[d] == 0) continue;
+    const std::array<double, 3>& u = sides[std::size_t(2 * d + (walls[d] > 0))].velocity;
+    for (int e = 0; e < 3; ++e)
+      if (!edge || e == d) cu += along[e] * u[std::size_t(e)];
+  }
+  return cu;
+}
 
 /// A population that left a cell of velocity u along c_j through an outlet, which returns one along -c_j.
 struct LeftThroughOutlet {

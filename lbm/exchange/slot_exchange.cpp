@@ -12,11 +12,17 @@
 namespace silt::lbm {
 
 template <class T>
-void SlotExchange<T>::clear() {
-  is_sent_ = false;
-  copied_.clear();
+bool SlotExchange<T>::is_direct(int rank) const {
+  return device_ != Device::cpu && (rank == here_ || std::ranges::count(sharing_, rank) > 0);
+}
+
+template <class T>
+void SlotExchange<T>::clear(bool keep_direct) {
+  const auto keeps = [&](int rank) { return keep_direct && is_direct(rank); };
+  if (!keeps(here_)) copied_.clear();
   for (auto& [rank, peer] : peers_)
-    for (SlotList& list : peer.list) list.clear();
+    if (!keeps(rank))
+      for (SlotList& list : peer.list) list.clear();
 }
 
 /// Returns where to pack values that the other rank's device takes from there.
@@ -86,8 +92,6 @@ void SlotExchange<T>::finish(std::span<const T* const> sources, std::span<T* con
 
 template <class T>
 void SlotExchange<T>::send_lists() {
-  if (is_sent_) return;
-  is_sent_ = true;
   copied_.send();
   for (auto& [rank, peer] : peers_)
     for (SlotList& list : peer.list) list.send();

@@ -16,6 +16,7 @@
 #include "device/device.hpp"
 #include "device/exported_memory.hpp"
 #include "lbm/passes/slot_lists.hpp"
+#include "parallel/communicator.hpp"
 #include "parallel/messages.hpp"
 
 namespace silt::lbm {
@@ -34,11 +35,15 @@ class SlotExchange {
   SlotExchange(MPI_Comm comm, int tag, Device device = Device::cpu)
       : SlotExchange(comm, tag, device, ranks_that_share(comm, device)) {}
   SlotExchange(MPI_Comm comm, int tag, Device device, std::vector<int> sharing)
-      : device_(device), sharing_(std::move(sharing)), copied_(device), transfers_(comm, tag) {}
+      : device_(device),
+        here_(parallel::rank_of(comm)),
+        sharing_(std::move(sharing)),
+        copied_(device),
+        transfers_(comm, tag) {}
 
   /// The lists of slots to copy on this rank, to send, and to receive. In an exchange backwards the received
   /// slots are sent and the sent slots received.
-  SlotPairs& copied() { return is_sent_ = false, copied_; }
+  SlotPairs& copied() { return copied_; }
   SlotList& sent(int rank) { return peer(rank).list[0]; }
   SlotList& received(int rank) { return peer(rank).list[1]; }
   /// Lists a run that is copied from one rank to another, one of which is `here`.
@@ -52,7 +57,10 @@ class SlotExchange {
   }
   /// Lets finish() send the message to this rank, since its slots are not written before start().
   void hold_back(int rank) { peer(rank).early = false; }
-  void clear();
+  /// Returns whether values to or from a rank, maybe this one, go from device to device, past the processors.
+  bool is_direct(int rank) const;
+  /// Clears the lists, or only those of values that are not direct.
+  void clear(bool keep_direct = false);
   /// Copies changed lists to the device; start() does so if this was not called.
   void send_lists();
 
@@ -87,14 +95,13 @@ class SlotExchange {
   };
 
   Peer& peer(int rank) {
-    is_sent_ = false;
     return peers_.try_emplace(rank, device_, std::ranges::count(sharing_, rank) > 0).first->second;
   }
   void send(std::span<const T* const> sources, bool back, bool early);
 
   Device device_;
+  int here_;                  // this rank
   std::vector<int> sharing_;  // ranks
-  bool is_sent_ = false;      // the device has the present lists
   SlotPairs copied_;
   std::map<int, Peer> peers_;  // by rank
   parallel::Transfers transfers_;

@@ -25,22 +25,23 @@ struct ListedCells {
     T* data;
     ExcessQuanta<T>* excess;
     T stress_share;
+    /// Returns the excess of a cell; null if the block has none.
+    SILT_DEVICE ExcessQuanta<T>* excess_at(std::uint32_t offset) const {
+      return excess ? excess + offset : nullptr;
+    }
+    SILT_DEVICE Moments moments_at(std::uint32_t offset) const {
+      const T* g[D3Q19::directions];
+      for (int i = 0; i < D3Q19::directions; ++i) g[i] = data + offset + arriving[i];
+      return excess ? moments_of<T>(g, 0, excess[offset], stress_share) : moments_of<T>(g, 0);
+    }
   };
   const Cell* cells;
   std::int64_t count;
   const Block* blocks;
   SILT_DEVICE const Block& block_of(std::int64_t k) const { return blocks[cells[k].block]; }
   SILT_DEVICE T* data(std::int64_t k) const { return block_of(k).data + cells[k].offset; }
-  /// Returns the excess of a cell; null if its block has none.
-  SILT_DEVICE ExcessQuanta<T>* excess(std::int64_t k) const {
-    return block_of(k).excess ? block_of(k).excess + cells[k].offset : nullptr;
-  }
-  SILT_DEVICE Moments moments(std::int64_t k) const {
-    const Block& block = block_of(k);
-    const T* g[D3Q19::directions];
-    for (int i = 0; i < D3Q19::directions; ++i) g[i] = data(k) + block.arriving[i];
-    return block.excess ? moments_of<T>(g, 0, *excess(k), block.stress_share) : moments_of<T>(g, 0);
-  }
+  SILT_DEVICE ExcessQuanta<T>* excess(std::int64_t k) const { return block_of(k).excess_at(cells[k].offset); }
+  SILT_DEVICE Moments moments(std::int64_t k) const { return block_of(k).moments_at(cells[k].offset); }
 };
 
 /// The arrays of ListedCells.

@@ -42,6 +42,7 @@ class SlotPairs {
 
   /// Adds a pair of runs; returns whether it was joined to the last pair.
   bool add(const SlotRun& from, const SlotRun& to, bool may_join = true) {
+    is_sent_ = false;
     std::pmr::vector<Pair>& all = list_.host();
     may_join &= !all.empty() && all.back().from.goes_on_with(from) && all.back().to.goes_on_with(to);
     if (may_join)
@@ -50,14 +51,18 @@ class SlotPairs {
       all.push_back({from, to});
     return may_join;
   }
-  void clear() { list_.host().clear(); }
+  void clear() { list_.host().clear(), is_sent_ = false; }
   const std::pmr::vector<Pair>& pairs() const { return list_.host(); }
-  /// Copies the list to the device. Call after a change, before values are copied.
-  void send() { list_.send(); }
+  /// Copies the list to the device if it has changed. Call before values are copied.
+  void send() {
+    if (!is_sent_) list_.send();
+    is_sent_ = true;
+  }
   const Pair* device() const { return list_.device(); }
 
  private:
   Mirror<Pair> list_;
+  bool is_sent_ = false;
 };
 
 /// Runs of slots in the order in which they were added, which is their order in a message.

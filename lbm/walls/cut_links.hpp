@@ -76,6 +76,7 @@ struct SurfaceFrame {
   double offset[3];
   double reach;  // largest distance of a link's cell from the reference point
   bool whole;    // all links of the surface are inner groups of this block
+  bool operator==(const SurfaceFrame&) const = default;
 };
 
 /// The links of one surface in one block: 4 + sizeof(T) bytes per link, 4 + 2 sizeof(T) if the surface moves.
@@ -148,6 +149,7 @@ struct LinkSlots {
   std::int32_t back[32] = {};        // f_opp(x, t + 1), which the surface returns
   std::int32_t step[32] = {};        // offset of x + c_i from x
   std::int32_t components[32] = {};  // silt::lbm::components, in memory of the device
+  bool operator==(const LinkSlots&) const = default;
 };
 /// The largest block for which 32-bit offsets reach 9 directions from the middle.
 inline constexpr std::int64_t most_cells_with_links = 220'000'000;

@@ -1,6 +1,7 @@
 #include "lbm/walls/device_links.hpp"
 
 #include <algorithm>
+#include <bit>
 
 #include "lbm/passes/passes.hpp"
 
@@ -8,30 +9,19 @@ namespace silt::lbm {
 
 template <class T>
 void DeviceLinks<T>::clear() {
-  surfaces_.host().clear(), steps_.host().clear(), first_group_.host().clear();
-  gaps_.host().clear(), walls_.host().clear(), side_velocities_.host().clear();
-  group_count_ = 0, is_listed_ = has_crossings_ = false;
+  surfaces_.host().clear(), steps_.host().clear();
+  group_count_ = 0, gap_links_ = 0, is_listed_ = has_crossings_ = false;
 }
 
 template <class T>
-void DeviceLinks<T>::add(const DeviceSurface<T>* surface, std::span<const LinkGroup> groups) {
-  surfaces_.host().push_back(surface);
-  steps_.host().resize(surfaces_.size());
-  first_group_.host().push_back(group_count_);
-  group_count_ += std::uint32_t(groups.size());
-  for (const LinkGroup& group : groups) has_crossings_ |= group.crossing;
-}
-
-template <class T>
-void DeviceLinks<T>::add(const OppositeLink<T>& link) {
-  std::uint32_t number = link.number;
-  if (link.other < 0) {
-    std::pmr::vector<T>& all = side_velocities_.host();
-    const auto found = std::find(all.begin(), all.end(), link.side_velocity);
-    number = std::uint32_t(found - all.begin());
-    if (found == all.end()) all.push_back(link.side_velocity);
-  }
-  walls_.host().push_back({link.other, number, link.at_side});
+void DeviceLinks<T>::add(const DeviceSurface<T>* surface, const CutLinks<T>& links, bool same_body) {
+  constexpr std::uint32_t no_body = ListedSurface<T>::no_body;
+  if (!same_body) body_ = no_body;
+  if (body_ == no_body && !links.groups.empty())
+    body_ = std::uint32_t(steps_.size()), steps_.host().emplace_back();
+  surfaces_.host().push_back({surface, group_count_, links.groups.empty() ? no_body : body_});
+  group_count_ += std::uint32_t(links.groups.size()), gap_links_ += links.opposite_q.size();
+  for (const LinkGroup& group : links.groups) has_crossings_ |= group.crossing;
 }
 
 template <class T>
@@ -45,37 +35,63 @@ LinkPass<T> DeviceLinks<T>::pass_over(Block<T>& block) {
           std::int32_t(block.row_stride()),
           std::int32_t(block.plane_stride()),
           block.excess(),
-          slots_.device(),
+          slots_.device() + slots_in_use_,
           {},
           surfaces_.device(),
           steps_.device(),
-          increments_.device(),
+          {increments_.device(), increments_.size()},
           sums_.device(),
           nullptr,
           false};
 }
 
-/// Lists the groups of all surfaces, and sends the walls behind links, if either has changed.
+/// Sends the surfaces, and makes room for their lists.
 template <class T>
-void DeviceLinks<T>::list_groups() {
+void DeviceLinks<T>::make_room() {
+  surfaces_.send();
+  groups_.clear(), groups_.resize(group_count_);
+  lines_.clear(), lines_.resize(gap_links_ == 0 ? 0 : std::bit_ceil(2 * gap_links_));
+}
+
+/// Lists the groups of all surfaces, and the lines in gaps, if surfaces have changed.
+template <class T>
+void DeviceLinks<T>::list_groups(const LinkPass<T>& pass) {
   if (is_listed_) return;
   is_listed_ = true;
-  gaps_.send(), walls_.send(), side_velocities_.send(), surfaces_.send();
-  groups_.clear(), groups_.resize(group_count_);
-  passes().list_groups({surfaces_.device(), surfaces_.size()}, first_group_.send(), groups_.data());
+  passes().list_groups({surfaces_.device(), surfaces_.size()}, groups_.data());
+  if (gap_links_ == 0) return;
+  clear_in_turn(device_, lines_.data(), lines_.size() * sizeof lines_[0]);
+  passes().pair_gaps(groups_, pass, table());
 }
 
 template <class T>
-void DeviceLinks<T>::apply(Block<T>& block, const WallFluid<T>& fluid, const LinkSlots& slots,
-                           const BeyondPair<T>* pairs_across, ForceForm form) {
+LinesInGaps DeviceLinks<T>::table() {
+  return {lines_.data(), int(std::bit_width(lines_.size())) - 1};
+}
+
+/// Sends the slots unless the device has them from an earlier step.
+template <class T>
+void DeviceLinks<T>::take_slots(const LinkSlots& slots) {
+  std::pmr::vector<LinkSlots>& known = slots_.host();
+  slots_in_use_ = std::size_t(std::ranges::find(known, slots) - known.begin());
+  if (slots_in_use_ < known.size()) return;
+  if (known.size() == 2) known.clear(), slots_in_use_ = 0;
+  known.push_back(slots), slots_.send();
+}
+
+template <class T>
+void DeviceLinks<T>::apply(Block<T>& block, const Domain& domain, const WallFluid<T>& fluid,
+                           const LinkSlots& slots, const BeyondPair<T>* pairs_across, ForceForm form) {
   if (size() == 0) return;
-  sums_.host().resize(surfaces_.size());
-  sums_.clear(), slots_.host().assign(1, slots), slots_.send(), steps_.send();
-  list_groups();
+  sums_.host().resize(bodies());
+  sums_.clear(), steps_.send(), take_slots(slots);
+  if (!is_listed_) make_room();
   LinkPass<T> pass = pass_over(block);
+  list_groups(pass);
   pass.fluid = fluid, pass.pairs_across = pairs_across;
   pass.galilean = form == ForceForm::galilean;
-  passes().set_opposites({gaps_.device(), gaps_.size(), walls_.device(), side_velocities_.device()}, pass);
+  if (gap_links_ > 0)
+    passes().set_opposites(groups_, pass, {table(), domain.sides(), domain.cells(), block.box().lower});
   passes().apply(groups_, pass);
   // last, since other links read what crossing links write
   if (has_crossings_) passes().apply_crossing(groups_, pass);
@@ -85,7 +101,7 @@ void DeviceLinks<T>::apply(Block<T>& block, const WallFluid<T>& fluid, const Lin
 
 template <class T>
 void DeviceLinks<T>::correct(Block<T>& block, std::span<const SurfaceIncrement> increments) {
-  if (size() == 0) return;
+  if (increments.empty()) return;
   increments_.host().assign(increments.begin(), increments.end()), increments_.send();
   passes().correct(groups_, pass_over(block));
   wait(device_);

@@ -1,10 +1,12 @@
 #pragma once
-// The cut links of a block for a device: all groups of the block in one list, one team of threads per group,
-// and the input and sums of each surface in a step.
+// The cut links of a block for a device: all groups of the block in one list, one team of threads per group.
+// The input of a step and its sums are one for each body, whose periodic images are surfaces.
+#include <array>
 #include <cstdint>
 #include <span>
 
 #include "device/mirror.hpp"
+#include "lbm/blocks/domain.hpp"
 #include "lbm/walls/cut_links.hpp"
 
 namespace silt::lbm {
@@ -13,14 +15,14 @@ namespace silt::lbm {
 template <class T>
 struct DeviceSurface {
   SurfaceFrame frame;
-  const LinkGroup* groups;
+  LinkGroup* groups;
   std::uint32_t group_count;
-  const std::uint32_t *place, *across;
-  const T *q, *rate;
-  T *opposite_q, *opposite_u;
+  std::uint32_t *place, *across;
+  T *q, *rate, *opposite_q, *opposite_u;
+  bool operator==(const DeviceSurface&) const = default;
 };
 template <class T>
-DeviceSurface<T> device_surface(CutLinks<T>& links, const LinkGroup* groups) {
+DeviceSurface<T> device_surface(CutLinks<T>& links, LinkGroup* groups) {
   const auto first = [](auto& values) { return values.empty() ? nullptr : values.data(); };
   return {links.frame,
           groups,
@@ -33,15 +35,24 @@ DeviceSurface<T> device_surface(CutLinks<T>& links, const LinkGroup* groups) {
           first(links.opposite_u)};
 }
 
-/// A surface in the current step: its motion, and the age of its wall distances.
+/// A surface of the block. Those of one body, with one number `body`, follow one another.
+template <class T>
+struct ListedSurface {
+  static constexpr std::uint32_t no_body = ~0u;  // of a surface without links
+  const DeviceSurface<T>* record;
+  std::uint32_t first_group, body;  // the former among the groups of all surfaces
+};
+
+/// The surfaces of a body in the current step: their motion, and the age of their wall distances.
 template <class T>
 struct SurfaceStep {
   SurfaceMotion motion;
   T age;
 };
-/// The increment of a surface's velocity in a correction; all zero: its links are left as they are.
+/// The increment of a body's velocity in a correction.
 struct SurfaceIncrement {
   double v[3] = {}, omega[3] = {};
+  std::uint32_t body = 0;
 };
 
 struct GroupOfSurface {
@@ -82,23 +93,37 @@ SILT_DEVICE void set_opposite(const OppositeLink<T>& link, Int3 along, const Sur
   own.opposite_q[link.place] = q, own.opposite_u[link.place] = velocity;
 }
 
-/// The wall behind a link as a device is told, which knows the link from its group. `number`: of the opposite
-/// link if there is a surface, else of the velocity of the side.
-struct WallBehind {
-  std::int32_t other;  // index of the opposite surface; -1: none
-  std::uint32_t number : 31, at_side : 1;
+/// Returns a key, not 0, common to the links along c_i and against it from a cell, which may lie outside the
+/// block, and unique in blocks below 2^18 cells per edge.
+SILT_DEVICE inline std::uint64_t key_of_line(Int3 cell, int direction) {
+  const auto part = [](int x) {
+    const int shifted = x + (1 << 18);
+    return std::uint64_t(shifted);
+  };
+  const int pair = (direction - 1) / 2;  // opposites are neighbours
+  return ((part(cell.z) << 19 | part(cell.y)) << 19 | part(cell.x)) << 4 | std::uint64_t(pair);
+}
+/// Returns where to look for a key in a table of 2^log_size entries: there, or in the next ones, cyclically.
+SILT_DEVICE inline std::size_t first_place(std::uint64_t key, int log_size) {
+  constexpr std::uint64_t golden = 0x9e3779b97f4a7c15;
+  return key * golden >> (64 - log_size);
+}
+
+/// The links of `single_cell_gap` along one line through a cell, the first of which has an odd direction:
+/// their surfaces, plus 1, or 0 if there is none, and their indices in q.
+struct LineInGap {
+  std::uint64_t key;  // 0: no line
+  std::uint32_t surface[2], number[2];
 };
-/// A group of `single_cell_gap` links, and the first of its walls behind.
-struct GapGroup {
-  GroupOfSurface group;
-  std::uint32_t first;
+struct LinesInGaps {
+  LineInGap* lines;  // a hash table
+  int log_size;
 };
-template <class T>
+/// What a pass needs to set the OppositeWall of links: where they meet, and the sides of the domain.
 struct OppositesToSet {
-  const GapGroup* groups;
-  std::size_t group_count;
-  const WallBehind* walls;
-  const T* side_velocities;
+  LinesInGaps table;
+  std::array<SideCondition, 6> sides;
+  Int3 cells, lower;  // of the domain; the first cell of the block
 };
 
 template <class T>
@@ -115,42 +140,46 @@ class DeviceLinks {
 
   /// Removes all surfaces. Those added next must stay in memory_of the device.
   void clear();
-  void add(const DeviceSurface<T>*, std::span<const LinkGroup>);
-  /// Adds a group of links that know the wall behind them, and then each of its links in turn.
-  void add_gaps(const GroupOfSurface& group) {
-    gaps_.host().push_back({group, std::uint32_t(walls_.size())});
-  }
-  void add(const OppositeLink<T>&);
+  /// Adds a surface of the same body as the one before, or of another one; only bodies with links have a
+  /// number.
+  void add(const DeviceSurface<T>*, const CutLinks<T>&, bool same_body);
   std::size_t size() const { return surfaces_.size(); }  // number of surfaces
+  std::size_t bodies() const { return steps_.size(); }
+  std::uint32_t body(std::size_t surface) const { return surfaces_.host()[surface].body; }
 
-  /// Sets the motion of surface k in the next step, and the age of its wall distances.
-  void set_motion(std::size_t k, const SurfaceMotion& motion, T age) { steps_.host()[k] = {motion, age}; }
+  /// Sets the motion of a body in the next step, and the age of its wall distances.
+  void set_motion(std::uint32_t body, const SurfaceMotion& motion, T age) {
+    steps_.host()[body] = {motion, age};
+  }
   /// Writes the populations that links return, adds to their cells' excess, sums force and torque.
-  void apply(Block<T>&, const WallFluid<T>&, const LinkSlots&, const BeyondPair<T>* pairs_across, ForceForm);
-  const LinkSums& sums(std::size_t k) const { return sums_.host()[k]; }
+  void apply(Block<T>&, const Domain&, const WallFluid<T>&, const LinkSlots&,
+             const BeyondPair<T>* pairs_across, ForceForm);
+  const LinkSums& sums(std::uint32_t body) const { return sums_.host()[body]; }
 
-  /// Corrects the populations that surfaces returned, for an increment of the velocity of each; after
-  /// apply().
+  /// Corrects the populations that surfaces of some bodies, in order, returned for an increment of their
+  /// velocity; after apply().
   void correct(Block<T>&, std::span<const SurfaceIncrement>);
 
  private:
   const LinkPasses<T>& passes() const;
   LinkPass<T> pass_over(Block<T>&);
-  void list_groups();
+  void make_room();
+  void list_groups(const LinkPass<T>&);
+  LinesInGaps table();
+  void take_slots(const LinkSlots&);
 
   Device device_;
-  Mirror<const DeviceSurface<T>*> surfaces_{device_};
-  Mirror<SurfaceStep<T>> steps_{device_};  // this and the next two: per surface
+  Mirror<ListedSurface<T>> surfaces_{device_};
+  Mirror<SurfaceStep<T>> steps_{device_};  // this and the next two: per body
   Mirror<SurfaceIncrement> increments_{device_};
   Mirror<LinkSums> sums_{device_};
-  Mirror<std::uint32_t> first_group_{device_};              // per surface, among all groups
   DeviceArray<GroupOfSurface> groups_{memory_of(device_)};  // of all surfaces
-  std::uint32_t group_count_ = 0;
+  std::uint32_t group_count_ = 0, body_ = 0;                // of all surfaces; of the one added last
   bool is_listed_ = false, has_crossings_ = false;
-  Mirror<GapGroup> gaps_{device_};
-  Mirror<WallBehind> walls_{device_};
-  Mirror<T> side_velocities_{device_};  // a few, as they occur
-  Mirror<LinkSlots> slots_{device_};    // of the pass
+  std::size_t gap_links_ = 0;  // at most, of those that know the wall on the other side
+  DeviceArray<LineInGap> lines_{memory_of(device_)};
+  Mirror<LinkSlots> slots_{device_};  // of either parity, as they occur
+  std::size_t slots_in_use_ = 0;
 };
 
 /// The data of a pass over groups of links.
@@ -161,9 +190,9 @@ struct LinkPass {
   ExcessQuanta<T>* excess;  // of cell 0 of the block
   const LinkSlots* slots;
   WallFluid<T> fluid;
-  const DeviceSurface<T>* const* surfaces;
-  const SurfaceStep<T>* steps;         // this and the following: of the surfaces
-  const SurfaceIncrement* increments;  // of a correction
+  const ListedSurface<T>* surfaces;
+  const SurfaceStep<T>* steps;                   // this and the following: of the bodies
+  std::span<const SurfaceIncrement> increments;  // of a correction
   LinkSums* sums;
   const BeyondPair<T>* pairs_across;
   bool galilean;
@@ -172,8 +201,9 @@ struct LinkPass {
 /// The passes over the links of a block, as built for each device (link_passes_build.hpp).
 template <class T>
 struct LinkPasses {
-  void (*list_groups)(std::span<const DeviceSurface<T>* const>, const std::uint32_t* first, GroupOfSurface*);
-  void (*set_opposites)(const OppositesToSet<T>&, const LinkPass<T>&);
+  void (*list_groups)(std::span<const ListedSurface<T>>, GroupOfSurface*);
+  void (*pair_gaps)(std::span<const GroupOfSurface>, const LinkPass<T>&, const LinesInGaps&);
+  void (*set_opposites)(std::span<const GroupOfSurface>, const LinkPass<T>&, const OppositesToSet&);
   void (*apply)(std::span<const GroupOfSurface>, const LinkPass<T>&);
   void (*apply_crossing)(std::span<const GroupOfSurface>, const LinkPass<T>&);
   void (*correct)(std::span<const GroupOfSurface>, const LinkPass<T>&);

@@ -21,10 +21,10 @@ struct LinksOfGroup {
 
   SILT_DEVICE LinksOfGroup(const LinkPass<T>& pass, const GroupOfSurface& of)
       : pass(pass),
-        step(pass.steps[of.surface]),
-        surface(*pass.surfaces[of.surface]),
+        step(pass.steps[pass.surfaces[of.surface].body]),
+        surface(*pass.surfaces[of.surface].record),
         group(surface.groups[of.number]),
-        sums(pass.sums[of.surface]),
+        sums(pass.sums[pass.surfaces[of.surface].body]),
         origin(group.corner, surface.frame, pass.slots->components),
         distance(surface.q + group.begin, surface.rate ? surface.rate + group.begin : nullptr, step.age),
         corner(pass.data + corner_cell()),
@@ -135,13 +135,13 @@ SILT_DEVICE void correct_group(const LinksOfGroup<T>& links, const SurfaceIncrem
 
 template <class T>
 struct ListGroups {
-  const DeviceSurface<T>* const* surfaces;
-  const std::uint32_t* first;
+  const ListedSurface<T>* surfaces;
   GroupOfSurface* groups;
   SILT_DEVICE void operator()(std::int64_t k, const Team& member) const {
-    const std::uint32_t count = surfaces[k]->group_count;
+    if (surfaces[k].body == ListedSurface<T>::no_body) return;
+    const std::uint32_t count = surfaces[k].record->group_count;
     for (auto n = std::uint32_t(member.lane); n < count; n += std::uint32_t(member.size))
-      groups[first[k] + n] = {std::uint32_t(k), n};
+      groups[surfaces[k].first_group + n] = {std::uint32_t(k), n};
   }
 };
 
@@ -165,53 +165,106 @@ struct CorrectLinks {
   LinkPass<T> pass;
   const GroupOfSurface* groups;
   SILT_DEVICE void operator()(std::int64_t k, const Team& member) const {
-    const SurfaceIncrement& increment = pass.increments[groups[k].surface];
-    bool is_zero = true;
-    for (int d = 0; d < 3; ++d) is_zero &= increment.v[d] == 0 && increment.omega[d] == 0;
-    if (!is_zero) correct_group(LinksOfGroup<T>(pass, groups[k]), increment, member);
+    const std::uint32_t body = pass.surfaces[groups[k].surface].body;
+    std::size_t first = 0, end = pass.increments.size();
+    while (end - first > 1) {
+      const std::size_t middle = (first + end) / 2;
+      (pass.increments[middle].body <= body ? first : end) = middle;
+    }
+    if (pass.increments[first].body == body)
+      correct_group(LinksOfGroup<T>(pass, groups[k]), pass.increments[first], member);
+  }
+};
+
+/// The links of a group of `single_cell_gap` that know the wall on the other side.
+template <class T>
+struct LinksInGap {
+  const DeviceSurface<T>& surface;
+  const LinkGroup& group;
+
+  SILT_DEVICE LinksInGap(const LinkPass<T>& pass, const GroupOfSurface& of)
+      : surface(*pass.surfaces[of.surface].record), group(surface.groups[of.number]) {}
+  /// Calls visit(l, cell, direction) for a member's share of the links.
+  template <class Visit>
+  SILT_DEVICE void visit(const Team& member, Visit&& visit) const {
+    if (group.scheme != WallScheme::single_cell_gap || !surface.opposite_q) return;
+    for (auto l = std::uint32_t(member.lane); l < group.count; l += std::uint32_t(member.size)) {
+      const std::uint32_t place = surface.place[group.begin + l];
+      visit(l, group.corner + place_cell(place), place_direction(place));
+    }
+  }
+};
+
+/// Enters links into the table of lines: each has a place of its own there, by its direction.
+template <class T>
+struct PairGaps {
+  LinkPass<T> pass;
+  const GroupOfSurface* groups;
+  LinesInGaps table;
+  SILT_DEVICE void operator()(std::int64_t k, const Team& member) const {
+    const LinksInGap<T> links(pass, groups[k]);
+    links.visit(member, [&](std::uint32_t l, Int3 cell, int i) {
+      const std::uint64_t key = key_of_line(cell, i);
+      const std::size_t last = (std::size_t{1} << table.log_size) - 1;
+      std::size_t at = first_place(key, table.log_size);
+      for (;; at = (at + 1) & last)
+        if (const std::uint64_t found = set_if_zero(table.lines[at].key, key); found == 0 || found == key)
+          break;
+      LineInGap& line = table.lines[at];
+      line.surface[(i - 1) & 1] = groups[k].surface + 1, line.number[(i - 1) & 1] = links.group.begin + l;
+    });
   }
 };
 
 template <class T>
 struct SetOpposites {
   LinkPass<T> pass;
-  OppositesToSet<T> all;
-  SILT_DEVICE OppositeLink<T> link_at(const GapGroup& gaps, const LinkGroup& group, std::uint32_t place,
-                                      std::uint32_t l) const {
-    const WallBehind& wall = all.walls[gaps.first + l];
-    return {gaps.group.surface,
-            group.opposite + l,
-            wall.other,
-            wall.number,
-            group.corner + place_cell(place),
-            std::int8_t(place_direction(place)),
-            wall.at_side != 0,
-            wall.other < 0 ? all.side_velocities[wall.number] : T(0)};
+  const GroupOfSurface* groups;
+  OppositesToSet all;
+  SILT_DEVICE const LineInGap& line_of(Int3 cell, int i) const {
+    const std::uint64_t key = key_of_line(cell, i);
+    const std::size_t last = (std::size_t{1} << all.table.log_size) - 1;
+    std::size_t at = first_place(key, all.table.log_size);
+    while (all.table.lines[at].key != key) at = (at + 1) & last;
+    return all.table.lines[at];
   }
   SILT_DEVICE void operator()(std::int64_t k, const Team& member) const {
-    const GapGroup& gaps = all.groups[k];
-    const DeviceSurface<T>& own = *pass.surfaces[gaps.group.surface];
-    const LinkGroup& group = own.groups[gaps.group.number];
-    for (auto l = std::uint32_t(member.lane); l < group.count; l += std::uint32_t(member.size)) {
-      const OppositeLink<T> link = link_at(gaps, group, own.place[group.begin + l], l);
-      const std::int32_t packed = pass.slots->components[link.direction];
+    const LinksInGap<T> links(pass, groups[k]);
+    links.visit(member, [&](std::uint32_t l, Int3 cell, int i) {
+      const std::int32_t packed = pass.slots->components[i];
       const Int3 along{component(packed, 0), component(packed, 1), component(packed, 2)};
+      const Int3 walls = walls_met(all.sides, all.cells, all.lower + cell - along);
+      const bool at_side = !(walls == Int3{0, 0, 0});
+      const LineInGap& line = line_of(cell, i);
+      const int other = i & 1;  // place of the opposite link
+      const OppositeLink<T> link{groups[k].surface,
+                                 links.group.opposite + l,
+                                 std::int32_t(line.surface[other]) - 1,
+                                 line.number[other],
+                                 cell,
+                                 std::int8_t(i),
+                                 at_side,
+                                 at_side ? T(wall_velocity_along(all.sides, walls, along)) : T(0)};
       set_opposite(link, along, [&](std::uint32_t n) -> SurfaceInGap<T> {
-        const DeviceSurface<T>& of = *pass.surfaces[n];
-        return {of.frame, pass.steps[n].motion, of.q, of.opposite_q, of.opposite_u};
+        const DeviceSurface<T>& of = *pass.surfaces[n].record;
+        return {of.frame, pass.steps[pass.surfaces[n].body].motion, of.q, of.opposite_q, of.opposite_u};
       });
-    }
+    });
   }
 };
 
 template <class T>
-void list_groups(std::span<const DeviceSurface<T>* const> surfaces, const std::uint32_t* first,
-                 GroupOfSurface* groups) {
-  for_teams(std::int64_t(surfaces.size()), ListGroups<T>{surfaces.data(), first, groups});
+void list_groups(std::span<const ListedSurface<T>> surfaces, GroupOfSurface* groups) {
+  for_teams(std::int64_t(surfaces.size()), ListGroups<T>{surfaces.data(), groups});
 }
 template <class T>
-void set_opposites(const OppositesToSet<T>& all, const LinkPass<T>& pass) {
-  for_teams(std::int64_t(all.group_count), SetOpposites<T>{pass, all});
+void pair_gaps(std::span<const GroupOfSurface> groups, const LinkPass<T>& pass, const LinesInGaps& table) {
+  for_teams(std::int64_t(groups.size()), PairGaps<T>{pass, groups.data(), table});
+}
+template <class T>
+void set_opposites(std::span<const GroupOfSurface> groups, const LinkPass<T>& pass,
+                   const OppositesToSet& all) {
+  for_teams(std::int64_t(groups.size()), SetOpposites<T>{pass, groups.data(), all});
 }
 template <class T, bool crossing>
 void apply_links(std::span<const GroupOfSurface> groups, const LinkPass<T>& pass) {
@@ -226,6 +279,7 @@ template <class T>
 const LinkPasses<T>& link_passes() {
   static constexpr LinkPasses<T> passes = {
       .list_groups = list_groups<T>,
+      .pair_gaps = pair_gaps<T>,
       .set_opposites = set_opposites<T>,
       .apply = apply_links<T, false>,
       .apply_crossing = apply_links<T, true>,

@@ -1,5 +1,7 @@
 #include "lbm/walls/pairs_across.hpp"
 
+#include <vector>
+
 #include "parallel/communicator.hpp"
 
 namespace silt::lbm {
@@ -78,13 +80,14 @@ PairsAcross<T, Lattice>::PairsAcross(const Domain& domain, MPI_Comm comm, std::s
     : rank_(parallel::rank_of(comm)),
       device_(device),
       slots_(comm, 3, device),
-      sources_(device),
+      sources_{Mirror<const T*>(device), Mirror<const T*>(device)},
       targets_(device) {
   for (std::size_t b = 0; b < blocks.size(); ++b) pairs_.emplace_back(memory_of(device));
   Builder{*this, domain, blocks}.build();
   for (auto& of_block : pairs_) targets_.host().push_back(reinterpret_cast<T*>(of_block.data()));
   targets_.send();
   for (const Line& line : lines_) add(line, 0, line.length);
+  slots_.send_lists();
 }
 
 template <class T, class Lattice>
@@ -98,15 +101,16 @@ void PairsAcross<T, Lattice>::add(const Line& line, std::uint32_t n, std::uint32
 
 template <class T, class Lattice>
 void PairsAcross<T, Lattice>::exchange(std::span<const Block> blocks, Parity parity) {
-  sources_.host().resize(2 * Lattice::directions * blocks.size());
+  std::vector<const T*> all(2 * Lattice::directions * blocks.size());
   for (int b = 0; b < int(blocks.size()); ++b)
     for (int i = 1; i < Lattice::directions; ++i) {
-      sources_.host()[source<Lattice>(b, i)] = blocks[b].data() + blocks[b].leaving(opposite(i), parity);
-      sources_.host()[source<Lattice>(b, i) + 1] = blocks[b].data() + blocks[b].arriving(i, parity);
+      all[source<Lattice>(b, i)] = blocks[b].data() + blocks[b].leaving(opposite(i), parity);
+      all[source<Lattice>(b, i) + 1] = blocks[b].data() + blocks[b].arriving(i, parity);
     }
-  sources_.send();
-  slots_.start({sources_.device(), sources_.size()});
-  slots_.finish({sources_.device(), sources_.size()}, {targets_.device(), targets_.size()});
+  Mirror<const T*>& sources = sources_[parity == Parity::settled];
+  if (!std::ranges::equal(all, sources.host())) sources.host().assign(all.begin(), all.end()), sources.send();
+  slots_.start({sources.device(), sources.size()});
+  slots_.finish({sources.device(), sources.size()}, {targets_.device(), targets_.size()});
 }
 
 template class PairsAcross<float>;

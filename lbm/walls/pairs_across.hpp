@@ -6,6 +6,7 @@
 // solid cells on either side of a face, from which the pairs to copy follow without requests.
 #include <mpi.h>
 
+#include <algorithm>
 #include <bit>
 #include <cstdint>
 #include <span>
@@ -28,11 +29,16 @@ class PairsAcross {
   /// Takes the local blocks as in domain.blocks_of(rank). Copies all pairs until choose() is called.
   PairsAcross(const Domain&, MPI_Comm, std::span<const Block> blocks, Device = Device::cpu);
   /// Restricts the exchange to pairs that cut links read: those of fluid cells x with x + c_i solid. Others
-  /// hold no value. solid(block, cell, axis) returns the solid bits of 64 cells of a local block along x or y
+  /// hold no value. From device to device all pairs are copied, since that takes less time than telling a
+  /// device which. solid(block, cell, axis) returns the solid bits of 64 cells of a local block along x or y
   /// from `cell` on, for cells up to two beyond its faces. Call when one of these cells has changed on this
   /// rank. Two ranks must agree on these bits, which determine the lengths of their messages.
   template <class Solid>
   void choose(Solid&& solid);
+  /// Returns whether there are pairs to choose.
+  bool chooses() const {
+    return std::ranges::any_of(lines_, [&](const Line& line) { return !is_direct(line); });
+  }
   /// Copies the pairs, after the halo exchange, with the blocks' parity. Pairs of idle blocks are invalid.
   void exchange(std::span<const Block> blocks, Parity);
   /// Returns the pairs of a local block, indexed by its PlacesAcross.
@@ -53,6 +59,9 @@ class PairsAcross {
   };
   struct Builder;
 
+  bool is_direct(const Line& line) const {
+    return slots_.is_direct(line.from_rank == rank_ ? line.to_rank : line.from_rank);
+  }
   /// Adds the pairs of `count` cells of a line, from the n-th on.
   void add(const Line&, std::uint32_t n, std::uint32_t count);
 
@@ -61,15 +70,16 @@ class PairsAcross {
   std::vector<std::pmr::vector<BeyondPair<T>>> pairs_;  // per block
   std::vector<Line> lines_;
   SlotExchange<T> slots_;
-  Mirror<const T*> sources_;  // of the current exchange
+  Mirror<const T*> sources_[2];  // by parity
   Mirror<T*> targets_;
 };
 
 template <class T, class Lattice>
 template <class Solid>
 void PairsAcross<T, Lattice>::choose(Solid&& solid) {
-  slots_.clear();
+  slots_.clear(true);
   for (const Line& line : lines_) {
+    if (is_direct(line)) continue;
     const int axis = line.along_y ? 1 : 0;
     for (std::uint32_t n = 0; n < line.length; n += 64) {
       Int3 x = line.first;

@@ -12,9 +12,8 @@ namespace {
 template <class T>
 class Preparation {
  public:
-  /// Prepares the parts of a body with this orientation.
-  Preparation(const Quat& orientation, std::vector<SurfacePart<T>>& parts, std::vector<Plane<T>>& planes)
-      : to_body_(orientation.toRotationMatrix().transpose()), parts_(parts), planes_(planes) {}
+  Preparation(std::vector<ShapePart>& parts, std::vector<Plane<T>>& planes)
+      : parts_(parts), planes_(planes) {}
 
   void operator()(const Compound& c) {
     for (const Part& part : c.parts) {
@@ -31,19 +30,20 @@ class Preparation {
   /// Adds a part of this size in a box of half edges `extent`, by default equal to `size`.
   void add(SurfaceKind kind, const Vec3& size) { add(kind, size, size); }
   void add(SurfaceKind kind, const Vec3& size, const Vec3& extent) {
-    add(kind, axes(), centre(), size, extent);
+    add(kind, Vec3::Ones(), centre(), size, extent);
   }
   /// Adds a part whose centre is the point `at` of the shape's frame.
   void add_shifted(SurfaceKind kind, const Vec3& at, const Vec3& size) {
-    add(kind, axes(), centre() + at, size, size);
+    add(kind, Vec3::Ones(), centre() + at, size, size);
   }
   /// Adds a part of spherical symmetry: its axes are those of the world.
   void add_unturned(SurfaceKind kind, const Vec3& size) {
-    add(kind, Mat3::Identity(), to_body_.transpose() * part_.position, size, size);
+    add(kind, Vec3::Ones(), part_.position, size, size);
+    parts_.back().turns = false;
   }
   /// Adds a part of size 1 in coordinates multiplied by `scale` along its axes.
   void add_scaled(SurfaceKind kind, const Vec3& scale) {
-    add(kind, scale.asDiagonal() * axes(), scale.asDiagonal() * centre(), Vec3::Ones(), Vec3::Ones());
+    add(kind, scale, scale.asDiagonal() * centre(), Vec3::Ones(), Vec3::Ones());
   }
   /// Adds a plane to the last added part.
   void add_plane(const Vec3& normal, double offset) {
@@ -53,25 +53,23 @@ class Preparation {
 
  private:
   Mat3 to_part() const { return part_.orientation.toRotationMatrix().transpose(); }
-  Mat3 axes() const { return to_part() * to_body_; }
   Vec3 centre() const { return to_part() * part_.position; }
 
-  void add(SurfaceKind kind, const Mat3& axes, const Vec3& centre, const Vec3& size, const Vec3& extent) {
-    SurfacePart<T> part{};
-    part.kind = kind;
+  void add(SurfaceKind kind, const Vec3& scale, const Vec3& centre, const Vec3& size, const Vec3& extent) {
+    ShapePart part{};
+    part.kind = kind, part.turns = true;
     part.first_plane = std::uint32_t(planes_.size());
+    const Mat3 axes = to_part();
     for (int k = 0; k < 3; ++k) {
-      part.centre[k] = T(centre[k]);
-      part.size[k] = T(size[k]);
-      part.extent[k] = T(extent[k]);
-      for (int d = 0; d < 3; ++d) part.axes[k][d] = T(axes(k, d));
+      part.scale[k] = scale[k], part.centre[k] = centre[k];
+      part.size[k] = size[k], part.extent[k] = extent[k];
+      for (int d = 0; d < 3; ++d) part.axes[k][d] = axes(k, d);
     }
     parts_.push_back(part);
   }
 
-  Mat3 to_body_;
   Pose part_;  // to the body
-  std::vector<SurfacePart<T>>& parts_;
+  std::vector<ShapePart>& parts_;
   std::vector<Plane<T>>& planes_;
 };
 
@@ -79,9 +77,10 @@ class Preparation {
 
 template <class T>
 void SurfaceParts<T>::reset(const Shape& shape, const Quat& orientation) {
-  parts_.clear();
-  planes_.clear();
-  std::visit(Preparation<T>(orientation, parts_, planes_), shape);
+  shape_.clear(), parts_.clear(), planes_.clear();
+  std::visit(Preparation<T>(shape_, planes_), shape);
+  const Rotation turn(turn_of(orientation));
+  for (const ShapePart& part : shape_) parts_.push_back(turned<T>(part, turn));
 }
 
 template <class T>

@@ -159,7 +159,8 @@ Outcome<T> by_passes(const LinkPasses<T>& passes, CutLinks<T> links, const std::
   Block<T> block({{}, cells});
   stir(block);
   const LinkSlots slots = link_slots(block, Parity::settled);
-  const DeviceSurface<T> surface = device_surface(links, links.groups.data()), *const at = &surface;
+  const DeviceSurface<T> surface = device_surface(links, links.groups.data());
+  const ListedSurface<T> listed{&surface, 0, 0};
   const SurfaceStep<T> step{motion, links.age};
   LinkSums sums;
   const LinkPass<T> pass{block.data() + block.middle(),
@@ -168,9 +169,9 @@ Outcome<T> by_passes(const LinkPasses<T>& passes, CutLinks<T> links, const std::
                          block.excess(),
                          &slots,
                          links.fluid,
-                         &at,
+                         &listed,
                          &step,
-                         &increment,
+                         {&increment, 1},
                          &sums,
                          pairs.data(),
                          true};
