@@ -89,9 +89,9 @@ class MeasuredSurface {
  private:
   enum class Way { parts, tube, mesh };
   /// Returns the steps from the middle of a mapping's steps to the last; 0 if distances do not change.
-  static double steps_with_rates(const lbm::CutLinks<T>& links, const MappedMotion& mapped) {
+  double steps_with_rates(const lbm::CutLinks<T>& links, const MappedMotion& mapped) const {
     const double steps = static_cast<double>(mapped.steps.end - 1) - mapped.middle();
-    return mapped.is_at_rest() || links.q.empty() || !(steps > 0) ? 0 : steps;
+    return !follows_ || mapped.is_at_rest() || links.q.empty() || !(steps > 0) ? 0 : steps;
   }
   static lbm::SurfaceFrame frame_after(lbm::SurfaceFrame frame, const MappedMotion& mapped, double steps) {
     for (int d = 0; d < 3; ++d) frame.offset[d] -= steps * mapped.velocity.numbers[d];
