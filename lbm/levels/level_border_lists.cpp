@@ -138,9 +138,7 @@ struct LevelBorder<Field>::Builder {
     Int3 up = y, down = y;
     ++up[d], --down[d];
     up = coarse.wrapped(up), down = coarse.wrapped(down);
-    const auto has = [&](Int3 cell) {
-      return coarse.inside(cell) && coarse.is_of_level(coarse_leaves.at(cell));
-    };
+    const auto has = [&](Int3 c) { return coarse.inside(c) && coarse.is_of_level(coarse_leaves.at(c)); };
     constexpr double factors[] = {0, 1. / 4, 1. / 8};  // by the number of neighbours
     const bool above = has(up), below = has(down);
     if (!above) up = y;
@@ -159,8 +157,8 @@ struct LevelBorder<Field>::Builder {
       users.insert(leaves.at(entry.to.cell).rank);
     }
     const bool in_time = in_step[0] > 0 && in_step[1] > 0 && !by_outlet;
-    const double half = in_time ? 0.5 / (in_step[0] + in_step[1]) : 0;
-    const double change[2] = {half * in_step[1], -half * in_step[0]};  // together the packets have none
+    const double half = in_time ? 0.5 / (in_step[0] + in_step[1]) : 0,
+                 change[2] = {half * in_step[1], -half * in_step[0]};  // together the packets have none
     for (const int user : users) {
       typename Patches::Carried one{size, 0, coarse_patch(user, x, j), {}, {}, {}, {}, {}}, returned = one;
       for (int d = 0; d < 3; ++d) {
@@ -356,16 +354,14 @@ struct LevelBorder<Field>::Builder {
   }
 
   /// Gives what is kept of each patch its place, in the order of passes. Explosions then refer to what is
-  /// carried instead of to entries of carry_, and these to populations before collision that have been
-  /// copied.
+  /// carried instead of to entries of carry_, and these to copied populations before collision.
   void place_kept() {
     std::uint32_t carried = 0, sums = 0;
     std::pmr::vector<typename Patches::Carried> carry(border.carry_.get_allocator());
     const auto place = [&](Lists& list) {
       PatchJoints<T>::turn_columns(list, border.carry_);
       for (Explosion& one : list.explosions) {
-        carry.push_back(border.carry_[one.carried]);
-        keep_before(carry.back());
+        keep_before(carry.emplace_back(border.carry_[one.carried]));
         one.carried = carry.back().first =
             std::exchange(carried, carried + std::uint32_t(Patches::carried_values) * one.size.cells());
       }

@@ -391,9 +391,7 @@ void find_fluid_faults(const Case& setup, Diagnostics& findings) {
   if (setup.volume() > most_cells)
     findings.error("domain.size", "the domain has {} cells; at most {} are possible: {}use larger cells",
                    shown(setup.volume()), shown(most_cells), size_slip(setup));
-  check_viscosity(setup, findings);
-  check_collision(setup, findings);
-  check_initial(setup, findings);
+  check_viscosity(setup, findings), check_collision(setup, findings), check_initial(setup, findings);
   look_for_idle_keys(findings, "fluid.", fluid_keys);
   look_for_idle_keys(findings, "coupling.", coupling_keys);
 }

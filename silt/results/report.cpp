@@ -370,10 +370,7 @@ std::string report_of(Simulation& simulation, const Quantities& quantities, cons
   add_parallel(simulation, status, report);
   report["skipped"] = skipped_passes(scene);
   for (const char* name : {"mass_drift", "mass_taken", "momentum_drift"}) report[name] = Json();
-  if (status.state_is_sound) {
-    add_balance(simulation, report);
-    add_motion(simulation, report);
-  }
+  if (status.state_is_sound) add_balance(simulation, report), add_motion(simulation, report);
   add_counters(simulation, report);
   report["quantities"] = Json::object();
   report["quantity_types"] = quantity_types_of(scene.setup);
