@@ -287,7 +287,8 @@ rigid::FixedSum TurnedCells<T>::weigh(lbm::Fluid<T>& fluid, const std::vector<Bl
                                       const ChangedCells& changed) {
   PassOn<T> pass(fluid, maps);
   std::int64_t left = 0;
-  const auto share = [&](const std::vector<CoveredCell>& cells, int sign, std::size_t first) {
+  const auto share = [&](PassOn<T>& pass, const std::vector<CoveredCell>& cells, int sign,
+                         std::size_t first) {
     std::vector<CoveredCell> at_faces;
     for (std::size_t n = 0; n < cells.size(); ++n)
       if (cells_.host()[first + n].neighbours & ChangedCell::at_face) at_faces.push_back(cells[n]);
@@ -296,7 +297,7 @@ rigid::FixedSum TurnedCells<T>::weigh(lbm::Fluid<T>& fluid, const std::vector<Bl
     for (std::size_t n = 0; n < at_faces.size(); ++n)
       left += pass.share(at_faces[n], sign * std::llrint(densities[n] / lbm::excess_quantum<T>));
   };
-  share(changed.covered, +1, 0), share(changed.uncovered, -1, changed.covered.size());
+  share(pass, changed.covered, +1, 0), share(pass, changed.uncovered, -1, changed.covered.size());
   others_ = pass.finish();
   masses_.host().resize(cells_.size()), masses_.make_room();
   left_.host().assign(1, 0);
