@@ -193,10 +193,12 @@ void TurnedCells<T>::refill(lbm::Fluid<T>& fluid, const std::vector<BlockMap>& m
   const MomentsElsewhere elsewhere{faces_.send(), std::int64_t(faces_.size()), places_.send(), told_.send(),
                                    near_.device()};
   momenta_.send();
+  const auto first_uncovered = std::uint32_t(changed.covered.size());
+  const auto refill_block = SILT_ON(fluid.device(), refill_cells<T>);
   for (const Range& range : ranges_)
-    if (range.sign < 0) SILT_ON(fluid.device(), refill_cells<T>)
-  ({in_block(fluid, range), range.first - std::uint32_t(changed.covered.size()), momenta_.device(), elsewhere,
-    force});
+    if (range.sign < 0)
+      refill_block(
+          {in_block(fluid, range), range.first - first_uncovered, momenta_.device(), elsewhere, force});
   lbm::wait(fluid.device());
 }
 
@@ -285,7 +287,7 @@ class PassOn {
 template <class T>
 rigid::FixedSum TurnedCells<T>::weigh(lbm::Fluid<T>& fluid, const std::vector<BlockMap>& maps,
                                       const ChangedCells& changed) {
-  PassOn<T> pass(fluid, maps);
+  PassOn<T> across(fluid, maps);
   std::int64_t left = 0;
   const auto share = [&](PassOn<T>& pass, const std::vector<CoveredCell>& cells, int sign,
                          std::size_t first) {
@@ -297,8 +299,8 @@ rigid::FixedSum TurnedCells<T>::weigh(lbm::Fluid<T>& fluid, const std::vector<Bl
     for (std::size_t n = 0; n < at_faces.size(); ++n)
       left += pass.share(at_faces[n], sign * std::llrint(densities[n] / lbm::excess_quantum<T>));
   };
-  share(pass, changed.covered, +1, 0), share(pass, changed.uncovered, -1, changed.covered.size());
-  others_ = pass.finish();
+  share(across, changed.covered, +1, 0), share(across, changed.uncovered, -1, changed.covered.size());
+  others_ = across.finish();
   masses_.host().resize(cells_.size()), masses_.make_room();
   left_.host().assign(1, 0);
   if (!ranges_.empty()) {

@@ -129,7 +129,7 @@ TEST(Heat, OfALumpGoesIntoTheFluid) {
 
 // ---- a mean gradient ----
 
-/// Returns what flows in through the low side along x, over what the fluid alone would conduct.
+/// Asks for what flows in through the low side along x, and for the mean temperature.
 const std::string through_x =
     "[[quantities]]\nname = \"in\"\ntype = \"heat-flow\"\nside = \"x-low\"\n"
     "[[quantities]]\nname = \"mean\"\ntype = \"mean-temperature\"\n";
