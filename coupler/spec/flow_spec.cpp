@@ -23,7 +23,7 @@ std::array<lbm::SideCondition, 6> sides_of(const FlowSpec& spec) {
     const BoundarySpec& of = spec.boundary[k];
     sides[k] = {.kind = of.traits().fluid,
                 .velocity = {of.velocity[0], of.velocity[1], of.velocity[2]},
-                .value = of.density - 1,
+                .value = 3 * of.pressure,  // the square of the speed of sound is 1/3
                 .varies = of.over_time.varies()};
   }
   return sides;

@@ -18,10 +18,10 @@ enum class BoundaryKind { periodic, no_slip, moving, free_slip, velocity_inlet, 
 /// The properties of a kind of side.
 struct BoundaryTraits {
   std::string_view name;
-  lbm::SideKind fluid;                             // SideKind of the fluid
-  bool is_wall = false;                            // moves fluid and touching bodies at its velocity
-  bool is_inlet = false;                           // needs an outlet elsewhere
-  bool has_velocity = false, has_density = false;  // keys in a case
+  lbm::SideKind fluid;                              // SideKind of the fluid
+  bool is_wall = false;                             // moves fluid and touching bodies at its velocity
+  bool is_inlet = false;                            // needs an outlet elsewhere
+  bool has_velocity = false, has_pressure = false;  // keys in a case
 };
 /// The kinds in the order of the enumerators.
 inline constexpr auto boundary_kinds = std::to_array<BoundaryTraits>({
@@ -30,7 +30,7 @@ inline constexpr auto boundary_kinds = std::to_array<BoundaryTraits>({
     {.name = "moving", .fluid = lbm::SideKind::bounce, .is_wall = true, .has_velocity = true},
     {.name = "free-slip", .fluid = lbm::SideKind::free_slip},
     {.name = "velocity-inlet", .fluid = lbm::SideKind::bounce, .is_inlet = true, .has_velocity = true},
-    {.name = "pressure-outlet", .fluid = lbm::SideKind::pressure, .has_density = true},
+    {.name = "pressure-outlet", .fluid = lbm::SideKind::pressure, .has_pressure = true},
 });
 inline constexpr auto boundary_names = names_of<BoundaryKind>(boundary_kinds);
 
@@ -38,7 +38,7 @@ struct BoundarySpec {
   BoundaryKind kind = BoundaryKind::periodic;
   rigid::Vec3 velocity = rigid::Vec3::Zero();  // moving walls and inlets
   rigid::OverTime over_time;                   // of the velocity
-  double density = 1;                          // outlets
+  double pressure = 0;                         // outlets; less that of the reference density
   bool solid_for_bodies = true;                // a half-space for bodies, unless periodic
   const BoundaryTraits& traits() const { return boundary_kinds[static_cast<std::size_t>(kind)]; }
   bool is_periodic() const { return kind == BoundaryKind::periodic; }

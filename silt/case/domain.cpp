@@ -61,9 +61,9 @@ constexpr std::tuple velocity_keys{
         "velocity of a moving wall or of the incoming fluid, [x, y, z]; only for those two", required},
     HandKey{"over_time", "table", "", "steady", "how the velocity changes: see gravity.over_time",
             Rule{If::idle, is_zero(&coupler::BoundarySpec::velocity), "the velocity is 0"}}};
-constexpr std::tuple density_keys{
-    Key{"density", &coupler::BoundarySpec::density, Number{dimension::density, range::above(0)},
-        "density at a pressure outlet: in this method density is pressure", "the fluid's"}};
+constexpr std::tuple pressure_keys{Key{
+    "pressure", &coupler::BoundarySpec::pressure, Number{dimension::pressure},
+    "pressure at a pressure outlet, less that of the fluid at rest; without the hydrostatic pressure", "0"}};
 
 /// Returns the length of a step, or 0 if it is wrong (reported).
 double time_step_of(const GivenScales& scales, TableReader& units, TableReader& fluid) {
@@ -136,7 +136,7 @@ void read_side_table(TableReader table, coupler::BoundarySpec& side) {
     read_keys(table, side, velocity_keys);
     side.over_time = read_over_time(table, "over_time");
   }
-  if (side.traits().has_density) read_keys(table, side, density_keys);
+  if (side.traits().has_pressure) read_keys(table, side, pressure_keys);
 }
 
 // Reads a side: a name, or a table with a type and its keys; none if it has errors.
@@ -260,13 +260,20 @@ void check_velocity(const Case& setup, Diagnostics& findings, int side) {
         key, shown_velocity(of.velocity), "xyz"[axis]);
 }
 
-void check_density(const Case& setup, Diagnostics& findings, int side) {
-  const double density = setup.boundary[side].density;
-  if (density > 0.5 && density < 1.5) return;
-  findings.error(fmt::format("{}.density", side_key(side)),
-                 "{}.density is {} times the fluid's; it must be between 0.5 and 1.5: in this method density "
-                 "is pressure",
-                 side_key(side), shown(density));
+void check_pressure(const Case& setup, Diagnostics& findings, int side) {
+  constexpr double impossible_deviation = 0.5;
+  const double pressure = setup.boundary[side].pressure;
+  const double found = 3 * std::abs(pressure);  // the square of the speed of sound is 1/3
+  if (found <= doubtful_deviation) return;
+  const std::string key = fmt::format("{}.pressure", side_key(side));
+  findings.add(found < impossible_deviation ? Diagnostic::Severity::warning : Diagnostic::Severity::error,
+               key,
+               fmt::format("{} is {}: it changes the density by {:.2g} %; above {} % the fluid is noticeably "
+                           "compressible: {}",
+                           key, shown(setup.units.physical(pressure, dimension::pressure)), 100 * found,
+                           shown(100 * doubtful_deviation),
+                           setup.units.si ? time_step_cure(setup, std::sqrt(doubtful_deviation / found))
+                                          : "lower it"));
 }
 
 void check_flows(const Case& setup, Diagnostics& findings) {
@@ -280,7 +287,7 @@ void check_flows(const Case& setup, Diagnostics& findings) {
           side_key(side), coupler::boundary_names[of.kind]);
     if (!setup.fluid) continue;
     if (of.traits().has_velocity) check_velocity(setup, findings, side);
-    if (of.traits().has_density) check_density(setup, findings, side);
+    if (of.traits().has_pressure) check_pressure(setup, findings, side);
     if (of.is_inlet()) inlet = side;
   }
   if (inlet >= 0 && std::ranges::none_of(setup.boundary, &coupler::BoundarySpec::is_outlet))
@@ -311,7 +318,7 @@ rigid::Vec3 snapped(const rigid::Vec3& x, const std::array<int, 3>& cells) {
 std::vector<KeySection> domain_sections() {
   return {section_of("units", system_keys, si_keys), section_of("domain", domain_keys),
           section_of("domain.boundary", axis_keys),
-          section_of("domain.boundary.x", side_keys, velocity_keys, density_keys, side_heat_keys)};
+          section_of("domain.boundary.x", side_keys, velocity_keys, pressure_keys, side_heat_keys)};
 }
 
 void read_domain(TableReader& root, Case& setup) {

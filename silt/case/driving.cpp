@@ -172,7 +172,7 @@ void check_weight(const Case& setup, Diagnostics& findings) {
   if (setup.places.count("gravity.acceleration") || fluid.has_body_force() || fluid.initial.noise > 0 ||
       fastest_given(setup) > 0 || std::ranges::any_of(entries, &Entry::moves) ||
       std::ranges::any_of(setup.boundary,
-                          [](const coupler::BoundarySpec& side) { return side.density != 1; }) ||
+                          [](const coupler::BoundarySpec& side) { return side.pressure != 0; }) ||
       std::ranges::any_of(setup.walls, &CurvedWall::moves) || !setup.kind_motions.empty() ||
       !setup.springs.empty() || setup.start ||
       std::ranges::any_of(setup.pair_materials, &rigid::Material::pulls))

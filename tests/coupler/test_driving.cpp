@@ -149,6 +149,25 @@ TEST(Driving, AWallThatSpeedsUpDragsTheFluidAsTheorySays) {
   });
 }
 
+/// Water between plates 12 mm apart, a pressure of 2 uPa held at one end and none at the other, in SI: the
+/// mean velocity is h^2 / (12 mu) times the gradient, 2 uPa over 39 mm, between the middles of the first and
+/// the last cells, where an outlet holds its pressure.
+TEST(Driving, PressuresAtTwoEndsDriveTheFlowOfPoiseuille) {
+  constexpr double height = 0.012, viscosity = 1e-3;
+  CaseText c;
+  c.units = "[units]\nsystem = \"si\"\ncell_size = 1e-3\nrelaxation_time = 0.8\n";
+  c.domain =
+      "[domain]\nsize = [0.04, 0.012, 0.004]\nboundary = { x = [{ type = \"pressure-outlet\", pressure = "
+      "2e-6 "
+      "}, \"pressure-outlet\"], y = \"no-slip\", z = \"periodic\" }\n";
+  c.fluid = "[fluid]\ndensity = 1000\ndynamic_viscosity = 1e-3\nmagic = 0.1875\nprecision = \"double\"\n";
+  c.shapes = c.bodies = "";
+  c.run =
+      "[run]\nsteps = 6000\n[[quantities]]\nname = \"u\"\ntype = \"superficial-velocity\"\naxis = \"x\"\n";
+  const double gradient = 2e-6 / 0.039, theory = gradient * height * height / (12 * viscosity);
+  EXPECT_NEAR(c.values(MPI_COMM_WORLD)[0], theory, 0.01 * theory);
+}
+
 /// Fluid that comes in faster and faster pushes all before it: the pressure falls by L du/dt.
 TEST(Driving, AnInletThatSpeedsUpHasThePressureOfTheoryBehindIt) {
   constexpr int length = 40, steps = 1500,

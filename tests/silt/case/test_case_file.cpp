@@ -101,7 +101,7 @@ TEST(CaseFile, BoundariesInEveryForm) {
   c.domain = R"([domain]
 size = [32, 32, 32]
 blocks = [16, 8, 32]
-boundary.x = [{ type = "velocity-inlet", velocity = [0.02, 0, 0] }, { type = "pressure-outlet", density = 1.01 }]
+boundary.x = [{ type = "velocity-inlet", velocity = [0.02, 0, 0] }, { type = "pressure-outlet", pressure = 0.003 }]
 boundary.y = ["free-slip", { type = "moving", velocity = [0, 0, 0.01], solid_for_bodies = false }]
 boundary.z = "periodic"
 )";
@@ -109,7 +109,7 @@ boundary.z = "periodic"
   EXPECT_EQ(setup.boundary[0].kind, coupler::BoundaryKind::velocity_inlet);
   EXPECT_EQ(setup.boundary[0].velocity, Vec3(0.02, 0, 0));
   EXPECT_EQ(setup.boundary[1].kind, coupler::BoundaryKind::pressure_outlet);
-  EXPECT_EQ(setup.boundary[1].density, 1.01);
+  EXPECT_EQ(setup.boundary[1].pressure, 0.003);
   EXPECT_EQ(setup.boundary[2].kind, coupler::BoundaryKind::free_slip);
   EXPECT_TRUE(setup.boundary[2].solid_for_bodies);
   EXPECT_EQ(setup.boundary[3].kind, coupler::BoundaryKind::moving);
