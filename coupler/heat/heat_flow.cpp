@@ -133,27 +133,24 @@ template <class T>
 template <class Visit>
 void HeatFlow<T>::for_surfaces(std::span<const BlockLinks<T>> blocks, Visit&& visit) {
   for (std::size_t b = 0; b < blocks.size(); ++b)
-    for (std::size_t k = 0; k < links_[b].size(); ++k)
-      visit(temperature_.blocks()[b], blocks[b].surfaces[k], std::span<const lbm::HeatLink>(links_[b][k]));
+    for (std::size_t k = 0; k < links_[b].size(); ++k) {
+      const SurfaceLinks<T>& of = blocks[b].surfaces[k];
+      visit(of.row, lbm::SurfaceHeatLinks<T>(temperature_.blocks()[b], temperature_.parity(), of.links,
+                                             of.motion, links_[b][k]));
+    }
 }
 
 template <class T>
 void HeatFlow<T>::exchange_heat(std::span<const BlockLinks<T>> blocks, rigid::BodySet& bodies) {
-  for_surfaces(blocks,
-               [&](auto& block, const SurfaceLinks<T>& of, std::span<const lbm::HeatLink> along_axes) {
-                 if (!spec_of(bodies, of.row).temperature)
-                   lbm::tell_pockets(block, temperature_.parity(), of.links, along_axes, of.motion, spec_,
-                                     pockets_.told());
-               });
+  for_surfaces(blocks, [&](std::size_t row, const lbm::SurfaceHeatLinks<T>& of) {
+    if (!spec_of(bodies, row).temperature) of.tell_pockets(spec_, pockets_.told());
+  });
   pockets_.exchange();
-  for_surfaces(blocks,
-               [&](auto& block, const SurfaceLinks<T>& of, std::span<const lbm::HeatLink> along_axes) {
-                 lbm::HeatSums found;
-                 lbm::apply_heat_links(block, temperature_.parity(), of.links, along_axes,
-                                       surface(bodies, of.row), of.motion, pockets_.told(), found);
-                 sums(of.row)[heat] += found.heat, sums(of.row)[conductance] += found.conductance;
-                 sums(of.row)[links] += std::int64_t(along_axes.size());
-               });
+  for_surfaces(blocks, [&](std::size_t row, const lbm::SurfaceHeatLinks<T>& of) {
+    const lbm::HeatSums found = of.apply(surface(bodies, row), pockets_.told());
+    sums(row)[heat] += found.heat, sums(row)[conductance] += found.conductance;
+    sums(row)[links] += of.count();
+  });
   of_walls_.resize(bodies.walls);
   for (std::size_t w = 0; w < bodies.walls; ++w) of_walls_[w] = sums(bodies.first_wall() + w)[heat];
   exchange_.sum_to_owners(bodies, sums_, width);
@@ -207,11 +204,8 @@ double HeatFlow<T>::foreseen_change(const rigid::BodySet& bodies, std::size_t ro
 template <class T>
 void HeatFlow<T>::correct(std::span<const BlockLinks<T>> blocks, rigid::BodySet& bodies,
                           std::span<const double> changes) {
-  for_surfaces(blocks, [&](auto& block, const SurfaceLinks<T>& of,
-                           std::span<const lbm::HeatLink> along_axes) {
-    const double change = changes[shared * of.row];
-    if (change == 0) return;
-    sums(of.row)[heat] += lbm::correct_heat_links(block, temperature_.parity(), of.links, along_axes, change);
+  for_surfaces(blocks, [&](std::size_t row, const lbm::SurfaceHeatLinks<T>& of) {
+    if (const double change = changes[shared * row]; change != 0) sums(row)[heat] += of.correct(change);
   });
   exchange_.sum_to_owners(bodies, sums_, width);
   std::vector<double> temperatures(bodies.size());

@@ -6,30 +6,6 @@ namespace silt::lbm {
 
 namespace {
 
-/// The populations of a link: those that left the cell towards the surface and from it, the one that arrives
-/// from behind, and the one that the surface returns.
-template <class T>
-class HeatSlots {
- public:
-  HeatSlots(Block<T, D3Q7>& block, Parity parity) : data_(block.data()) {
-    for (int i = 0; i < D3Q7::directions; ++i)
-      leaving_[i] = block.leaving(i, parity), arriving_[i] = block.arriving(i, parity);
-  }
-  double out(const HeatLink& l) const { return data_[leaving_[l.direction] + l.cell]; }
-  double against(const HeatLink& l) const { return data_[leaving_[opposite(l.direction)] + l.cell]; }
-  double behind(const HeatLink& l) const { return data_[arriving_[l.direction] + l.cell]; }
-  T& back(const HeatLink& l) const { return data_[arriving_[opposite(l.direction)] + l.cell]; }
-  double temperature(const HeatLink& l) const {
-    double sum = 0;
-    for (int i = 0; i < D3Q7::directions; ++i) sum += double(data_[leaving_[i] + l.cell]);
-    return sum;
-  }
-
- private:
-  T* data_;
-  std::ptrdiff_t leaving_[D3Q7::directions], arriving_[D3Q7::directions];
-};
-
 /// The coefficients of (H5): of out, of the two others, of the temperature of the surface.
 struct HeatCoefficients {
   double out, behind, against, surface;
@@ -43,32 +19,9 @@ HeatCoefficients coefficients(const HeatLink& link, double q) {
   return {-1, b, b, 0.25 * (1 - b)};
 }
 
-template <class T>
-double distance(const CutLinks<T>& links, const HeatLink& l) {
-  return links.rate.empty() ? links.q[l.link] : links.q[l.link] + links.age * links.rate[l.link];
-}
-
-/// Returns what a moving surface sweeps of the heat at an insulated link.
-template <class T>
-double swept(const HeatSlots<T>& slots, const Block<T, D3Q7>& block, const CutLinks<T>& links,
-             const SurfaceMotion& motion, const HeatLink& l) {
-  const double u = velocity_along(links.frame, motion, block.cell_at(l.cell), D3Q7::c[l.direction]);
-  return u == 0 ? 0 : slots.temperature(l) * u;
-}
-
 /// Returns c_i·G of a link.
 double gradient_along(const SurfaceHeat& surface, const HeatLink& l) {
   return surface.fluid ? surface.fluid->gradient_along(l.direction) : 0;
-}
-
-/// Returns the temperature of a surface at a link, less the mean.
-template <class T>
-double temperature_at(const SurfaceHeat& surface, const Block<T, D3Q7>& block, const SurfaceFrame& frame,
-                      const HeatLink& l, double q) {
-  if (!surface.fluid) return surface.temperature;
-  const std::array<double, 3> arm = arm_of(frame, block.cell_at(l.cell)), &g = surface.fluid->gradient;
-  return surface.temperature - (arm[0] * g[0] + arm[1] * g[1] + arm[2] * g[2]) -
-         q * gradient_along(surface, l);
 }
 
 /// The share of a link in its pocket, (H6), and what it gets from there.
@@ -86,68 +39,83 @@ double from_pocket(PocketLinks all, std::int32_t place) {
 }  // namespace
 
 template <class T>
-void tell_pockets(Block<T, D3Q7>& block, Parity parity, const CutLinks<T>& links,
-                  std::span<const HeatLink> along_axes, const SurfaceMotion& motion, const HeatSpec& fluid,
-                  std::span<PocketLink> told) {
-  const HeatSlots<T> slots(block, parity);
-  const double of_gradient = D3Q7::w(1) * fluid.relaxation_time();  // as if from the middle of the pocket
-  for (const HeatLink& l : along_axes)
-    if (l.pocket >= 0)
-      told[l.pocket] = {slots.out(l) - 0.5 * swept(slots, block, links, motion, l) -
-                            of_gradient * fluid.gradient_along(l.direction),
-                        pocket_share(distance(links, l), fluid.excess())};
+SurfaceHeatLinks<T>::SurfaceHeatLinks(Block<T, D3Q7>& block, Parity parity, const CutLinks<T>& links,
+                                      const SurfaceMotion& motion, std::span<const HeatLink> along_axes)
+    : block_(block), links_(links), motion_(motion), along_axes_(along_axes), data_(block.data()) {
+  for (int i = 0; i < D3Q7::directions; ++i)
+    leaving_[i] = block.leaving(i, parity), arriving_[i] = block.arriving(i, parity);
 }
 
 template <class T>
-void apply_heat_links(Block<T, D3Q7>& block, Parity parity, const CutLinks<T>& links,
-                      std::span<const HeatLink> along_axes, const SurfaceHeat& surface,
-                      const SurfaceMotion& motion, PocketLinks told, HeatSums& sums) {
-  const HeatSlots<T> slots(block, parity);
+double SurfaceHeatLinks<T>::distance(const HeatLink& l) const {
+  return links_.rate.empty() ? links_.q[l.link] : links_.q[l.link] + links_.age * links_.rate[l.link];
+}
+
+/// Returns what a moving surface sweeps of the heat at an insulated link.
+template <class T>
+double SurfaceHeatLinks<T>::swept(const HeatLink& l) const {
+  const double u = velocity_along(links_.frame, motion_, block_.cell_at(l.cell), D3Q7::c[l.direction]);
+  if (u == 0) return 0;
+  double temperature = 0;
+  for (int i = 0; i < D3Q7::directions; ++i) temperature += double(data_[leaving_[i] + l.cell]);
+  return temperature * u;
+}
+
+/// Returns the temperature of a surface at a link, less the mean.
+template <class T>
+double SurfaceHeatLinks<T>::temperature_at(const SurfaceHeat& surface, const HeatLink& l, double q) const {
+  if (!surface.fluid) return surface.temperature;
+  const std::array<double, 3> arm = arm_of(links_.frame, block_.cell_at(l.cell)),
+                              &g = surface.fluid->gradient;
+  return surface.temperature - (arm[0] * g[0] + arm[1] * g[1] + arm[2] * g[2]) -
+         q * gradient_along(surface, l);
+}
+
+template <class T>
+void SurfaceHeatLinks<T>::tell_pockets(const HeatSpec& fluid, std::span<PocketLink> told) const {
+  const double of_gradient = D3Q7::w(1) * fluid.relaxation_time();  // as if from the middle of the pocket
+  for (const HeatLink& l : along_axes_)
+    if (l.pocket >= 0)
+      told[l.pocket] = {out(l) - 0.5 * swept(l) - of_gradient * fluid.gradient_along(l.direction),
+                        pocket_share(distance(l), fluid.excess())};
+}
+
+template <class T>
+HeatSums SurfaceHeatLinks<T>::apply(const SurfaceHeat& surface, PocketLinks told) const {
   const double returned = double(surface.by_each_link) * heat_quantum;
-  for (const HeatLink& l : along_axes) {
-    const double out = slots.out(l);
-    T& back = slots.back(l);
+  HeatSums sums;
+  for (const HeatLink& l : along_axes_) {
+    const double given = out(l);
+    T& returns = back(l);
     if (surface.insulates) {
       const double from_others = l.pocket >= 0 ? from_pocket(told, l.pocket) : 0;
       const double conducted = surface.fluid ? surface.fluid->diffusivity * gradient_along(surface, l) : 0;
-      back = T(out - swept(slots, block, links, motion, l) + from_others + returned - conducted);
+      returns = T(given - swept(l) + from_others + returned - conducted);
     } else {
-      const double q = distance(links, l);
+      const double q = distance(l);
       const HeatCoefficients k = coefficients(l, q);
-      back = T(k.out * out + k.behind * slots.behind(l) + k.against * slots.against(l) +
-               k.surface * temperature_at(surface, block, links.frame, l, q));
+      returns = T(k.out * given + k.behind * behind(l) + k.against * against(l) +
+                  k.surface * temperature_at(surface, l, q));
       sums.conductance += heat_quanta(k.surface);
     }
-    sums.heat += heat_quanta(out - double(back));
+    sums.heat += heat_quanta(given - double(returns));
   }
+  return sums;
 }
 
 template <class T>
-std::int64_t correct_heat_links(Block<T, D3Q7>& block, Parity parity, const CutLinks<T>& links,
-                                std::span<const HeatLink> along_axes, double increment) {
-  const HeatSlots<T> slots(block, parity);
+std::int64_t SurfaceHeatLinks<T>::correct(double increment) const {
   std::int64_t heat = 0;
-  for (const HeatLink& l : along_axes) {
-    T& back = slots.back(l);
-    const T before = back;
-    back = T(before + coefficients(l, distance(links, l)).surface * increment);
-    heat += heat_quanta(slots.out(l) - double(back)) - heat_quanta(slots.out(l) - double(before));
+  for (const HeatLink& l : along_axes_) {
+    T& returns = back(l);
+    const T before = returns;
+    returns = T(before + coefficients(l, distance(l)).surface * increment);
+    heat += heat_quanta(out(l) - double(returns)) - heat_quanta(out(l) - double(before));
   }
   return heat;
 }
 
-template void tell_pockets(Block<float, D3Q7>&, Parity, const CutLinks<float>&, std::span<const HeatLink>,
-                           const SurfaceMotion&, const HeatSpec&, std::span<PocketLink>);
-template void tell_pockets(Block<double, D3Q7>&, Parity, const CutLinks<double>&, std::span<const HeatLink>,
-                           const SurfaceMotion&, const HeatSpec&, std::span<PocketLink>);
-template void apply_heat_links(Block<float, D3Q7>&, Parity, const CutLinks<float>&, std::span<const HeatLink>,
-                               const SurfaceHeat&, const SurfaceMotion&, PocketLinks, HeatSums&);
-template void apply_heat_links(Block<double, D3Q7>&, Parity, const CutLinks<double>&,
-                               std::span<const HeatLink>, const SurfaceHeat&, const SurfaceMotion&,
-                               PocketLinks, HeatSums&);
-template std::int64_t correct_heat_links(Block<float, D3Q7>&, Parity, const CutLinks<float>&,
-                                         std::span<const HeatLink>, double);
-template std::int64_t correct_heat_links(Block<double, D3Q7>&, Parity, const CutLinks<double>&,
-                                         std::span<const HeatLink>, double);
+template class SurfaceHeatLinks<float>;
+template class SurfaceHeatLinks<double>;
 
 }  // namespace silt::lbm

@@ -62,21 +62,39 @@ void add_heat_links(const Block<T, D3Q7>& block, const CutLinks<T>& links, const
   }
 }
 
-/// Lets the links of an insulating surface that lead into pockets tell of themselves, after the exchange of a
-/// pass; `parity` is that after it.
+/// The links along the axes of one surface in a block, between the exchange of a pass and the next pass; the
+/// parity is that after the exchange.
 template <class T>
-void tell_pockets(Block<T, D3Q7>&, Parity, const CutLinks<T>&, std::span<const HeatLink>,
-                  const SurfaceMotion&, const HeatSpec&, std::span<PocketLink>);
+class SurfaceHeatLinks {
+ public:
+  SurfaceHeatLinks(Block<T, D3Q7>&, Parity, const CutLinks<T>&, const SurfaceMotion&,
+                   std::span<const HeatLink>);
 
-/// Writes what a surface returns along its links, once pockets are told. Adds to the sums.
-template <class T>
-void apply_heat_links(Block<T, D3Q7>&, Parity, const CutLinks<T>&, std::span<const HeatLink>,
-                      const SurfaceHeat&, const SurfaceMotion&, PocketLinks, HeatSums&);
+  std::int64_t count() const { return std::int64_t(along_axes_.size()); }
+  /// Lets the links of an insulating surface that lead into pockets tell of themselves.
+  void tell_pockets(const HeatSpec&, std::span<PocketLink>) const;
+  /// Writes what the surface returns along its links, once pockets are told.
+  HeatSums apply(const SurfaceHeat&, PocketLinks) const;
+  /// Corrects what the surface returned as if it were warmer by `increment`. Returns what the surface gets by
+  /// that, in heat_quantum.
+  std::int64_t correct(double increment) const;
 
-/// Corrects what it returned as if it were warmer by `increment`. Returns what the surface gets by that, in
-/// heat_quantum.
-template <class T>
-std::int64_t correct_heat_links(Block<T, D3Q7>&, Parity, const CutLinks<T>&, std::span<const HeatLink>,
-                                double increment);
+ private:
+  double out(const HeatLink& l) const { return data_[leaving_[l.direction] + l.cell]; }
+  double against(const HeatLink& l) const { return data_[leaving_[opposite(l.direction)] + l.cell]; }
+  double behind(const HeatLink& l) const { return data_[arriving_[l.direction] + l.cell]; }
+  T& back(const HeatLink& l) const { return data_[arriving_[opposite(l.direction)] + l.cell]; }
+  double distance(const HeatLink&) const;
+  double swept(const HeatLink&) const;
+  double temperature_at(const SurfaceHeat&, const HeatLink&, double q) const;
+
+  const Block<T, D3Q7>& block_;
+  const CutLinks<T>& links_;
+  const SurfaceMotion& motion_;
+  std::span<const HeatLink> along_axes_;
+  T* data_;
+  // Where the populations lie that left cells, and those that arrive: from behind, or from the surface.
+  std::ptrdiff_t leaving_[D3Q7::directions], arriving_[D3Q7::directions];
+};
 
 }  // namespace silt::lbm
