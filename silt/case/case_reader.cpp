@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "silt/case/case_file.hpp"
+
 namespace silt {
 namespace {
 
@@ -23,6 +25,19 @@ std::string gravity_from(const Node& node) {
   if (node.numbers(3)) value = written(node);
   if (node.is_number()) value = fmt::format("[0, 0, {}]", shown(-std::abs(node.number())));
   return fmt::format("write gravity.acceleration = {}", value);
+}
+
+/// Returns "key 'edges' in [shapes] does not go with type = "sphere"" for a key of another type of that
+/// table, else "unknown key 'edges' in [shapes]".
+std::string unknown(const Node& table, const std::string& path, const std::string& key) {
+  const Node* const type = table.find("type");
+  const auto has_key = [&](const KeySection& section) {
+    return section.path == path && std::ranges::count(section.keys, key, &KeyText::name) > 0;
+  };
+  if (type && type->kind == Node::Kind::string && std::ranges::any_of(case_keys(), has_key))
+    return fmt::format("key '{}' in [{}] does not go with type = \"{}\"", key, path, type->string);
+  return fmt::format("unknown key '{}' {}", key,
+                     path.empty() ? "at the top of the file" : "in [" + path + "]");
 }
 
 bool is_gravity(const Node& node) {
@@ -58,8 +73,7 @@ void ReadContext::report_unread(const Node& table, const std::string& path) {
     const bool element = table.kind == Node::Kind::array;
     const std::string child_path = path_of_child(table, path, child);
     if (!element && asked != known_keys.end() && !is_known(child.key)) {
-      fail(child.key_place, "unknown key '{}' {}{}", child.key,
-           path.empty() ? "at the top of the file" : "in [" + path + "]",
+      fail(child.key_place, "{}{}", unknown(table, path, child.key),
            is_gravity(child) && path != "gravity" ? "; " + gravity_from(child)
                                                   : suggestion(child.key, asked->second));
     } else if (!child.children.empty()) {
