@@ -101,7 +101,7 @@ TEST(Traffic, ABodyIsOneForTheBusWhateverItsImages) {
     constexpr int steps = 6;
     for (int i = 0; i < steps; ++i) simulation.step();
     const BusBytes bytes = simulation.bus_bytes_in_steps() - before;
-    EXPECT_EQ(bytes.to_device, steps * sizeof(lbm::SurfaceStep<float>)) << x;
+    EXPECT_EQ(bytes.to_device, steps * sizeof(lbm::SurfaceMotion)) << x;
     EXPECT_EQ(bytes.from_device, steps * (sizeof(lbm::LinkSums) + sizeof(std::uint32_t))) << x;
   }
 }
