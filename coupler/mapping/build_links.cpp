@@ -114,7 +114,7 @@ class LinkWriter {
   void tell_groups(SurfaceLinks<T>& surface, std::vector<lbm::LinkGroup>::const_iterator first) {
     const auto& groups = surface.links.groups;
     DeviceArray<lbm::LinkGroup>& copies = surface.device.groups;
-    copies.clear(), copies.resize(groups.size());
+    renew(copies, groups.size());
     if (first != groups.end())
       device_.upload(std::span(first, groups.end()), copies.data() + (first - groups.begin()));
   }

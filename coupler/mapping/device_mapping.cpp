@@ -158,7 +158,7 @@ void DeviceMapping<T>::count() {
 template <class T>
 void DeviceMapping<T>::list(SurfaceLinks<T>& surface, std::uint32_t n) {
   lbm::CutLinks<T>& links = surface.links;
-  links.rate.clear(), links.rate.resize(surfaces_.host()[n].steps > 0 ? links.q.size() : 0);
+  renew(links.rate, surfaces_.host()[n].steps > 0 ? links.q.size() : 0);
   listed_.host().push_back({n, group_count_});
   group_count_ += std::uint32_t(links.groups.size());
   wanted_.push_back(&surface);
@@ -182,9 +182,7 @@ template <class T>
 void DeviceMapping<T>::run() {
   if (!has_links()) return;
   resistance_.host().resize(listed_.size());
-  lists_.clear(), lists_.resize(slabs_.size());
-  groups_.clear(), groups_.resize(group_count_);
-  turned_.clear(), turned_.resize(part_count_);
+  renew(lists_, slabs_.size()), renew(groups_, group_count_), renew(turned_, part_count_);
   SILT_OFF_CPU(device_, map_links<T>)
   ({cells_,
     send_told(),

@@ -50,7 +50,7 @@ LinkPass<T> DeviceLinks<T>::pass_over(Block<T>& block) {
 template <class T>
 void DeviceLinks<T>::make_room() {
   surfaces_.send();
-  groups_.clear(), groups_.resize(group_count_);
+  renew(groups_, group_count_);
   lines_.clear(), lines_.resize(gap_links_ == 0 ? 0 : std::bit_ceil(2 * gap_links_));
 }
 
