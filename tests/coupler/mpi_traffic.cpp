@@ -68,7 +68,7 @@ TEST(Traffic, OnlyWhatHasChangedCrossesTheBus) {
     double most_bytes;
   };
   for (const auto& [diameter, n, most_bytes] :
-       {Spheres{6, 12, 200}, Spheres{10, 20, 225}, Spheres{6, 7, 320}}) {
+       {Spheres{6, 12, 185}, Spheres{10, 20, 205}, Spheres{6, 7, 305}}) {
     CaseText text;
     text.domain = domain_of({3 * n, 3 * n, 3 * n});
     text.shapes = sphere_of("ball", diameter);
