@@ -225,7 +225,7 @@ class FlowOf final : public Flow {
     turned_.refill(fluid_, map_.blocks(), cells, bodies, changes.gone);
     if (heat_) heat_->change_cells(map_.blocks(), cells, bodies);
     take_cells(-1, cells.uncovered, bodies, changes);
-    account_.take_mass(turned_.weigh(fluid_, map_.blocks(), cells));
+    account_.take_mass(turned_.weigh(fluid_, map_.blocks()));
     counts_.covered = cells.covered.size(), counts_.uncovered = cells.uncovered.size();
     rebuild_links(bodies);
   }

@@ -79,6 +79,14 @@ struct UnwrittenElements : std::pmr::polymorphic_allocator<T> {
 template <class T>
 using DeviceArray = std::vector<T, UnwrittenElements<T>>;
 
+/// Replaces the elements by uninitialised ones, with some room more where the array must move.
+template <class T>
+void renew(DeviceArray<T>& values, std::size_t count) {
+  values.clear();
+  if (values.capacity() < count) values.reserve(count + count / 8);
+  values.resize(count);
+}
+
 /// Bytes that this rank's processor exchanges with its device; populations only in messages. `pages`: those
 /// of memory_of() and zeroed_on() that the processor touched after passes had run; on a graphics processor
 /// all page faults of the process, of which these are a part.

@@ -132,14 +132,19 @@ SILT_DEVICE void add_to(Whole& sum, Whole term) {
   sum += term;
 #endif
 }
-/// Flips a bit of a stream of words, others of which other threads may flip simultaneously.
-SILT_DEVICE inline void flip_bit(std::uint64_t* words, std::uint32_t bit) {
-  const std::uint64_t of_word = std::uint64_t{1} << (bit & 63);
+/// Flip and set bits of a word, others of which other threads may change simultaneously.
+SILT_DEVICE inline void flip_bits(std::uint64_t& word, std::uint64_t bits) {
 #if defined(__CUDA_ARCH__)
-  atomicXor(reinterpret_cast<unsigned long long*>(words + (bit >> 6)),
-            static_cast<unsigned long long>(of_word));
+  atomicXor(reinterpret_cast<unsigned long long*>(&word), static_cast<unsigned long long>(bits));
 #else
-  words[bit >> 6] ^= of_word;
+  word ^= bits;
+#endif
+}
+SILT_DEVICE inline void set_bits(std::uint64_t& word, std::uint64_t bits) {
+#if defined(__CUDA_ARCH__)
+  atomicOr(reinterpret_cast<unsigned long long*>(&word), static_cast<unsigned long long>(bits));
+#else
+  word |= bits;
 #endif
 }
 /// Sets a word that is 0 to a value; returns what it was before. Other threads may do so simultaneously.
@@ -210,8 +215,11 @@ template <class Whole>
 void add_to(Whole& sum, Whole term) {
   sum += term;
 }
-inline void flip_bit(std::uint64_t* words, std::uint32_t bit) {
-  words[bit >> 6] ^= std::uint64_t{1} << (bit & 63);
+inline void flip_bits(std::uint64_t& word, std::uint64_t bits) {
+  word ^= bits;
+}
+inline void set_bits(std::uint64_t& word, std::uint64_t bits) {
+  word |= bits;
 }
 inline std::uint64_t set_if_zero(std::uint64_t& word, std::uint64_t value) {
   const std::uint64_t before = word;

@@ -259,31 +259,27 @@ typename ListedCells<T>::Block Fluid<T>::listed_block(int b) {
 
 template <class T>
 ListedCells<T> Fluid<T>::listed(std::span<const LocalCell> cells, CellLists<T>& lists) {
-  lists.blocks.host().clear();
-  for (int b = 0; b < int(blocks_.size()); ++b) lists.blocks.host().push_back(listed_block(b));
-  lists.blocks.send();
   lists.cells.host().resize(cells.size());
   for (std::size_t k = 0; k < cells.size(); ++k)
     lists.cells.host()[k] = {std::uint32_t(blocks_[cells[k].block].cell(cells[k].cell)),
                              std::uint32_t(cells[k].block)};
-  return {lists.cells.send(), std::int64_t(cells.size()), lists.blocks.device()};
+  lists.cells.send();
+  return listed_again(lists);
+}
+
+template <class T>
+ListedCells<T> Fluid<T>::listed_again(CellLists<T>& lists) {
+  lists.blocks.host().clear();
+  for (int b = 0; b < int(blocks_.size()); ++b) lists.blocks.host().push_back(listed_block(b));
+  return {lists.cells.device(), std::int64_t(lists.cells.size()), lists.blocks.send()};
 }
 
 template <class T>
 std::span<const Moments> Fluid<T>::moments(std::span<const LocalCell> cells) {
   std::pmr::vector<Moments>& found = cell_moments_.host();
   found.resize(cells.size());
-  passes_on<T>(device_).gather_moments(listed(cells, listed_), cell_moments_.make_room(), nullptr);
+  passes_on<T>(device_).gather_moments(listed(cells, listed_), cell_moments_.make_room());
   cell_moments_.fetch(), wait(device_);
-  return found;
-}
-
-template <class T>
-std::span<const double> Fluid<T>::densities(std::span<const LocalCell> cells) {
-  std::pmr::vector<double>& found = cell_densities_.host();
-  found.resize(cells.size());
-  passes_on<T>(device_).gather_moments(listed(cells, listed_), nullptr, cell_densities_.make_room());
-  cell_densities_.fetch(), wait(device_);
   return found;
 }
 

@@ -138,8 +138,6 @@ class Fluid {
   Moments moments(int b, Int3 local_cell) const;
   /// Returns the moments of single cells, in order, after giving up their excess; valid until the next call.
   std::span<const Moments> moments(std::span<const LocalCell>);
-  /// Returns the density deviations of single cells; a device sends a tenth of the data of moments().
-  std::span<const double> densities(std::span<const LocalCell>);
   /// Lets the cell and its neighbours have an excess.
   void hold_excess_around(const LocalCell& at) {
     const auto& [b, x] = at;
@@ -149,6 +147,8 @@ class Fluid {
   void give_masses(std::span<const LocalCell>, std::span<const std::int64_t>);
   /// Returns single cells as passes address them, in these lists.
   ListedCells<T> listed(std::span<const LocalCell>, CellLists<T>&);
+  /// Returns the cells of these lists after the parity or the excess of blocks has changed.
+  ListedCells<T> listed_again(CellLists<T>&);
   /// Returns a block as passes over its cells see it, until its parity or excess changes.
   typename ListedCells<T>::Block listed_block(int b);
   void moments(int b, const CellBox&, MomentArrays&) const;
@@ -186,7 +186,6 @@ class Fluid {
   std::vector<Fast> fast_cells_;
   CellLists<T> listed_{device_};  // this and the following: single cells for passes
   Mirror<Moments> cell_moments_{device_};
-  Mirror<double> cell_densities_{device_};
   Mirror<std::int64_t> cell_masses_{device_};
   std::vector<std::vector<std::array<T, 2>>> given_up_;  // of the blocks: along an axis, along a diagonal
   bool is_given_up_ = false;

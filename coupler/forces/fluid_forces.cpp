@@ -112,7 +112,7 @@ void FluidForces<T>::begin(const lbm::Fluid<T>& fluid, std::span<const BlockMap>
       set_motion(surface.motion, motion.head<3>(), motion.tail<3>());
       surface.motion.mass_by_link = coupling_of(bodies, surface.row).mass_owed.by_each_link;
     }
-    links[b].begin_step();
+    links[b].begin_step(double(fluid.passes()));
   }
 }
 

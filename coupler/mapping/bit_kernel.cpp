@@ -2,12 +2,10 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cmath>
-#include <limits>
 
 #include "coupler/mapping/bit_kernel.hpp"
+#include "coupler/mapping/mark_cells.hpp"
 #include "lbm/walls/link_places.hpp"
-#include "rigid/shapes/surface_kinds.hpp"
 
 #if defined(SILT_HAS_avx512)
 #include <immintrin.h>
@@ -146,95 +144,10 @@ std::uint32_t list_bits(const BitFrame& frame, const PlaneWords& plane, const Wo
   return list_bits_plain(frame, plane, words, filled(words), along, out);
 }
 
-/// Sets cells first..last of a row that starts at a bit, except the outer two cells at either end of the
-/// frame, which lie outside the block and its ghost layers.
-inline void set_cells(const BitFrame& frame, std::size_t row, double first, double last,
-                      std::uint64_t* words) {
-  first = std::max(first, 2.0), last = std::min(last, frame.size.x - 3.0);
-  if (!(first <= last)) return;
-  const std::size_t from = row + std::size_t(first), to = row + std::size_t(last);
-  for (std::size_t w = from >> 6; w <= to >> 6; ++w) {
-    const std::size_t low = w * 64 < from ? from - w * 64 : 0, high = std::min<std::size_t>(to - w * 64, 63);
-    words[w] |= ~std::uint64_t{0} >> (63 - (high - low)) << low;
-  }
-}
+constexpr Team alone{0, 1};
 
-/// Marks the cells inside a ball; row by row in closed form.
-void mark_sphere(const BitFrame& frame, const PointInFrame& ball, double radius, std::uint64_t* words) {
-  constexpr int most = 64;  // rows per batch
-  double first[most], last[most];
-  for (int z = 2; z < frame.size.z - 2; ++z) {
-    const double rz = (ball.low.z + z + 0.5) - ball.z;
-    for (int y0 = 2; y0 < frame.size.y - 2; y0 += most) {
-      const int n = std::min(most, frame.size.y - 2 - y0);
-      for (int k = 0; k < n; ++k) {
-        const double ry = (ball.low.y + (y0 + k) + 0.5) - ball.y;
-        const double h2 = radius * radius - ry * ry - rz * rz;
-        const double half = std::sqrt(h2 < 0 ? 0 : h2), centre = ball.x - 0.5;
-        first[k] = h2 < 0 ? 1 : std::ceil(centre - half) - ball.low.x;
-        last[k] = h2 < 0 ? 0 : std::floor(centre + half) - ball.low.x;
-      }
-      for (int k = 0; k < n; ++k) {
-        const std::size_t row = std::size_t(z) * frame.plane * 64 + std::size_t(y0 + k) * frame.pitch;
-        set_cells(frame, row, first[k], last[k], words);
-      }
-    }
-  }
-}
-
-/// The rows of a frame, without the outer two at either end, that the bounding box of a part overlaps.
-struct RowsOf {
-  static constexpr double rounding = 1e-6;  // cells
-  static constexpr double infinity = std::numeric_limits<double>::infinity();
-  int y0 = 2, y1, z0 = 2, z1;
-
-  RowsOf(const BitFrame& frame, const PointInFrame& body, const rigid::SurfacePart<double>& part)
-      : y1(frame.size.y - 2), z1(frame.size.z - 2) {
-    if (part.kind == rigid::SurfaceKind::tube || !(part.extent[0] < infinity)) return;
-    const auto bound = [&](int d, double from, double low, int& first, int& end) {
-      double middle = from - (low + 0.5), half = rounding;
-      for (int k = 0; k < 3; ++k) {  // the axes of an ellipsoid are no unit vectors
-        const double* const axis = part.axes[k];
-        const double along = axis[d] / (axis[0] * axis[0] + axis[1] * axis[1] + axis[2] * axis[2]);
-        middle += along * part.centre[k], half += std::abs(along) * part.extent[k];
-      }
-      first = std::max(first, int(std::ceil(std::max(middle - half, 0.0))));
-      end = std::min(end, int(std::floor(std::min(middle + half, double(end)))) + 1);
-    };
-    bound(1, body.y, body.low.y, y0, y1);
-    bound(2, body.z, body.low.z, z0, z1);
-  }
-};
-
-/// Sets the cells inside a part of any kind, one row per lane; for a tube the cells outside its hole.
-template <rigid::SurfaceKind kind>
-void mark_part(const BitFrame& frame, const PointInFrame& centre, const rigid::SurfacePart<double>& part,
-               const rigid::Plane<double>* planes, std::uint64_t* words) {
-  using Lines = rigid::SILT_BUILD::LineLanes<double, kind>;
-  using V = typename Lines::V;
-  constexpr int lanes = Lines::L::count;
-  constexpr double infinity = std::numeric_limits<double>::infinity();
-  const double x = centre.x - 0.5;
-  V lane;
-  for (int l = 0; l < lanes; ++l) lane[l] = l;
-  const RowsOf rows(frame, centre, part);
-  for (int z = rows.z0; z < rows.z1; ++z) {
-    const V rz = V{} + ((centre.low.z + z + 0.5) - centre.z);
-    for (int y = rows.y0; y < rows.y1; y += lanes) {
-      const V ry = ((centre.low.y + y + 0.5) + lane) - centre.y;
-      const auto in = Lines(part, {V{}, ry, rz}, {V{} + 1.0, V{}, V{}}).inside(part, planes);
-      for (int l = 0; l < std::min(lanes, rows.y1 - y); ++l) {
-        const std::size_t row = std::size_t(z) * frame.plane * 64 + std::size_t(y + l) * frame.pitch;
-        const double enter = x + in.enter[l], leave = x + in.leave[l];
-        if constexpr (kind == rigid::SurfaceKind::tube) {
-          set_cells(frame, row, -infinity, std::floor(enter) - centre.low.x, words);
-          set_cells(frame, row, std::ceil(leave) - centre.low.x, infinity, words);
-        } else if (enter <= leave) {
-          set_cells(frame, row, std::ceil(enter) - centre.low.x, std::floor(leave) - centre.low.x, words);
-        }
-      }
-    }
-  }
+void mark_ball(const BitFrame& frame, const PointInFrame& ball, double radius, std::uint64_t* words) {
+  mark_sphere(frame, ball, radius, words, alone);
 }
 
 /// Sets the cells inside any part of a surface. Spheres have the cheaper mark_sphere.
@@ -242,7 +155,7 @@ void mark_parts(const BitFrame& frame, const PointInFrame& centre, const rigid::
                 std::uint64_t* words) {
   for (int k = 0; k < surface.count; ++k)
     rigid::SILT_BUILD::with_kind(surface.parts[k].kind, [&](auto kind) {
-      mark_part<kind()>(frame, centre, surface.parts[k], surface.planes, words);
+      mark_part<kind()>(frame, centre, surface.parts[k], surface.planes, words, alone);
     });
 }
 
@@ -346,7 +259,7 @@ std::uint32_t list_crossings(const BitFrame& frame, const FrameRows& wanted, con
 }  // namespace
 
 BitKernels bit_kernels() {
-  return {mark_sphere, mark_parts, list_links, list_beyond, widen, list_crossings};
+  return {mark_ball, mark_parts, list_links, list_beyond, widen, list_crossings};
 }
 
 }  // namespace silt::coupler::SILT_BUILD

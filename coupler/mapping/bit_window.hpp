@@ -21,7 +21,7 @@ struct BitFrame {
     pitch = size.x <= 8 ? 8 : size.x <= 16 ? 16 : size.x <= 32 ? 32 : (size.x + 63) / 64 * 64;
     plane = (pitch * size.y + 63) / 64;
   }
-  std::size_t words() const { return std::size_t(plane) * size.z; }
+  SILT_DEVICE std::size_t words() const { return std::size_t(plane) * size.z; }
   /// Returns the number of zero words before a stream, so that it can be read one step along any c away;
   /// eight more follow after it, for reads of eight words.
   int margin() const { return plane + pitch / 64 + 2; }

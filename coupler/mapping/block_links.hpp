@@ -13,12 +13,15 @@
 
 namespace silt::coupler {
 
-/// A surface and its shape in memory of a device, which sets `frame` and `group_count` if it lists the links.
+/// A surface in memory of a device, which sets `frame`, `group_count` and `measured` if it lists the links,
+/// and its shape.
 template <class T>
 struct MappedSurface {
   lbm::DeviceSurface<T> links;
-  rigid::ShapeView<T> shape;
-  bool operator==(const MappedSurface&) const = default;
+  struct Shape {
+    rigid::ShapeView<T> parts;
+    const rigid::Plane<double>* planes;  // to mark cells
+  } shape;
 };
 
 /// The links of one periodic image of a body, or of a wall.
@@ -26,14 +29,16 @@ template <class T>
 struct SurfaceLinks {
   lbm::CutLinks<T> links{};
   struct DeviceCopy {
-    DeviceArray<std::uint64_t> cells;  // BodyMask::bits, if the device lists the links
+    DeviceArray<std::uint64_t> cells;  // CellsOnDevice, if the device lists the links
     DeviceArray<lbm::LinkGroup> groups;
     DeviceArray<rigid::ShapePart> parts;
     DeviceArray<rigid::Plane<T>> planes;
+    DeviceArray<rigid::Plane<double>> exact_planes;
+    bool has_edges = false;                // of the parts
     DeviceArray<MappedSurface<T>> record;  // one element
-    MappedSurface<T> told{};               // the record as it was sent last
+    lbm::DeviceSurface<T> told{};          // its links as they were sent last
     explicit DeviceCopy(std::pmr::memory_resource* m = std::pmr::new_delete_resource())
-        : cells(m), groups(m), parts(m), planes(m), record(m) {}
+        : cells(m), groups(m), parts(m), planes(m), exact_planes(m), record(m) {}
   } device{};                        // the links in memory of a device
   lbm::ResistanceSums resistance{};  // of movable bodies; updated with the links
   // in the current step:
@@ -145,11 +150,10 @@ struct BlockLinks {
       if (at_once.body(k) == next) visit(next++, k);
   }
   /// Call once the motions of a step are set.
-  void begin_step() {
+  void begin_step(double time) {
     gaps.set(surfaces);
-    for_bodies([&](std::uint32_t body, std::size_t k) {
-      at_once.set_motion(body, surfaces[k].motion, surfaces[k].links.age);
-    });
+    at_once.set_time(time);
+    for_bodies([&](std::uint32_t body, std::size_t k) { at_once.set_motion(body, surfaces[k].motion); });
   }
   void apply_at_once(lbm::Block<T>& block, const lbm::Domain& domain, lbm::ForceForm form) {
     if (at_once.size() > 0)

@@ -58,43 +58,47 @@ class LinkWriter {
       throw std::invalid_argument(
           "a body or wall of more than 4096 cells across a block; use smaller domain.blocks");
     lbm::CutLinks<T>& links = surface.links;
+    const int exponent = lbm::resistance_exponent(radius);
     if (mask.any && surface_.leaves_to_device(shape)) {
-      device_.add_mask(surface, mask, mask.before < 0 ? nullptr : &map_.masks_before[mask.before]);
-      return counted_.push_back({&mask, &shape, &mapped, radius, &surface});
+      surface_.leave_to_device(surface, shape, mask, mapped,
+                               radius > 0 ? T(std::ldexp(1.0, -exponent)) : T(0));
+      return counted_.push_back({&mask, &shape, &surface});
     }
+    device_.change(surface, &mask, mask.before < 0 ? nullptr : &map_.masks_before[mask.before]);
     groups_.begin(links);
     if (mask.any) write(shape, links.frame);
-    const int exponent = lbm::resistance_exponent(radius);
     groups_.end();
-    surface.device.cells.clear(), surface.device.groups.clear();
+    surface.device.groups.clear();
     surface_.set_rates(links, shape, mapped);
     if (radius > 0) surface.resistance = lbm::resistance_of(links, exponent);
     if (!device_.has_links()) return;
     to_device(links.place, links.q, links.rate, links.across);
-    tell_device(surface, {}, false);
+    tell_groups(surface, links.groups.begin());
+    if (!links.groups.empty()) device_.tell(surface, mapped.middle());
   }
   /// Lets the device list and measure the links that it counts.
   void finish() {
     device_.count();
-    for (std::size_t n = 0; n < counted_.size(); ++n) {
-      const auto& [mask, shape, mapped, radius, surface] = counted_[n];
+    for (std::uint32_t n = 0; n < counted_.size(); ++n) {
+      const auto& [mask, shape, surface] = counted_[n];
       mask_ = mask;
       const lbm::SurfaceFrame& frame = surface->links.frame;
-      surface_.reset(*shape, map_, *mask, frame);
       groups_.begin(surface->links);
       device_.for_slabs(n, [&](int z, const KindCounts& counts) {
         groups_.add_counted(counts, mask->frame().low + Int3{0, 0, z});
       });
-      if (surface_.has_crossings()) crossing_groups(frame);
+      if (surface->device.has_edges) {
+        surface_.reset(*shape, map_, *mask, frame);
+        if (surface_.has_crossings()) crossing_groups(frame);
+      }
       groups_.end_for_device(device_);
-      if (surface->links.groups.empty()) {  // it is near the block
+      const auto& groups = surface->links.groups;
+      if (groups.empty()) {  // it is near the block
         surface->links.rate.clear(), surface->resistance = {};
         continue;
       }
-      surface->device.groups.clear(), surface->device.groups.resize(surface->links.groups.size());
-      surface_.leave_to_device(*surface, n, mask->pose.orientation, *mapped,
-                               radius > 0 ? T(std::ldexp(1.0, -lbm::resistance_exponent(radius))) : T(0));
-      tell_device(*surface, surface_.shape(), true);
+      tell_groups(*surface, std::ranges::find_if(groups, &lbm::LinkGroup::crossing));
+      device_.list(*surface, n);
     }
     device_.run();
   }
@@ -104,21 +108,15 @@ class LinkWriter {
   struct Counted {
     const BodyMask* mask;
     const rigid::Shape* shape;
-    const MappedMotion* mapped;
-    double radius;
     SurfaceLinks<T>* surface;
   };
-  /// Sends what the device has to know of a surface, and of its groups those that the device does not make.
-  void tell_device(SurfaceLinks<T>& surface, const rigid::ShapeView<T>& shape, bool lists) {
+  /// Sends the groups that the device does not make, from the first of them on.
+  void tell_groups(SurfaceLinks<T>& surface, std::vector<lbm::LinkGroup>::const_iterator first) {
     const auto& groups = surface.links.groups;
-    if (groups.empty()) return;
-    const auto first = std::find_if(groups.begin(), groups.end(),
-                                    [&](const lbm::LinkGroup& g) { return !lists || g.crossing; });
     DeviceArray<lbm::LinkGroup>& copies = surface.device.groups;
-    copies.resize(groups.size());
+    renew(copies, groups.size());
     if (first != groups.end())
       device_.upload(std::span(first, groups.end()), copies.data() + (first - groups.begin()));
-    device_.tell(surface, shape, lists);
   }
 
   void write(const rigid::Shape& shape, const lbm::SurfaceFrame& at) {
@@ -249,24 +247,6 @@ class LinkWriter {
   std::vector<Counted> counted_;
 };
 
-/// Returns the cell that contains the reference point of an image, and the offset in it, equal in all blocks.
-lbm::SurfaceFrame surface_frame(const BlockMap& map, const BodyMask& mask, int link_reach) {
-  lbm::SurfaceFrame frame{};
-  double square = 0;
-  for (int d = 0; d < 3; ++d) {
-    const double x = mask.pose.position[d];
-    const int cell = int(std::floor(x));
-    frame.cell[d] = cell + mask.shift[d] - map.box.lower[d];
-    frame.offset[d] = (cell + 0.5) - x;
-    const int low = mask.frame().low[d], high = low + mask.frame().size[d];
-    const double far = std::max(std::abs(low - frame.cell[d]), std::abs(high - frame.cell[d])) + 1;
-    square += far * far;
-  }
-  frame.reach = std::sqrt(square);
-  frame.whole = !touches_rim(mask.frame(), map.box.size, link_reach);
-  return frame;
-}
-
 template <class T>
 void write_links(const BlockMap& map, const rigid::World& world, const rigid::BodySet& bodies,
                  const LinkRules<T>& rules, std::vector<SurfaceLinks<T>>& surfaces) {
@@ -278,6 +258,7 @@ void write_links(const BlockMap& map, const rigid::World& world, const rigid::Bo
     before.push_back(
         {.links = lbm::CutLinks<T>::in(memory), .device = typename SurfaceLinks<T>::DeviceCopy(memory)});
   before.swap(surfaces);
+  std::vector<std::uint8_t> stays(before.size(), 0);
   const int link_reach = lbm::link_reach(rules.coupling.wall_scheme);
   PlacedMeshes placed;
   MeshDistances own(placed);
@@ -286,17 +267,20 @@ void write_links(const BlockMap& map, const rigid::World& world, const rigid::Bo
                        device);
   for_masks(map.masks, [&](std::size_t k) {
     const BodyMask& mask = map.masks[k];
-    if (mask.before >= 0) surfaces[k] = std::move(before[mask.before]);
+    if (mask.before >= 0) surfaces[k] = std::move(before[mask.before]), stays[mask.before] = 1;
     surfaces[k].row = mask.row;
     if (mask.kept) return;
     lbm::CutLinks<T>& links = surfaces[k].links;
-    links.fluid = rules.fluid, links.frame = surface_frame(map, mask, link_reach);
+    links.fluid = rules.fluid, links.frame = surface_frame(mask.frame(), centre_in(map, mask));
+    links.frame.whole = !touches_rim(mask.frame(), map.box.size, link_reach);
     const std::int32_t shape = bodies.shape[mask.row];
     const bool wants_resistance =
         mask.row < bodies.first_wall() && bodies.motion[mask.row] != rigid::Motion::fixed;
     writer.body(mask, world.shapes[shape], coupling_of(bodies, mask.row).mapped,
                 wants_resistance ? world.bounding_radii[shape] : 0, surfaces[k]);
   });
+  for (std::size_t k = 0; k < before.size(); ++k)
+    if (!stays[k]) device.change(before[k], nullptr, &map.masks_before[k]);
   writer.finish();
 }
 

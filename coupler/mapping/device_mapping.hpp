@@ -1,19 +1,28 @@
 #pragma once
-// Builds the links of a block's bodies by passes of a device (device/for_each.hpp): counts the links of each
-// kind from the bits of bodies, then lists them, and sets wall distances, their rates, and the resistance of
-// bodies with convex parts, one team per group of links. Only changed bits and poses are sent to the device;
-// only the counts and the resistance come back.
+// Builds the links of a block's bodies by passes of a device (device/for_each.hpp): marks the cells of bodies
+// with convex parts from their poses, counts the links of each kind from these bits, then lists them, and
+// sets wall distances, their rates, and the resistance, one team per group of links. Only poses are sent to
+// the device; only the counts and the resistance come back.
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
+#include "coupler/mapping/bit_kernel.hpp"
 #include "coupler/mapping/bit_window.hpp"
 #include "coupler/mapping/block_links.hpp"
 #include "coupler/mapping/cell_bits.hpp"
 #include "device/mirror.hpp"
 #include "lbm/walls/places_across.hpp"
 #include "rigid/shapes/surface_kinds.hpp"
+
+namespace silt::rigid {
+template <class T>
+class SurfaceParts;
+}
 
 namespace silt::coupler {
 
@@ -41,16 +50,28 @@ enum class LinkKind : std::uint8_t { own, single_cell, two_cells, across, count 
 inline constexpr int link_kinds = int(LinkKind::count);
 using KindCounts = std::array<std::uint32_t, link_kinds>;
 
-/// The bits of a surface on a device: the cells that it covers.
-struct MaskToMap {
-  BitFrame frame;
-  std::uint64_t* cells;
-};
+/// The cells that a surface covers, in memory of a device: words of bits, after the frame that they have.
+class CellsOnDevice {
+ public:
+  static constexpr std::size_t before_words = sizeof(BitFrame) / sizeof(std::uint64_t);
+  /// Returns the words in memory for a frame: one after the last may be read.
+  static std::size_t size(const BitFrame& frame) { return before_words + frame.words() + 1; }
 
-/// The planes of a mask, from `z` on, that the places of one group can reach.
+  CellsOnDevice() = default;
+  explicit CellsOnDevice(std::uint64_t* memory) : memory_(memory) {}
+  SILT_DEVICE bool exist() const { return memory_; }
+  SILT_DEVICE BitFrame& frame() const { return *reinterpret_cast<BitFrame*>(memory_); }
+  SILT_DEVICE std::uint64_t* words() const { return memory_ + before_words; }
+
+ private:
+  std::uint64_t* memory_ = nullptr;
+};
+static_assert(sizeof(BitFrame) % sizeof(std::uint64_t) == 0);
+
+/// The planes of a surface's frame, from `z` on, that the places of one group can reach.
 struct SlabToMap {
   static constexpr int most_planes = 1 << lbm::place_z_bits;
-  std::uint32_t mask;
+  std::uint32_t surface;
   std::int16_t z, planes;
 };
 
@@ -92,37 +113,42 @@ struct TurnedSurface {
   std::uint32_t turn, first_part;
 };
 
+/// How a device marks the cells of a surface: as those of a ball, or of any parts; or the processor does.
+enum class Marking : std::uint8_t { ball, parts, told };
+
+/// A surface that a device maps: its pose, from which the device finds its cells, its links and their
+/// distances.
 template <class T>
 struct SurfaceToMap {
-  MappedSurface<T>* surface;  // its groups: of its slabs, then those of crossing links, which are given
-  lbm::SurfaceFrame frame;    // at the middle of the mapping's steps
-  double last_offset[3];      // of the frame in the last of them
-  double steps;               // from the middle to the last; 0: distances have no rates
-  T arm;                      // 2^-exponent of the resistance; 0: not needed
+  MappedSurface<T>* surface;    // its groups: of its slabs, then those of crossing links, which are given
+  BitFrame frame;               // of its cells now
+  CellsOnDevice cells, before;  // those of the last mapping, if any, may have the same memory
+  PointInFrame centre;          // at the middle of the mapping's steps
+  double velocity[3];
+  double middle, steps;  // of the mapping's steps; from there to the last; 0: distances have no rates
+  T arm;                 // 2^-exponent of the resistance; 0: not needed
+  Marking marking;
   TurnedSurface now, last;
   std::uint32_t first_slab, slabs;
-  std::uint32_t first_group, group_count;  // among all groups
 };
 
+/// A surface with links, by its number, and the first of its groups among those of all.
+struct ListedToMap {
+  std::uint32_t surface, first_group;
+};
 struct GroupToMap {
-  std::uint32_t surface, number;
+  std::uint32_t listed, number;
 };
 
 /// A word of bits and its address.
 struct NewWord {
   std::uint64_t *at, bits;
 };
-/// The cells of a mask some of which change, and with it the solid cells of the block; or the latter alone.
-/// `flips` from `first` on are indices of their bits.
+/// Cells that change, of a surface or, if it is none, the solid cells of the block: `flips` from `first` on
+/// are indices of their bits.
 struct FlippedBits {
-  static constexpr std::uint32_t solid_alone = ~0u;
-  std::uint32_t mask, first, count;
-};
-/// The cells of a surface move to another frame, with those that lie in both.
-struct MovedFrame {
-  BitFrame from, to;
-  const std::uint64_t* old;
-  std::uint64_t* cells;
+  static constexpr std::uint32_t no_surface = ~0u;
+  std::uint32_t surface, first, count;
 };
 
 /// A run of 32-bit words that the host has listed, to be copied to a device array.
@@ -131,22 +157,31 @@ struct HostCopy {
   std::uint32_t first, count;
 };
 
-/// The bits of a block and the slabs of its surfaces whose links are counted and listed.
-struct BitsToMap {
-  const NewWord* words;
-  std::size_t word_count;
-  const MovedFrame* moved;
-  std::size_t moved_count;
-  const FlippedBits* flipped;
-  std::size_t flipped_count;
-  const std::uint32_t* flips;
-  const MaskToMap* masks;
-  const SlabToMap* slabs;
-  std::size_t slab_count;
-  KindCounts* counts;    // per slab
-  std::uint64_t* solid;  // CellBits of the block
+struct HostCopies {
+  std::span<const HostCopy> runs;
+  const std::uint32_t* values;
+};
+
+/// CellBits of a block.
+struct SolidBits {
+  std::uint64_t* words;
   lbm::Int3 size;
-  int solid_words;  // per row
+  int words_a_row;
+};
+
+/// The surfaces of a block that are mapped: their cells are marked, and the links of their slabs counted.
+template <class T>
+struct CellsToMap {
+  HostCopies told;
+  std::span<const SurfaceToMap<T>> surfaces;
+  std::span<const CellsOnDevice> gone;  // of surfaces that the device no longer maps
+  std::span<const NewWord> words;
+  std::span<const FlippedBits> flipped;
+  const std::uint32_t* flips;
+  const rigid::Turn* turns;
+  std::span<const SlabToMap> slabs;
+  KindCounts* counts;  // per slab
+  SolidBits solid;
   lbm::WallScheme scheme;
   lbm::Components directions = lbm::components<lbm::D3Q19>;
 };
@@ -154,19 +189,14 @@ struct BitsToMap {
 /// The arrays of the passes that list and measure links.
 template <class T>
 struct LinksToMap {
-  BitsToMap bits;
+  CellsToMap<T> cells;
+  HostCopies told;
   SlabLists* lists;  // per slab
   lbm::PlacesAcross<lbm::D3Q19> pairs;
-  GroupToMap* groups;
-  std::size_t group_count;
-  const SurfaceToMap<T>* surfaces;
-  std::size_t surface_count;
-  lbm::ResistanceSums* resistance;  // per surface
-  const rigid::Turn* turns;
+  std::span<const ListedToMap> listed;
+  std::span<GroupToMap> groups;
+  lbm::ResistanceSums* resistance;  // per listed surface
   rigid::SurfacePart<T>* turned;
-  const HostCopy* runs;
-  std::size_t run_count;
-  const std::uint32_t* told;
 };
 
 /// The mapping of one block by its device; does nothing for `cpu`.
@@ -177,21 +207,29 @@ class DeviceMapping {
   Device device() const { return device_; }
   bool has_links() const { return device_ != Device::cpu; }
 
-  /// Copies the block's solid bits to the device. Call first.
+  /// Call first.
   void begin(const BlockMap&, lbm::WallScheme);
-  /// Queues a surface whose links shall be counted. `before` is the mask of its last links, if any.
-  void add_mask(SurfaceLinks<T>&, const BodyMask&, const BodyMask* before);
-  /// Counts the links of all these surfaces.
+  /// Tells the device the parts of a surface, before it is first mapped.
+  void tell_shape(SurfaceLinks<T>&, const rigid::SurfaceParts<T>&, const rigid::SurfaceParts<double>&);
+  /// Queues a surface, whose cells shall be marked and its links counted; the caller sets what depends on its
+  /// motion. The device turns the parts at `turn`.
+  SurfaceToMap<T>& add(SurfaceLinks<T>&, const BodyMask&, Marking, const rigid::Turn&);
+  /// Sets an orientation of the surface added last.
+  TurnedSurface turned(const SurfaceLinks<T>&, const rigid::Turn&);
+  /// Queues the changes of a surface whose links the processor lists, or which is none any more (`now` null).
+  void change(SurfaceLinks<T>&, const BodyMask* now, const BodyMask* before);
+  /// Marks the cells of all these surfaces, and counts their links.
   void count();
-  /// Calls visit(z, counts) for the slabs of the n-th of them; z is the first plane in its frame.
+  /// Calls visit(z, counts) for the slabs of the n-th surface; z is the first plane in its frame.
   template <class Visit>
   void for_slabs(std::size_t n, Visit&& visit) const {
-    for (std::uint32_t k = first_slab_[n]; k < first_slab_[n + 1]; ++k)
+    const SurfaceToMap<T>& surface = surfaces_.host()[n];
+    for (std::uint32_t k = surface.first_slab; k < surface.first_slab + surface.slabs; ++k)
       visit(slabs_.host()[k].z, counts_.host()[k]);
   }
-  /// Queues the n-th of them, with groups for the counts of its slabs: lists its links, sets wall distances,
-  /// and the resistance. `arm` is SurfaceToMap::arm.
-  void add(SurfaceLinks<T>&, std::size_t n, const rigid::ShapeView<T>&, const rigid::Turn&, T arm);
+  /// Queues the n-th surface, which has groups for the counts of its slabs: lists its links, sets wall
+  /// distances, their rates and the resistance.
+  void list(SurfaceLinks<T>&, std::uint32_t n);
   /// Queues a copy of values to an array in memory_of the device.
   template <class Value>
   void upload(std::span<const Value> values, Value* to) {
@@ -203,51 +241,73 @@ class DeviceMapping {
         {reinterpret_cast<std::uint32_t*>(to), std::uint32_t(all.size()), std::uint32_t(count)});
     all.insert(all.end(), words, words + count);
   }
-  /// Queues the rates of the surface added last, from its orientation and its frame after `steps` steps.
-  void add_rates(const rigid::Turn&, const lbm::SurfaceFrame&, double steps);
-  /// Queues what the device has yet to know of a surface, whose links it lists or not.
-  void tell(SurfaceLinks<T>&, const rigid::ShapeView<T>&, bool lists);
+  /// Queues what the device has yet to know of the links of a surface: measured by the processor at some
+  /// time, or found by the device.
+  void tell(SurfaceLinks<T>&, std::optional<double> measured);
   /// Runs all that was queued. The surfaces must not have moved in memory.
   void run();
 
  private:
-  TurnedSurface turned(const rigid::Turn&, int parts);
   void clear() {
     const auto all = [](auto&... lists) { (lists.host().clear(), ...); };
-    all(masks_, slabs_, counts_, surfaces_, turns_, words_, moved_, flipped_, flips_, runs_, told_);
-    left_.clear(), group_count_ = part_count_ = 0;
+    all(surfaces_, gone_, turns_, slabs_, counts_, words_, flipped_, flips_, runs_, told_, listed_);
+    left_.clear(), wanted_.clear(), group_count_ = part_count_ = 0;
   }
   void add_words(std::uint64_t* to, const std::uint64_t* now, std::size_t count);
-  void end_flips(std::uint32_t mask);
+  void end_flips(std::uint32_t surface);
+  HostCopies send_told() { return {{runs_.send(), runs_.size()}, told_.send()}; }
 
   Device device_;
   const BlockMap* map_ = nullptr;
-  lbm::WallScheme scheme_{};
   DeviceArray<std::uint64_t> solid_{memory_of(device_)};
-  BitsToMap bits_{};
-  Mirror<MaskToMap> masks_{device_};
+  CellBits changed_;  // solid cells that the processor tells
+  bool tells_all_ = false, tells_some_ = false;
+  CellsToMap<T> cells_{};
+  Mirror<SurfaceToMap<T>> surfaces_{device_};
+  Mirror<CellsOnDevice> gone_{device_};
+  std::vector<DeviceArray<std::uint64_t>> left_;  // of cells before
+  Mirror<rigid::Turn> turns_{device_};
+  DeviceArray<rigid::SurfacePart<T>> turned_{memory_of(device_)};
   Mirror<SlabToMap> slabs_{device_};
-  std::vector<std::uint32_t> first_slab_;  // per mask, and the end of the last
   Mirror<KindCounts> counts_{device_};
   DeviceArray<SlabLists> lists_{memory_of(device_)};
   DeviceArray<GroupToMap> groups_{memory_of(device_)};
-  std::uint32_t group_count_ = 0;
-  std::vector<SurfaceLinks<T>*> wanted_;
-  Mirror<SurfaceToMap<T>> surfaces_{device_};
+  std::uint32_t group_count_ = 0, part_count_ = 0;
+  std::vector<SurfaceLinks<T>*> wanted_;  // as listed_
+  Mirror<ListedToMap> listed_{device_};
   Mirror<lbm::ResistanceSums> resistance_{device_};
-  Mirror<rigid::Turn> turns_{device_};
-  DeviceArray<rigid::SurfacePart<T>> turned_{memory_of(device_)};
-  std::uint32_t part_count_ = 0;
   Mirror<NewWord> words_{device_};
-  Mirror<MovedFrame> moved_{device_};
   Mirror<FlippedBits> flipped_{device_};
   Mirror<std::uint32_t> flips_{device_};
-  CellBits changed_;                              // solid cells that no mask's flips tell
-  std::vector<DeviceArray<std::uint64_t>> left_;  // cells in frames of before
   Mirror<HostCopy> runs_{device_};
   Mirror<std::uint32_t> told_{device_};
 };
 
-SILT_DEVICES(void count_links(const BitsToMap&); template <class T> void map_links(const LinksToMap<T>&);)
+/// Returns the frame some steps later, of a surface that moves on.
+SILT_DEVICE inline lbm::SurfaceFrame frame_after(lbm::SurfaceFrame frame, const double (&velocity)[3],
+                                                 double steps) {
+  for (int d = 0; d < 3; ++d) frame.offset[d] -= steps * velocity[d];
+  return frame;
+}
+
+/// Returns the frame of a surface's reference point from the cells that it covers; in all blocks its offset
+/// is the same. `whole` is not set.
+SILT_DEVICE inline lbm::SurfaceFrame surface_frame(const BitFrame& cells, const PointInFrame& centre) {
+  lbm::SurfaceFrame frame{};
+  const double at[3] = {centre.x, centre.y, centre.z};
+  double square = 0;
+  for (int d = 0; d < 3; ++d) {
+    const int cell = int(std::floor(at[d])), low = cells.low[d], high = low + cells.size[d];
+    frame.cell[d] = cell + low - centre.low[d];
+    frame.offset[d] = (cell + 0.5) - at[d];
+    const double far = std::max(std::abs(low - frame.cell[d]), std::abs(high - frame.cell[d])) + 1;
+    square += far * far;
+  }
+  frame.reach = std::sqrt(square);
+  return frame;
+}
+
+SILT_DEVICES(template <class T> void count_links(const CellsToMap<T>&);
+             template <class T> void map_links(const LinksToMap<T>&);)
 
 }  // namespace silt::coupler

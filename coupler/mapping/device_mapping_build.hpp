@@ -5,6 +5,7 @@
 #include <type_traits>
 
 #include "coupler/mapping/device_mapping.hpp"
+#include "coupler/mapping/mark_cells.hpp"
 #include "coupler/mapping/refill_build.hpp"
 #include "coupler/mapping/surface_distance.hpp"
 #include "device/for_each.hpp"
@@ -12,83 +13,120 @@
 
 namespace silt::coupler::SILT_BUILD {
 
-struct SetWords {
-  const NewWord* words;
-  SILT_DEVICE void operator()(std::int64_t k) const { *words[k].at = words[k].bits; }
-};
-
-/// Sets all words of a frame, which may have several rows each.
-struct MoveFrame {
-  const MovedFrame* moved;
-  SILT_DEVICE void operator()(std::int64_t k, const Team& member) const {
-    const auto& [from, to, old, cells] = moved[k];
-    const int words_a_plane = to.plane, rows_a_word = to.pitch < 64 ? 64 / to.pitch : 1;
-    for (int w = member.lane; w < words_a_plane * to.size.z; w += member.size) {
-      const int bit = w % words_a_plane * 64;  // in the plane
-      std::uint64_t word = 0;
-      for (int r = 0; r < rows_a_word; ++r) {
-        const lbm::Int3 at = to.low + lbm::Int3{bit % to.pitch, bit / to.pitch + r, w / words_a_plane};
-        const std::uint64_t shared = shared_cells(from, at) & to.row_bits();
-        if (shared) word |= (BitWindow::from(from, old, at) & shared) << (r * to.pitch & 63);
-      }
-      cells[w] = word;
-    }
-  }
-};
-
-struct FlipBits {
-  BitsToMap all;
-  SILT_DEVICE void operator()(std::int64_t k, const Team& member) const {
-    const FlippedBits& of = all.flipped[k];
-    for (std::uint32_t n = std::uint32_t(member.lane); n < of.count; n += std::uint32_t(member.size)) {
-      std::uint32_t bit = all.flips[of.first + n];
-      if (of.mask != FlippedBits::solid_alone) {
-        const MaskToMap& mask = all.masks[of.mask];
-        flip_bit(mask.cells, bit);
-        bit = std::uint32_t(CellBits::index(all.size, mask.frame.cell(bit), all.solid_words));
-      }
-      flip_bit(all.solid, bit);
-    }
-  }
-};
-
-template <class T>
-struct TurnParts {
-  LinksToMap<T> all;
-  SILT_DEVICE void operator()(std::int64_t k) const {
-    const SurfaceToMap<T>& surface = all.surfaces[k];
-    const auto turn_to = [&](const TurnedSurface& at) {
-      const rigid::Rotation turn(all.turns[at.turn]);
-      for (int p = 0; p < surface.surface->shape.count; ++p)
-        all.turned[at.first_part + p] = rigid::turned<T>(surface.surface->shape.parts[p], turn);
-    };
-    turn_to(surface.now);
-    if (surface.steps > 0) turn_to(surface.last);
-  }
-};
-
 template <class T>
 struct CopyTold {
-  LinksToMap<T> all;
+  HostCopies all;
   SILT_DEVICE void operator()(std::int64_t k, const Team& member) const {
-    const HostCopy& run = all.runs[k];
+    const HostCopy& run = all.runs[std::size_t(k)];
     for (std::uint32_t n = std::uint32_t(member.lane); n < run.count; n += std::uint32_t(member.size))
-      memcpy(run.to + n, all.told + run.first + n, sizeof *run.to);  // of any type
+      memcpy(run.to + n, all.values + run.first + n, sizeof *run.to);  // of any type
+  }
+};
+
+/// Flips the solid cells that are set in words of a frame.
+SILT_DEVICE inline void flip_solid(const SolidBits& solid, const BitFrame& frame, const std::uint64_t* words,
+                                   const Team& member) {
+  const int rows_a_word = frame.pitch < 64 ? 64 / frame.pitch : 1;
+  for (int w = member.lane; w < int(frame.words()); w += member.size) {
+    if (words[w] == 0) continue;
+    const lbm::Int3 first = frame.cell(64 * std::uint32_t(w));
+    for (int r = 0; r < rows_a_word; ++r) {
+      const std::uint64_t cells = words[w] >> (r * frame.pitch) & frame.row_bits();
+      if (cells == 0) continue;
+      const int bit = first.x + CellBits::ghosts;
+      std::uint64_t* const to =
+          solid.words + CellBits::row(solid.size, first.y + r, first.z, solid.words_a_row) + (bit >> 6);
+      flip_bits(to[0], cells << (bit & 63));
+      if (const std::uint64_t beyond = cells >> 1 >> (63 - (bit & 63))) flip_bits(to[1], beyond);
+    }
+  }
+}
+
+/// Takes the cells of the last mapping from the solid ones, and clears those of this one.
+template <class T>
+struct LiftCells {
+  CellsToMap<T> all;
+  SILT_DEVICE void operator()(std::int64_t k, const Team& member) const {
+    const SurfaceToMap<T>& surface = all.surfaces[std::size_t(k)];
+    if (surface.before.exist()) flip_solid(all.solid, surface.before.frame(), surface.before.words(), member);
+    std::uint64_t* const words = surface.cells.words();  // cleared by the thread that has read it
+    for (int w = member.lane; w <= int(surface.frame.words()); w += member.size) words[w] = 0;
+  }
+};
+template <class T>
+struct LiftGone {
+  CellsToMap<T> all;
+  SILT_DEVICE void operator()(std::int64_t k, const Team& member) const {
+    const CellsOnDevice& cells = all.gone[std::size_t(k)];
+    flip_solid(all.solid, cells.frame(), cells.words(), member);
+  }
+};
+
+template <class T>
+struct MarkCells {
+  CellsToMap<T> all;
+  SILT_DEVICE void operator()(std::int64_t k, const Team& member) const {
+    const SurfaceToMap<T>& surface = all.surfaces[std::size_t(k)];
+    if (member.lane == 0) surface.cells.frame() = surface.frame;
+    if (surface.marking == Marking::told) return;
+    const rigid::ShapeView<T>& shape = surface.surface->shape.parts;
+    std::uint64_t* const words = surface.cells.words();
+    if (surface.marking == Marking::ball)
+      return mark_sphere(surface.frame, surface.centre, shape.parts[0].size[0], words, member);
+    const rigid::Rotation turn(all.turns[surface.now.turn]);
+    for (int p = 0; p < shape.count; ++p) {
+      const rigid::SurfacePart<double> part = rigid::turned<double>(shape.parts[p], turn);
+      with_kind(part.kind, [&](auto kind) {
+        mark_part<kind()>(surface.frame, surface.centre, part, surface.surface->shape.planes, words, member);
+      });
+    }
+  }
+};
+
+template <class T>
+struct SetWords {
+  CellsToMap<T> all;
+  SILT_DEVICE void operator()(std::int64_t k) const {
+    *all.words[std::size_t(k)].at = all.words[std::size_t(k)].bits;
+  }
+};
+
+template <class T>
+struct FlipBits {
+  CellsToMap<T> all;
+  SILT_DEVICE void operator()(std::int64_t k, const Team& member) const {
+    const FlippedBits& of = all.flipped[std::size_t(k)];
+    std::uint64_t* const words =
+        of.surface == FlippedBits::no_surface ? all.solid.words : all.surfaces[of.surface].cells.words();
+    for (std::uint32_t n = std::uint32_t(member.lane); n < of.count; n += std::uint32_t(member.size)) {
+      const std::uint32_t bit = all.flips[of.first + n];
+      flip_bits(words[bit >> 6], std::uint64_t{1} << (bit & 63));
+    }
+  }
+};
+
+template <class T>
+struct LowerCells {
+  CellsToMap<T> all;
+  SILT_DEVICE void operator()(std::int64_t k, const Team& member) const {
+    const SurfaceToMap<T>& surface = all.surfaces[std::size_t(k)];
+    flip_solid(all.solid, surface.frame, surface.cells.words(), member);
   }
 };
 
 /// The links of a slab, 64 cells of a row and one direction at a time.
+template <class T>
 struct LinksOfSlab {
-  const BitsToMap& all;
+  const CellsToMap<T>& all;
   const SlabToMap& slab;
-  const MaskToMap& mask;
+  const SurfaceToMap<T>& surface;
   lbm::Int3 corner;
 
-  SILT_DEVICE LinksOfSlab(const BitsToMap& all, std::int64_t k)
+  SILT_DEVICE LinksOfSlab(const CellsToMap<T>& all, std::int64_t k)
       : all(all),
-        slab(all.slabs[k]),
-        mask(all.masks[slab.mask]),
-        corner(mask.frame.low + lbm::Int3{0, 0, slab.z}) {}
+        slab(all.slabs[std::size_t(k)]),
+        surface(all.surfaces[slab.surface]),
+        corner(surface.frame.low + lbm::Int3{0, 0, slab.z}) {}
 
   /// The links of up to 64 cells along one direction, by kind.
   struct Found {
@@ -98,16 +136,17 @@ struct LinksOfSlab {
   };
 
   SILT_DEVICE std::uint64_t solid(lbm::Int3 x) const {
-    return CellBits::from(all.solid + CellBits::row(all.size, x.y, x.z, all.solid_words), x.x);
+    const SolidBits& of = all.solid;
+    return CellBits::from(of.words + CellBits::row(of.size, x.y, x.z, of.words_a_row), x.x);
   }
-  SILT_DEVICE std::uint64_t inside(lbm::Int3 x) const { return cells_of_block(x, all.size, 0, false); }
+  SILT_DEVICE std::uint64_t inside(lbm::Int3 x) const { return cells_of_block(x, all.solid.size, 0, false); }
   SILT_DEVICE void set(Found& found) const {
     const lbm::Int3 x = corner + found.at, c = found.c;
-    const BitFrame& frame = mask.frame;
+    const BitFrame& frame = surface.frame;
     std::uint64_t left = inside(x);
     if (!left) return;
     left &= cells_between(x.x, frame.low.x, frame.low.x + frame.size.x) & ~solid(x);
-    left &= BitWindow::from(frame, mask.cells, x + c);
+    left &= BitWindow::from(frame, surface.cells.words(), x + c);
     const auto take = [&](LinkKind kind, std::uint64_t cells) {
       found.cells[int(kind)] = left & cells, left &= ~cells;
     };
@@ -121,7 +160,7 @@ struct LinksOfSlab {
   /// Calls visit(found) the same number of times in all threads of a team.
   template <class Visit>
   SILT_DEVICE void visit_all(const Team& member, Visit&& visit) const {
-    const int rows = mask.frame.size.y - 2, words = (mask.frame.size.x + 63) / 64;
+    const int rows = surface.frame.size.y - 2, words = (surface.frame.size.x + 63) / 64;
     const int in_direction = slab.planes * rows * words;
     for (int first = 0; first < in_direction * (lbm::D3Q19::directions - 1); first += member.size) {
       const int e = first + member.lane, in = e % in_direction;
@@ -137,11 +176,12 @@ struct LinksOfSlab {
   }
 };
 
+template <class T>
 struct CountSlab {
-  BitsToMap all;
+  CellsToMap<T> all;
   SILT_DEVICE void operator()(std::int64_t k, const Team& member) const {
     KindCounts n{};
-    LinksOfSlab(all, k).visit_all(member, [&](const LinksOfSlab::Found& found) {
+    LinksOfSlab<T>(all, k).visit_all(member, [&](const auto& found) {
       for (int kind = 0; kind < link_kinds; ++kind) n[kind] += std::uint32_t(bits_in(found.cells[kind]));
     });
     const auto sum = [](std::uint32_t a, std::uint32_t b) { return a + b; };
@@ -150,12 +190,33 @@ struct CountSlab {
   }
 };
 
-void count_links(const BitsToMap& all) {
-  for_each(std::int64_t(all.word_count), SetWords{all.words});
-  for_teams(std::int64_t(all.moved_count), MoveFrame{all.moved});
-  for_teams(std::int64_t(all.flipped_count), FlipBits{all});
-  for_teams(std::int64_t(all.slab_count), CountSlab{all});
+template <class T>
+void count_links(const CellsToMap<T>& all) {
+  for_teams(std::int64_t(all.told.runs.size()), CopyTold<T>{all.told});
+  for_teams(std::int64_t(all.surfaces.size()), LiftCells<T>{all});
+  for_teams(std::int64_t(all.gone.size()), LiftGone<T>{all});
+  for_teams(std::int64_t(all.surfaces.size()), MarkCells<T>{all});
+  for_each(std::int64_t(all.words.size()), SetWords<T>{all});
+  for_teams(std::int64_t(all.flipped.size()), FlipBits<T>{all});
+  for_teams(std::int64_t(all.surfaces.size()), LowerCells<T>{all});
+  for_teams(std::int64_t(all.slabs.size()), CountSlab<T>{all});
 }
+
+template <class T>
+struct TurnParts {
+  LinksToMap<T> all;
+  SILT_DEVICE void operator()(std::int64_t k) const {
+    const SurfaceToMap<T>& surface = all.cells.surfaces[all.listed[std::size_t(k)].surface];
+    const rigid::ShapeView<T>& shape = surface.surface->shape.parts;
+    const auto turn_to = [&](const TurnedSurface& at) {
+      const rigid::Rotation turn(all.cells.turns[at.turn]);
+      for (int p = 0; p < shape.count; ++p)
+        all.turned[at.first_part + p] = rigid::turned<T>(shape.parts[p], turn);
+    };
+    turn_to(surface.now);
+    if (surface.steps > 0) turn_to(surface.last);
+  }
+};
 
 /// Makes the groups of a surface for the counts of its slabs, as LinkGroups does, and the lists of its slabs.
 template <class T>
@@ -163,16 +224,21 @@ struct MakeGroups {
   LinksToMap<T> all;
 
   SILT_DEVICE void operator()(std::int64_t k) const {
-    const SurfaceToMap<T>& surface = all.surfaces[k];
+    const auto number = std::size_t(k);
+    const auto& [surface_number, first_group] = all.listed[number];
+    const SurfaceToMap<T>& surface = all.cells.surfaces[surface_number];
     lbm::DeviceSurface<T>& links = surface.surface->links;
-    links.frame = surface.frame, links.group_count = surface.group_count;
-    LinkRoom room{all.bits.scheme};
+    const std::size_t end =
+        number + 1 < all.listed.size() ? all.listed[number + 1].first_group : all.groups.size();
+    links.frame = surface_frame(surface.frame, surface.centre), links.measured = surface.middle;
+    links.group_count = std::uint32_t(end) - first_group;
+    LinkRoom room{all.cells.scheme};
     lbm::LinkGroup* to = links.groups;
     for (std::uint32_t n = surface.first_slab; n < surface.first_slab + surface.slabs; ++n) {
-      const lbm::Int3 corner = LinksOfSlab(all.bits, n).corner;
+      const lbm::Int3 corner = LinksOfSlab<T>(all.cells, n).corner;
       SlabLists& lists = all.lists[n];
       for (int kind = 0; kind < link_kinds; ++kind) {
-        const std::uint32_t count = all.bits.counts[n][kind];
+        const std::uint32_t count = all.cells.counts[n][kind];
         if (count == 0) continue;
         const lbm::LinkGroup group = room.group(LinkKind(kind), count, corner);
         lists.place[kind] = links.place + group.begin;
@@ -180,8 +246,7 @@ struct MakeGroups {
         *to++ = group;
       }
     }
-    for (std::uint32_t g = 0; g < surface.group_count; ++g)
-      all.groups[surface.first_group + g] = {std::uint32_t(k), g};
+    for (std::uint32_t g = 0; g < links.group_count; ++g) all.groups[first_group + g] = {std::uint32_t(k), g};
   }
 };
 
@@ -190,10 +255,10 @@ struct ListSlab {
   LinksToMap<T> all;
 
   SILT_DEVICE void operator()(std::int64_t k, const Team& member) const {
-    const LinksOfSlab links(all.bits, k);
+    const LinksOfSlab<T> links(all.cells, k);
     const SlabLists& lists = all.lists[k];
     std::uint32_t n[link_kinds] = {};
-    links.visit_all(member, [&](const LinksOfSlab::Found& found) {
+    links.visit_all(member, [&](const auto& found) {
       for (int kind = 0; kind < link_kinds; ++kind) {
         std::uint64_t cells = found.cells[kind];
         std::uint32_t to = member.before(std::uint32_t(bits_in(cells)), n[kind]);
@@ -232,15 +297,16 @@ struct MeasureGroup {
 
   SILT_DEVICE lbm::SILT_BUILD::PlaceOrigin<T> origin(const lbm::LinkGroup& group,
                                                      const lbm::SurfaceFrame& frame) const {
-    return {group.corner, frame, all.bits.directions.packed};
+    return {group.corner, frame, all.cells.directions.packed};
   }
   SILT_DEVICE void operator()(std::int64_t k, const Team& member) const {
-    const SurfaceToMap<T>& surface = all.surfaces[all.groups[k].surface];
+    const auto& [listed, number] = all.groups[std::size_t(k)];
+    const SurfaceToMap<T>& surface = all.cells.surfaces[all.listed[listed].surface];
     const lbm::DeviceSurface<T>& links = surface.surface->links;
-    const lbm::LinkGroup& group = links.groups[all.groups[k].number];
+    const lbm::LinkGroup& group = links.groups[number];
     if (member.lane == 0) pad(group, links.place + group.begin);
     measure(group, surface, member);
-    if (surface.arm != 0) add_resistance_of(group, surface, all.resistance[all.groups[k].surface], member);
+    if (surface.arm != 0) add_resistance_of(group, surface, all.resistance[listed], member);
   }
   /// Completes the last vector of places by copies, since all of them are read.
   SILT_DEVICE static void pad(const lbm::LinkGroup& group, std::uint32_t* place) {
@@ -250,9 +316,8 @@ struct MeasureGroup {
   SILT_DEVICE void measure(const lbm::LinkGroup& group, const SurfaceToMap<T>& surface,
                            const Team& member) const {
     const lbm::DeviceSurface<T>& links = surface.surface->links;
-    const rigid::ShapeView<T>& shape = surface.surface->shape;
-    lbm::SurfaceFrame last = surface.frame;
-    for (int d = 0; d < 3; ++d) last.offset[d] = surface.last_offset[d];
+    const rigid::ShapeView<T>& shape = surface.surface->shape.parts;
+    const lbm::SurfaceFrame last = frame_after(links.frame, surface.velocity, surface.steps);
     for (int n = L::count * member.lane; n < int(group.count); n += L::count * member.size) {
       const int l = int(group.begin) + n;
       const auto at = [&](const TurnedSurface& time, const lbm::SurfaceFrame& frame, T past) {
@@ -263,7 +328,7 @@ struct MeasureGroup {
       if (group.crossing)
         q = load<V>(links.q + l);
       else if (lbm::follows_distance(group.scheme))
-        q = at(surface.now, surface.frame, T(0));
+        q = at(surface.now, links.frame, T(0));
       store(links.q + l, q);
       if (surface.steps > 0)
         store(links.rate + l,
@@ -277,7 +342,7 @@ struct MeasureGroup {
     typename L::Quanta h[resistance_entries + push_entries] = {};
     for (int l = L::count * member.lane; l < int(group.count); l += L::count * member.size) {
       const lbm::SILT_BUILD::Places<T> at(surface.surface->links.place + group.begin + l,
-                                          origin(group, surface.frame));
+                                          origin(group, surface.surface->links.frame));
       lbm::SILT_BUILD::add_resistance<T>(
           at, L::below(int(group.count) - l), surface.arm,
           [&](int e, const V& term) { h[e] += converted<typename L::Quanta>(converted<Terms>(term)); });
@@ -294,13 +359,15 @@ struct MeasureGroup {
 
 template <class T>
 void map_links(const LinksToMap<T>& all) {
-  for_teams(std::int64_t(all.run_count), CopyTold<T>{all});
-  for_each(std::int64_t(all.surface_count), MakeGroups<T>{all});
-  for_each(std::int64_t(all.surface_count), TurnParts<T>{all});
-  for_teams(std::int64_t(all.bits.slab_count), ListSlab<T>{all});
-  for_teams(std::int64_t(all.group_count), MeasureGroup<T>{all});
+  for_teams(std::int64_t(all.told.runs.size()), CopyTold<T>{all.told});
+  for_each(std::int64_t(all.listed.size()), MakeGroups<T>{all});
+  for_each(std::int64_t(all.listed.size()), TurnParts<T>{all});
+  for_teams(std::int64_t(all.cells.slabs.size()), ListSlab<T>{all});
+  for_teams(std::int64_t(all.groups.size()), MeasureGroup<T>{all});
 }
 
+template void count_links(const CellsToMap<float>&);
+template void count_links(const CellsToMap<double>&);
 template void map_links(const LinksToMap<float>&);
 template void map_links(const LinksToMap<double>&);
 

@@ -95,12 +95,11 @@ class LinkGroups {
   }
   /// Makes room for all links, whose places and distances a device sets, except those of crossing links.
   void end_for_device(DeviceMapping<T>& device) {
-    const auto room = [](auto& values, std::size_t count) { values.clear(), values.resize(count); };
     const auto tell = [&](const lbm::LinkGroup& g, const auto& from, auto& to) {
       device.upload(std::span(from.data() + g.begin, g.count), to.data() + g.begin);
     };
-    room(links_->place, room_.used), room(links_->q, room_.used), room(links_->across, room_.across);
-    room(links_->opposite_q, room_.gaps), room(links_->opposite_u, room_.gaps);
+    renew(links_->place, room_.used), renew(links_->q, room_.used), renew(links_->across, room_.across);
+    renew(links_->opposite_q, room_.gaps), renew(links_->opposite_u, room_.gaps);
     for (const lbm::LinkGroup& g : links_->groups)
       if (g.crossing) tell(g, place_, links_->place), tell(g, q_, links_->q);
   }

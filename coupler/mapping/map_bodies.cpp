@@ -172,8 +172,7 @@ void MapBodies::add_images(const BlockMap& block, const rigid::BodySet& bodies, 
 /// Marks the cells of a shape, relative to the body's centre.
 void MapBodies::mark(const BlockMap& block, const rigid::Shape& shape, BodyMask& mask) {
   const BitFrame& frame = mask.inside.frame();
-  const Vec3& x = mask.pose.position;
-  const PointInFrame centre{x[0], x[1], x[2], block.box.lower + frame.low - mask.shift};
+  const PointInFrame centre = centre_in(block, mask);
   if (const auto* ball = std::get_if<rigid::Sphere>(&shape))
     return bit_kernels().mark_sphere(frame, centre, ball->radius, mask.inside.words());
   if (const auto* mesh = std::get_if<rigid::Mesh>(&shape))

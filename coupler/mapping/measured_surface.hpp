@@ -28,7 +28,7 @@ class MeasuredSurface {
     if (way_ == Way::mesh)
       mesh_.find(std::get<rigid::Mesh>(shape), map, mask);
     else if (way_ == Way::tube)
-      tube_.reset(shape, mask.pose.orientation);
+      exact_.reset(shape, mask.pose.orientation);
     else
       parts_.reset(shape, mask.pose.orientation);
   }
@@ -41,7 +41,7 @@ class MeasuredSurface {
     else if (way_ == Way::mesh)
       mesh_.set(list.corner, list.place, list.n, list.q);
     else if (way_ == Way::tube)
-      distance_kernel<double, T>()(links, *frame_, tube_.view(), 0.0, list.q);
+      distance_kernel<double, T>()(links, *frame_, exact_.view(), 0.0, list.q);
     else
       distance_kernel<T, T>()(links, *frame_, parts_.view(), T(0), list.q);
   }
@@ -49,15 +49,22 @@ class MeasuredSurface {
     return device_.has_links() && (!follows_ || !(std::holds_alternative<rigid::Mesh>(shape) ||
                                                   std::holds_alternative<rigid::Tube>(shape)));
   }
-  /// Queues the n-th surface that the device has counted: its groups, distances, rates and resistance.
-  void leave_to_device(SurfaceLinks<T>& surface, std::size_t n, const rigid::Quat& orientation,
+  /// Queues a surface whose cells and links the device finds.
+  void leave_to_device(SurfaceLinks<T>& surface, const rigid::Shape& shape, const BodyMask& mask,
                        const MappedMotion& mapped, T arm) {
-    surface.links.rate.clear();
-    device_.add(surface, n, parts_.shape(), rigid::turn_of(orientation), arm);
-    const double steps = steps_with_rates(surface.links, mapped);
-    if (steps == 0) return;
-    device_.add_rates(rigid::turn_of(mapped.pose_after(steps).orientation),
-                      frame_after(surface.links.frame, mapped, steps), steps);
+    const bool is_mesh = std::holds_alternative<rigid::Mesh>(shape);
+    if (!is_mesh && surface.device.parts.empty()) {
+      parts_.reset(shape, mask.pose.orientation), exact_.reset(shape, mask.pose.orientation);
+      device_.tell_shape(surface, parts_, exact_);
+    }
+    const Marking marking = is_mesh                                        ? Marking::told
+                            : std::holds_alternative<rigid::Sphere>(shape) ? Marking::ball
+                                                                           : Marking::parts;
+    SurfaceToMap<T>& to = device_.add(surface, mask, marking, rigid::turn_of(mask.pose.orientation));
+    to.arm = arm, to.middle = mapped.middle(), to.steps = steps_with_rates(mapped);
+    if (to.steps == 0) return;
+    std::ranges::copy(mapped.velocity.linear(), to.velocity);
+    to.last = device_.turned(surface, rigid::turn_of(mapped.pose_after(to.steps).orientation));
   }
 
   /// Sets the rates of links, which were built for the middle of the mapping's steps, from their distances in
@@ -65,10 +72,12 @@ class MeasuredSurface {
   /// distances, on which their existence depends.
   void set_rates(lbm::CutLinks<T>& links, const rigid::Shape& shape, const MappedMotion& mapped) {
     links.rate.clear();
-    const double steps = steps_with_rates(links, mapped);
-    if (steps == 0) return;
+    const double steps = steps_with_rates(mapped);
+    if (steps == 0 || links.q.empty()) return;
     parts_.reset(shape, mapped.pose_after(steps).orientation);
-    const lbm::SurfaceFrame frame = frame_after(links.frame, mapped, steps);
+    double velocity[3];
+    std::ranges::copy(mapped.velocity.linear(), velocity);
+    const lbm::SurfaceFrame frame = frame_after(links.frame, velocity, steps);
     links.rate.assign(links.q.size(), T(0));
     for (const lbm::LinkGroup& group : links.groups) {
       if (group.crossing) continue;
@@ -84,18 +93,13 @@ class MeasuredSurface {
   /// Returns whether the surface has edges that links may cross.
   bool has_crossings() const { return follows_ && way_ == Way::parts && parts_.has_edges(); }
   rigid::SurfaceView<T> view() const { return parts_.view(); }
-  rigid::ShapeView<T> shape() const { return parts_.shape(); }
 
  private:
   enum class Way { parts, tube, mesh };
   /// Returns the steps from the middle of a mapping's steps to the last; 0 if distances do not change.
-  double steps_with_rates(const lbm::CutLinks<T>& links, const MappedMotion& mapped) const {
+  double steps_with_rates(const MappedMotion& mapped) const {
     const double steps = static_cast<double>(mapped.steps.end - 1) - mapped.middle();
-    return !follows_ || mapped.is_at_rest() || links.q.empty() || !(steps > 0) ? 0 : steps;
-  }
-  static lbm::SurfaceFrame frame_after(lbm::SurfaceFrame frame, const MappedMotion& mapped, double steps) {
-    for (int d = 0; d < 3; ++d) frame.offset[d] -= steps * mapped.velocity.numbers[d];
-    return frame;
+    return !follows_ || mapped.is_at_rest() || !(steps > 0) ? 0 : steps;
   }
 
   bool follows_;  // else links meet it midway
@@ -103,7 +107,7 @@ class MeasuredSurface {
   DeviceMapping<T>& device_;
   Way way_ = Way::parts;
   rigid::SurfaceParts<T> parts_;
-  rigid::SurfaceParts<double> tube_;  // in double, as it may be very long
+  rigid::SurfaceParts<double> exact_;  // of a tube, as it may be very long, and to mark cells
   const lbm::SurfaceFrame* frame_ = nullptr;
 };
 

@@ -33,38 +33,46 @@ void for_cells_lost(const BlockMap& map, const BodyMask& mask, const CellBits& o
     }
 }
 
-/// Returns the moments of neighbours on other ranks, in the order of the uncovered cells.
+/// Calls visit(pair, local cell) for the cells of other ranks whose bits are set, of bits(map, y, z, word),
+/// and their neighbours here that were and are fluid.
+template <class T, class Bits, class Visit>
+void for_pairs_with_others(const lbm::Fluid<T>& fluid, const std::vector<BlockMap>& maps, Bits&& bits,
+                           Visit&& visit) {
+  const lbm::Domain& domain = fluid.domain();
+  const int here = parallel::rank_of(fluid.comm());
+  for (int b = 0; b < int(maps.size()); ++b) {
+    const BlockMap& map = maps[b];
+    for_ghosts(
+        map, [&](int y, int z, int k) { return bits(map, y, z, k); },
+        [&](Int3 x) {
+          const Int3 cell = map.box.lower + x;
+          const int rank = domain.rank_at(domain.wrapped(cell));
+          for (int k = 1; rank != here && k < lbm::D3Q19::directions; ++k) {
+            const Int3 y = x + lbm::D3Q19::c[k];
+            if (map.has(y) && map.was_and_is_fluid(y)) visit({rank, cell, k}, {b, y});
+          }
+        });
+  }
+}
+
+/// Returns the moments of neighbours on other ranks; sends those that other ranks want.
 template <class T>
 std::vector<lbm::Moments> remote_moments(lbm::Fluid<T>& fluid, const std::vector<BlockMap>& maps,
-                                         const ChangedCells& cells) {
+                                         std::span<const RemoteNeighbour> neighbours) {
   const lbm::Domain& domain = fluid.domain();
   if (domain.ranks() == 1) return {};
-  const int here = parallel::rank_of(fluid.comm());
   SharedNeighbours<lbm::Moments> offers(domain), wants(domain);
   std::vector<lbm::LocalCell> offered;
-  for (int b = 0; b < int(maps.size()); ++b) {
-    const auto uncovered_bits = [&](int y, int z, int k) {
-      return maps[b].before.at(y, z)[k] & ~maps[b].solid.at(y, z)[k];
-    };
-    for_ghosts(maps[b], uncovered_bits, [&](Int3 x) {
-      const Int3 uncovered = maps[b].box.lower + x;
-      const int rank = domain.rank_at(domain.wrapped(uncovered));
-      for (int k = 1; rank != here && k < lbm::D3Q19::directions; ++k) {
-        const Int3 y = x + lbm::D3Q19::c[k];
-        if (!maps[b].has(y) || !maps[b].was_and_is_fluid(y)) continue;
-        offers.add(rank, uncovered, k);
-        offered.push_back({b, y});
-      }
-    });
-  }
-  for (const CoveredCell& u : cells.uncovered)
-    for (int k = 1; k < lbm::D3Q19::directions; ++k) {
-      const BlockMap& map = maps[u.block];
-      const Int3 y = u.cell + lbm::D3Q19::c[k];
-      if (map.has(y) || !map.was_and_is_fluid(y)) continue;
-      const int rank = domain.rank_at(domain.wrapped(map.box.lower + y));
-      if (rank != here) wants.add(rank, map.box.lower + u.cell, k);
-    }
+  for_pairs_with_others(
+      fluid, maps,
+      [](const BlockMap& map, int y, int z, int k) {
+        return map.before.at(y, z)[k] & ~map.solid.at(y, z)[k];
+      },
+      [&](const RemoteNeighbour& of, const lbm::LocalCell& here) {
+        offers.add(of.rank, of.cell, of.k);
+        offered.push_back(here);
+      });
+  for (const RemoteNeighbour& of : neighbours) wants.add(of.rank, of.cell, of.k);
   return offers.exchange(fluid.comm(), 2, fluid.moments(offered), wants);
 }
 
@@ -124,43 +132,51 @@ void TurnedCells<T>::list(lbm::Fluid<T>& fluid, const std::vector<BlockMap>& map
       cells_.host().push_back(cell);
     }
   };
-  add(changed.covered, +1), add(changed.uncovered, -1);
+  add(changed.uncovered, -1), add(changed.covered, +1);
   cells_.send();
 }
 
-/// Lists neighbours of uncovered cells in other blocks, and has their moments computed or told.
+/// Lists neighbours in other blocks, and has the moments of those of uncovered cells computed or told.
 template <class T>
 void TurnedCells<T>::list_faces(lbm::Fluid<T>& fluid, const std::vector<BlockMap>& maps,
                                 const ChangedCells& changed) {
-  const std::vector<lbm::Moments> remote = remote_moments(fluid, maps, changed);
-  told_.host().assign(remote.begin(), remote.end());
   const lbm::Domain& domain = fluid.domain();
   const int rank = parallel::rank_of(fluid.comm());
-  faces_.host().clear(), places_.host().clear();
-  std::vector<lbm::LocalCell> near;
-  std::uint32_t told = 0;
-  for (std::uint32_t n = 0; n < changed.uncovered.size(); ++n) {
-    const std::uint32_t neighbours = cells_.host()[changed.covered.size() + n].neighbours;
-    if (!(neighbours & ChangedCell::at_face)) continue;
-    const CoveredCell& u = changed.uncovered[n];
-    const BlockMap& map = maps[u.block];
-    FaceCell face{n, 0, std::uint32_t(places_.size())};
-    for (int k = 1; k < lbm::D3Q19::directions; ++k) {
-      const Int3 y = u.cell + lbm::D3Q19::c[k];
-      if (!(neighbours >> k & 1) || map.has(y)) continue;
-      face.neighbours |= 1u << k;
-      const Int3 g = domain.wrapped(map.box.lower + y);
-      const lbm::BlockPlace there = domain.block_at(g);
-      const int block = domain.local_index(there, rank);
-      places_.host().push_back(block < 0 ? 2 * told++ : 2 * std::uint32_t(near.size()) + 1);
-      if (block >= 0) near.push_back({block, g - there.box.lower});
+  faces_.host().clear(), places_.host().clear(), near_cells_.clear(), remote_.clear();
+  const auto add = [&](const std::vector<CoveredCell>& cells, std::uint32_t first) {
+    for (std::uint32_t n = 0; n < cells.size(); ++n) {
+      const std::uint32_t neighbours = cells_.host()[first + n].neighbours;
+      if (!(neighbours & ChangedCell::at_face)) continue;
+      const BlockMap& map = maps[cells[n].block];
+      FaceCell face{first + n, 0, std::uint32_t(places_.size())};
+      for (int k = 1; k < lbm::D3Q19::directions; ++k) {
+        const Int3 y = cells[n].cell + lbm::D3Q19::c[k];
+        if (!(neighbours >> k & 1) || map.has(y)) continue;
+        face.neighbours |= 1u << k;
+        const Int3 g = domain.wrapped(map.box.lower + y);
+        const lbm::BlockPlace there = domain.block_at(g);
+        const int block = domain.local_index(there, rank);
+        places_.host().push_back(block < 0 ? 2 * std::uint32_t(remote_.size())
+                                           : 2 * std::uint32_t(near_cells_.size()) + 1);
+        if (block < 0)
+          remote_.push_back({domain.rank_at(g), map.box.lower + cells[n].cell, k});
+        else
+          near_cells_.push_back({block, g - there.box.lower});
+      }
+      faces_.host().push_back(face);
     }
-    faces_.host().push_back(face);
-  }
-  near_.host().resize(near.size());
-  if (near.empty()) return;
-  lbm::passes_on<T>(fluid.device())
-      .gather_moments(fluid.listed(near, listed_near_), near_.make_room(), nullptr);
+  };
+  add(changed.uncovered, 0);
+  const std::size_t told = remote_.size(), near = near_cells_.size();
+  add(changed.covered, std::uint32_t(changed.uncovered.size()));
+  faces_.send(), places_.send();
+  const std::vector<lbm::Moments> found = remote_moments(fluid, maps, std::span(remote_).first(told));
+  told_.host().assign(found.begin(), found.end());
+  if (near_cells_.empty()) return;
+  lbm::ListedCells<T> listed = fluid.listed(near_cells_, listed_near_);
+  near_.host().resize(near);
+  listed.count = std::int64_t(near);
+  lbm::passes_on<T>(fluid.device()).gather_moments(listed, near_.make_room());
 }
 
 template <class T>
@@ -169,8 +185,9 @@ ChangedInBlock<T> TurnedCells<T>::in_block(lbm::Fluid<T>& fluid, const Range& ra
 }
 
 template <class T>
-PassingCells<T> TurnedCells<T>::passing(lbm::Fluid<T>& fluid, const Range& range) {
-  return {in_block(fluid, range), range.sign, masses_.device() + range.first, left_.device()};
+PassingCells<T> TurnedCells<T>::passing(lbm::Fluid<T>& fluid, const Range& range, std::int64_t* sent) {
+  return {in_block(fluid, range), range.sign, range.first, masses_.device(),
+          left_.device(),         sent,       faces(),     {}};
 }
 
 template <class T>
@@ -190,137 +207,66 @@ void TurnedCells<T>::refill(lbm::Fluid<T>& fluid, const std::vector<BlockMap>& m
       for (std::size_t d = 0; d < 3; ++d) momenta_.host()[n][d] = v[Eigen::Index(d)] - 0.5 * force[d];
     }
   }
-  const MomentsElsewhere elsewhere{faces_.send(), std::int64_t(faces_.size()), places_.send(), told_.send(),
-                                   near_.device()};
+  const MomentsElsewhere elsewhere{told_.send(), near_.device()};
   momenta_.send();
-  const auto first_uncovered = std::uint32_t(changed.covered.size());
   const auto refill_block = SILT_ON(fluid.device(), refill_cells<T>);
   for (const Range& range : ranges_)
     if (range.sign < 0)
-      refill_block(
-          {in_block(fluid, range), range.first - first_uncovered, momenta_.device(), elsewhere, force});
+      refill_block({in_block(fluid, range), range.first, momenta_.device(), faces(), elsewhere, force});
   lbm::wait(fluid.device());
 }
 
-namespace {
-
-/// Returns bits of cells that turned solid or fluid, with ghost cells.
-auto changed_bits(const BlockMap& map) {
-  return [&map](int y, int z, int k) { return map.before.at(y, z)[k] ^ map.solid.at(y, z)[k]; };
+/// Exchanges the masses that cells pass on to neighbours on other ranks.
+template <class T>
+void TurnedCells<T>::take_from_others(lbm::Fluid<T>& fluid, const std::vector<BlockMap>& maps) {
+  const lbm::Domain& domain = fluid.domain();
+  takers_.clear(), taken_.clear();
+  if (domain.ranks() == 1) return;
+  SharedNeighbours<double> given(domain), wanted(domain);
+  for (const RemoteNeighbour& to : remote_) given.add(to.rank, to.cell, to.k);
+  for_pairs_with_others(
+      fluid, maps,
+      [](const BlockMap& map, int y, int z, int k) { return map.before.at(y, z)[k] ^ map.solid.at(y, z)[k]; },
+      [&](const RemoteNeighbour& of, const lbm::LocalCell& here) {
+        wanted.add(of.rank, of.cell, of.k);
+        takers_.push_back(here);
+      });
+  const std::vector<double> parts(sent_.host().begin(), sent_.host().end());
+  for (const double mass : given.exchange(fluid.comm(), 8, parts, wanted))
+    taken_.push_back(std::int64_t(mass));
 }
 
 template <class T>
-class PassOn {
- public:
-  PassOn(lbm::Fluid<T>& fluid, const std::vector<BlockMap>& maps)
-      : fluid_(fluid), maps_(maps), domain_(fluid.domain()), rank_(parallel::rank_of(fluid.comm())) {}
-
-  /// Divides the mass of a cell evenly, but for the last quanta, among neighbours that were and are fluid.
-  /// Returns the mass if there are none.
-  std::int64_t share(const CoveredCell& c, std::int64_t mass) {
-    const BlockMap& map = maps_[c.block];
-    int neighbours[lbm::D3Q19::directions], count = 0;
-    for (int k = 1; k < lbm::D3Q19::directions; ++k)
-      if (map.was_and_is_fluid(c.cell + lbm::D3Q19::c[k])) neighbours[count++] = k;
-    if (count == 0) return mass;
-    for (int n = 0; n < count; ++n) {
-      const std::int64_t part = mass / (count - n);
-      mass -= part;
-      give(c, neighbours[n], part);
-    }
-    return 0;
-  }
-
-  /// Receives the shares from cells of other ranks; returns all shares.
-  MassShares finish() {
-    if (domain_.ranks() > 1) take_from_others();
-    return std::move(all_);
-  }
-
- private:
-  void give(const CoveredCell& c, int k, std::int64_t part) {
-    const BlockMap& map = maps_[c.block];
-    const Int3 y = c.cell + lbm::D3Q19::c[k];
-    if (map.has(y)) return give({c.block, y}, part);
-    const Int3 g = domain_.wrapped(map.box.lower + y);
-    const lbm::BlockPlace there = domain_.block_at(g);
-    const int block = domain_.local_index(there, rank_);
-    if (block >= 0) return give({block, g - there.box.lower}, part);
-    sent_.add(domain_.rank_at(g), map.box.lower + c.cell, k);
-    parts_.push_back(double(part));
-  }
-
-  void give(const lbm::LocalCell& cell, std::int64_t mass) {
-    all_.cells.push_back(cell), all_.masses.push_back(mass);
-  }
-
-  void take_from_others() {
-    SharedNeighbours<double> wanted(domain_);
-    for (int b = 0; b < int(maps_.size()); ++b) {
-      const BlockMap& map = maps_[b];
-      for_ghosts(map, changed_bits(map), [&](Int3 x) {
-        const Int3 cell = map.box.lower + x;
-        const int rank = domain_.rank_at(domain_.wrapped(cell));
-        for (int k = 1; rank != rank_ && k < lbm::D3Q19::directions; ++k) {
-          const Int3 y = x + lbm::D3Q19::c[k];
-          if (!map.has(y) || !map.was_and_is_fluid(y)) continue;
-          wanted.add(rank, cell, k);
-          all_.cells.push_back({b, y});
-        }
-      });
-    }
-    const std::vector<double> found = sent_.exchange(fluid_.comm(), 8, parts_, wanted);
-    for (const double mass : found) all_.masses.push_back(std::int64_t(mass));
-  }
-
-  lbm::Fluid<T>& fluid_;
-  const std::vector<BlockMap>& maps_;
-  const lbm::Domain& domain_;
-  int rank_;
-  MassShares all_;
-  SharedNeighbours<double> sent_{domain_};
-  std::vector<double> parts_;
-};
-
-}  // namespace
-
-template <class T>
-rigid::FixedSum TurnedCells<T>::weigh(lbm::Fluid<T>& fluid, const std::vector<BlockMap>& maps,
-                                      const ChangedCells& changed) {
-  PassOn<T> across(fluid, maps);
-  std::int64_t left = 0;
-  const auto share = [&](PassOn<T>& pass, const std::vector<CoveredCell>& cells, int sign,
-                         std::size_t first) {
-    std::vector<CoveredCell> at_faces;
-    for (std::size_t n = 0; n < cells.size(); ++n)
-      if (cells_.host()[first + n].neighbours & ChangedCell::at_face) at_faces.push_back(cells[n]);
-    if (at_faces.empty()) return;
-    const std::span<const double> densities = fluid.densities(places(at_faces));
-    for (std::size_t n = 0; n < at_faces.size(); ++n)
-      left += pass.share(at_faces[n], sign * std::llrint(densities[n] / lbm::excess_quantum<T>));
-  };
-  share(across, changed.covered, +1, 0), share(across, changed.uncovered, -1, changed.covered.size());
-  others_ = across.finish();
+rigid::FixedSum TurnedCells<T>::weigh(lbm::Fluid<T>& fluid, const std::vector<BlockMap>& maps) {
   masses_.host().resize(cells_.size()), masses_.make_room();
+  sent_.host().resize(remote_.size());
   left_.host().assign(1, 0);
   if (!ranges_.empty()) {
     left_.clear();
-    for (const Range& range : ranges_) SILT_ON(fluid.device(), weigh_cells<T>)(passing(fluid, range));
-    left_.fetch(), lbm::wait(fluid.device());
+    std::int64_t* const sent = remote_.empty() ? nullptr : sent_.make_room();
+    for (const Range& range : ranges_) SILT_ON(fluid.device(), weigh_cells<T>)(passing(fluid, range, sent));
+    left_.fetch(), sent_.fetch(), lbm::wait(fluid.device());
   }
-  return std::llrint(double(left + left_.host()[0]) * lbm::excess_quantum<T> / lbm::mass_quantum);
+  take_from_others(fluid, maps);
+  return std::llrint(double(left_.host()[0]) * lbm::excess_quantum<T> / lbm::mass_quantum);
 }
 
 template <class T>
 void TurnedCells<T>::give(lbm::Fluid<T>& fluid) {
-  fluid.give_masses(others_.cells, others_.masses);
-  others_ = {};
+  fluid.give_masses(takers_, taken_);
+  takers_.clear(), taken_.clear();
   if (ranges_.empty()) return;
   for (const Range& range : ranges_)
     for (std::uint32_t n = range.first; n < range.first + range.count; ++n)
-      if (const auto& [offset, neighbours] = cells_.host()[n]; !(neighbours & ChangedCell::at_face))
-        fluid.hold_excess_around({range.block, fluid.blocks()[range.block].cell_at(offset)});
-  for (const Range& range : ranges_) SILT_ON(fluid.device(), share_masses<T>)(passing(fluid, range));
+      fluid.hold_excess_around({range.block, fluid.blocks()[range.block].cell_at(cells_.host()[n].offset)});
+  for (const lbm::LocalCell& cell : near_cells_) fluid.hold_excess_around(cell);
+  const lbm::ListedCells<T> near =
+      near_cells_.empty() ? lbm::ListedCells<T>{} : fluid.listed_again(listed_near_);
+  for (const Range& range : ranges_) {
+    PassingCells<T> cells = passing(fluid, range, nullptr);
+    cells.near = near;
+    SILT_ON(fluid.device(), share_masses<T>)(cells);
+  }
   lbm::wait(fluid.device());
   ranges_.clear();
 }

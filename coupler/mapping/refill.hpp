@@ -31,14 +31,15 @@ std::vector<lbm::LocalCell> places(const std::vector<CoveredCell>&);
 /// Returns the vector from the nearest periodic image of a body's centre of mass to the centre of a cell.
 rigid::Vec3 nearest_arm(const lbm::Domain&, const rigid::Vec3& position, lbm::Int3 global_cell);
 
-/// Masses for cells of this rank, in quanta of lbm/blocks/excess.hpp.
-struct MassShares {
-  std::vector<lbm::LocalCell> cells;
-  std::vector<std::int64_t> masses;
+/// A neighbour along c_k, on another rank, of a cell (global, not wrapped).
+struct RemoteNeighbour {
+  int rank;
+  lbm::Int3 cell;
+  int k;
 };
 
 /// What happens to the cells of this rank that a mapping has changed: passes list them once, as offsets in
-/// their block. The processor handles what crosses faces of blocks.
+/// their block. The processor handles what other ranks send.
 template <class T>
 class TurnedCells {
  public:
@@ -51,7 +52,8 @@ class TurnedCells {
         near_(device),
         listed_near_(device),
         masses_(device),
-        left_(device) {}
+        left_(device),
+        sent_(device) {}
 
   /// Sets uncovered cells to the mean density of their neighbours, the body's velocity at the cell, and the
   /// mean non-equilibrium flux of momentum, g_i = g_i^eq + 9/2 w_i (c.Pi.c - tr Pi/3). Cells of a removed
@@ -63,7 +65,7 @@ class TurnedCells {
   /// and an uncovered cell takes it from there (method.md, equations 46 and 47), so that moving bodies
   /// conserve mass with any sides. Call after refill(), before covered cells change. Returns the mass, in
   /// lbm::mass_quantum, of cells without a fluid neighbour. Collective over neighbour ranks.
-  rigid::FixedSum weigh(lbm::Fluid<T>&, const std::vector<BlockMap>&, const ChangedCells&);
+  rigid::FixedSum weigh(lbm::Fluid<T>&, const std::vector<BlockMap>&);
   /// Gives the masses to the neighbours, once: after the collision, since their sum with an older excess
   /// would be rounded.
   void give(lbm::Fluid<T>&);
@@ -76,18 +78,23 @@ class TurnedCells {
   };
   void list(lbm::Fluid<T>&, const std::vector<BlockMap>&, const ChangedCells&);
   void list_faces(lbm::Fluid<T>&, const std::vector<BlockMap>&, const ChangedCells&);
+  void take_from_others(lbm::Fluid<T>&, const std::vector<BlockMap>&);
+  CellsAtFaces faces() const { return {faces_.device(), std::int64_t(faces_.size()), places_.device()}; }
   ChangedInBlock<T> in_block(lbm::Fluid<T>&, const Range&);
-  PassingCells<T> passing(lbm::Fluid<T>&, const Range&);
+  PassingCells<T> passing(lbm::Fluid<T>&, const Range&, std::int64_t* sent);
 
-  Mirror<ChangedCell> cells_;  // covered, then uncovered, each block by block
+  Mirror<ChangedCell> cells_;  // uncovered, then covered, each block by block
   std::vector<Range> ranges_;  // empty once masses were given
   Mirror<std::array<double, 3>> momenta_;
-  Mirror<FaceCell> faces_;  // this and the next four: MomentsElsewhere
+  Mirror<FaceCell> faces_;  // this and the next: CellsAtFaces
   Mirror<std::uint32_t> places_;
+  std::vector<RemoteNeighbour> remote_;  // by their places
+  std::vector<lbm::LocalCell> near_cells_;
   Mirror<lbm::Moments> told_, near_;
   lbm::CellLists<T> listed_near_;
-  Mirror<std::int64_t> masses_, left_;
-  MassShares others_;  // of cells with neighbours in other blocks
+  Mirror<std::int64_t> masses_, left_, sent_;
+  std::vector<lbm::LocalCell> takers_;  // cells that other ranks give these masses
+  std::vector<std::int64_t> taken_;
 };
 
 }  // namespace silt::coupler

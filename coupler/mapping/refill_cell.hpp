@@ -25,19 +25,19 @@ struct ChangedInBlock {
   std::int64_t count;
 };
 
-/// Neighbours in other blocks of an uncovered cell, as bits by direction; their moments are at places
-/// (MomentsElsewhere) from first_place on.
+/// Neighbours in other blocks of a changed cell, as bits by direction; they are at places (CellsAtFaces) from
+/// first_place on.
 struct FaceCell {
   std::uint32_t cell, neighbours, first_place;
 };
 
-/// The moments of neighbours in other blocks: of this rank, computed by a pass; of other ranks, as they told.
-struct MomentsElsewhere {
+/// The changed cells with neighbours in other blocks.
+struct CellsAtFaces {
   const FaceCell* cells;  // in the order of `cell`
   std::int64_t count;
-  const std::uint32_t* places;  // 2 n: the n-th that was told; 2 n + 1: the n-th of this rank
-  const lbm::Moments *told, *near;
+  const std::uint32_t* places;  // 2 n: the n-th neighbour on other ranks; 2 n + 1: the n-th on this one
 
+  /// Returns a cell by its number, or one without such neighbours.
   SILT_DEVICE const FaceCell& of(std::uint32_t cell) const {
     std::int64_t first = 0, end = count;
     while (end - first > 1) {
@@ -46,8 +46,12 @@ struct MomentsElsewhere {
     }
     return cells[first];
   }
-  SILT_DEVICE const lbm::Moments& operator[](std::uint32_t k) const {
-    const std::uint32_t place = places[k];
+};
+
+/// The moments of neighbours in other blocks: of this rank, computed by a pass; of other ranks, as they told.
+struct MomentsElsewhere {
+  const lbm::Moments *told, *near;
+  SILT_DEVICE const lbm::Moments& operator[](std::uint32_t place) const {
     return (place & 1 ? near : told)[place >> 1];
   }
 };
@@ -86,8 +90,9 @@ class NeighbourMeans {
 template <class T>
 struct RefillCells {
   ChangedInBlock<T> of;
-  std::uint32_t first;                   // number of the first of them among all uncovered cells
+  std::uint32_t first;                   // number of the first of them among all
   const std::array<double, 3>* momenta;  // of the surface at each of all, less half the force
+  CellsAtFaces faces;
   MomentsElsewhere elsewhere;
   std::array<double, 3> force;
 
@@ -100,12 +105,12 @@ struct RefillCells {
   SILT_DEVICE NeighbourMeans means_around(std::int64_t k) const {
     const auto& [offset, neighbours] = of.cells[k];
     const auto cell = first + std::uint32_t(k);
-    const FaceCell face = neighbours & ChangedCell::at_face ? elsewhere.of(cell) : FaceCell{};
+    const FaceCell face = neighbours & ChangedCell::at_face ? faces.of(cell) : FaceCell{};
     std::uint32_t next = face.first_place;
     NeighbourMeans means;
     for (int i = 1; i < lbm::D3Q19::directions; ++i)
       if (neighbours >> i & 1)
-        means.add(face.neighbours >> i & 1 ? elsewhere[next++]
+        means.add(face.neighbours >> i & 1 ? elsewhere[faces.places[next++]]
                                            : of.block.moments_at(offset + std::uint32_t(of.block.step[i])),
                   force);
     means.finish();
@@ -127,13 +132,17 @@ struct RefillCells {
 };
 
 /// Cells that pass their mass on to their neighbours that were and are fluid: covered cells give it away,
-/// uncovered ones take it. Those with neighbours in other blocks do nothing.
+/// uncovered ones take it.
 template <class T>
 struct PassingCells {
   ChangedInBlock<T> of;
   int sign;              // -1: they take it
-  std::int64_t* masses;  // this and the next in quanta of lbm/blocks/excess.hpp
+  std::uint32_t first;   // number of the first of them among all
+  std::int64_t* masses;  // of all; this and the next two in quanta of lbm/blocks/excess.hpp
   std::int64_t* left;    // of all cells without a neighbour
+  std::int64_t* sent;    // to neighbours on other ranks; null: they have it
+  CellsAtFaces faces;
+  lbm::ListedCells<T> near;  // neighbours in other blocks of this rank
 };
 
 SILT_DEVICES(template <class T> void refill_cells(const RefillCells<T>&);

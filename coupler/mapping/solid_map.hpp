@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "coupler/mapping/bit_kernel.hpp"
 #include "coupler/mapping/bit_window.hpp"
 #include "coupler/mapping/cell_bits.hpp"
 #include "cpu/prefetch.hpp"
@@ -74,6 +75,12 @@ struct BlockMap {
     return false;
   }
 };
+
+/// Returns the reference point of an image relative to the frame of its cells.
+inline PointInFrame centre_in(const BlockMap& map, const BodyMask& mask) {
+  const rigid::Vec3& x = mask.pose.position;
+  return {x[0], x[1], x[2], map.box.lower + mask.inside.frame().low - mask.shift};
+}
 
 /// Calls visit(block, local cell) for every fluid cell inside the blocks, x fastest.
 template <class Visit>

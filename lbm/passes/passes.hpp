@@ -71,7 +71,7 @@ struct Passes {
   void (*cross_border)(const BorderPatches<T>&, const BorderLists<T>&,
                        std::span<const typename BorderPatches<T>::Passing>);
   /// Writes the moments of single cells, or only their density deviations; the other pointer is null.
-  void (*gather_moments)(const ListedCells<T>&, Moments*, double* densities);
+  void (*gather_moments)(const ListedCells<T>&, Moments*);
   /// Adds masses (quanta) to single cells, which may be listed repeatedly.
   void (*give_masses)(const ListedCells<T>&, const std::int64_t*);
   /// Subtracts the excess of all cells of a block from their populations, as a collision does.

@@ -41,18 +41,11 @@ template <class T>
 struct GatherMoments {
   ListedCells<T> of;
   Moments* moments;
-  double* densities;
   static constexpr int ahead = 6;
   void fetch(std::int64_t k) const {
     for (const std::ptrdiff_t arriving : of.block_of(k).arriving) prefetch_to_read(of.data(k) + arriving);
   }
-  SILT_DEVICE void operator()(std::int64_t k) const {
-    const Moments m = of.moments(k);
-    if (moments)
-      moments[k] = m;
-    else
-      densities[k] = m.density_deviation;
-  }
+  SILT_DEVICE void operator()(std::int64_t k) const { moments[k] = of.moments(k); }
 };
 
 template <class T>
@@ -63,8 +56,8 @@ void move_slots(const SlotPairs& pairs, std::span<const T> addends, SlotArrays<c
 }
 
 template <class T>
-void gather_moments(const ListedCells<T>& cells, Moments* moments, double* densities) {
-  for_each(cells.count, GatherMoments<T>{cells, moments, densities});
+void gather_moments(const ListedCells<T>& cells, Moments* moments) {
+  for_each(cells.count, GatherMoments<T>{cells, moments});
 }
 
 template <class T>

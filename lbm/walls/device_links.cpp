@@ -9,7 +9,7 @@ namespace silt::lbm {
 
 template <class T>
 void DeviceLinks<T>::clear() {
-  surfaces_.host().clear(), steps_.host().clear();
+  surfaces_.host().clear(), motions_.host().clear();
   group_count_ = 0, gap_links_ = 0, is_listed_ = has_crossings_ = false;
 }
 
@@ -18,7 +18,7 @@ void DeviceLinks<T>::add(const DeviceSurface<T>* surface, const CutLinks<T>& lin
   constexpr std::uint32_t no_body = ListedSurface<T>::no_body;
   if (!same_body) body_ = no_body;
   if (body_ == no_body && !links.groups.empty())
-    body_ = std::uint32_t(steps_.size()), steps_.host().emplace_back();
+    body_ = std::uint32_t(motions_.size()), motions_.host().emplace_back();
   surfaces_.host().push_back({surface, group_count_, links.groups.empty() ? no_body : body_});
   group_count_ += std::uint32_t(links.groups.size()), gap_links_ += links.opposite_q.size();
   for (const LinkGroup& group : links.groups) has_crossings_ |= group.crossing;
@@ -38,7 +38,8 @@ LinkPass<T> DeviceLinks<T>::pass_over(Block<T>& block) {
           slots_.device() + slots_in_use_,
           {},
           surfaces_.device(),
-          steps_.device(),
+          time_,
+          motions_.device(),
           {increments_.device(), increments_.size()},
           sums_.device(),
           nullptr,
@@ -49,7 +50,7 @@ LinkPass<T> DeviceLinks<T>::pass_over(Block<T>& block) {
 template <class T>
 void DeviceLinks<T>::make_room() {
   surfaces_.send();
-  groups_.clear(), groups_.resize(group_count_);
+  renew(groups_, group_count_);
   lines_.clear(), lines_.resize(gap_links_ == 0 ? 0 : std::bit_ceil(2 * gap_links_));
 }
 
@@ -84,7 +85,7 @@ void DeviceLinks<T>::apply(Block<T>& block, const Domain& domain, const WallFlui
                            const LinkSlots& slots, const BeyondPair<T>* pairs_across, ForceForm form) {
   if (size() == 0) return;
   sums_.host().resize(bodies());
-  sums_.clear(), steps_.send(), take_slots(slots);
+  sums_.clear(), motions_.send(), take_slots(slots);
   if (!is_listed_) make_room();
   LinkPass<T> pass = pass_over(block);
   list_groups(pass);

@@ -11,7 +11,8 @@
 
 namespace silt::lbm {
 
-/// A surface until its links are built again: frame, groups and arrays of CutLinks (null if empty).
+/// A surface until its links are built again: frame, groups and arrays of CutLinks (null if empty), and the
+/// time in steps at which q was measured.
 template <class T>
 struct DeviceSurface {
   SurfaceFrame frame;
@@ -19,10 +20,11 @@ struct DeviceSurface {
   std::uint32_t group_count;
   std::uint32_t *place, *across;
   T *q, *rate, *opposite_q, *opposite_u;
+  double measured;
   bool operator==(const DeviceSurface&) const = default;
 };
 template <class T>
-DeviceSurface<T> device_surface(CutLinks<T>& links, LinkGroup* groups) {
+DeviceSurface<T> device_surface(CutLinks<T>& links, LinkGroup* groups, double measured) {
   const auto first = [](auto& values) { return values.empty() ? nullptr : values.data(); };
   return {links.frame,
           groups,
@@ -32,7 +34,8 @@ DeviceSurface<T> device_surface(CutLinks<T>& links, LinkGroup* groups) {
           first(links.q),
           first(links.rate),
           first(links.opposite_q),
-          first(links.opposite_u)};
+          first(links.opposite_u),
+          measured};
 }
 
 /// A surface of the block. Those of one body, with one number `body`, follow one another.
@@ -43,12 +46,6 @@ struct ListedSurface {
   std::uint32_t first_group, body;  // the former among the groups of all surfaces
 };
 
-/// The surfaces of a body in the current step: their motion, and the age of their wall distances.
-template <class T>
-struct SurfaceStep {
-  SurfaceMotion motion;
-  T age;
-};
 /// The increment of a body's velocity in a correction.
 struct SurfaceIncrement {
   double v[3] = {}, omega[3] = {};
@@ -144,13 +141,12 @@ class DeviceLinks {
   /// number.
   void add(const DeviceSurface<T>*, const CutLinks<T>&, bool same_body);
   std::size_t size() const { return surfaces_.size(); }  // number of surfaces
-  std::size_t bodies() const { return steps_.size(); }
+  std::size_t bodies() const { return motions_.size(); }
   std::uint32_t body(std::size_t surface) const { return surfaces_.host()[surface].body; }
 
-  /// Sets the motion of a body in the next step, and the age of its wall distances.
-  void set_motion(std::uint32_t body, const SurfaceMotion& motion, T age) {
-    steps_.host()[body] = {motion, age};
-  }
+  /// Sets the time of the next step, and the motion of a body in it.
+  void set_time(double steps) { time_ = steps; }
+  void set_motion(std::uint32_t body, const SurfaceMotion& motion) { motions_.host()[body] = motion; }
   /// Writes the populations that links return, adds to their cells' excess, sums force and torque.
   void apply(Block<T>&, const Domain&, const WallFluid<T>&, const LinkSlots&,
              const BeyondPair<T>* pairs_across, ForceForm);
@@ -170,7 +166,8 @@ class DeviceLinks {
 
   Device device_;
   Mirror<ListedSurface<T>> surfaces_{device_};
-  Mirror<SurfaceStep<T>> steps_{device_};  // this and the next two: per body
+  double time_ = 0;
+  Mirror<SurfaceMotion> motions_{device_};  // this and the next two: per body
   Mirror<SurfaceIncrement> increments_{device_};
   Mirror<LinkSums> sums_{device_};
   DeviceArray<GroupOfSurface> groups_{memory_of(device_)};  // of all surfaces
@@ -191,7 +188,8 @@ struct LinkPass {
   const LinkSlots* slots;
   WallFluid<T> fluid;
   const ListedSurface<T>* surfaces;
-  const SurfaceStep<T>* steps;                   // this and the following: of the bodies
+  double time;
+  const SurfaceMotion* motions;                  // this and the following: of the bodies
   std::span<const SurfaceIncrement> increments;  // of a correction
   LinkSums* sums;
   const BeyondPair<T>* pairs_across;

@@ -10,7 +10,7 @@ namespace silt::lbm::SILT_BUILD {
 template <class T>
 struct LinksOfGroup {
   const LinkPass<T>& pass;
-  const SurfaceStep<T>& step;
+  const SurfaceMotion& motion;
   const DeviceSurface<T>& surface;
   const LinkGroup& group;
   LinkSums& sums;
@@ -21,12 +21,13 @@ struct LinksOfGroup {
 
   SILT_DEVICE LinksOfGroup(const LinkPass<T>& pass, const GroupOfSurface& of)
       : pass(pass),
-        step(pass.steps[pass.surfaces[of.surface].body]),
+        motion(pass.motions[pass.surfaces[of.surface].body]),
         surface(*pass.surfaces[of.surface].record),
         group(surface.groups[of.number]),
         sums(pass.sums[pass.surfaces[of.surface].body]),
         origin(group.corner, surface.frame, pass.slots->components),
-        distance(surface.q + group.begin, surface.rate ? surface.rate + group.begin : nullptr, step.age),
+        distance(surface.q + group.begin, surface.rate ? surface.rate + group.begin : nullptr,
+                 T(pass.time - surface.measured)),
         corner(pass.data + corner_cell()),
         excess(pass.excess + corner_cell()) {
     origin.row = pass.row, origin.plane = pass.plane;
@@ -100,7 +101,7 @@ struct LinkAt {
 template <WallScheme scheme, int together, class T>
 SILT_DEVICE void apply_group(const LinksOfGroup<T>& links, const Team& member) {
   using L = Lanes<T>;
-  const SurfaceMotion& motion = links.step.motion;
+  const SurfaceMotion& motion = links.motion;
   GroupStep<T> step(motion, links.pass.fluid, links.pass.galilean,
                     largest_exchange(links.surface.frame.reach, motion));
   const int count = int(links.group.count);
@@ -247,7 +248,7 @@ struct SetOpposites {
                                  at_side ? T(wall_velocity_along(all.sides, walls, along)) : T(0)};
       set_opposite(link, along, [&](std::uint32_t n) -> SurfaceInGap<T> {
         const DeviceSurface<T>& of = *pass.surfaces[n].record;
-        return {of.frame, pass.steps[pass.surfaces[n].body].motion, of.q, of.opposite_q, of.opposite_u};
+        return {of.frame, pass.motions[pass.surfaces[n].body], of.q, of.opposite_q, of.opposite_u};
       });
     });
   }

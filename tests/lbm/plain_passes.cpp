@@ -159,9 +159,9 @@ Outcome<T> by_passes(const LinkPasses<T>& passes, CutLinks<T> links, const std::
   Block<T> block({{}, cells});
   stir(block);
   const LinkSlots slots = link_slots(block, Parity::settled);
-  const DeviceSurface<T> surface = device_surface(links, links.groups.data());
+  constexpr double now = 5;
+  const DeviceSurface<T> surface = device_surface(links, links.groups.data(), now - links.age);
   const ListedSurface<T> listed{&surface, 0, 0};
-  const SurfaceStep<T> step{motion, links.age};
   LinkSums sums;
   const LinkPass<T> pass{block.data() + block.middle(),
                          std::int32_t(block.row_stride()),
@@ -170,7 +170,8 @@ Outcome<T> by_passes(const LinkPasses<T>& passes, CutLinks<T> links, const std::
                          &slots,
                          links.fluid,
                          &listed,
-                         &step,
+                         now,
+                         &motion,
                          {&increment, 1},
                          &sums,
                          pairs.data(),

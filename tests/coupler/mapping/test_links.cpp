@@ -101,11 +101,12 @@ CaseText visited_ball() {
 
 /// The visitor comes from within, where it takes of the ball's cells without a change of what is solid, to
 /// where it is out of reach of its links.
-void check_visits(WallScheme scheme) {
+void check_visits(WallScheme scheme, Device device = Device::cpu) {
   Simulation s = visited_ball().start(MPI_COMM_SELF);
   MapBodies map(s.scene().flow->fields().domain(), s.scene().world,
                 std::vector<lbm::CellBox>{{{}, {18, 18, 18}}}, lbm::link_reach(scheme));
   std::vector<SurfaceLinks<double>> surfaces;
+  DeviceMapping<double> on_device(device);
   LinkKinds kinds;
   int kept = 0, renewed = 0;
   const Vec3 centre = mapping_pose(s.bodies(), 1).position;
@@ -114,7 +115,8 @@ void check_visits(WallScheme scheme) {
       const Vec3 along = Vec3(lbm::D3Q19::c[i].x, lbm::D3Q19::c[i].y, lbm::D3Q19::c[i].z).normalized();
       move(s.bodies(), 0, centre + distance * along);
       map(s.bodies());
-      expect_all_links<double>(s, map.blocks()[0], scheme, 1e-9, surfaces, kinds);
+      expect_all_links<double>(s, map.blocks()[0], scheme, 1e-9, surfaces, kinds,
+                               device == Device::cpu ? nullptr : &on_device);
       ++(map.blocks()[0].masks.back().kept ? kept : renewed);
     }
   EXPECT_GT(kept, 10);
@@ -124,6 +126,8 @@ void check_visits(WallScheme scheme) {
 TEST(Links, OfABodyAtRestFollowWhatVisitsItsCells) {
   check_visits(WallScheme::cli);
   check_visits(WallScheme::multireflection);
+  for (const Device device : {Device::host, Device::gpu})
+    if (unusable(device).empty()) check_visits(WallScheme::multireflection, device);
 }
 
 // Wider than a word, taller than a slab of planes.
