@@ -216,8 +216,9 @@ void measure_bodies(Device device, const Layers& layers, Figures& out) {
   if (device != Device::host) return;
   MovingLayers kernels(layers);
   for (int r = 0; r < turns; ++r) kernels.take_turn(steps);
-  out.figures[key + ".over_kernels"] = scene.whole().middle() / kernels.whole().middle();
-  printf("  over the kernels: %.2f\n", out.figures[key + ".over_kernels"]);
+  const double over_kernels = scene.whole().middle() / kernels.whole().middle();
+  out.figures[key + ".over_kernels"] = over_kernels;
+  printf("  over the kernels: %.2f\n", over_kernels);
 }
 
 /// Bytes a second, read and written, in copying.
