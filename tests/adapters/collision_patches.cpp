@@ -1,9 +1,8 @@
-// Flat contacts, degenerate poses and stable features, on every collision backend.
+// Flat contacts of boxes and capsules, on every collision backend.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 
 #include "adapters/automatic/collision_factory.hpp"
 #include "tests/adapters/collision_scenes.hpp"
@@ -16,12 +15,6 @@ class Patches : public testing::TestWithParam<std::string> {
   std::unique_ptr<rigid::CollisionBackend> backend = adapters::make_backend(GetParam());
   Points at(const Pair& p, double tolerance = 0.5) { return collide(*backend, p, tolerance); }
 };
-
-std::set<std::uint32_t> features(const Points& points) {
-  std::set<std::uint32_t> ids;
-  for (const auto& p : points) ids.insert(p.feature);
-  return ids;
-}
 
 /// Each expected corner (x, y) is one of the points', and the other way round.
 void expect_corners(const Points& points, std::vector<Vec3> corners, double gap) {
@@ -114,57 +107,6 @@ TEST_P(Patches, CapsulesLyingStandingAndSideBySide) {
   const Pose beside{Vec3(0, 1, -2), turned(90, Vec3::UnitX())};
   expect_corners(at({capsule, rigid::Capsule{2, 3}, lying, beside}), {{0, 3, 0}, {0, -2, 0}}, 0.1);
   EXPECT_EQ(at({capsule, capsule, standing, {Vec3(0, 0, -5), Quat::Identity()}}).size(), 1u);
-}
-
-TEST_P(Patches, FeaturesStayUnderSmallMotions) {
-  std::mt19937_64 random(3);
-  const std::vector<Pair> resting = {
-      stacked_boxes({2, 1, 2}, {1, 1, 0}, 10, -0.01),
-      stacked_boxes({3.5, 3.5, 2}, {0.1, 0.2, 0}, 45, -0.01),
-      {rigid::Capsule{2, 3},
-       rigid::Box{{4, 4, 2}},
-       {Vec3(0.1, 0, 2.0), turned(89, Vec3::UnitX())},
-       {Vec3(0, 0, -2), Quat::Identity()}},
-      {rigid::Box{{4, 3, 2}}, rigid::HalfSpace{Vec3::UnitZ()}, {}, {Vec3(0, 0, -2), Quat::Identity()}},
-      {rigid::Sphere{3}, rigid::Box{{4, 3, 2}}, {}, {Vec3(0, 0, -5), Quat::Identity()}}};
-  for (const Pair& rest : resting) {
-    const auto before = features(at(rest));
-    for (int i = 0; i < 20; ++i) {
-      Pair moved = rest;
-      moved.pose_b.position += 1e-3 * random_direction(random);
-      moved.pose_b.orientation = turned(0.01, random_direction(random)) * moved.pose_b.orientation;
-      EXPECT_EQ(before, features(at(moved)));
-    }
-  }
-}
-
-TEST_P(Patches, DegeneratePosesGiveFiniteUnitNormals) {
-  const rigid::Capsule capsule{2, 3};
-  const rigid::Box box{{4, 3, 2}};
-  const Pose here{}, across{Vec3::Zero(), turned(90, Vec3::UnitX())}, along{Vec3(0, 0, 3), Quat::Identity()};
-  const std::vector<std::pair<Pair, double>> poses = {
-      {{rigid::Sphere{2}, rigid::Sphere{3}, here, here}, -5},  // concentric
-      {{rigid::Sphere{2}, rigid::Sphere{3}, here, {Vec3(1e-160, 0, 0), Quat::Identity()}}, -5},
-      {{rigid::Sphere{2}, box, here, here}, -4},                               // centre in centre
-      {{rigid::Sphere{2}, box, {Vec3(0, 0, 2), Quat::Identity()}, here}, -2},  // centre on the face
-      {{rigid::Sphere{2}, box, {Vec3(4, 3, 2), Quat::Identity()}, here}, -2},  // centre on the corner
-      {{rigid::Sphere{2}, capsule, here, here}, -4},                           // centre on the axis
-      {{capsule, capsule, here, here}, -4},                                    // the same place
-      {{capsule, capsule, here, across}, -4},                                  // crossed
-      {{capsule, capsule, here, along}, -4},                                   // one line
-      {{capsule, box, here, here}, -5},
-      {{capsule, box, across, here}, -4},
-      {{box, box, here, here}, -4},
-      {{box, box, {Vec3(8, 6, 4), Quat::Identity()}, here}, 0},   // corner on corner
-      {{box, box, {Vec3(8, 6, 0), Quat::Identity()}, here}, 0}};  // edge on edge
-  for (std::size_t i = 0; i < poses.size(); ++i) {
-    const Points points = at(poses[i].first);
-    ASSERT_FALSE(points.empty()) << "pose " << i;
-    for (const auto& p : points) EXPECT_NEAR(p.normal.norm(), 1, 1e-14) << "pose " << i;
-    // a sphere's or capsule's depth is the closest way out of the core plus the radii
-    EXPECT_NEAR(deepest(points).gap, poses[i].second, 1e-9) << "pose " << i;
-    EXPECT_NEAR(support_gap(poses[i].first, deepest(points).normal), poses[i].second, 1e-9) << "pose " << i;
-  }
 }
 
 TEST_P(Patches, NearlyFlatBoxesKeepFourPoints) {

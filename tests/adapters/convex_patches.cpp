@@ -1,4 +1,5 @@
-// Cylinders, ellipsoids and polyhedra at rest and in degenerate poses, on every collision backend.
+// Cylinders, ellipsoids and polyhedra at rest, degenerate poses and stable features, on every collision
+// backend.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -219,24 +220,43 @@ TEST_P(ConvexPatches, CoaxialCylinders) {
   }
 }
 
-TEST_P(ConvexPatches, ConcentricShapesGiveUnitNormalsAndTheLeastDepth) {
-  const rigid::Ellipsoid egg{{2, 3, 4}};
+TEST_P(ConvexPatches, DegeneratePosesGiveUnitNormalsAndTheLeastDepth) {
+  const rigid::Ellipsoid egg{{2, 3, 4}}, unit{{1, 1, 1}};
+  const rigid::Capsule capsule{2, 3};
+  const rigid::Box box{{4, 3, 2}};
+  const Pose across{Vec3::Zero(), turned(90, Vec3::UnitX())};
+  const auto to = [](double x, double y, double z) { return Pose{Vec3(x, y, z), Quat::Identity()}; };
   const std::vector<std::pair<Pair, double>> poses = {
+      {{rigid::Sphere{2}, rigid::Sphere{3}, {}, {}}, -5},  // concentric
+      {{rigid::Sphere{2}, rigid::Sphere{3}, {}, to(1e-160, 0, 0)}, -5},
+      {{rigid::Sphere{2}, box, {}, {}}, -4},           // centre in centre
+      {{rigid::Sphere{2}, box, to(0, 0, 2), {}}, -2},  // centre on the face
+      {{rigid::Sphere{2}, box, to(4, 3, 2), {}}, -2},  // centre on the corner
+      {{rigid::Sphere{2}, capsule, {}, {}}, -4},       // centre on the axis
+      {{capsule, capsule, {}, {}}, -4},                // the same place
+      {{capsule, capsule, {}, across}, -4},            // crossed
+      {{capsule, capsule, {}, to(0, 0, 3)}, -4},       // one line
+      {{capsule, box, {}, {}}, -5},
+      {{capsule, box, across, {}}, -4},
+      {{box, box, {}, {}}, -4},
+      {{box, box, to(8, 6, 4), {}}, 0},  // corner on corner
+      {{box, box, to(8, 6, 0), {}}, 0},  // edge on edge
       {{rigid::Sphere{1}, drum, {}, {}}, -3},
       {{rigid::Sphere{1}, egg, {}, {}}, -3},
       {{rigid::Sphere{1}, prism(6, 4), {}, {}}, -2},
       {{drum, drum, {}, {}}, -4},
-      {{drum, rigid::Box{{4, 3, 2}}, {}, {}}, -5},
+      {{drum, box, {}, {}}, -5},
       {{egg, egg, {}, {}}, -4},
-      {{egg, rigid::Ellipsoid{{1, 1, 1}}, {}, {}}, -3},
-      {{rigid::Ellipsoid{{1, 1, 1}}, rigid::Ellipsoid{{1, 1, 1}}, {}, {}}, -2},
+      {{egg, unit, {}, {}}, -3},
+      {{unit, unit, {}, {}}, -2},
       {{prism(6, 4), prism(6, 4), {}, {}}, -2},
       {{rigid::Capsule{1, 2}, drum, {}, {}}, -3},
       {{egg, drum, {}, {}}, -4}};
   for (std::size_t i = 0; i < poses.size(); ++i) {
     const Points points = at(poses[i].first);
     ASSERT_FALSE(points.empty()) << i;
-    EXPECT_NEAR(deepest(points).normal.norm(), 1, 1e-14) << i;
+    for (const auto& p : points) EXPECT_NEAR(p.normal.norm(), 1, 1e-14) << i;
+    // a sphere's or capsule's depth is the closest way out of the core plus the radii
     EXPECT_NEAR(deepest(points).gap, poses[i].second, 1e-9) << i;
     EXPECT_NEAR(support_gap(poses[i].first, deepest(points).normal), poses[i].second, 1e-9) << i;
   }
@@ -279,27 +299,36 @@ TEST_P(ConvexPatches, TheNormalOfCurvedPairsIsExact) {
 TEST_P(ConvexPatches, FeaturesStayUnderSmallMotions) {
   std::mt19937_64 random(3);
   const Quat lying = turned(90, Vec3::UnitX());
-  const std::vector<Pair> resting = {
-      {drum, rigid::Box{{4, 4, 2}}, at_height(5), at_height(0, turned(11, Vec3::UnitZ()))},
-      {prism(6, 3), prism(4, 5), at_height(2), at_height(0, turned(7, Vec3::UnitZ()))},
-      {prism(6, 3), floor_, at_height(1), {}},
-      {drum, rigid::Box{{9, 9, 1}}, at_height(3, lying), {}},
-      {rigid::Ellipsoid{{2, 3, 4}}, rigid::Box{{9, 9, 1}}, at_height(5), {}}};
-  auto ids = [](const Points& points) {
+  struct Resting {
+    Pair pair;
+    std::size_t more =
+        0;  // the deepest rim point comes and goes with the tilt: it is on top of the fixed ones
+  };
+  const std::vector<Resting> resting = {
+      {stacked_boxes({2, 1, 2}, {1, 1, 0}, 10, -0.01)},
+      {stacked_boxes({3.5, 3.5, 2}, {0.1, 0.2, 0}, 45, -0.01)},
+      {{rigid::Capsule{2, 3}, rigid::Box{{4, 4, 2}}, at_height(2, turned(89, Vec3::UnitX())), at_height(-2)}},
+      {{rigid::Box{{4, 3, 2}}, floor_, {}, at_height(-2)}},
+      {{rigid::Sphere{3}, rigid::Box{{4, 3, 2}}, {}, at_height(-5)}},
+      {{prism(6, 3), prism(4, 5), at_height(2), at_height(0, turned(7, Vec3::UnitZ()))}, 1},
+      {{prism(6, 3), floor_, at_height(1), {}}, 1},
+      {{drum, rigid::Box{{4, 4, 2}}, at_height(5), at_height(0, turned(11, Vec3::UnitZ()))}, 1},
+      {{drum, rigid::Box{{9, 9, 1}}, at_height(3, lying), {}}, 1},
+      {{rigid::Ellipsoid{{2, 3, 4}}, rigid::Box{{9, 9, 1}}, at_height(5), {}}, 1}};
+  const auto ids = [](const Points& points) {
     std::set<std::uint32_t> all;
     for (const auto& p : points) all.insert(p.feature);
     return all;
   };
   for (std::size_t r = 0; r < resting.size(); ++r) {
-    // the deepest rim point comes and goes with the tilt: it is on top of the fixed ones
-    const auto before = ids(at(resting[r]));
+    const auto before = ids(at(resting[r].pair));
     for (int i = 0; i < 20; ++i) {
-      Pair moved = resting[r];
+      Pair moved = resting[r].pair;
       moved.pose_b.position += 1e-3 * random_direction(random);
       moved.pose_b.orientation = turned(0.01, random_direction(random)) * moved.pose_b.orientation;
       const auto after = ids(at(moved));
       EXPECT_TRUE(std::includes(after.begin(), after.end(), before.begin(), before.end())) << r;
-      EXPECT_LE(after.size(), before.size() + 1) << r;
+      EXPECT_LE(after.size(), before.size() + resting[r].more) << r;
     }
   }
 }

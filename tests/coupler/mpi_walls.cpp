@@ -29,20 +29,6 @@ TEST(Tube, SameBitsForAnyBlocksAndRanks) {
   expect_one_hash(c, 150, {"[8, 8, 8]", "[16, 4, 4]"});
 }
 
-/// Where the body force stands for a pressure gradient, it takes a free ball of the fluid's density along
-/// with the fluid.
-TEST(BodyForce, OnBodiesMovesBallAndFluidAlike) {
-  CaseText c;
-  c.domain = "[domain]\nsize = [24, 24, 24]\nblocks = [12, 12, 12]\nboundary = \"periodic\"\n";
-  c.fluid = "[fluid]\nrelaxation_time = 0.8\nbody_force = [1e-5, 0, 0]\nbody_force_on_bodies = true\n";
-  c.bodies = body_of("ball", 1, "position = [12.2, 11.9, 12]");
-  Simulation simulation = c.start(MPI_COMM_WORLD);
-  simulation.run(500);
-  const auto& bodies = simulation.bodies();
-  for (std::size_t row = 0; row < bodies.owned; ++row)
-    EXPECT_NEAR(bodies.velocity[row][0], 500 * 1e-5, 2e-2 * 500 * 1e-5);
-}
-
 const std::string turning =
     "{ angular_velocity = 0.004, axis = [0.2, 0.1, 1], amplitude = [0.5, 0, 0.3], frequency = 0.01 }";
 

@@ -1,6 +1,10 @@
 #pragma once
 // Steps of a fluid alone, its cells, and the conditions at its sides.
+#include <mpi.h>
+
 #include <array>
+#include <bit>
+#include <cstdint>
 
 #include "lbm/blocks/domain.hpp"
 #include "lbm/fluid.hpp"
@@ -35,5 +39,28 @@ void for_all_cells(Fluid<T>& fluid, F&& f) {
         for (int x = 0; x < box.size.x; ++x) f(b, Int3{x, y, z}, box.lower + Int3{x, y, z});
   }
 }
+
+/// A hash without order: each value's bits are mixed with where it is; of all ranks.
+class Fingerprint {
+ public:
+  void add(double value, const std::array<double, 3>& at, int direction = 0) {
+    std::uint64_t h = std::bit_cast<std::uint64_t>(value);
+    h ^= std::bit_cast<std::uint64_t>((at[2] * 1009 + at[1]) * 1009 + at[0]) * 19 +
+         direction * 0x9E3779B97F4A7C15u;
+    h ^= h >> 31, h *= 0xBF58476D1CE4E5B9u, h ^= h >> 29;
+    sum_ += h;
+  }
+  void add(double value, Int3 at, int direction) {
+    add(value, std::array{at.x + 0.5, at.y + 0.5, at.z + 0.5}, direction);
+  }
+  std::uint64_t over(MPI_Comm comm) const {
+    std::uint64_t all = 0;
+    MPI_Allreduce(&sum_, &all, 1, MPI_UINT64_T, MPI_SUM, comm);
+    return all;
+  }
+
+ private:
+  std::uint64_t sum_ = 0;
+};
 
 }  // namespace silt::lbm::testing

@@ -3,12 +3,12 @@
 #include <mpi.h>
 
 #include <array>
-#include <bit>
 #include <cstdint>
 #include <memory>
 
 #include "lbm/levels/levels.hpp"
 #include "parallel/communicator.hpp"
+#include "tests/lbm/fluid_cells.hpp"
 
 namespace silt::lbm::testing {
 
@@ -86,18 +86,11 @@ struct LevelledFlow {
     return all;
   }
   std::uint64_t fingerprint() {
-    std::uint64_t sum = 0, all = 0;
+    Fingerprint hash;
     for_all([&](Fluid<T>& fluid, int b, Int3 x, const Vector& at, int) {
-      for (int i = 0; i < D3Q19::directions; ++i) {
-        std::uint64_t h = std::bit_cast<std::uint64_t>(double(fluid.arriving(b, x, i)));
-        h ^= std::bit_cast<std::uint64_t>((at[2] * 1009 + at[1]) * 1009 + at[0]) * 19 +
-             i * 0x9E3779B97F4A7C15u;
-        h ^= h >> 31, h *= 0xBF58476D1CE4E5B9u, h ^= h >> 29;
-        sum += h;
-      }
+      for (int i = 0; i < D3Q19::directions; ++i) hash.add(double(fluid.arriving(b, x, i)), at, i);
     });
-    MPI_Allreduce(&sum, &all, 1, MPI_UINT64_T, MPI_SUM, finest.comm());
-    return all;
+    return hash.over(finest.comm());
   }
 };
 

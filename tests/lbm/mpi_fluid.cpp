@@ -15,20 +15,13 @@ namespace {
 
 using tests::ranks;
 
-/// A hash without order: every population's bits are mixed with where it is.
 template <class T>
 std::uint64_t fingerprint(Fluid<T>& fluid) {
-  std::uint64_t sum = 0, all = 0;
+  Fingerprint hash;
   for_all_cells(fluid, [&](int b, Int3 x, Int3 g) {
-    for (int i = 0; i < D3Q19::directions; ++i) {
-      std::uint64_t h = std::bit_cast<std::uint64_t>(double(fluid.arriving(b, x, i)));
-      h ^= std::uint64_t(((g.z * 1009 + g.y) * 1009 + g.x) * 19 + i) * 0x9E3779B97F4A7C15u;
-      h ^= h >> 31, h *= 0xBF58476D1CE4E5B9u, h ^= h >> 29;
-      sum += h;
-    }
+    for (int i = 0; i < D3Q19::directions; ++i) hash.add(double(fluid.arriving(b, x, i)), g, i);
   });
-  MPI_Allreduce(&sum, &all, 1, MPI_UINT64_T, MPI_SUM, fluid.comm());
-  return all;
+  return hash.over(fluid.comm());
 }
 
 /// The sides across x of a stirred box: what rows do by themselves, and what they leave to the lists.

@@ -21,11 +21,11 @@ struct Channel {
   Collision model = Collision::trt;
   CollisionSpec spec() const { return {tau, magic, model, {force, 0, 0}}; }
 };
-constexpr int width = 4;  // cells along x and y, without effect
-static_assert(width * width == link_lanes);
+constexpr int breadth = 4;  // cells along x and y, without effect
+static_assert(breadth * breadth == link_lanes);
 
 Int3 cell_of(int n, int layer) {
-  return {n % width, n / width, layer};
+  return {n % breadth, n / breadth, layer};
 }
 
 /// The links of the layer whose neighbour at side -1 or +1 is solid; those whose cell behind lies across a
@@ -33,13 +33,13 @@ Int3 cell_of(int n, int layer) {
 CutLinks<double> links_of(int layer, int side, double q, WallScheme scheme, const WallFluid<double>& fluid,
                           Int3 cells) {
   auto links = CutLinks<double>::in(std::pmr::get_default_resource());
-  links.fluid = fluid, links.frame = {{0, 0, layer}, {0, 0, 0}, 2.0 * width, false};
-  const auto outside = [](int x) { return x < 0 || x >= width; };
+  links.fluid = fluid, links.frame = {{0, 0, layer}, {0, 0, 0}, 2.0 * breadth, false};
+  const auto outside = [](int x) { return x < 0 || x >= breadth; };
   for (const bool across : {false, true}) {
     LinkGroup group{std::uint32_t(links.place.size()), 0, scheme, {0, 0, layer}, -1};
     group.across = across;
     for (int i = 1; i < D3Q19::directions; ++i)
-      for (int n = 0; n < width * width && D3Q19::c[i].z == side; ++n) {
+      for (int n = 0; n < breadth * breadth && D3Q19::c[i].z == side; ++n) {
         const Int3 x = cell_of(n, layer), behind = x - D3Q19::c[i];
         if (across != (reads_beyond(scheme) && (outside(behind.x) || outside(behind.y)))) continue;
         links.place.push_back(link_place({x.x, x.y, 0}, i)), links.q.push_back(q);
@@ -64,7 +64,7 @@ void set_far_wall(CutLinks<double>& links, double q, double speed) {
 /// The steady velocity along x of every layer.
 std::vector<double> velocities(const Channel& channel, WallScheme scheme) {
   const SideCondition periodic{SideKind::periodic, {}, 0};
-  const Int3 n{width, width, channel.layers + 2};
+  const Int3 n{breadth, breadth, channel.layers + 2};
   const CollisionSpec spec = channel.spec();
   Fluid<double> fluid(Domain(n, {periodic, periodic, periodic, periodic, periodic, periodic}, n, 1), spec,
                       MPI_COMM_SELF);
@@ -77,10 +77,16 @@ std::vector<double> velocities(const Channel& channel, WallScheme scheme) {
   if (channel.paired)
     set_far_wall(links[0], channel.above, channel.speed), set_far_wall(links[1], channel.below, 0);
   const SurfaceMotion motions[2] = {{}, {{channel.speed, 0, 0}, {}}};
-  const double height = channel.layers + 1, viscosity = (channel.tau - 0.5) / 3;
-  // 160 e-foldings; at large tau and small magic the odd modes last longer than the flow
-  const int steps = std::max(4000, int(16 * height * height / viscosity));
-  for (int t = 0; t < steps; ++t) {
+  std::vector<double> u(channel.layers), before;
+  const auto steady = [&] {
+    before = u;
+    for (int k = 0; k < channel.layers; ++k) u[k] = fluid.velocity(fluid.moments(0, {1, 2, k + 1}))[0];
+    double change = 0, largest = 0;
+    for (int k = 0; k < channel.layers; ++k)
+      change = std::max(change, std::fabs(u[k] - before[k])), largest = std::max(largest, std::fabs(u[k]));
+    return change < 1e-14 * largest;
+  };
+  for (int t = 1; t % 250 != 0 || !(steady() || t > 50000); ++t) {
     fluid.stream_collide();
     fluid.exchange();
     LinkSums sums;
@@ -91,8 +97,6 @@ std::vector<double> velocities(const Channel& channel, WallScheme scheme) {
         apply_cut_links<double>({fluid.blocks()[0], slots, links[k], group, {}, pairs.of(0), nullptr, false},
                                 motions[k], ForceForm::exact, sums);
   }
-  std::vector<double> u;
-  for (int k = 1; k <= channel.layers; ++k) u.push_back(fluid.velocity(fluid.moments(0, {1, 2, k}))[0]);
   return u;
 }
 

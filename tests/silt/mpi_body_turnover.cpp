@@ -128,77 +128,6 @@ TEST(BodyTurnover, NoIdIsUsedTwice) {
   EXPECT_GT(flux(s).left, 10u);
 }
 
-/// Past a side that lets bodies pass a body leaves before the step after which its bounding sphere is wholly
-/// beyond, be it free or of prescribed motion. A fixed one stays in an outflow.
-TEST(BodyTurnover, BodiesLeavePastAnOpenSide) {
-  CaseText c;
-  c.domain = domain_of({24, 24, 24},
-                       "{ x = \"periodic\", y = \"periodic\", z = [\"no-slip\", { type = \"no-slip\", "
-                       "solid_for_bodies = false }] }");
-  c.fluid.clear();
-  c.rest = "[[outflow]]\nbox = [[0, 0, 0], [24, 24, 4]]\n";
-  c.shapes = sphere_of("ball", 4);
-  c.bodies = body_of("ball", 2, "position = [6, 6, 20]\nvelocity = [0, 0, 0.25]") +
-             body_of("ball", 2, "position = [18, 6, 20]\nvelocity = [0, 0, 0.25]\nmotion = \"prescribed\"") +
-             body_of("ball", 2, "position = [6, 18, 2]\nmotion = \"fixed\"");
-  Simulation s = c.start(MPI_COMM_WORLD);
-  const auto ids_after = [&](int steps) {
-    while (s.steps_done() < steps) s.step();
-    return ids_of(s);
-  };
-  // 20 + n / 4 - 2 > 24 after 25 steps, so it is there until the 26th
-  EXPECT_EQ(ids_after(25), (std::vector<BodyId>{1, 2, 3}));
-  EXPECT_EQ(ids_after(26), (std::vector<BodyId>{3}));
-  EXPECT_EQ(ids_after(60), (std::vector<BodyId>{3}));
-  EXPECT_EQ(s.counters().left, 2u);
-}
-
-/// New bodies do not overlap what is there, walls, or each other; the gap is kept.
-TEST(BodyTurnover, BodiesComeWhereThereIsRoom) {
-  CaseText c;
-  c.domain = domain_of({24, 24, 40}, "\"no-slip\"");
-  c.fluid.clear();
-  c.shapes = sphere_of("ball", 6);
-  c.bodies = fill_of("ball", 2, 3, "gap = 0.5\nevery = 1\nbox = [[0, 0, 0], [24, 24, 40]]");
-  Simulation s = c.start(MPI_COMM_SELF);
-  for (int t = 0; t < 40; ++t) s.step();
-  const rigid::BodySet& bodies = s.bodies();
-  EXPECT_GT(s.counters().refused, 0u);
-  EXPECT_GT(bodies.owned, 30u);
-  for (std::size_t a = 0; a < bodies.owned; ++a) {
-    for (int d = 0; d < 3; ++d) {
-      EXPECT_GE(bodies.position[a][d], 3.5 - 1e-12);
-      EXPECT_LE(bodies.position[a][d], s.setup().cells[d] - 3.5 + 1e-12);
-    }
-    for (std::size_t b = 0; b < a; ++b)
-      EXPECT_GE((bodies.position[a] - bodies.position[b]).norm(), 6.5 - 1e-12) << a << ' ' << b;
-  }
-}
-
-/// Neither two applications of a fill nor two fills of one seed repeat each other. Bodies leave before the
-/// next ones come: room has no say in where these are.
-TEST(BodyTurnover, EveryApplicationHasRandomNumbersOfItsOwn) {
-  CaseText c;
-  c.domain = domain_of({48, 24, 28}, "\"no-slip\"");
-  c.fluid.clear();
-  c.rest = "[contacts]\nsubsteps = 5\n[[outflow]]\nbox = [[0, 0, 0], [48, 24, 14]]\n";
-  c.shapes = sphere_of("ball", 2);
-  const std::string more = "every = 2\nvelocity = [0, 0, -7]\nbox = [[";
-  c.bodies = fill_of("ball", 2, 1, more + "0, 0, 16], [24, 24, 28]]") +
-             fill_of("ball", 2, 1, more + "24, 0, 16], [48, 24, 28]]");
-  Simulation s = c.start(MPI_COMM_SELF);
-  std::vector<Vec3> places;  // a step after they came, in the frame of the fill's box
-  for (int t = 0; t < 40; ++t) {
-    s.step();
-    if (t % 2 != 0) continue;
-    ASSERT_EQ(s.bodies().owned, 2u);
-    for (std::size_t row = 0; row < 2; ++row)
-      places.push_back(s.bodies().position[row] - Vec3(24. * double(row), 0, 0));
-  }
-  for (std::size_t a = 0; a < places.size(); ++a)
-    for (std::size_t b = 0; b < a; ++b) EXPECT_GT((places[a] - places[b]).norm(), 1e-6) << a << ' ' << b;
-}
-
 // ---- at a corner of ranks ----
 
 /// Two light balls with a film between them; the lower one, on the corner that eight ranks share, is about to
@@ -281,8 +210,6 @@ TEST(BodyTurnover, ARunGoesOnToTheBit) {
     }
   }
 }
-
-// ---- physics ----
 
 }  // namespace
 }  // namespace silt::testing

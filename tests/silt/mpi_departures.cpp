@@ -26,7 +26,8 @@ std::string open_side(const std::string& type = "no-slip") {
 }
 
 /// Two balls of radius 2 on their way to the upper side of z at a quarter of a cell a step, from 20 of 24:
-/// one free, one of prescribed motion. Wholly beyond when 20 + n / 4 - 2 > 24, so after 25 steps.
+/// one free, one of prescribed motion. Wholly beyond when 20 + n / 4 - 2 > 24, so after 25 steps. A fixed one
+/// stays in an outflow.
 CaseText on_the_way_out(const std::string& upper_side) {
   CaseText c;
   c.domain = domain_of({24, 24, 24},
@@ -34,14 +35,18 @@ CaseText on_the_way_out(const std::string& upper_side) {
   c.fluid.clear();
   c.shapes = sphere_of("ball", 4);
   c.bodies = body_of("ball", 2, "position = [6, 6, 20]\nvelocity = [0, 0, 0.25]") +
-             body_of("ball", 2, "position = [18, 6, 20]\nvelocity = [0, 0, 0.25]\nmotion = \"prescribed\"");
+             body_of("ball", 2, "position = [18, 6, 20]\nvelocity = [0, 0, 0.25]\nmotion = \"prescribed\"") +
+             body_of("ball", 2, "position = [6, 18, 2]\nmotion = \"fixed\"");
+  c.rest = "[[outflow]]\nbox = [[0, 0, 0], [24, 24, 4]]\n";
   return c;
 }
 
 TEST(Departures, AreToldWithStepIdAndSide) {
   Simulation s = on_the_way_out(open_side()).start(MPI_COMM_WORLD);
-  s.run(30);
-  EXPECT_EQ(s.body_count(), 0u);
+  s.run(25);
+  EXPECT_EQ(s.body_count(), 3u);
+  s.run(5);
+  EXPECT_EQ(s.body_count(), 1u) << "the fixed one";
   EXPECT_EQ(s.counters().left, 2u);
   EXPECT_EQ(s.counters().left_by[5], 2u);
   const std::vector<Departure> left = gathered(MPI_COMM_WORLD, s.take_departures());

@@ -93,32 +93,6 @@ std::string stop_of(Simulation&& simulation, std::int64_t steps) {
   return tests::error_of<GuardStop>([&] { simulation.run(steps); });
 }
 
-/// Layers of n by n boxes, n from 6 down to 1, each over the gaps of the one below.
-CaseText pyramid() {
-  std::vector<Vec3> positions;
-  for (int layer = 0; layer < 6; ++layer)
-    for (int i = 0; i < 6 - layer; ++i)
-      for (int j = 0; j < 6 - layer; ++j)
-        positions.push_back({5.0 + layer + 2 * i, 5.0 + layer + 2 * j, 1.0 + 2 * layer});
-  return boxes_at(positions, {24, 24, 24});
-}
-
-/// Thirty boxes over each other, a tenth of an edge apart, every second one a twentieth aside.
-CaseText loose_stack() {
-  std::vector<Vec3> positions;
-  for (int i = 0; i < 30; ++i) positions.push_back({8 + 0.1 * (i % 2), 8, 1.1 + 2.2 * i});
-  return boxes_at(positions, {24, 24, 70});
-}
-
-TEST(ContactGuards, FfdIsStoppedWhereItMakesEnergyAndSffdGoesOn) {
-  for (const auto& [scene, steps] : {std::pair(pyramid(), 200), std::pair(loose_stack(), 1000)}) {
-    const std::string found = stop_of(scene.start(MPI_COMM_SELF, {"contacts.resolver=ffd"}), steps);
-    EXPECT_EQ(found.find("step "), 0u) << found;
-    EXPECT_TEXT(found, "use \"sffd\"");
-    EXPECT_EQ(stop_of(scene.start(MPI_COMM_SELF, {"contacts.resolver=sffd"}), steps), "");
-  }
-}
-
 /// A ball of a diameter of 1 against a plate of a thickness of 0.4.
 CaseText bullet(double speed) {
   CaseText c;

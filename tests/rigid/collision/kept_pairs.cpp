@@ -167,11 +167,11 @@ TEST_P(KeptPairsOf, FollowsBodiesThatFallTogether) {
 /// Through periodic sides, too.
 TEST_P(KeptPairsOf, FollowsBodiesThatComeAndGo) {
   for (const Vec3& common : {Vec3(0.05, 0, -0.06), Vec3(0.05, -0.02, 0)})
-    for (const double own : {1e-2, 1e-3, 1e-5})
+    for (const double own : {1e-2, 1e-5})
       for (const double width : {6.0, 10.0}) {  // a newcomer may meet two images of another, or one
         FallingCloud falling(common, own, false, width, 0.8, 0.9);
         falling.turns = true;
-        for (int step = 0; step < 150; ++step) {
+        for (int step = 0; step < 100; ++step) {
           const Cloud here = falling.part(step);
           ASSERT_EQ(falling.found_by(*broad_phase, here), falling.brute(here)) << "in step " << step;
           falling.step();

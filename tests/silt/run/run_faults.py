@@ -37,7 +37,8 @@ class Faults(SiltTest):
     def test_a_second_run_is_refused(self):
         self.write(ENDLESS)
         for ranks in (1, 2):
-            first = self.start("run", self.case, "--overwrite", ranks=ranks)
+            shutil.rmtree(self.out, ignore_errors=True)  # its checkpoint would be taken for that of the next run
+            first = self.start("run", self.case, ranks=ranks)
             self.wait_for(self.out / "checkpoint_000000000250.h5", first)
             holder = (self.out / "run.lock").read_text().split()
             for command in (["run"], ["run", "--overwrite"], ["resume"]):
