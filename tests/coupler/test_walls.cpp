@@ -1,4 +1,4 @@
-// Bodies and walls in a fluid against theory: buoyancy and rest, flow in tubes, and walls and bodies of
+// Bodies and walls in a fluid against theory: drag, buoyancy and rest, flow in tubes, and walls and bodies of
 // triangles against the same given as formulas.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -25,6 +25,33 @@ namespace {
 
 using rigid::Vec3;
 using std::numbers::pi;
+
+/// F / (6 pi mu a U) of the array, F: wall force + body force on the sphere's volume, U: mean over the whole
+/// cube.
+double drag_coefficient(const std::string& scheme, double tau, int steps) {
+  Simulation s = sphere_array().start(
+      MPI_COMM_SELF, {fmt::format("fluid.relaxation_time={}", tau), "bodies[0].position=[8.13,8.31,7.87]",
+                      "coupling.wall_scheme=" + scheme});
+  s.run(steps);
+  double force = 0;
+  for (const auto& load : s.last_loads()) force += load.force[0];
+  const FlowTotals t = s.checked_totals();
+  const double a = array_diameter / 2, g = array_force, viscosity = (tau - 0.5) / 3;
+  const double u = (t.momentum[0] + 0.5 * g * double(t.fluid_cells)) / std::pow(array_edge, 3);
+  return (force + g * 4 * M_PI / 3 * a * a * a) / (6 * M_PI * viscosity * a * u);
+}
+
+// The drag does not depend on the relaxation time, with Lambda given; under multireflection as long as its
+// share is whole.
+TEST(CoupledStep, DragDoesNotDependOnViscosity) {
+  const auto expect_same = [](const std::string& scheme, double low, int steps) {
+    const double one = drag_coefficient(scheme, 1, 2500);
+    EXPECT_NEAR(drag_coefficient(scheme, low, steps) / one, 1, 1e-4) << scheme;
+    EXPECT_NEAR(drag_coefficient(scheme, 1.5, 1500) / one, 1, 1e-4) << scheme;
+  };
+  expect_same("parabolic", 0.6, 12000);
+  expect_same("multireflection", 0.8, 4200);
+}
 
 CaseText light_sphere() {
   CaseText c;
