@@ -143,7 +143,7 @@ def states(silt, scene, folder):
     middle = folder / "alone" / f"checkpoint_{scene.steps // 2:012}.h5"
     state("resumed on 2 ranks", "resume", "alone", "--checkpoint", middle, ranks=2)
     if scene.fluid:
-        state("device host", "run", "host", "--device", "host")
+        state("device host, 2 ranks", "run", "host", "--device", "host", ranks=2)
     return found
 
 
