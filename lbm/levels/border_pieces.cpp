@@ -7,8 +7,9 @@ namespace silt::lbm {
 
 Surroundings BorderSurroundings::around(Int3 cell) {
   Surroundings s;
+  const Int3 images[] = {coarse_.wrapped(cell - Int3{1, 1, 1}), cell, coarse_.wrapped(cell + Int3{1, 1, 1})};
   for_cells({}, {3, 3, 3}, [&](Int3 at) {
-    const Int3 v = at - Int3{1, 1, 1}, image = coarse_.wrapped(cell + v);
+    const Int3 v = at - Int3{1, 1, 1}, image{images[at.x].x, images[at.y].y, images[at.z].z};
     if (!coarse_.inside(image)) {
       s.any_outside = true;
       for (int d = 0; d < 3; ++d)
@@ -18,8 +19,7 @@ Surroundings BorderSurroundings::around(Int3 cell) {
     BlockPlace& place = recent_[at.z][at.y][at.x];
     if (!place.box.contains(image)) place = coarse_.block_at(image);
     s.any_far |= !coarse_.is_known(place);
-    s.fine[at.z][at.y][at.x] = fine_.is_of_level(place);
-    s.any_fine |= s.fine[at.z][at.y][at.x];
+    if (fine_.is_of_level(place)) s.fine |= Surroundings::bit(v);
     for (int d = 0; d < 3; ++d)
       s.alike[d] = std::min(s.alike[d], place.box.lower[d] + place.box.size[d] - image[d]);
   });
@@ -46,7 +46,7 @@ std::vector<BorderPiece> alike_pieces(BorderSurroundings& surroundings, const Ce
       });
       if (found != last.end()) {
         now.push_back(*found);
-      } else if (s.any_fine && !s.any_far) {
+      } else if (s.fine != 0 && !s.any_far) {
         now.push_back(pieces.size());
         pieces.push_back({at, length, 0, s});
       }
