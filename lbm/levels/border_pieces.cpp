@@ -1,7 +1,6 @@
 #include "lbm/levels/border_pieces.hpp"
 
 #include <algorithm>
-#include <utility>
 
 namespace silt::lbm {
 
@@ -28,7 +27,6 @@ Surroundings BorderSurroundings::around(Int3 cell) {
 
 std::vector<BorderPiece> alike_pieces(BorderSurroundings& surroundings, const CellBox& face, int axis,
                                       int outer) {
-  constexpr int most_planes = 4;  // fine cells of more planes have left the cache when the last have collided
   std::vector<BorderPiece> pieces;
   std::vector<std::size_t> last, now;  // pieces of the last rows, of these
   const Int3 end = face.lower + face.size;
@@ -54,15 +52,6 @@ std::vector<BorderPiece> alike_pieces(BorderSurroundings& surroundings, const Ce
     }
     for (const std::size_t k : now) pieces[k].rows += rows;
   }
-  for (std::size_t k = 0; outer == 2 && k < pieces.size(); ++k) {  // more are appended
-    if (pieces[k].rows <= most_planes) continue;
-    BorderPiece rest = pieces[k];
-    rest.first[outer] += most_planes, rest.rows -= most_planes;
-    pieces[k].rows = most_planes;
-    pieces.push_back(rest);
-  }
-  std::ranges::stable_sort(pieces, {},
-                           [&](const BorderPiece& p) { return std::pair(p.first[outer], p.first[axis]); });
   return pieces;
 }
 
