@@ -57,7 +57,8 @@ class FlowOf final : public Flow {
         heat_(spec.heat ? std::make_unique<HeatFlow<T>>(*spec.heat, spec.boundary, fluid_, exchange)
                         : nullptr),
         levels_(fluid_, spec.coarsening ? spec.coarsening->levels : 0,
-                heat_ ? &heat_->temperature() : nullptr),
+                heat_ ? &heat_->temperature() : nullptr,
+                before ? &static_cast<const FlowOf&>(*before).levels_ : nullptr),
         map_(fluid_.domain(), world_, boxes(fluid_), lbm::link_reach(coupling_.wall_scheme)),
         fields_(make_fields<T>(fluid_, map_.blocks(), levels_.heat(0))),
         account_(*fields_, comm),

@@ -48,8 +48,9 @@ class Fluid {
  public:
   using Number = T;
   using Lattice = D3Q19;
-  /// Blocks of level 0 that `before`, if given, has as well share its arrays: its cells and theirs are the
-  /// same. Throws std::invalid_argument for a relaxation time of 1/2 or less.
+  /// Blocks take the arrays of `before`, if given, that were made for the same boxes of cells: cells of both
+  /// keep their values, others have any (move_populations). Throws std::invalid_argument for a relaxation
+  /// time of 1/2 or less.
   Fluid(const Domain&, const CollisionSpec&, MPI_Comm, Device = Device::cpu, const Fluid* before = nullptr);
   ~Fluid();
 

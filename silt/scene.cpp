@@ -218,7 +218,10 @@ std::optional<rigid::BodyId> Scene::body_at_border() const {
 
 bool Scene::regrid() {
   update_level_view();
-  if (levels_.view->tree() == flow->fields().domain().tree()) return false;
+  bool changed = levels_.view->tree() != flow->fields().domain().tree();
+  // A flow on a device is made by all ranks together (SlotExchange), whether they see the change or not.
+  if (setup.device != Device::cpu) changed = parallel::max_over_ranks(comm, double(changed)) > 0;
+  if (!changed) return false;
   renew_flow();
   return true;
 }

@@ -36,8 +36,8 @@ rigid::Vec3 nearest_image(rigid::Vec3 d, const rigid::Extent& extent) {
 }
 
 int least_margin(const CouplingSpec& coupling) {
-  constexpr int mapped_ahead = 1, filled = 2;
-  return lbm::link_reach(coupling.wall_scheme) + mapped_ahead + filled;
+  constexpr int own_cell = 1, mapped_ahead = 1;
+  return lbm::link_reach(coupling.wall_scheme) + own_cell + mapped_ahead;
 }
 
 }  // namespace silt::coupler

@@ -140,7 +140,7 @@ std::array<lbm::SideCondition, 6> sides_of(const FlowSpec&);
 rigid::Vec3 nearest_image(rigid::Vec3 displacement, const rigid::Extent&);
 
 /// Returns the number of finest cells needed between a surface and the nearest coarser cell in every step:
-/// the reach of links, the distance mapped ahead, and the two cells filled at a border.
+/// the cell of a link, the reach of the link from there, and the distance mapped ahead.
 int least_margin(const CouplingSpec&);
 
 }  // namespace silt::coupler

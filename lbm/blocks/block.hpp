@@ -27,22 +27,6 @@ inline Parity flipped(Parity p) {
   return p == Parity::settled ? Parity::crossed : Parity::settled;
 }
 
-/// Calls visit(g, j) for every ghost slot: g is a ghost cell local to the block, g - c_j is inside.
-template <class Lattice, class Visit>
-void for_ghost_slots(Int3 size, Visit&& visit) {
-  for (int j = 1; j < Lattice::directions; ++j) {
-    Int3 lo = Lattice::c[j], hi = size + Lattice::c[j];
-    for (int z = lo.z; z < hi.z; ++z)
-      for (int y = lo.y; y < hi.y; ++y) {
-        const bool outside = y < 0 || z < 0 || y >= size.y || z >= size.z;
-        if (outside)
-          for (int x = lo.x; x < hi.x; ++x) visit(Int3{x, y, z}, j);
-        else if (Lattice::c[j].x)
-          visit(Int3{Lattice::c[j].x > 0 ? size.x : -1, y, z}, j);
-      }
-  }
-}
-
 /// Rows [y0, y1) of the planes [z0, z1) of a block.
 struct RowRange {
   int y0, y1, z0, z1;
@@ -66,7 +50,7 @@ class Block {
   /// direction crosses out of the block on both sides, so the ghost after one row is the ghost before the
   /// next. Rows are not padded on a CPU, where a gap costs the bandwidth of a cache line or more. On a GPU,
   /// whose threads read 32 elements together, each row begins at a multiple of 32 elements.
-  explicit Block(const CellBox& box, Device device = Device::cpu) : box_(box) {
+  explicit Block(const CellBox& box, Device device = Device::cpu) : box_(box), of_array_(box) {
     constexpr int line = 64 / sizeof(T), page = 4096 / sizeof(T), together = 32;  // elements
     row_ = box.size.x + 1;
     if (device != Device::cpu) row_ = (row_ + together - 1) / together * together;
@@ -82,20 +66,23 @@ class Block {
       memory_ = zeroed<T>(std::size_t(direction_) * directions);
     first_ = memory_.get();
   }
-  /// Makes a block of a part of another block's box that shares the other block's array. The slot of a ghost
-  /// cell is then the slot of the cell at that place in the array.
-  Block(const Block& whole, const CellBox& box)
+  /// Makes a block that shares another block's array, of cells of array_box(). The slot of a ghost cell is
+  /// then the slot of the cell at that place in the array.
+  Block(const Block& other, const CellBox& box)
       : box_(box),
-        row_(whole.row_),
-        plane_(whole.plane_),
-        direction_(whole.direction_),
-        memory_(whole.memory_),
-        first_(whole.first_ + cell(box.lower - whole.box_.lower)) {}
+        of_array_(other.of_array_),
+        row_(other.row_),
+        plane_(other.plane_),
+        direction_(other.direction_),
+        memory_(other.memory_),
+        first_(other.first_ + cell(box.lower - other.box_.lower)) {}
   Block(Block&&) = default;
   Block& operator=(Block&&) = default;
 
   const CellBox& box() const { return box_; }
   Int3 size() const { return box_.size; }
+  /// Returns the box of cells for which the array was made.
+  const CellBox& array_box() const { return of_array_; }
   bool shares_array(const Block& other) const { return memory_ == other.memory_; }
   /// Returns the size of the array of populations.
   std::size_t bytes() const { return std::size_t(direction_) * directions * sizeof(T); }
@@ -129,7 +116,8 @@ class Block {
   /// Returns the excess of the cells, indexed by their offsets; null before the first hold_excess().
   ExcessQuanta<T>* excess() { return excess_.get(); }
   const ExcessQuanta<T>* excess() const { return excess_.get(); }
-  /// Returns the number of elements of excess(): up to the last cell of the block, and the rest of its vector.
+  /// Returns the number of elements of excess(): up to the last cell of the block, and the rest of its
+  /// vector.
   std::size_t excess_cells() const {
     constexpr int most_lanes = 16;
     return std::size_t(cell(box_.size.x, box_.size.y - 1, box_.size.z - 1)) + most_lanes;
@@ -174,7 +162,7 @@ class Block {
   }
 
  private:
-  CellBox box_;
+  CellBox box_, of_array_;
   std::ptrdiff_t row_, plane_, direction_;
   std::shared_ptr<T[]> memory_;
   T* first_;  // slot (cell 0, 0)

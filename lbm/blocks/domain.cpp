@@ -54,16 +54,10 @@ bool Domain::inside(Int3 x) const {
 }
 
 std::vector<int> Domain::blocks_meeting(const CellBox& box) const {
-  std::array<CellRun, 3> runs;
-  for (int d = 0; d < 3; ++d) {
-    const int n = cells()[d], low = box.lower[d], end = low + box.size[d];
-    if (periodic(d))
-      runs[d] = {((low % n) + n) % n, std::min(box.size[d], n)};
-    else
-      runs[d] = {std::max(low, 0), std::min(end, n) - std::max(low, 0)};
-  }
   std::set<int> found;
-  for_blocks_meeting(runs, [&](const BlockPlace& place) { found.insert(place.index); });
+  for_images_meeting(box, [&](const BlockPlace& place, Int3) {
+    if (is_of_level(place)) found.insert(place.index);
+  });
   return {found.begin(), found.end()};
 }
 

@@ -78,6 +78,10 @@ class Domain {
   void for_leaves_meeting(const CellBox&, Visit&& visit) const;
   template <class Visit>
   void for_blocks_meeting(const std::array<CellRun, 3>& runs, Visit&& visit) const;
+  /// Calls visit(BlockPlace, way) for the leaves of all levels that lie in a box when moved by `way`, a
+  /// multiple of the periods: once for each such image of a leaf.
+  template <class Visit>
+  void for_images_meeting(const CellBox&, Visit&& visit) const;
   /// Returns the sorted indices of the blocks of this level that overlap a box or its periodic images.
   std::vector<int> blocks_meeting(const CellBox&) const;
   /// Returns the sorted indices of the blocks that touch block b at a face, edge or corner, with b itself.
@@ -126,6 +130,18 @@ void Domain::for_blocks_meeting(const std::array<CellRun, 3>& runs, Visit&& visi
     }
     if (box.size.x > 0 && box.size.y > 0 && box.size.z > 0) for_blocks_meeting(box, visit);
   }
+}
+
+template <class Visit>
+void Domain::for_images_meeting(const CellBox& box, Visit&& visit) const {
+  const Int3 n = cells();
+  const auto periods = [&](int d) { return periodic(d) ? 1 : 0; };
+  const Int3 most{periods(0), periods(1), periods(2)};
+  for_cells(Int3{} - most, most + Int3{1, 1, 1}, [&](Int3 times) {
+    const Int3 way{times.x * n.x, times.y * n.y, times.z * n.z};
+    const CellBox image = overlap({box.lower - way, box.size}, {{}, n});
+    if (image.cells() > 0) for_leaves_meeting(image, [&](const BlockPlace& place) { visit(place, way); });
+  });
 }
 
 }  // namespace silt::lbm

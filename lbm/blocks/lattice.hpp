@@ -29,6 +29,7 @@ struct CellBox {  // cells lower <= x < lower + size
     return true;
   }
   std::int64_t cells() const { return std::int64_t{size.x} * size.y * size.z; }
+  bool operator==(const CellBox&) const = default;
 };
 
 inline CellBox grown(CellBox box, int by) {

@@ -27,11 +27,23 @@ std::int64_t time_of_pass(const CellBox& box) {
   return std::int64_t{box.size.y} * box.size.z * ((box.size.x + vector - 1) / vector + 1) * vector;
 }
 
+/// Returns a block of all cells of an array: a new one, or that of a block of `before` if it was made for
+/// this box and none of `blocks` has it.
+template <class T, class Lattice>
+Block<T, Lattice> whole_array(const CellBox& box, Device device, std::span<const Block<T, Lattice>> before,
+                              const std::vector<Block<T, Lattice>>& blocks) {
+  const auto same = std::ranges::find_if(before, [&](const Block<T, Lattice>& one) {
+    const auto has_it = [&](const Block<T, Lattice>& b) { return b.shares_array(one); };
+    return one.array_box() == box && std::ranges::none_of(blocks, has_it);
+  });
+  return same != before.end() ? Block<T, Lattice>(*same, box) : Block<T, Lattice>(box, device);
+}
+
 /// Appends blocks that share arrays. Blocks of a coarse level lie between finer boxes; blocks in one array
 /// need no exchange among them. At least half of the cells of an array belong to its blocks.
 template <class T, class Lattice>
-void add_shared(std::span<const BlockPlace> places, Device device, std::vector<Block<T, Lattice>>& blocks,
-                std::vector<SharedArray<T, Lattice>>* passed_whole) {
+void add_shared(std::span<const BlockPlace> places, Device device, std::span<const Block<T, Lattice>> before,
+                std::vector<Block<T, Lattice>>& blocks, std::vector<SharedArray<T, Lattice>>* passed_whole) {
   Int3 low = places[0].box.lower, high = low;
   std::int64_t cells = 0, time = 0;
   for (const BlockPlace& place : places) {
@@ -44,20 +56,20 @@ void add_shared(std::span<const BlockPlace> places, Device device, std::vector<B
   }
   const CellBox all{low, high - low};
   if (2 * cells >= all.cells()) {
-    Block<T, Lattice> whole(all, device);
+    Block<T, Lattice> whole = whole_array(all, device, before, blocks);
     const int first = int(blocks.size());
     for (const BlockPlace& place : places) blocks.emplace_back(whole, place.box);
     if (passed_whole && device == Device::cpu && time_of_pass<T>(all) < time)
       passed_whole->push_back({std::move(whole), first, int(blocks.size())});
   } else {
-    add_shared(places.first(places.size() / 2), device, blocks, passed_whole);
-    add_shared(places.subspan(places.size() / 2), device, blocks, passed_whole);
+    add_shared(places.first(places.size() / 2), device, before, blocks, passed_whole);
+    add_shared(places.subspan(places.size() / 2), device, before, blocks, passed_whole);
   }
 }
 
 /// Makes the local blocks. Those of level 0 share no array with one another: cut links write cells that other
-/// blocks hold. They take the arrays of the blocks of the same boxes that there were. Appends the arrays that
-/// are best passed whole, if they are asked for.
+/// blocks hold. Arrays are taken from `before`, blocks of another cut, where it has some for the same boxes.
+/// Appends the arrays that are best passed whole, if they are asked for.
 template <class T, class Lattice>
 std::vector<Block<T, Lattice>> local_blocks(const Domain& domain, int rank, Device device,
                                             std::span<const Block<T, Lattice>> before = {},
@@ -65,17 +77,9 @@ std::vector<Block<T, Lattice>> local_blocks(const Domain& domain, int rank, Devi
   const std::vector<BlockPlace> places = domain.blocks_of(rank);
   std::vector<Block<T, Lattice>> blocks;
   if (domain.level() > 0 && !places.empty())
-    add_shared<T, Lattice>(places, device, blocks, passed_whole);
+    add_shared<T, Lattice>(places, device, before, blocks, passed_whole);
   else
-    for (const BlockPlace& place : places) {
-      const auto same = std::ranges::find_if(before, [&](const Block<T, Lattice>& b) {
-        return b.box().lower == place.box.lower && b.box().size == place.box.size;
-      });
-      if (same != before.end())
-        blocks.emplace_back(*same, place.box);
-      else
-        blocks.emplace_back(place.box, device);
-    }
+    for (const BlockPlace& place : places) blocks.push_back(whole_array(place.box, device, before, blocks));
   return blocks;
 }
 

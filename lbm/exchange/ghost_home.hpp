@@ -21,6 +21,20 @@ struct Home {
 template <class Lattice>
 Home home_of(const Domain& domain, Int3 g, int j);
 
+/// Calls visit(home, way, ghosts, j) for the ghost cells of a block that populations along j enter, box after
+/// box: the cells of `ghosts` (global, before periodic wrapping) lie `way` from cells of the leaf `home`. No
+/// cells beyond sides that are not periodic are visited.
+template <class Lattice, class Visit>
+void for_ghost_boxes(const Domain& domain, const CellBox& block, Visit&& visit) {
+  domain.for_images_meeting(grown(block, 1), [&](const BlockPlace& home, Int3 way) {
+    const CellBox image{home.box.lower + way, home.box.size};
+    for (int j = 1; j < Lattice::directions && !(image == block); ++j) {
+      const CellBox ghosts = overlap(image, {block.lower + Lattice::c[j], block.size});
+      if (ghosts.cells() > 0) visit(home, way, ghosts, j);
+    }
+  });
+}
+
 /// Returns the amount that the motion of walls adds to a population that left along j and meets these sides.
 template <class Lattice>
 double wall_addend(const Domain& domain, Int3 sides, int j);

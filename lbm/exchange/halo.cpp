@@ -71,55 +71,84 @@ struct Halo<T, Lattice>::Builder {
   std::span<const Block> blocks;
   std::span<const PassOrder> orders;
   std::map<std::pair<int, int>, std::vector<std::pair<std::uint32_t, OutletLink>>> outlets = {};
-  BlockPlace home_block{-1, {}, -1};  // of the last home: a row stays in one block, maybe of another level
-  const BlockPlace& block_at(Int3 cell) {
-    if (!home_block.box.contains(cell)) home_block = domain.block_at(cell);
-    return home_block;
-  }
-
   bool sides_vary = std::ranges::any_of(domain.sides(), &SideCondition::varies);
-  bool along_y = false;  // the slots of a face across x are consecutive along y
+  int axis = 0;  // of the present row of slots
+  std::uint32_t length = 1;
 
-  SlotRun slot(int local_block, Int3 cell, int i) const {
+  SlotRun run(int local_block, Int3 cell, int i) const {
     const Block& b = blocks[local_block];
-    return {std::uint32_t(local_block), std::uint32_t(b.slot(i) + b.cell(cell)),
-            along_y ? std::int32_t(b.row_stride()) : 1};
+    const std::ptrdiff_t strides[] = {1, b.row_stride(), b.plane_stride()};
+    return {std::uint32_t(local_block), std::uint32_t(b.slot(i) + b.cell(cell)), std::int32_t(strides[axis]),
+            length};
   }
 
-  void add(const BlockPlace& place, Int3 g, int j) {
-    if (home_block.box.contains(place.box.lower + g) && !domain.is_of_level(home_block)) return;  // as below
-    const int here = domain.local_index(place, rank);
-    if (is_row_end<Lattice>(domain, place.box, g, j)) return;
-    along_y = g.y >= 0 && g.y < place.box.size.y && g.z >= 0 && g.z < place.box.size.z;
-    const Home home = home_of<Lattice>(domain, place.box.lower + g, j);
-    if (home.kind != HomeKind::slot) {
-      if (here >= 0) add_wall(here, g, j, home, domain.walls_met(place.box.lower + g));
+  /// Lists the row of populations that left a block along j, from ghost cell g on.
+  void add_row(const BlockPlace& place, Int3 g, int j, const BlockPlace& home_place, const Home& home) {
+    const int here = domain.local_index(place, rank), there = domain.local_index(home_place, rank);
+    if (here < 0 && there < 0) return;
+    const Int3 ghost = g - place.box.lower, cell = home.cell - home_place.box.lower;
+    const SlotRun from = there >= 0 ? run(there, cell, home.direction) : SlotRun{},
+                  to = here >= 0 ? run(here, ghost, j) : SlotRun{};
+    if (here >= 0 && there >= 0 && blocks[there].data() + from.first == blocks[here].data() + to.first)
       return;
-    }
-    const BlockPlace& home_place = block_at(home.cell);
-    if (!domain.is_of_level(home_place)) return;  // level_border.hpp serves it
-    const int there = domain.local_index(home_place, rank);
-    const Int3 cell = home.cell - home_place.box.lower;
-    if (here >= 0 && there >= 0) {
-      const SlotRun from = slot(there, cell, home.direction), to = slot(here, g, j);
-      if (blocks[there].data() + from.first != blocks[here].data() + to.first)
-        halo.slots_.copied().add(from, to);
-    } else if (here >= 0)
-      add_peer(home_place.rank, orders[here], g - Lattice::c[j])
-          .received(home_place.rank)
-          .add(slot(here, g, j));
-    else if (there >= 0)
-      add_peer(place.rank, orders[there], cell).sent(place.rank).add(slot(there, cell, home.direction));
+    halo.slots_.add(home_place.rank, from, place.rank, to, rank);
+    if (here < 0)
+      hold_back(place.rank, orders[there], cell);
+    else if (there < 0)
+      hold_back(home_place.rank, orders[here], ghost - Lattice::c[j]);
+  }
+  /// Messages whose slots are written outside the shell leave after the pass.
+  void hold_back(int other, const PassOrder& order, Int3 writer) {
+    for (std::uint32_t k = 0; k < length; ++k, ++writer[axis])
+      if (!order.in_shell(writer.y, writer.z)) return halo.slots_.hold_back(other);
   }
 
-  /// Messages whose slots are written outside the shell leave after the pass.
-  SlotExchange<T>& add_peer(int other, const PassOrder& order, Int3 writer) {
-    if (!order.in_shell(writer.y, writer.z)) halo.slots_.hold_back(other);
-    return halo.slots_;
+  /// Lists what crosses the faces of a block, to other blocks or through periodic sides.
+  void add_across(const BlockPlace& place) {
+    const auto add_box = [&](const BlockPlace& home_place, Int3 way, const CellBox& ghosts, int j) {
+      const bool by_rows = home_place.index == place.index && way.y == 0 && way.z == 0;  // is_row_end()
+      if (by_rows || !domain.is_of_level(home_place)) return;  // level_border.hpp serves other levels
+      axis = ghosts.size.x > 1 ? 0 : ghosts.size.y > 1 ? 1 : 2;
+      length = std::uint32_t(ghosts.size[axis]);
+      CellBox firsts = ghosts;
+      firsts.size[axis] = 1;
+      for_cells(firsts.lower, firsts.lower + firsts.size, [&](Int3 g) {
+        add_row(place, g, j, home_place, {HomeKind::slot, g - way, j});
+      });
+    };
+    for_ghost_boxes<Lattice>(domain, place.box, add_box);
+    length = 1;
+  }
+
+  /// Lists what meets sides that are not periodic.
+  void add_at_sides(const BlockPlace& place) {
+    for (int j = 1; j < Lattice::directions; ++j) {
+      CellBox left{place.box.lower + Lattice::c[j], place.box.size};  // not listed yet
+      for (int d = 0; d < 3; ++d) {
+        const bool low = left.lower[d] == -1, high = left.lower[d] + left.size[d] == domain.cells()[d] + 1;
+        if (domain.periodic(d) || low == high) continue;
+        CellBox beyond = left;
+        if (high) beyond.lower[d] += left.size[d] - 1;
+        beyond.size[d] = 1, --left.size[d], left.lower[d] += low;
+        axis = d == 0 ? 1 : 0;
+        for_cells(beyond.lower, beyond.lower + beyond.size, [&](Int3 g) { add_at_side(place, g, j); });
+      }
+    }
+  }
+  void add_at_side(const BlockPlace& place, Int3 g, int j) {
+    const Int3 ghost = g - place.box.lower;
+    if (is_row_end<Lattice>(domain, place.box, ghost, j)) return;
+    const Home home = home_of<Lattice>(domain, g, j);
+    const int here = domain.local_index(place, rank);
+    if (home.kind != HomeKind::slot) {
+      if (here >= 0) add_wall(here, ghost, j, home, domain.walls_met(g));
+    } else if (const BlockPlace mirrored = domain.block_at(home.cell); domain.is_of_level(mirrored)) {
+      add_row(place, g, j, mirrored, home);
+    }
   }
 
   void add_wall(int here, Int3 g, int j, const Home& home, Int3 sides) {
-    const SlotRun from = slot(here, g - Lattice::c[j], opposite(j)), to = slot(here, g, j);
+    const SlotRun from = run(here, g - Lattice::c[j], opposite(j)), to = run(here, g, j);
     if (home.kind == HomeKind::bounce) {
       Walls& walls = halo.walls_;
       const T addend = T(wall_addend<Lattice>(domain, sides, j));
@@ -131,7 +160,7 @@ struct Halo<T, Lattice>::Builder {
     } else {
       const auto part = [](int of) { return std::int8_t(of); };
       outlets[{here, home.side}].push_back(
-          {slot(here, g - Lattice::c[j], 0).first,
+          {run(here, g - Lattice::c[j], 0).first,
            {to.first, from.first, part(Lattice::c[j].x), part(Lattice::c[j].y), part(Lattice::c[j].z),
             norm2(Lattice::c[j]) > 1}});
     }
@@ -140,7 +169,8 @@ struct Halo<T, Lattice>::Builder {
   void build() {
     for (const int b : domain.neighbourhood_of_rank(rank)) {
       const BlockPlace place = domain.block(b);
-      for_ghost_slots<Lattice>(place.box.size, [&](Int3 g, int j) { add(place, g, j); });
+      add_across(place);
+      add_at_sides(place);
     }
     for (auto& [key, links] : outlets) add_outlet(key.first, domain.sides()[key.second], links);
   }

@@ -1,14 +1,14 @@
 #include "lbm/levels/border_pieces.hpp"
 
 #include <algorithm>
-#include <utility>
 
 namespace silt::lbm {
 
 Surroundings BorderSurroundings::around(Int3 cell) {
   Surroundings s;
+  const Int3 images[] = {coarse_.wrapped(cell - Int3{1, 1, 1}), cell, coarse_.wrapped(cell + Int3{1, 1, 1})};
   for_cells({}, {3, 3, 3}, [&](Int3 at) {
-    const Int3 v = at - Int3{1, 1, 1}, image = coarse_.wrapped(cell + v);
+    const Int3 v = at - Int3{1, 1, 1}, image{images[at.x].x, images[at.y].y, images[at.z].z};
     if (!coarse_.inside(image)) {
       s.any_outside = true;
       for (int d = 0; d < 3; ++d)
@@ -18,8 +18,7 @@ Surroundings BorderSurroundings::around(Int3 cell) {
     BlockPlace& place = recent_[at.z][at.y][at.x];
     if (!place.box.contains(image)) place = coarse_.block_at(image);
     s.any_far |= !coarse_.is_known(place);
-    s.fine[at.z][at.y][at.x] = fine_.is_of_level(place);
-    s.any_fine |= s.fine[at.z][at.y][at.x];
+    if (fine_.is_of_level(place)) s.fine |= Surroundings::bit(v);
     for (int d = 0; d < 3; ++d)
       s.alike[d] = std::min(s.alike[d], place.box.lower[d] + place.box.size[d] - image[d]);
   });
@@ -28,7 +27,6 @@ Surroundings BorderSurroundings::around(Int3 cell) {
 
 std::vector<BorderPiece> alike_pieces(BorderSurroundings& surroundings, const CellBox& face, int axis,
                                       int outer) {
-  constexpr int most_planes = 4;  // fine cells of more planes have left the cache when the last have collided
   std::vector<BorderPiece> pieces;
   std::vector<std::size_t> last, now;  // pieces of the last rows, of these
   const Int3 end = face.lower + face.size;
@@ -46,7 +44,7 @@ std::vector<BorderPiece> alike_pieces(BorderSurroundings& surroundings, const Ce
       });
       if (found != last.end()) {
         now.push_back(*found);
-      } else if (s.any_fine && !s.any_far) {
+      } else if (s.fine != 0 && !s.any_far) {
         now.push_back(pieces.size());
         pieces.push_back({at, length, 0, s});
       }
@@ -54,15 +52,6 @@ std::vector<BorderPiece> alike_pieces(BorderSurroundings& surroundings, const Ce
     }
     for (const std::size_t k : now) pieces[k].rows += rows;
   }
-  for (std::size_t k = 0; outer == 2 && k < pieces.size(); ++k) {  // more are appended
-    if (pieces[k].rows <= most_planes) continue;
-    BorderPiece rest = pieces[k];
-    rest.first[outer] += most_planes, rest.rows -= most_planes;
-    pieces[k].rows = most_planes;
-    pieces.push_back(rest);
-  }
-  std::ranges::stable_sort(pieces, {},
-                           [&](const BorderPiece& p) { return std::pair(p.first[outer], p.first[axis]); });
   return pieces;
 }
 

@@ -21,9 +21,11 @@ struct LevelBorder<Field>::Builder {
   int rank;
   Leaves leaves{fine}, coarse_leaves{coarse};
   BorderSurroundings surroundings{fine, coarse};
+  PacketWays<Lattice> ways{fine, leaves};
 
   /// The current patch: coarse cells from x on, rows along `axis`, one after another along `outer`.
   Int3 x{};
+  Surroundings around_x{};
   int axis = 0, outer = 1;
   Extent size{};
 
@@ -38,8 +40,6 @@ struct LevelBorder<Field>::Builder {
   /// A population that leaves a fine cell at rest has this much more than from a coarse cell, one that
   /// arrives lacks as much, and a packet that passes a cell without a collision lacks twice as much.
   double by_force(int j) const { return border.fine_.half_push(j); }
-  bool is_fine(Int3 cell) { return leaves.level(cell) == fine.level(); }
-  bool is_coarse(Int3 cell) { return leaves.level(cell) == coarse.level(); }
 
   /// Returns populations of cells of this rank, one (or every second fine one) per coarse cell of the patch.
   Patch own_patch(const Field& fluid, Leaves& of, Int3 cell, int direction) const {
@@ -118,14 +118,15 @@ struct LevelBorder<Field>::Builder {
   };
 
   /// Returns those packets of the population that left coarse cell y along j that enter fine cells.
-  std::vector<Entry> entries_of(Int3 y, int j) {
+  std::vector<Entry> entries_of(Int3 y, const Surroundings& around_y, int j) {
     std::vector<Entry> entries;
     for (int k = 0; k < 8; ++k) {
       Flight packet{y + y + corner(k), j, 0, -by_force(j)};
       for (int sub_step = 0; sub_step < 2; ++sub_step) {
         if (sub_step == 1) packet.by_force += 2 * by_force(packet.direction);
-        packet = one_step<Lattice>(fine, packet);
-        if (!is_fine(packet.cell)) continue;
+        packet = ways.moved(packet, around_y);
+        if (!ways.is_fine(packet, y, around_y)) continue;
+        packet.cell = fine.wrapped(packet.cell);
         entries.push_back({sub_step, k, packet});
         break;
       }
@@ -147,7 +148,7 @@ struct LevelBorder<Field>::Builder {
   }
 
   void add_explosion(int j) {
-    const std::vector<Entry> entries = entries_of(x, j);
+    const std::vector<Entry> entries = entries_of(x, around_x, j);
     if (entries.empty()) return;
     int in_step[2] = {};
     bool by_outlet = false;
@@ -210,14 +211,15 @@ struct LevelBorder<Field>::Builder {
     int by_outlet = 0;
     double addend = 0;
     for (int k = 0; k < 8; ++k) {
-      Flight packet = step_back<Lattice>(fine, {x + x + corner(k), j});
+      Flight packet = ways.moved({x + x + corner(k), j}, around_x, true);
       int sub_step = 1;
-      if (is_coarse(packet.cell)) {
+      if (!ways.is_fine(packet, x, around_x)) {
         packet.by_force = 2 * by_force(packet.direction);
-        packet = step_back<Lattice>(fine, packet);
+        packet = ways.moved(packet, around_x, true);
         sub_step = 0;
       }
-      if (!is_fine(packet.cell)) continue;
+      if (!ways.is_fine(packet, x, around_x)) continue;
+      packet.cell = fine.wrapped(packet.cell);
       if (packet.by_outlet) {
         ++by_outlet;
         continue;
@@ -230,12 +232,13 @@ struct LevelBorder<Field>::Builder {
     const Home back = home_of<Lattice>(coarse, x + Lattice::c[opposite(j)], opposite(j));
     const int from_direction = opposite(back.direction);
     const bool from_coarse = coarse.is_of_level(coarse_leaves.at(back.cell));
+    const Surroundings around_it = from_coarse ? surroundings.around(back.cell) : Surroundings{};
     const std::vector<Entry> entered =
-        from_coarse ? entries_of(back.cell, from_direction) : std::vector<Entry>{};
+        from_coarse ? entries_of(back.cell, around_it, from_direction) : std::vector<Entry>{};
     if (packets.size() + by_outlet != (from_coarse ? entered.size() : 8))
       throw std::logic_error("packets are lost or made at a border between levels");
 
-    if (from_coarse && in_alike_parts(back.cell, [&] { add_coalescence(j); })) return;
+    if (from_coarse && in_alike_parts(around_it.alike, [&] { add_coalescence(j); })) return;
     std::vector<Patch> sources;
     Part part{*this};
     for (const Left& left : packets) {
@@ -273,10 +276,9 @@ struct LevelBorder<Field>::Builder {
   void add_passing(int j) {
     for (int k = 0; k < 8; ++k) {
       const Flight middle{x + x + corner(k), j};
-      const Flight from = step_back<Lattice>(fine, middle);
-      if (!is_fine(from.cell)) continue;
-      const Flight to = one_step<Lattice>(fine, middle);
-      if (!is_fine(to.cell)) continue;
+      Flight from = ways.moved(middle, around_x, true), to = ways.moved(middle, around_x);
+      if (!ways.is_fine(from, x, around_x) || !ways.is_fine(to, x, around_x)) continue;
+      from.cell = fine.wrapped(from.cell), to.cell = fine.wrapped(to.cell);
       const int user = leaves.at(to.cell).rank;
       typename Patches::Passing one{size,
                                     fine_patch(user, from.cell, from.direction, 0),
@@ -289,11 +291,9 @@ struct LevelBorder<Field>::Builder {
     }
   }
 
-  /// Calls add() for parts of the patch if the leaves around the cells from y on differ along it; returns
-  /// whether they do.
+  /// Calls add() for parts of the patch if it has more cells than are alike; returns whether it does.
   template <class Add>
-  bool in_alike_parts(Int3 y, Add&& add) {
-    const Int3 all = surroundings.around(y).alike;
+  bool in_alike_parts(Int3 all, Add&& add) {
     const Extent alike{std::min(size.length, std::uint32_t(all[axis])),
                        std::min(size.rows, std::uint32_t(all[outer]))};
     if (alike.cells() == size.cells()) return false;
@@ -314,7 +314,8 @@ struct LevelBorder<Field>::Builder {
     const auto for_pieces = [&](auto&& concerns, auto&& add) {
       for (const BorderPiece& piece : pieces)
         if (concerns(piece.around))
-          x = piece.first, size = {std::uint32_t(piece.length), std::uint32_t(piece.rows)}, add();
+          x = piece.first, around_x = piece.around,
+          size = {std::uint32_t(piece.length), std::uint32_t(piece.rows)}, add();
     };
     for (int j = 1; j < Lattice::directions; ++j) {  // piece after piece, to be joined
       const auto enters = [j](const Surroundings& s) { return s.template may_meet<Lattice>(j); };

@@ -22,14 +22,14 @@ HeatSpec coarser(HeatSpec spec, int levels) {
 }
 
 template <class T>
-Levels<T>::Levels(Fluid<T>& finest, int coarser_levels, Temperature<T>* heat)
+Levels<T>::Levels(Fluid<T>& finest, int coarser_levels, Temperature<T>* heat, const Levels* before)
     : finest_(finest), heat_(heat), seconds_(coarser_levels + 1) {
   const Domain& domain = finest.domain();
   borders_.reserve(coarser_levels), heat_borders_.reserve(coarser_levels);
   for (int level = 1; level <= coarser_levels; ++level) {
-    coarser_.push_back(
-        std::make_unique<Fluid<T>>(Domain(domain.tree(), domain.sides(), domain.ranks(), level),
-                                   coarser(finest.spec(), level), finest.comm(), finest.device()));
+    coarser_.push_back(std::make_unique<Fluid<T>>(
+        Domain(domain.tree(), domain.sides(), domain.ranks(), level), coarser(finest.spec(), level),
+        finest.comm(), finest.device(), before ? &before->fluid(level) : nullptr));
     borders_.emplace_back(fluid(level - 1), fluid(level));
     if (!heat) continue;
     coarser_heat_.push_back(

@@ -19,8 +19,9 @@ class Levels {
  public:
   /// Takes the finest fluid, whose tree of cuts has leaves of this number of coarser levels. All fluids start
   /// at rest. `heat`: the temperature that the finest fluid carries; those of coarser fluids are made here,
-  /// with its sides. Refers to both.
-  Levels(Fluid<T>& finest, int coarser_levels, Temperature<T>* heat = nullptr);
+  /// with its sides. Refers to both. Fluids take arrays of `before`, if given (Fluid).
+  Levels(Fluid<T>& finest, int coarser_levels, Temperature<T>* heat = nullptr,
+         const Levels* before = nullptr);
 
   int count() const { return int(coarser_.size()) + 1; }
   Fluid<T>& fluid(int level) { return level == 0 ? finest_ : *coarser_[level - 1]; }

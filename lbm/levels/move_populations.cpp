@@ -9,12 +9,6 @@ namespace silt::lbm {
 
 namespace {
 
-/// Returns whether a block of the other cut has the array of a block.
-template <class Block, class Field>
-bool is_taken(const Block& block, const Field& there) {
-  return std::ranges::any_of(there.blocks(), [&](const Block& other) { return other.shares_array(block); });
-}
-
 /// Calls visit(rank, run) for the cells that local blocks of one cut share with blocks of the other, in an
 /// order common to both ends of a message. Unknown parts have cells of the same levels.
 template <class Field, class Visit>
@@ -25,11 +19,13 @@ void for_shared_cells(const Field& here, const Field& there, Visit&& visit) {
     int cells;
   };
   std::vector<Row> rows;
+  const int rank = parallel::rank_of(here.comm());
   for (int b = 0; b < int(here.blocks().size()); ++b) {
     const CellBox& box = here.blocks()[b].box();
     there.domain().for_leaves_meeting(box, [&](const BlockPlace& place) {
       if (!there.domain().is_of_level(place) && there.domain().is_known(place)) return;
-      if (is_taken(here.blocks()[b], there)) return;
+      const int other = there.domain().local_index(place, rank);
+      if (other >= 0 && there.blocks()[other].shares_array(here.blocks()[b])) return;
       const CellBox both = overlap(box, place.box);
       for_cells(both.lower, both.lower + Int3{1, both.size.y, both.size.z}, [&](Int3 x) {
         rows.push_back({b, place.rank, x, both.size.x});

@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "lbm/exchange/ghost_home.hpp"
 #include "parallel/communicator.hpp"
 
 namespace silt::lbm {
@@ -21,11 +22,11 @@ struct PairsAcross<T, Lattice>::Builder {
   PairsAcross& pairs;
   const Domain& domain;
   std::span<const Block> blocks;
-  BlockPlace behind_block{-1, {}, -1};  // of the last cell behind, as rows stay in one block
   struct Entry {
     int block, behind_block, direction, axis;
     Int3 x, behind;  // local to these blocks
   };
+  std::vector<PlacesAcross<Lattice>> places = {};  // by local block
   Entry last{-1, -1, 0, 0, {}, {}};
 
   /// Returns whether a pair continues the last line. Both ends of a message find the same lines.
@@ -36,25 +37,21 @@ struct PairsAcross<T, Lattice>::Builder {
            one.behind == last.behind + along;
   }
 
-  /// Adds the pair of the link that comes from ghost cell g, against j.
-  void add(const BlockPlace& place, const PlacesAcross<Lattice>& places, Int3 g, int j) {
-    if (behind_block.box.contains(place.box.lower + g) && !domain.is_of_level(behind_block))
-      return;  // as below
-    const Int3 x = g - Lattice::c[j], behind = domain.wrapped(place.box.lower + g);
+  /// Adds the pair of the link that comes from ghost cell g, against j, a cell of `behind_block` moved by
+  /// `way`.
+  void add(const BlockPlace& place, const BlockPlace& behind_block, Int3 way, Int3 g, int j) {
+    const Int3 x = g - Lattice::c[j] - place.box.lower;
     const int i = opposite(j), axis = PlacesAcross<Lattice>::axis_of(x, Lattice::c[i], place.box.size);
-    if (!domain.inside(behind)) return;
-    if (!behind_block.box.contains(behind)) behind_block = domain.block_at(behind);
-    if (!domain.is_of_level(behind_block)) return;
     const int here = domain.local_index(place, pairs.rank_),
               there = domain.local_index(behind_block, pairs.rank_);
     if (here < 0 && there < 0) return;
-    const Entry one{place.index, behind_block.index, i, axis, x, behind - behind_block.box.lower};
+    const Entry one{place.index, behind_block.index, i, axis, x, g - way - behind_block.box.lower};
     if (goes_on(one)) {
       ++pairs.lines_.back().length;
     } else {
       Line line{here, i, x, axis == 0, 1, behind_block.rank, place.rank, {}, {}};
       if (here < 0) line.block = there, line.first = one.behind + Lattice::c[i];
-      if (here >= 0) line.to = {std::uint32_t(here), 2 * places(x, i), 2};
+      if (here >= 0) line.to = {std::uint32_t(here), 2 * places[std::size_t(here)](x, i), 2};
       if (there >= 0)
         line.from = {source<Lattice>(there, i), std::uint32_t(blocks[there].cell(one.behind)),
                      std::int32_t(axis == 0 ? blocks[there].row_stride() : 1)};
@@ -64,12 +61,15 @@ struct PairsAcross<T, Lattice>::Builder {
   }
 
   void build() {
+    for (std::size_t b = 0; b < blocks.size(); ++b)
+      pairs.pairs_[b].resize(places.emplace_back(blocks[b].size()).count());
     for (const int b : domain.neighbourhood_of_rank(pairs.rank_)) {
       const BlockPlace place = domain.block(b);
-      const PlacesAcross<Lattice> places(place.box.size);
-      if (domain.local_index(place, pairs.rank_) >= 0)
-        pairs.pairs_[domain.local_index(place, pairs.rank_)].resize(places.count());
-      for_ghost_slots<Lattice>(place.box.size, [&](Int3 g, int j) { add(place, places, g, j); });
+      const auto add_box = [&](const BlockPlace& behind, Int3 way, const CellBox& ghosts, int j) {
+        if (!domain.is_of_level(behind)) return;
+        for_cells(ghosts.lower, ghosts.lower + ghosts.size, [&](Int3 g) { add(place, behind, way, g, j); });
+      };
+      for_ghost_boxes<Lattice>(domain, place.box, add_box);
     }
   }
 };

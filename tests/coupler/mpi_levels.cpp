@@ -136,6 +136,25 @@ TEST(Regrid, RanksAndCutsChangeNoBit) {
   EXPECT_EQ(alone, hash_of(MPI_COMM_WORLD, "balance = { every = 32 }\n"));
 }
 
+/// On a device all ranks make the new lists together, even those that see no change: the third of four here.
+TEST(Regrid, RanksFarFromAChangeTakePartOnADevice) {
+  CaseText c;
+  c.domain = domain_of({12, 12, 320});
+  c.rest = "[coarsening]\nlevels = 1\ndistance = 6\n";
+  c.shapes = sphere_of("sphere", 6.5);
+  c.bodies = body_of("sphere", 200, "position = [6.2, 6.1, 40.3]\nvelocity = [0.0, 0.0, 0.1]");
+  for (const char* z : {"120", "200", "280"})
+    c.bodies += body_of("sphere", 200, std::string("motion = \"fixed\"\nposition = [6, 6, ") + z + "]");
+  const std::uint64_t alone = tests::alone([&] {
+    Simulation s = c.start(MPI_COMM_SELF);
+    s.run(66);
+    return s.hash();
+  });
+  Simulation s = c.start(MPI_COMM_WORLD, {"run.device=host"});
+  EXPECT_GT(tests::sum_over_ranks(double(regrids(s, 66))), 0);
+  EXPECT_EQ(s.hash(), alone);
+}
+
 TEST(Regrid, MomentumIsConserved) {
   Simulation s = flying().start(MPI_COMM_WORLD);
   const Balance before = s.balance();

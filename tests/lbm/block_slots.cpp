@@ -1,9 +1,11 @@
 // A population has one slot, whatever the lattice: what leaves a cell along c_i arrives in the cell at c_i.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <set>
 
 #include "lbm/blocks/block.hpp"
+#include "lbm/exchange/ghost_home.hpp"
 
 namespace silt::lbm::testing {
 
@@ -26,23 +28,36 @@ TYPED_TEST(BlockSlots, OneForEachPopulation) {
   }
 }
 
-/// The ghost slots are those of populations that cross out of the block, one each.
-TYPED_TEST(BlockSlots, GhostsAreWhatCrossesOut) {
-  const Int3 size{6, 5, 4};
-  std::set<std::array<int, 4>> ghosts;
-  for_ghost_slots<TypeParam>(size, [&](Int3 g, int j) {
-    EXPECT_TRUE(ghosts.insert({g.x, g.y, g.z, j}).second);
-  });
-  const CellBox inside{{}, size};
-  std::size_t crossing = 0;
-  for (int j = 1; j < TypeParam::directions; ++j)
-    for_cells({}, size, [&](Int3 x) {
-      const Int3 g = x + TypeParam::c[j];
-      if (inside.contains(g)) return;
-      ++crossing;
-      EXPECT_TRUE(ghosts.contains({g.x, g.y, g.z, j}));
-    });
-  EXPECT_EQ(ghosts.size(), crossing);
+/// What crosses out of a block of a domain, periodic along x and z alone, has one home, unless it meets a
+/// side.
+TYPED_TEST(BlockSlots, GhostsHaveOneHome) {
+  using Lattice = TypeParam;
+  std::array<SideCondition, 6> sides;
+  sides[2].kind = sides[3].kind = SideKind::bounce;
+  for (const Int3 block : {Int3{3, 2, 1}, Int3{6, 2, 2}, Int3{6, 4, 2}}) {
+    const Domain domain({6, 4, 2}, sides, block, 1);
+    for (int b = 0; b < domain.blocks(); ++b) {
+      const CellBox box = domain.block(b).box;
+      std::set<std::array<int, 4>> found;
+      for_ghost_boxes<Lattice>(domain, box,
+                               [&](const BlockPlace& home, Int3 way, const CellBox& ghosts, int j) {
+                                 for_cells(ghosts.lower, ghosts.lower + ghosts.size, [&](Int3 g) {
+                                   EXPECT_TRUE(found.insert({g.x, g.y, g.z, j}).second);
+                                   EXPECT_EQ(g - way, domain.wrapped(g));
+                                   EXPECT_EQ(home.index, domain.block_at(domain.wrapped(g)).index);
+                                 });
+                               });
+      std::size_t crossing = 0;
+      for (int j = 1; j < Lattice::directions; ++j)
+        for_cells(box.lower, box.lower + box.size, [&](Int3 x) {
+          const Int3 g = x + Lattice::c[j];
+          if (box.contains(g) || !domain.inside(domain.wrapped(g))) return;
+          ++crossing;
+          EXPECT_TRUE(found.contains({g.x, g.y, g.z, j}));
+        });
+      EXPECT_EQ(found.size(), crossing);
+    }
+  }
 }
 
 }  // namespace silt::lbm::testing
