@@ -16,8 +16,10 @@ using rigid::Vec3;
 
 namespace {
 
-void set_motion(lbm::SurfaceMotion& m, const Vec3& v, const Vec3& w) {
-  for (int d = 0; d < 3; ++d) m.v[d] = v[d], m.omega[d] = w[d];
+/// Sets the motion of an image of a body that moves with this velocity and angular velocity.
+void set_motion(lbm::SurfaceMotion& m, const Vec6& motion, const Reflection& of) {
+  for (int d = 0; d < 3; ++d)
+    m.v[d] = of.of_vector(d) * motion[d], m.omega[d] = of.of_axial(d) * motion[3 + d];
 }
 
 bool is_at_rest(const lbm::SurfaceMotion& m) {
@@ -26,11 +28,18 @@ bool is_at_rest(const lbm::SurfaceMotion& m) {
 
 template <class T>
 void add_sums(const SurfaceLinks<T>& surface, RowSums& sums) {
+  const Reflection& of = surface.reflection;
   std::int64_t* const force = sums.force(surface.row);
-  for (int d = 0; d < 3; ++d) force[d] += surface.sums.force[d], force[3 + d] += surface.sums.torque[d];
+  for (int d = 0; d < 3; ++d) {
+    force[d] += of.of_vector(d) * surface.sums.force[d];
+    force[3 + d] += of.of_axial(d) * surface.sums.torque[d];
+  }
   std::int64_t *const h = sums.resistance(surface.row), *const push = sums.push(surface.row);
-  for (int e = 0; e < RowSums::resistance_width; ++e) h[e] += surface.resistance.h[e];
-  for (int e = 0; e < RowSums::push_width; ++e) push[e] += surface.resistance.push[e];
+  for (int d = 0, n = 0; d < RowSums::push_width; ++d) {
+    push[d] += of.of_motion(d) * surface.resistance.push[d];
+    for (int e = d; e < RowSums::push_width; ++e, ++n)
+      h[n] += of.of_motion(d) * of.of_motion(e) * surface.resistance.h[n];
+  }
 }
 
 // Mass owed to the fluid. Over all links of a body the mass carried by its motion sums to zero, since every
@@ -109,7 +118,7 @@ void FluidForces<T>::begin(const lbm::Fluid<T>& fluid, std::span<const BlockMap>
       surface.left = std::uint32_t(surface.links.groups.size());
       surface.links.age = T(double(fluid.passes()) - coupling_of(bodies, surface.row).mapped.middle());
       const Vec6 motion = motion_of_links(bodies, surface.row);
-      set_motion(surface.motion, motion.head<3>(), motion.tail<3>());
+      set_motion(surface.motion, motion, surface.reflection);
       surface.motion.mass_by_link = coupling_of(bodies, surface.row).mass_owed.by_each_link;
     }
     links[b].begin_step(double(fluid.passes()));
@@ -190,7 +199,7 @@ void FluidForces<T>::finish_body(lbm::Block<T>& block, const BlockLinks<T>& link
   owe(*bodies_, row, motion + d);
   if (d.isZero(0)) return;
   lbm::SurfaceMotion increment;
-  set_motion(increment, d.template head<3>(), d.template tail<3>());
+  set_motion(increment, d, surface.reflection);
   for (const lbm::LinkGroup& group : surface.links.groups)  // still in cache
     lbm::correct_cut_links<T>({block, links.slots, surface.links, group}, increment);
 }
@@ -273,17 +282,20 @@ void FluidForces<T>::correct(lbm::Block<T>& block, BlockLinks<T>& links, const r
   std::vector<typename BlockLinks<T>::Group> open;
   std::vector<lbm::SurfaceIncrement> increments;
   links.for_bodies([&](std::uint32_t body, std::size_t k) {
-    const double* const d = corrections.data() + links.surfaces[k].row * 6;
-    if (bodies.is_dynamic(links.surfaces[k].row) && std::any_of(d, d + 6, [](double x) { return x != 0; }))
-      increments.push_back({{d[0], d[1], d[2]}, {d[3], d[4], d[5]}, body});
+    const SurfaceLinks<T>& surface = links.surfaces[k];
+    const Eigen::Map<const Vec6> change(corrections.data() + surface.row * 6);
+    if (!bodies.is_dynamic(surface.row) || change.isZero(0)) return;
+    lbm::SurfaceMotion m;
+    set_motion(m, change, surface.reflection);
+    increments.push_back({{m.v[0], m.v[1], m.v[2]}, {m.omega[0], m.omega[1], m.omega[2]}, body});
   });
   links.at_once.correct(block, increments);
   if (links.at_once.size() > 0) return;
   for (std::uint32_t k = 0; k < links.surfaces.size(); ++k) {
     SurfaceLinks<T>& surface = links.surfaces[k];
     if (surface.finished || !bodies.is_dynamic(surface.row)) continue;
-    const double* const d = corrections.data() + surface.row * 6;
-    set_motion(surface.motion, Vec3(d[0], d[1], d[2]), Vec3(d[3], d[4], d[5]));
+    set_motion(surface.motion, Eigen::Map<const Vec6>(corrections.data() + surface.row * 6),
+               surface.reflection);
     if (!is_at_rest(surface.motion))
       for (std::uint32_t g = 0; g < surface.links.groups.size(); ++g) open.push_back({k, g});
   }

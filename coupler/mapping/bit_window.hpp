@@ -74,6 +74,10 @@ class BitWindow {
     const std::size_t bit = frame_.row(c.y, c.z) + std::size_t(c.x - frame_.low.x);
     return words()[bit >> 6] >> (bit & 63) & 1;
   }
+  void set(lbm::Int3 c) {
+    const std::size_t bit = frame_.row(c.y, c.z) + std::size_t(c.x - frame_.low.x);
+    words()[bit >> 6] |= std::uint64_t{1} << (bit & 63);
+  }
   /// Prefetches the bits: all of them for a small body.
   void prefetch() const {
     constexpr std::size_t most = 256;

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "coupler/mapping/reflection.hpp"
 #include "cpu/prefetch.hpp"
 #include "lbm/blocks/domain.hpp"
 #include "lbm/blocks/pass_order.hpp"
@@ -41,12 +42,15 @@ struct SurfaceLinks {
         : cells(m), groups(m), parts(m), planes(m), exact_planes(m), record(m) {}
   } device{};                        // the links in memory of a device
   lbm::ResistanceSums resistance{};  // of movable bodies; updated with the links
+  Reflection reflection{};           // of the image; motion, sums and resistance are those of the image
   // in the current step:
   std::size_t row = 0;  // in the BodySet
   lbm::SurfaceMotion motion{};
   lbm::LinkSums sums{};
   std::uint32_t left = 0;  // groups not yet applied
   bool finished = false;   // the body is solved for
+
+  bool moves_as(const SurfaceLinks& o) const { return row == o.row && reflection == o.reflection; }
 };
 
 /// Pairs of `single_cell_gap` links: two links from one cell along i and against it, mostly of two surfaces;
@@ -139,7 +143,7 @@ struct BlockLinks {
     for (std::size_t k = 0; k < surfaces.size(); ++k) {
       auto& record = surfaces[k].device.record;
       at_once.add(record.empty() ? nullptr : &record.data()->links, surfaces[k].links,
-                  k > 0 && surfaces[k - 1].row == surfaces[k].row);
+                  k > 0 && surfaces[k - 1].moves_as(surfaces[k]));
     }
   }
   /// Calls visit(number, first surface with links) for each body of a device.

@@ -59,12 +59,13 @@ class LinkWriter {
           "a body or wall of more than 4096 cells across a block; use smaller domain.blocks");
     lbm::CutLinks<T>& links = surface.links;
     const int exponent = lbm::resistance_exponent(radius);
-    if (mask.any && surface_.leaves_to_device(shape)) {
+    if (mask.any && !mask.reflection.any() && surface_.leaves_to_device(shape)) {
       surface_.leave_to_device(surface, shape, mask, mapped,
                                radius > 0 ? T(std::ldexp(1.0, -exponent)) : T(0));
       return counted_.push_back({&mask, &shape, &surface});
     }
-    device_.change(surface, &mask, mask.before < 0 ? nullptr : &map_.masks_before[mask.before]);
+    if (!mask.reflection.any())  // else its cells were and are solid
+      device_.change(surface, &mask, mask.before < 0 ? nullptr : &map_.masks_before[mask.before]);
     groups_.begin(links);
     if (mask.any) write(shape, links.frame);
     groups_.end();
@@ -268,7 +269,7 @@ void write_links(const BlockMap& map, const rigid::World& world, const rigid::Bo
   for_masks(map.masks, [&](std::size_t k) {
     const BodyMask& mask = map.masks[k];
     if (mask.before >= 0) surfaces[k] = std::move(before[mask.before]), stays[mask.before] = 1;
-    surfaces[k].row = mask.row;
+    surfaces[k].row = mask.row, surfaces[k].reflection = mask.reflection;
     if (mask.kept) return;
     lbm::CutLinks<T>& links = surfaces[k].links;
     links.fluid = rules.fluid, links.frame = surface_frame(mask.frame(), centre_in(map, mask));
@@ -280,7 +281,8 @@ void write_links(const BlockMap& map, const rigid::World& world, const rigid::Bo
                 wants_resistance ? world.bounding_radii[shape] : 0, surfaces[k]);
   });
   for (std::size_t k = 0; k < before.size(); ++k)
-    if (!stays[k]) device.change(before[k], nullptr, &map.masks_before[k]);
+    if (!stays[k] && !map.masks_before[k].reflection.any())
+      device.change(before[k], nullptr, &map.masks_before[k]);
   writer.finish();
 }
 

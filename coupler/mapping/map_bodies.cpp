@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <tuple>
 
 #include "coupler/exchange/coupling_state.hpp"
 #include "coupler/mapping/bit_kernel.hpp"
@@ -37,6 +38,16 @@ bool unchanged_since_mapping(const rigid::BodySet& bodies, std::size_t row, cons
   return now.pose() == mask.pose && now.steps.first == mask.mapped;
 }
 
+/// Sets the cells of a mirror image to those of the image inside the domain.
+void reflect(const BodyMask& inside, const lbm::CellBox& block, BodyMask& mask) {
+  const BitFrame& f = mask.inside.frame();
+  mask.any = false;
+  for_cells(f.low + Int3{2, 2, 2}, f.low + f.size - Int3{2, 2, 2}, [&](Int3 x) {
+    if (inside.bits.test(mask.reflection.cell(x, block.lower))) mask.inside.set(x), mask.any = true;
+  });
+  mask.bits = mask.inside;
+}
+
 /// Gives the mask those of its cells that no surface has yet.
 void take_cells(CellBits& solid, BodyMask& mask) {
   const BitFrame& f = mask.inside.frame();
@@ -61,6 +72,9 @@ void take_cells(CellBits& solid, BodyMask& mask) {
 MapBodies::MapBodies(const lbm::Domain& domain, const rigid::World& world,
                      std::span<const lbm::CellBox> boxes, int link_reach)
     : domain_(domain), world_(world), link_reach_(link_reach) {
+  for (int d = 0; d < 3; ++d)
+    for (const bool upper : {false, true})
+      is_mirrored_ |= domain.side(d, upper).kind == lbm::SideKind::free_slip;
   for (const auto& box : boxes) {
     BlockMap map;
     map.box = box;
@@ -103,9 +117,12 @@ void MapBodies::find_images(const BlockMap& block, const rigid::BodySet& bodies)
     else if (std::holds_alternative<rigid::Mesh>(shape))
       add_images(block, bodies, row);
   }
-  const auto before = [](const Image& a, const Image& b) {
-    return std::tie(a.id, a.shift.z, a.shift.y, a.shift.x) < std::tie(b.id, b.shift.z, b.shift.y, b.shift.x);
+  if (is_mirrored_) add_reflections(block);
+  const auto order = [](const Image& i) {
+    const Int3 &k = i.shift, &side = i.reflection.side;
+    return std::tuple(i.id, k.z, k.y, k.x, i.reflection.any(), side.z, side.y, side.x);
   };
+  const auto before = [&](const Image& a, const Image& b) { return order(a) < order(b); };
   if (!std::is_sorted(found_.begin(), found_.end(), before)) std::sort(found_.begin(), found_.end(), before);
 }
 
@@ -136,6 +153,29 @@ void MapBodies::add_endless(const BlockMap& block, const rigid::BodySet& bodies,
         const Int3 low{x.first, y.first, z.first}, high{x.end, y.end, z.end}, m{beyond, beyond, beyond};
         found_.push_back(
             {bodies.id[row], row, {x.shift, y.shift, z.shift}, BitFrame(low - m, high - low + m + m), true});
+      }
+}
+
+/// Adds the mirror images, in the first ghost layer, of images that reach the cells at free-slip sides.
+void MapBodies::add_reflections(const BlockMap& block) {
+  constexpr int beyond = 2;  // cells of a frame around those that the image may cover
+  const Int3 n = block.box.size;
+  for (int axis = 0; axis < 3; ++axis)
+    for (std::size_t k = 0, images = found_.size(); k < images; ++k)
+      for (const bool upper : {false, true}) {
+        const int cells = domain_.cells()[axis], end = block.box.lower[axis] + n[axis];
+        if (domain_.side(axis, upper).kind != lbm::SideKind::free_slip) continue;
+        if (upper ? end != cells : block.box.lower[axis] != 0) continue;
+        Image image = found_[k];
+        const int at_side = upper ? n[axis] - 1 : 0, low = image.frame.low[axis];
+        if (image.reflection.side[axis] != 0 || at_side < low + beyond ||
+            at_side >= low + image.frame.size[axis] - beyond)
+          continue;
+        image.reflection.side[axis] = upper ? 1 : -1, image.reflection.twice[axis] = upper ? 2 * cells : 0;
+        Int3 corner = image.frame.low, size = image.frame.size;
+        corner[axis] = (upper ? n[axis] : -1) - beyond, size[axis] = 1 + 2 * beyond;
+        image.frame = BitFrame(corner, size);
+        found_.push_back(image);
       }
 }
 
@@ -176,7 +216,7 @@ void MapBodies::mark(const BlockMap& block, const rigid::Shape& shape, BodyMask&
   if (const auto* ball = std::get_if<rigid::Sphere>(&shape))
     return bit_kernels().mark_sphere(frame, centre, ball->radius, mask.inside.words());
   if (const auto* mesh = std::get_if<rigid::Mesh>(&shape))
-    return meshes_.at(*mesh->surface, mask.pose).mark(mesh->hollow, centre.low, mask.inside);
+    return meshes_.at(*mesh->surface, mask.pose, {}).mark(mesh->hollow, centre.low, mask.inside);
   surface_.reset(shape, mask.pose.orientation);
   bit_kernels().mark_parts(frame, centre, surface_.view(), mask.inside.words());
 }
@@ -185,7 +225,7 @@ bool MapBodies::nothing_changed(const BlockMap& block, const rigid::BodySet& bod
   if (found_.size() != block.masks.size()) return false;
   for (std::size_t k = 0; k < found_.size(); ++k) {
     const BodyMask& mask = block.masks[k];
-    if (found_[k].id != mask.id || !(found_[k].shift == mask.shift) ||
+    if (found_[k].id != mask.id || !found_[k].is(mask) ||
         !unchanged_since_mapping(bodies, found_[k].row, mask))
       return false;
   }
@@ -206,26 +246,30 @@ void MapBodies::map_block(BlockMap& block, const rigid::BodySet& bodies) {
   block.solid.all() = block.walls.all();
   block.masks.resize(found_.size());
   auto old = block.masks_before.begin();
+  const BodyMask* inside = nullptr;  // image inside the domain, followed by its reflections
   for (std::size_t k = 0; k < found_.size(); ++k) {
     const Image& image = found_[k];
     BodyMask& mask = block.masks[k];
     mask.id = image.id, mask.row = image.row, mask.shift = image.shift, mask.hollow = image.hollow;
+    mask.reflection = image.reflection;
     const MappedMotion& mapped = coupling_of(bodies, image.row).mapped;
     mask.pose = mapped.pose(), mask.mapped = mapped.steps.first;
     while (old != block.masks_before.end() && old->id < mask.id) ++old;
     auto match = old;
-    while (match != block.masks_before.end() && match->id == mask.id && !(match->shift == mask.shift))
-      ++match;
+    while (match != block.masks_before.end() && match->id == mask.id && !image.is(*match)) ++match;
     const bool known = match != block.masks_before.end() && match->id == mask.id;
     mask.before = known ? int(match - block.masks_before.begin()) : -1;
     mask.kept = known && unchanged_since_mapping(bodies, image.row, *match);
-    if (mask.kept) {
+    if (image.reflection.any()) {
+      mask.inside.reset(image.frame);
+      reflect(*inside, block.box, mask);
+    } else if (mask.kept) {
       mask.inside.swap(match->inside);
     } else {
       mask.inside.reset(image.frame);
       mark(block, world_.shapes[bodies.shape[mask.row]], mask);
     }
-    take_cells(block.solid, mask);
+    if (!image.reflection.any()) take_cells(block.solid, mask), inside = &mask;
     mask.kept = mask.kept && mask.bits == match->bits;
     if (mask.kept)
       mask.near.swap(match->near);

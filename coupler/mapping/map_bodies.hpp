@@ -36,11 +36,15 @@ class MapBodies {
     lbm::Int3 shift;
     BitFrame frame;
     bool hollow = false;
+    Reflection reflection{};
+    /// Returns whether the mask, of the same body, is that of this image.
+    bool is(const BodyMask& mask) const { return mask.shift == shift && mask.reflection == reflection; }
   };
   void map_block(BlockMap&, const rigid::BodySet&);
   void find_images(const BlockMap&, const rigid::BodySet&);
   void add_images(const BlockMap&, const rigid::BodySet&, std::size_t row);
   void add_endless(const BlockMap&, const rigid::BodySet&, std::size_t row);
+  void add_reflections(const BlockMap&);
   bool nothing_changed(const BlockMap&, const rigid::BodySet&) const;
   void find_kept(BlockMap&);
   /// Returns whether a cell that links of the mask may read turned solid or fluid.
@@ -52,6 +56,7 @@ class MapBodies {
   const lbm::Domain& domain_;
   const rigid::World& world_;
   int link_reach_;
+  bool is_mirrored_ = false;  // some side is free-slip
   std::vector<BlockMap> blocks_;
   std::vector<Image> found_;             // in the current block
   rigid::SurfaceParts<double> surface_;  // of the current body

@@ -20,8 +20,9 @@ class MeasuredSurface {
 
   void reset(const rigid::Shape& shape, const BlockMap& map, const BodyMask& mask,
              const lbm::SurfaceFrame& frame) {
-    frame_ = &frame;
+    frame_ = frame, reflection_ = mask.reflection;
     if (!follows_) return;
+    if (reflection_.any()) frame_ = surface_frame(mask.frame(), centre_in(map, mask, {}));
     way_ = std::holds_alternative<rigid::Mesh>(shape)   ? Way::mesh
            : std::holds_alternative<rigid::Tube>(shape) ? Way::tube
                                                         : Way::parts;
@@ -35,15 +36,16 @@ class MeasuredSurface {
 
   void measure(const LinkList<T>& list) {
     list.pad(list.place);
-    const PlacedLinks links{list.place, int(lbm::padded(list.n)), list.corner};
     if (!follows_)
       std::fill_n(list.q, list.n, T(0.5));
     else if (way_ == Way::mesh)
       mesh_.set(list.corner, list.place, list.n, list.q);
     else if (way_ == Way::tube)
-      distance_kernel<double, T>()(links, *frame_, exact_.view(), 0.0, list.q);
+      distance_kernel<double, T>()(reflected({list.place, int(lbm::padded(list.n)), list.corner}), frame_,
+                                   exact_.view(), 0.0, list.q);
     else
-      distance_kernel<T, T>()(links, *frame_, parts_.view(), T(0), list.q);
+      distance_kernel<T, T>()(reflected({list.place, int(lbm::padded(list.n)), list.corner}), frame_,
+                              parts_.view(), T(0), list.q);
   }
   bool leaves_to_device(const rigid::Shape& shape) const {
     return device_.has_links() && (!follows_ || !(std::holds_alternative<rigid::Mesh>(shape) ||
@@ -77,21 +79,23 @@ class MeasuredSurface {
     parts_.reset(shape, mapped.pose_after(steps).orientation);
     double velocity[3];
     std::ranges::copy(mapped.velocity.linear(), velocity);
-    const lbm::SurfaceFrame frame = frame_after(links.frame, velocity, steps);
+    const lbm::SurfaceFrame frame = frame_after(frame_, velocity, steps);
     links.rate.assign(links.q.size(), T(0));
     for (const lbm::LinkGroup& group : links.groups) {
       if (group.crossing) continue;
       const int padded = int(lbm::padded(group.count));
       T* const last = links.rate.data() + group.begin;
-      distance_kernel<T, T>()({links.place.data() + group.begin, padded, group.corner}, frame, parts_.view(),
-                              T(most_change), last);
+      distance_kernel<T, T>()(reflected({links.place.data() + group.begin, padded, group.corner}), frame,
+                              parts_.view(), T(most_change), last);
       const T* const middle = links.q.data() + group.begin;
       for (int l = 0; l < padded; ++l) last[l] = rate_of<T>(middle[l], last[l], steps);
     }
   }
 
   /// Returns whether the surface has edges that links may cross.
-  bool has_crossings() const { return follows_ && way_ == Way::parts && parts_.has_edges(); }
+  bool has_crossings() const {
+    return follows_ && !reflection_.any() && way_ == Way::parts && parts_.has_edges();
+  }
   rigid::SurfaceView<T> view() const { return parts_.view(); }
 
  private:
@@ -102,13 +106,28 @@ class MeasuredSurface {
     return !follows_ || mapped.is_at_rest() || !(steps > 0) ? 0 : steps;
   }
 
+  /// Returns the links that a surface sees beyond its mirror: they begin in the cells at the side.
+  PlacedLinks reflected(PlacedLinks links) {
+    if (!reflection_.any()) return links;
+    links.corner = links.corner + reflection_.side;
+    beyond_.assign(links.place, links.place + links.padded);
+    for (std::uint32_t& place : beyond_)
+      place = lbm::link_place(
+          lbm::place_cell(place),
+          lbm::direction_of<lbm::D3Q19>(reflection_.direction(lbm::D3Q19::c[lbm::place_direction(place)])));
+    links.place = beyond_.data();
+    return links;
+  }
+
   bool follows_;  // else links meet it midway
   MeshDistances& mesh_;
   DeviceMapping<T>& device_;
   Way way_ = Way::parts;
   rigid::SurfaceParts<T> parts_;
   rigid::SurfaceParts<double> exact_;  // of a tube, as it may be very long, and to mark cells
-  const lbm::SurfaceFrame* frame_ = nullptr;
+  lbm::SurfaceFrame frame_{};          // of the surface, which is not reflected: its links are
+  Reflection reflection_;
+  std::vector<std::uint32_t> beyond_;  // places of reflected links
 };
 
 }  // namespace silt::coupler

@@ -14,7 +14,7 @@ using rigid::Vec3;
 void MeshDistances::find(const rigid::Mesh& mesh, const BlockMap& map, const BodyMask& mask) {
   mesh_ = &mesh, map_ = &map, mask_ = &mask;
   find_near_cells();
-  PlacedMesh& placed = placed_.at(*mesh.surface, mask.pose);
+  PlacedMesh& placed = placed_.at(*mesh.surface, mask.pose, mask.reflection);
   const Int3 low = map.box.lower - mask.shift + mask.frame().low, high = low + mask.frame().size;
   mesh_kernels().cut_links(placed.near(Vec3(low.x, low.y, low.z), Vec3(high.x, high.y, high.z)), low, view());
 }
@@ -55,7 +55,7 @@ template void MeshDistances::set(Int3, const std::uint32_t*, std::size_t, double
 double MeshDistances::by_nearest_points(Int3 cell, int direction) const {
   const auto from_surface = [&](Int3 x) {
     const Vec3 in_world = mask_->arm(map_->box.lower + x) + mask_->pose.position;
-    return mesh_->surface->nearest(mask_->pose.to_body(in_world)).distance;
+    return mesh_->surface->nearest(mask_->pose.to_body(mask_->reflection.point(in_world))).distance;
   };
   const double near = from_surface(cell), far = from_surface(cell + lbm::D3Q19::c[direction]);
   return near + far > 0 ? near / (near + far) : 0;

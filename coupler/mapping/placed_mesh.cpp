@@ -37,22 +37,24 @@ void SortedByPlanes::sort(std::span<const rigid::TriangleMesh::Triangle> triangl
   }
 }
 
-void PlacedMesh::place(const rigid::TriangleMesh& mesh, const rigid::Pose& pose) {
-  if (mesh_ == &mesh && pose_ == pose) return;
-  mesh_ = &mesh, pose_ = pose, all_sorted_ = false;
+void PlacedMesh::place(const rigid::TriangleMesh& mesh, const rigid::Pose& pose,
+                       const Reflection& reflection) {
+  if (mesh_ == &mesh && pose_ == pose && reflection_ == reflection) return;
+  mesh_ = &mesh, pose_ = pose, reflection_ = reflection, all_sorted_ = false;
+  position_ = reflection.point(pose.position), turn_ = pose.orientation.toRotationMatrix();
+  for (int d = 0; d < 3; ++d) turn_.row(d) *= reflection.of_vector(d);
   corner_.resize(mesh.vertices().size());
-  const Eigen::Matrix<double, 3, 3, Eigen::RowMajor> turn = pose.orientation.toRotationMatrix();
-  mesh_kernels().place_corners(mesh.vertices().data()->data(), corner_.size(), turn.data(),
-                               pose.position.data(), corner_.data());
+  const Eigen::Matrix<double, 3, 3, Eigen::RowMajor> turn = turn_;
+  mesh_kernels().place_corners(mesh.vertices().data()->data(), corner_.size(), turn.data(), position_.data(),
+                               corner_.data());
   if (2 * mesh.radius() >= Corner::distinct)  // lattice points are ambiguous: use all triangles
     for (Corner& corner : corner_) corner.between |= Corner::is_whole;
 }
 
 rigid::BoundingBox PlacedMesh::box() const {
   const rigid::BoundingBox& own = mesh_->box();
-  const rigid::Mat3 turn = pose_.orientation.toRotationMatrix();
-  return rigid::BoundingBox::around(pose_.position + turn * (0.5 * (own.lower + own.upper)),
-                                    turn.cwiseAbs() * (0.5 * (own.upper - own.lower)));
+  return rigid::BoundingBox::around(position_ + turn_ * (0.5 * (own.lower + own.upper)),
+                                    turn_.cwiseAbs() * (0.5 * (own.upper - own.lower)));
 }
 
 TriangleView PlacedMesh::near(const Vec3& low, const Vec3& high) {
@@ -68,9 +70,9 @@ TriangleView PlacedMesh::near(const Vec3& low, const Vec3& high) {
     all_sorted_ = true;
     return view(of_all_);
   }
-  const rigid::Mat3 to_body = pose_.orientation.toRotationMatrix().transpose();
+  const rigid::Mat3 to_body = turn_.transpose();
   const Vec3 slack = Vec3::Constant(1e-3);  // cells, for rounding to units and the rotated box
-  const Vec3 middle = to_body * (0.5 * (low + high) - pose_.position);
+  const Vec3 middle = to_body * (0.5 * (low + high) - position_);
   const Vec3 half = to_body.cwiseAbs() * (0.5 * (high - low) + slack);
   near_.clear();
   mesh_->for_near({middle - half, middle + half}, [&](std::uint32_t triangle) { near_.push_back(triangle); });

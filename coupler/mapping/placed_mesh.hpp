@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "coupler/mapping/mesh_kernel.hpp"
+#include "coupler/mapping/reflection.hpp"
 #include "rigid/math/types.hpp"
 #include "rigid/shapes/triangle_mesh.hpp"
 
@@ -27,7 +28,7 @@ class SortedByPlanes {
 class PlacedMesh {
  public:
   /// Refers to the mesh.
-  void place(const rigid::TriangleMesh&, const rigid::Pose&);
+  void place(const rigid::TriangleMesh&, const rigid::Pose&, const Reflection&);
   /// Returns the bounding box in cells.
   rigid::BoundingBox box() const;
   /// Returns at least the triangles whose boxes overlap a box of cells (in an image of the domain); valid
@@ -41,6 +42,9 @@ class PlacedMesh {
  private:
   const rigid::TriangleMesh* mesh_ = nullptr;
   rigid::Pose pose_;
+  Reflection reflection_;
+  rigid::Vec3 position_;  // of the reflected mesh
+  rigid::Mat3 turn_;
   std::vector<Corner> corner_;
   std::vector<std::uint32_t> near_;  // indices of triangles
   SortedByPlanes of_all_, of_near_;
@@ -50,9 +54,9 @@ class PlacedMesh {
 /// The meshes of a rank at their last poses.
 class PlacedMeshes {
  public:
-  PlacedMesh& at(const rigid::TriangleMesh& mesh, const rigid::Pose& pose) {
+  PlacedMesh& at(const rigid::TriangleMesh& mesh, const rigid::Pose& pose, const Reflection& reflection) {
     PlacedMesh& placed = placed_[&mesh];
-    placed.place(mesh, pose);
+    placed.place(mesh, pose, reflection);
     return placed;
   }
 

@@ -9,6 +9,7 @@
 #include "coupler/mapping/bit_kernel.hpp"
 #include "coupler/mapping/bit_window.hpp"
 #include "coupler/mapping/cell_bits.hpp"
+#include "coupler/mapping/reflection.hpp"
 #include "cpu/prefetch.hpp"
 #include "lbm/blocks/block.hpp"
 #include "lbm/blocks/moments.hpp"
@@ -18,16 +19,18 @@ namespace silt::coupler {
 
 using lbm::for_cells;
 
-/// The cells of a block whose centres are inside one periodic image of a body. Windows reach two cells beyond
+/// The cells of a block whose centres are inside one periodic image of a body, or its mirror image beyond a
+/// free-slip side, which covers ghost cells alone and these are solid anyhow. Windows reach two cells beyond
 /// the cells that the body can cover in the block and its ghost layers.
 struct BodyMask {
   rigid::BodyId id = 0;
   std::size_t row = 0;      // in the BodySet, in this step
   lbm::Int3 shift;          // image: cells added to the canonical position (multiples of the domain)
+  Reflection reflection;    // of the image
   rigid::Pose pose;         // canonical
   std::int64_t mapped = 0;  // MappedMotion::steps.first
   BitWindow inside;         // centre inside the body
-  BitWindow bits;           // of `inside`, those not of walls or lower ids
+  BitWindow bits;           // of `inside`, those not of walls or lower ids; equal for a mirror image
   bool any = false;         // any bit set in `bits`
   bool hollow = false;      // solid around a tube or hollow mesh
   BitWindow near;           // cells that its links may read; empty until needed
@@ -54,7 +57,7 @@ void for_masks(const std::vector<BodyMask>& masks, Visit&& visit) {
 struct BlockMap {
   lbm::CellBox box;
   CellBits walls, solid, before;              // walls with ghosts; walls and bodies; the latter one step ago
-  std::vector<BodyMask> masks, masks_before;  // by (id, shift)
+  std::vector<BodyMask> masks, masks_before;  // by (id, shift, side of the mirror)
   bool changed = false;                       // in the last mapping
   std::vector<std::uint8_t> changed_rows;     // in the last mapping with a change; see row_changed()
 
@@ -77,9 +80,13 @@ struct BlockMap {
 };
 
 /// Returns the reference point of an image relative to the frame of its cells.
-inline PointInFrame centre_in(const BlockMap& map, const BodyMask& mask) {
-  const rigid::Vec3& x = mask.pose.position;
+inline PointInFrame centre_in(const BlockMap& map, const BodyMask& mask, const Reflection& reflection) {
+  const rigid::Vec3 x = reflection.point(mask.pose.position);
   return {x[0], x[1], x[2], map.box.lower + mask.inside.frame().low - mask.shift};
+}
+
+inline PointInFrame centre_in(const BlockMap& map, const BodyMask& mask) {
+  return centre_in(map, mask, mask.reflection);
 }
 
 /// Calls visit(block, local cell) for every fluid cell inside the blocks, x fastest.

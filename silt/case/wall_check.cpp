@@ -183,20 +183,6 @@ bool is_open(const Case& setup, const rigid::TubeWallSpec& wall) {
   return wall.tube.gap(pose, in_domain) > 0;
 }
 
-/// Warns of a hole that a free-slip side cuts: links that lead beyond the side are not cut (method-walls.md).
-void check_free_slip(const Case& setup, Diagnostics& findings, std::size_t index,
-                     const rigid::BoundingBox& hole) {
-  for (int side = 0; side < 6; ++side) {
-    const int d = side / 2;
-    const bool cut = side % 2 == 0 ? hole.lower[d] < 0 : hole.upper[d] > setup.cells[d];
-    if (cut && setup.boundary[side].kind == coupler::BoundaryKind::free_slip)
-      findings.warning(wall_key(index, "axis"),
-                       "walls[{}] meets {}, which is \"free-slip\": the line of cells where they meet is "
-                       "inaccurate; use a periodic axis",
-                       index, side_key(side));
-  }
-}
-
 /// Checks that a hole crosses a periodic border only if both sides match (axis of the tube), and that
 /// elsewhere the outermost cells are solid.
 void check_borders(const Case& setup, Diagnostics& findings, std::size_t index,
@@ -229,7 +215,6 @@ void check_tube(const Case& setup, Diagnostics& findings, std::size_t index,
                    "change its axis or radius",
                    index);
   if (!setup.fluid) return;
-  check_free_slip(setup, findings, index, wall.tube.hole(wall.pose()));
   check_speed(findings, wall_key(index, "angular_velocity"),
               std::abs(wall.angular_velocity) * wall.tube.radius);
 }

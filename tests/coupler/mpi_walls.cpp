@@ -29,6 +29,24 @@ TEST(Tube, SameBitsForAnyBlocksAndRanks) {
   expect_one_hash(c, 150, {"[8, 8, 8]", "[16, 4, 4]"});
 }
 
+/// The blocks beside the tube are solid and keep what they were given at the start, which no fluid may see: a
+/// run that goes on has something else there.
+TEST(Tube, EndsAtFreeSlipSides) {
+  CaseText c;
+  c.domain =
+      domain_of({32, 24, 26},
+                R"({ x = "no-slip", y = "no-slip", z = { type = "free-slip", solid_for_bodies = false } })");
+  c.fluid = "[fluid]\nrelaxation_time = 0.7\nquiet_start = true\nbody_force = [2e-5, 1e-5, 0]\n";
+  c.rest = "[[walls]]\ntype = \"tube\"\nradius = 7.9\naxis = [0, 0, 1]\npoint = [16, 11.8, 0]\n";
+  c.bodies = body_of("ball", 1.4,
+                     "positions = [[16, 13.5, 4.4], [15, 10, 23]]\nvelocity = [0.01, 0.02, -0.01]\n"
+                     "angular_velocity = [0.004, 0.003, 0.01]");
+  expect_one_hash(c, 60, {"[8, 8, 8]", "[8, 6, 13]"});
+  Simulation simulation = c.start(MPI_COMM_WORLD, {"domain.blocks=[8, 8, 8]"});
+  simulation.run(20);
+  expect_goes_on(simulation, 20);
+}
+
 const std::string turning =
     "{ angular_velocity = 0.004, axis = [0.2, 0.1, 1], amplitude = [0.5, 0, 0.3], frequency = 0.01 }";
 

@@ -51,6 +51,24 @@ class Geometry {
       return under_lip(shape(row), x, c, tests::ray_distance(shape(row), x, c, 1.0));
     });
   }
+  /// A link as bodies see it: from a cell, and reflected if it leads beyond free-slip sides; `sign` by axes.
+  struct Seen {
+    Int3 cell;
+    int direction;
+    Vec3 sign{1, 1, 1};
+  };
+  Seen seen(Int3 cell, int i) const {
+    Int3 along = lbm::D3Q19::c[i];
+    Vec3 sign{1, 1, 1};
+    for (int d = 0; d < 3; ++d) {
+      const int n = domain_.cells()[d], end = cell[d] + along[d];
+      if (domain_.periodic(d) || (end >= 0 && end < n)) continue;
+      if (domain_.side(d, end >= n).kind != lbm::SideKind::free_slip) continue;
+      cell[d] = end < 0 ? -1 - cell[d] : 2 * n - 1 - cell[d];
+      along[d] = -along[d], sign[d] = -1;
+    }
+    return {cell, lbm::direction_of<lbm::D3Q19>(along), sign};
+  }
   /// The body that a link between two fluid cells crosses, -1: none.
   int crossed(Int3 cell, int i) const {
     const Int3 other = cell + lbm::D3Q19::c[i];
@@ -124,7 +142,7 @@ using Links = std::map<std::tuple<int, int, int, int>, Link>;  // by cell of the
 
 /// The numbers of links of each kind in a comparison.
 struct LinkKinds {
-  int single_cell = 0, two_cells = 0, across = 0, crossing = 0;
+  int single_cell = 0, two_cells = 0, across = 0, crossing = 0, reflected = 0;
 };
 
 /// After a part of the dense pass, a cell and all that a link of it may touch have collided.
@@ -231,7 +249,8 @@ void expect_all_links(const Simulation& s, const BlockMap& map, WallScheme schem
         const Int3 at_block{x, y, z}, cell = map.box.lower + at_block;
         if (geometry.owner(cell) != -1) continue;
         for (int i = 1; i < lbm::D3Q19::directions; ++i) {
-          const int owner = geometry.owner(cell + lbm::D3Q19::c[i]);
+          const Geometry::Seen seen = geometry.seen(cell, i);
+          const int owner = geometry.owner(seen.cell + lbm::D3Q19::c[seen.direction]);
           const int crossed = scheme == WallScheme::bounce_back ? -1 : geometry.crossed(cell, i);
           const int row = owner == -1 ? crossed : owner;
           if (row < 0) continue;
@@ -239,9 +258,9 @@ void expect_all_links(const Simulation& s, const BlockMap& map, WallScheme schem
           ASSERT_NE(at, left.end()) << "no link at " << x << " " << y << " " << z << " along " << i;
           const Link& link = at->second;
           EXPECT_EQ(int(link.row), row);
-          EXPECT_LT((link.arm - geometry.arm(row, cell)).norm(), 1e-12);
+          EXPECT_LT((link.arm - seen.sign.cwiseProduct(geometry.arm(row, seen.cell))).norm(), 1e-12);
           EXPECT_EQ(link.crossing, owner == -1);
-          const double q = geometry.distance_under_lip(row, cell, i);
+          const double q = geometry.distance_under_lip(row, seen.cell, seen.direction);
           if (scheme != WallScheme::bounce_back) {
             EXPECT_NEAR(link.q, q, rounding);
           }
@@ -258,6 +277,7 @@ void expect_all_links(const Simulation& s, const BlockMap& map, WallScheme schem
               !link.crossing && link.scheme != scheme && link.scheme != WallScheme::single_cell_gap;
           kinds.across += across;
           kinds.crossing += link.crossing;
+          kinds.reflected += seen.sign != Vec3(1, 1, 1);
           left.erase(at);
         }
       }

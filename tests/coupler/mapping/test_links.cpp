@@ -62,6 +62,7 @@ void check_crowd(const char* blocks, WallScheme scheme, double rounding, Device 
   EXPECT_EQ(kinds.two_cells > 0, scheme == WallScheme::multireflection);
   EXPECT_EQ(kinds.across > 0, scheme == WallScheme::multireflection);
   EXPECT_EQ(kinds.crossing > 0, scheme != WallScheme::bounce_back);
+  EXPECT_GT(kinds.reflected, 0);
   EXPECT_GT(kept, 0);
   EXPECT_GT(spoilt, 0);
 }

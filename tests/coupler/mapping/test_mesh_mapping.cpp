@@ -31,15 +31,15 @@ struct Mapped {
   Links links;
 };
 
-std::array<lbm::SideCondition, 6> sides(bool periodic) {
+std::array<lbm::SideCondition, 6> sides(lbm::SideKind kind) {
   std::array<lbm::SideCondition, 6> all;
-  for (auto& side : all) side.kind = periodic ? lbm::SideKind::periodic : lbm::SideKind::bounce;
+  for (auto& side : all) side.kind = kind;
   return all;
 }
 
 /// A mesh in a domain of n^3 cells cut into blocks; of each block the cells inside and all links.
-Mapped mapped(const Mesh& mesh, const Pose& pose, bool periodic, Int3 blocks) {
-  const lbm::Domain domain({n, n, n}, sides(periodic), blocks, 1);
+Mapped mapped(const Mesh& mesh, const Pose& pose, lbm::SideKind kind, Int3 blocks) {
+  const lbm::Domain domain({n, n, n}, sides(kind), blocks, 1);
   rigid::World world;
   rigid::BodySet bodies;
   rigid::add_wall(bodies, world, {mesh, pose, Vec3::UnitZ(), 0, {}});
@@ -70,10 +70,18 @@ Mapped mapped(const Mesh& mesh, const Pose& pose, bool periodic, Int3 blocks) {
   return found;
 }
 
+/// Reflects a link that leads from x beyond sides of the domain.
+void reflect(Int3& x, Int3& along) {
+  for (int d = 0; d < 3; ++d) {
+    const int end = x[d] + along[d];
+    if (end < 0 || end >= n) x[d] = (end < 0 ? 0 : 2 * n) - 1 - x[d], along[d] = -along[d];
+  }
+}
+
 /// Every cell and link of it by the mesh's own answers; points nearer to the surface than rounding do not
 /// count.
-void expect_as_defined(const Mesh& mesh, const Pose& pose) {
-  const Mapped found = mapped(mesh, pose, false, {n, n, n});
+void expect_as_defined(const Mesh& mesh, const Pose& pose, lbm::SideKind kind = lbm::SideKind::bounce) {
+  const Mapped found = mapped(mesh, pose, kind, {n, n, n});
   constexpr double rounding = 1e-6;
   const auto in_body = [&](Int3 x) { return pose.to_body(Vec3(x.x + 0.5, x.y + 0.5, x.z + 0.5)); };
   std::size_t links = 0;
@@ -84,12 +92,14 @@ void expect_as_defined(const Mesh& mesh, const Pose& pose) {
     }
     if (solid) return;
     for (int i = 1; i < lbm::D3Q19::directions; ++i) {
-      const Int3 to = x + lbm::D3Q19::c[i];
+      Int3 from = x, along = lbm::D3Q19::c[i];
+      if (kind == lbm::SideKind::free_slip) reflect(from, along);
+      const Int3 to = from + along;
       if (!found.solid.contains({to.x, to.y, to.z})) continue;
       ++links;
       const auto at = found.links.find({x.x, x.y, x.z, i});
       ASSERT_NE(at, found.links.end());
-      const auto hit = mesh.surface->first_hit(in_body(x), in_body(to) - in_body(x), 1);
+      const auto hit = mesh.surface->first_hit(in_body(from), in_body(to) - in_body(from), 1);
       if (hit) {
         EXPECT_NEAR(at->second, hit->t, rounding) << x.x << ' ' << x.y << ' ' << x.z << ' ' << i;
       }
@@ -108,12 +118,19 @@ TEST(MeshMapping, CellsAndLinksAreThoseOfTheSurface) {
   expect_as_defined(rigid::testing::solid_of(rigid::testing::icosphere(10, 5)), tilted);
 }
 
+/// At three sides, and at the edges and the corner between them.
+TEST(MeshMapping, AtFreeSlipSidesTheFluidSeesTheMirrorImage) {
+  const rigid::TriangleMesh torus = rigid::testing::torus_mesh(8, 3.3, 60, 30);
+  for (const Vec3& at : {Vec3(1.3, 31.1, 16.7), Vec3(15.3, 16.1, 30.3), Vec3(2.3, 28.4, 4.6)})
+    expect_as_defined(rigid::testing::solid_of(torus), {at, tilted.orientation}, lbm::SideKind::free_slip);
+}
+
 /// A cube whose faces, edges and corners go through cell centres: each belongs to one side, and every link
 /// has its distance.
 TEST(MeshMapping, FacesThroughCellCentresAreDecided) {
   const Mesh mesh =
       rigid::testing::solid_of(rigid::testing::cuboid_mesh({8.5, 8.5, 8.5}, {20.5, 16.5, 24.5}));
-  const Mapped found = mapped(mesh, {}, false, {n, n, n});
+  const Mapped found = mapped(mesh, {}, lbm::SideKind::bounce, {n, n, n});
   std::set<std::tuple<int, int, int>> solid;  // a centre on the surface is inside on its lower sides alone
   for_cells({8, 8, 8}, {20, 16, 24}, [&](Int3 x) { solid.insert({x.x, x.y, x.z}); });
   EXPECT_EQ(found.solid, solid);
@@ -131,13 +148,15 @@ TEST(MeshMapping, AnOctahedronWithItsCornersAtCellCentresIsDecided) {
 }
 
 TEST(MeshMapping, TheSameInAnyBlocks) {
-  for (const bool periodic : {false, true}) {
+  for (const lbm::SideKind kind :
+       {lbm::SideKind::bounce, lbm::SideKind::periodic, lbm::SideKind::free_slip}) {
     const Mesh gear = rigid::testing::solid_of(rigid::testing::scaled(rigid::testing::gear_mesh(9, 3), 11));
-    const Pose pose{periodic ? Vec3(2.3, 30.1, 16.7) : tilted.position, tilted.orientation};
-    const Mapped whole = mapped(gear, pose, periodic, {n, n, n});
+    const bool inside = kind == lbm::SideKind::bounce;
+    const Pose pose{inside ? tilted.position : Vec3(2.3, 30.1, 16.7), tilted.orientation};
+    const Mapped whole = mapped(gear, pose, kind, {n, n, n});
     EXPECT_GT(whole.links.size(), 1000u);
     for (const Int3 blocks : {Int3{16, 16, 16}, Int3{8, 16, 32}, Int3{32, 8, 8}}) {
-      const Mapped cut = mapped(gear, pose, periodic, blocks);
+      const Mapped cut = mapped(gear, pose, kind, blocks);
       EXPECT_EQ(cut.solid, whole.solid);
       EXPECT_EQ(cut.links, whole.links);
     }
@@ -149,14 +168,15 @@ TEST(MeshMapping, AMeshMayBeMillionsOfCellsWide) {
   constexpr double wide = 1 << 22;
   const Mesh mesh = rigid::testing::solid_of(rigid::testing::cuboid_mesh(
       {10.3, 5.3 - wide / 2, 5.7 - wide / 2}, {10.3 + wide, 5.3 + wide / 2, 5.7 + wide / 2}));
-  EXPECT_EQ(mapped(mesh, {}, false, {n, n, n}).solid.size(), std::size_t(n - 10) * n * n);
+  EXPECT_EQ(mapped(mesh, {}, lbm::SideKind::bounce, {n, n, n}).solid.size(), std::size_t(n - 10) * n * n);
 }
 
 /// In whole numbers a motion by whole cells changes nothing else.
 TEST(MeshMapping, MovedByWholeCellsItIsMoved) {
   const Mesh mesh = rigid::testing::solid_of(rigid::testing::torus_mesh(6, 2.3, 40, 20));
   const Pose moved{tilted.position + Vec3(2, -3, 1), tilted.orientation};
-  const Mapped a = mapped(mesh, tilted, true, {n, n, n}), b = mapped(mesh, moved, true, {n, n, n});
+  const Mapped a = mapped(mesh, tilted, lbm::SideKind::periodic, {n, n, n}),
+               b = mapped(mesh, moved, lbm::SideKind::periodic, {n, n, n});
   ASSERT_EQ(a.solid.size(), b.solid.size());
   for (const auto& [x, y, z] : a.solid) EXPECT_TRUE(b.solid.contains({x + 2, y - 3, z + 1}));
   for (const auto& [key, q] : a.links) {
