@@ -63,13 +63,16 @@ void DeviceMapping<T>::tell_shape(SurfaceLinks<T>& surface, const rigid::Surface
   const std::size_t planes = last.first_plane + last.planes;
   copy.parts.resize(std::size_t(of.count)), copy.planes.resize(planes), copy.exact_planes.resize(planes);
   copy.has_edges = parts.has_edges();
-  copy.record.resize(1);
   upload(std::span(of.parts, copy.parts.size()), copy.parts.data());
   upload(std::span(of.planes, planes), copy.planes.data());
   upload(std::span(exact.shape().planes, planes), copy.exact_planes.data());
-  const typename MappedSurface<T>::Shape shape{{copy.parts.data(), of.count, copy.planes.data()},
-                                               copy.exact_planes.data()};
-  upload(std::span(&shape, 1), &copy.record.data()->shape);
+  tell_shape(surface, {{copy.parts.data(), of.count, copy.planes.data()}, copy.exact_planes.data()});
+}
+
+template <class T>
+void DeviceMapping<T>::tell_shape(SurfaceLinks<T>& surface, const typename MappedSurface<T>::Shape& shape) {
+  surface.device.record.resize(1);
+  upload(std::span(&shape, 1), &surface.device.record.data()->shape);
 }
 
 template <class T>
@@ -78,7 +81,7 @@ SurfaceToMap<T>& DeviceMapping<T>::add(SurfaceLinks<T>& surface, const BodyMask&
   const auto number = std::uint32_t(surfaces_.size());
   const BitFrame& frame = mask.frame();
   DeviceArray<std::uint64_t>& cells = surface.device.cells;
-  surface.device.record.resize(1);
+  if (surface.device.record.empty()) tell_shape(surface, {});  // a mesh
   const CellsOnDevice before(cells.empty() ? nullptr : cells.data());
   if (cells.capacity() < CellsOnDevice::size(frame)) {
     left_.push_back(std::move(cells));

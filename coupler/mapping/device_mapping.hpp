@@ -253,6 +253,7 @@ class DeviceMapping {
     all(surfaces_, gone_, turns_, slabs_, counts_, words_, flipped_, flips_, runs_, told_, listed_);
     left_.clear(), wanted_.clear(), group_count_ = part_count_ = 0;
   }
+  void tell_shape(SurfaceLinks<T>&, const typename MappedSurface<T>::Shape&);
   void add_words(std::uint64_t* to, const std::uint64_t* now, std::size_t count);
   void end_flips(std::uint32_t surface);
   HostCopies send_told() { return {{runs_.send(), runs_.size()}, told_.send()}; }
