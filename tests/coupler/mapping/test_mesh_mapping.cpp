@@ -38,7 +38,8 @@ std::array<lbm::SideCondition, 6> sides(lbm::SideKind kind) {
 }
 
 /// A mesh in a domain of n^3 cells cut into blocks; of each block the cells inside and all links.
-Mapped mapped(const Mesh& mesh, const Pose& pose, lbm::SideKind kind, Int3 blocks) {
+Mapped mapped(const Mesh& mesh, const Pose& pose, lbm::SideKind kind, Int3 blocks,
+              WallScheme scheme = WallScheme::cli, Device device = Device::cpu) {
   const lbm::Domain domain({n, n, n}, sides(kind), blocks, 1);
   rigid::World world;
   rigid::BodySet bodies;
@@ -50,14 +51,20 @@ Mapped mapped(const Mesh& mesh, const Pose& pose, lbm::SideKind kind, Int3 block
   map(bodies);
   Mapped found;
   CouplingSpec coupling;
-  coupling.wall_scheme = WallScheme::cli;
+  coupling.wall_scheme = scheme;
   for (const BlockMap& block : map.blocks()) {
     for_cells({}, block.box.size, [&](Int3 x) {
       const Int3 cell = block.box.lower + x;
       if (block.solid.test(x)) found.solid.insert({cell.x, cell.y, cell.z});
     });
     std::vector<SurfaceLinks<double>> surfaces;
-    build_links<double>(block, world, bodies, {coupling, {}, lbm::PassOrder(block.box.size, sizeof(double))},
+    DeviceMapping<double> on_device(device);
+    build_links<double>(block, world, bodies,
+                        {coupling,
+                         {},
+                         lbm::PassOrder(block.box.size, sizeof(double)),
+                         nullptr,
+                         device == Device::cpu ? nullptr : &on_device},
                         surfaces);
     for (const auto& surface : surfaces)
       for (const lbm::LinkGroup& g : surface.links.groups)
@@ -160,6 +167,28 @@ TEST(MeshMapping, TheSameInAnyBlocks) {
       EXPECT_EQ(cut.solid, whole.solid);
       EXPECT_EQ(cut.links, whole.links);
     }
+  }
+}
+
+/// Frees memory of a device that is not zero: what takes it next must not rely on what is there.
+void spoil_memory(Device device) {
+  std::vector<DeviceArray<std::uint64_t>> arrays;
+  for (std::size_t words = 32; words <= 4096; words *= 2)
+    for (int k = 0; k < 8; ++k) {
+      arrays.emplace_back(memory_of(device)).resize(words);
+      std::ranges::fill(arrays.back(), ~std::uint64_t{0});
+    }
+}
+
+TEST(MeshMapping, ADeviceListsTheLinksThatAreCutHalfway) {
+  for (const Device device : {Device::host, Device::gpu}) {
+    if (!unusable(device).empty()) continue;
+    spoil_memory(device);
+    const Mesh mesh = rigid::testing::solid_of(rigid::testing::torus_mesh(8, 3.3, 60, 30));
+    const auto links = [&](Device of) {
+      return mapped(mesh, tilted, lbm::SideKind::bounce, {16, 16, 32}, WallScheme::bounce_back, of).links;
+    };
+    EXPECT_EQ(links(device), links(Device::cpu));
   }
 }
 
