@@ -50,7 +50,8 @@ constexpr std::tuple axis_keys{HandKey{"x", two_sides, "", required, kinds_of_si
                                HandKey{"y", two_sides, "", required, kinds_of_sides},
                                HandKey{"z", two_sides, "", required, kinds_of_sides}};
 constexpr std::tuple side_keys{
-    Key{"type", &coupler::BoundarySpec::kind, Choice{coupler::boundary_names}, "kind of side", required},
+    Key{"type", &coupler::BoundarySpec::kind, Choice{coupler::boundary_names},
+        "kind of side; \"free-slip\" is a plane of symmetry, of bodies and walls, too", required},
     Key{"solid_for_bodies", &coupler::BoundarySpec::solid_for_bodies, Flag{},
         "whether the side is a wall for bodies, too; otherwise bodies beyond it are removed", nullptr,
         Rule{If::idle,

@@ -1,8 +1,8 @@
 #!/usr/bin/python3
 """combinations SILT [FIRST [COUNT]]: scenes put together at random from what cases can hold, one a seed.
 
-Sides, fluid, heat, levels of cells, shapes, fills that go on, outflows, springs, locked axes, moving walls: each scene
-that `silt run` accepts must end with the same state on 1 and on 3 ranks, after a resume from its middle on 2, and as
+Sides, fluid, heat, levels of cells, shapes, fills that go on, outflows, springs, locked axes, moving walls, changes over
+time, contact laws, outputs: each scene that `silt run` accepts must end with the same state on 1 and on 3 ranks, after a resume from its middle on 2, and as
 the device "host". Features that are right alone fail here together.
 """
 import pathlib
@@ -27,6 +27,7 @@ end_header
     f"4 {face}\n" for face in ("0 1 3 2", "4 6 7 5", "0 4 5 1", "2 3 7 6", "0 2 6 4", "1 5 7 3"))
 SHAPES = [dict(type="sphere", diameter=7), dict(type="box", edges=[7, 6, 8]), dict(type="capsule", diameter=6, length=4),
           dict(type="ellipsoid", diameters=[6, 7, 9]), dict(type="cylinder", diameter=7, length=6), dict(type="mesh", file="cube.ply"),
+          dict(type="polyhedron", vertices=[[4, 0, 0], [-3, 3, 0], [-3, -3, 1], [0, 0, 4], [0, 1, -4]]),
           dict(type="compound", parts=[dict(type="sphere", diameter=6, position=[x, 0, 0]) for x in (-2, 2)])]
 REFUSED, STOPPED = 2, 3  # exit codes: a scene that is no case, or that a guard stops
 
@@ -109,6 +110,50 @@ class Scene(random.Random):
         mesh = dict(type="mesh", file="cube.ply", solid="inside", position=self.place(), motion=dict(angular_velocity=0.002, axis="z"))
         return self.some(walls=(0.25, [self.choice([tube, mesh])]))
 
+    def over_time(self):
+        oscillation = dict(amplitude=0.3, frequency=0.02)
+        return self.choice([oscillation, dict(table=[[0, 0.2], [20, 1], [40, 0.7]]), oscillation | dict(table=[[10, 1], [30, 0.5]])])
+
+    def details(self, tables, run):
+        """Adds to the tables what few cases have."""
+        contacts, steady = tables["contacts"], self.levels  # what changes over time is not for levels
+        if contacts["resolver"] == "sffd":
+            contacts |= self.some(rolling_friction=(0.3, 0.05), twisting_friction=(0.2, 0.05), cohesion=(0.2, 1e-4), sweeps=(0.2, 5))
+            contacts |= self.choice([{}, {}, {}, dict(hamaker=1e-5, hamaker_gap=0.05)])
+            if not any("locked" in body for body in tables.get("bodies", [])):
+                contacts |= self.some(impact_sweeps=(0.15, 20))
+        if "gravity" in tables and not (self.heat and tables["heat"]["expansion"]):
+            tables["gravity"] |= self.some(over_time=(0 if steady else 0.25, self.over_time()))
+        for fill in tables.get("fill", []):
+            fill |= self.some(orientation=(0.3, "aligned"), heat_source=(0.5 if "heat_capacity" in fill else 0, 1e-3))
+            if "every" not in fill:
+                fill |= self.choice([{}] * 6 + [dict(diameter=dict(smallest=5, largest=9)), dict(arrangement="simple-cubic")])
+        for body in tables.get("bodies", []):
+            body |= self.some(orientation=(0.7, dict(axis=self.vector(1), degrees=self.choice([30, 90, 200]))))
+        for wall in tables.get("walls", []):
+            if wall["type"] == "mesh" and self.maybe(0.3):
+                wall["motion"] |= dict(amplitude=self.vector(1), frequency=0.01)
+        for sides in self.sides:
+            if sides != "periodic" and sides[0]["type"] == "moving":
+                sides[0] |= self.some(over_time=(0 if steady else 0.5, self.over_time()))
+        tables["output"] = dict(checkpoint=dict(every=self.steps // 2)) | self.some(bodies=(0.3, dict(every=8, contacts=True)))
+        if not self.fluid:
+            return
+        tables["coupling"] |= self.some(remap_tolerance=(0.3, self.choice([0.02, 0.3])), lubrication=(0.2, False), time=(0.1, "explicit"),
+                                        wall_scheme=(0.1, "parabolic"))
+        fluid, periodic = tables["fluid"], [d for d in range(3) if self.sides[d] == "periodic"]
+        if periodic and not steady and "body_force" not in fluid and "quiet_start" not in fluid and self.maybe(0.3):
+            fluid["superficial_velocity"] = [1e-3 * (d == periodic[0]) for d in range(3)]
+        if "body_force" in fluid:
+            fluid |= self.some(body_force_over_time=(0 if steady else 0.3, self.over_time()), body_force_on_bodies=(0.3, True))
+        if self.levels:
+            box = [[0, 0, 0], [16 * self.randrange(1, n // 16 + 1) for n in self.cells]]
+            tables["coarsening"] |= self.some(fine=(0.3, [dict(box=box, level=self.randrange(tables["coarsening"]["levels"]))]))
+        else:
+            tables["output"] |= self.some(mean=(0 if "balance" in run else 0.2, {"from": 4, "every": 4}))
+        tables["output"] |= self.some(fields=(0.2, dict(every=self.steps // 4)),
+                                      probes=(0.2, [dict(name="line", line=[[1, 1, 1], self.place()], count=5, every=4)]))
+
     def text(self):
         tables = self.flow() if self.fluid else {}
         tables |= self.some(gravity=(0.8, dict(acceleration=self.vector(2e-4))),
@@ -123,7 +168,8 @@ class Scene(random.Random):
         if not self.levels:
             domain |= self.some(blocks=(0.3, [self.choice([8, 11, 16]) for _ in "xyz"]))
         run = dict(steps=self.steps) | self.some(balance=(0.3, dict(every=32 if self.levels else 8)))
-        return case_text("A combination", domain=domain, run=run, output=dict(checkpoint=dict(every=self.steps // 2)), **tables)
+        self.details(tables, run)
+        return case_text("A combination", domain=domain, run=run, **tables)
 
 
 def states(silt, scene, folder):
