@@ -112,7 +112,7 @@ void FluidForces<T>::begin(const lbm::Fluid<T>& fluid, std::span<const BlockMap>
       set_motion(surface.motion, motion.head<3>(), motion.tail<3>());
       surface.motion.mass_by_link = coupling_of(bodies, surface.row).mass_owed.by_each_link;
     }
-    links[b].begin_step(double(fluid.passes()));
+    links[b].begin_step(double(fluid.passes()), fluid.domain(), maps[b].box.lower);
   }
 }
 
@@ -202,7 +202,7 @@ void FluidForces<T>::apply_rims(lbm::Fluid<T>& fluid, std::span<BlockLinks<T>> l
     links[b].for_groups(rim, 0, rim.size(), [&](auto& surface, const auto& group, const auto& next) {
       apply(fluid.blocks()[b], links[b], surface, group, next, false);
     });
-    links[b].apply_at_once(fluid.blocks()[b], fluid.domain(), spec_.force);
+    links[b].apply_at_once(fluid.blocks()[b], spec_.force);
     for (const SurfaceLinks<T>& surface : links[b].surfaces) {
       if (surface.sums.invalid)
         outcome_.out_of_range = std::min(outcome_.out_of_range, bodies_->id[surface.row]);
@@ -277,8 +277,7 @@ void FluidForces<T>::correct(lbm::Block<T>& block, BlockLinks<T>& links, const r
     if (bodies.is_dynamic(links.surfaces[k].row) && std::any_of(d, d + 6, [](double x) { return x != 0; }))
       increments.push_back({{d[0], d[1], d[2]}, {d[3], d[4], d[5]}, body});
   });
-  links.at_once.correct(block, increments);
-  if (links.at_once.size() > 0) return;
+  if (links.at_once.device() != Device::cpu) return links.at_once.correct(block, increments);
   for (std::uint32_t k = 0; k < links.surfaces.size(); ++k) {
     SurfaceLinks<T>& surface = links.surfaces[k];
     if (surface.finished || !bodies.is_dynamic(surface.row)) continue;

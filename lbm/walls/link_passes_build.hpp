@@ -115,6 +115,8 @@ struct PairGaps {
   }
 };
 
+/// Sets the OppositeWall of links in gaps: a side of the domain; a surface, whose link points the other way;
+/// both (the position of the side, the motion of the surface); or none.
 template <class T>
 struct SetOpposites {
   LinkPass<T> pass;
@@ -134,20 +136,18 @@ struct SetOpposites {
       const Int3 along{component(packed, 0), component(packed, 1), component(packed, 2)};
       const Int3 walls = walls_met(all.sides, all.cells, all.lower + cell - along);
       const bool at_side = !(walls == Int3{0, 0, 0});
+      T q = at_side ? T(0.5) : T(0),
+        velocity = at_side ? T(wall_velocity_along(all.sides, walls, along)) : T(0);
       const LineInGap& line = line_of(cell, i);
       const int other = i & 1;  // place of the opposite link
-      const OppositeLink<T> link{groups[k].surface,
-                                 links.group.opposite + l,
-                                 std::int32_t(line.surface[other]) - 1,
-                                 line.number[other],
-                                 cell,
-                                 std::int8_t(i),
-                                 at_side,
-                                 at_side ? T(wall_velocity_along(all.sides, walls, along)) : T(0)};
-      set_opposite(link, along, [&](std::uint32_t n) -> SurfaceInGap<T> {
-        const DeviceSurface<T>& of = *pass.surfaces[n].record;
-        return {of.frame, pass.motions[pass.surfaces[n].body], of.q, of.opposite_q, of.opposite_u};
-      });
+      if (line.surface[other] > 0) {
+        const ListedSurface<T>& listed = pass.surfaces[line.surface[other] - 1];
+        const DeviceSurface<T>& of = *listed.record;
+        if (!at_side) q = of.q[line.number[other]];
+        velocity = T(lbm::velocity_along(of.frame, pass.motions[listed.body], cell, along));
+      }
+      links.surface.opposite_q[links.group.opposite + l] = q;
+      links.surface.opposite_u[links.group.opposite + l] = velocity;
     });
   }
 };
