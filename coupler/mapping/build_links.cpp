@@ -186,10 +186,10 @@ class LinkWriter {
     const std::uint32_t clear = classify({planes.z, planes.count, y0, y1}, open, most, list);
     if (list.n == 0) return;
     surface_.measure(list);
-    for (std::uint32_t k = clear; k < list.n; ++k) groups_.defer(GapKind::single_cell, list, k);
+    for (std::uint32_t k = clear; k < list.n; ++k) groups_.defer(LinkKind::single_cell, list, k);
     list.n = clear;
     if (lbm::reads_beyond(scheme_)) defer_gaps_and_pairs(list);
-    groups_.add(list, scheme_);
+    groups_.add(LinkKind::own, list);
   }
 
   /// Lists the links, those of single-cell gaps last. Returns the number of the others.
@@ -214,9 +214,9 @@ class LinkWriter {
       const Int3 cell = list.corner + lbm::place_cell(list.place[k]);
       const int i = lbm::place_direction(list.place[k]);
       if (map_.solid.test(cell - lbm::D3Q19::c[i] - lbm::D3Q19::c[i]))
-        groups_.defer(GapKind::two_cells, list, k);
+        groups_.defer(LinkKind::two_cells, list, k);
       else
-        groups_.defer(GapKind::across, list, k, places_across_(cell, i));
+        groups_.defer(LinkKind::across, list, k, places_across_(cell, i));
       list.remove(k);
     }
   }

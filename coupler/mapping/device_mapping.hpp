@@ -44,10 +44,11 @@ SILT_DEVICE inline V rate_of(const V& middle, const V& last, double steps) {
   return (most < limited ? most : limited) * per_step;
 }
 
-/// The kinds of links that follow from the solid bits: the scheme's own; in gaps of one and of two cells;
-/// with the cell behind in another block.
-enum class LinkKind : std::uint8_t { own, single_cell, two_cells, across, count };
-inline constexpr int link_kinds = int(LinkKind::count);
+/// The kinds of links: of the scheme itself; those for which it cannot be used, or not from memory of the
+/// block, with a cell behind that is not fluid, a second cell behind that is not fluid, or a cell behind in
+/// another block; those that cross an edge of the body. All but the last follow from the solid bits.
+enum class LinkKind : std::uint8_t { own, single_cell, two_cells, across, crossing };
+inline constexpr int link_kinds = int(LinkKind::crossing);  // that follow from the solid bits
 using KindCounts = std::array<std::uint32_t, link_kinds>;
 
 /// The cells that a surface covers, in memory of a device: words of bits, after the frame that they have.
@@ -79,27 +80,17 @@ struct SlabToMap {
 struct LinkRoom {
   lbm::WallScheme scheme;
   std::uint32_t used = 0, gaps = 0, across = 0;  // of place and q; of opposite_q; of CutLinks::across
-  SILT_DEVICE lbm::LinkGroup group(std::uint32_t count, lbm::WallScheme of, lbm::Int3 corner, int ready) {
-    const lbm::LinkGroup g{used, count, of, corner, ready, gaps};
+  /// Returns the next group; a crossing link has a scheme that reads at most the cell behind, which is fluid.
+  SILT_DEVICE lbm::LinkGroup group(LinkKind kind, std::uint32_t count, lbm::Int3 corner, int ready) {
+    const bool in_gap = kind == LinkKind::single_cell,
+               own = kind == LinkKind::own || kind == LinkKind::across;
+    lbm::LinkGroup g{used, count, scheme, corner, ready, gaps};
+    if (!own) g.scheme = in_gap ? lbm::WallScheme::single_cell_gap : lbm::two_cell_gap_scheme(scheme);
+    g.crossing = kind == LinkKind::crossing, g.across = kind == LinkKind::across;
     used += lbm::padded(count);
-    if (of == lbm::WallScheme::single_cell_gap && lbm::knows_opposite_wall(scheme))
-      gaps += lbm::padded(count);
+    if (in_gap && lbm::knows_opposite_wall(scheme)) gaps += lbm::padded(count);
+    if (g.across) g.across_begin = across, across += lbm::padded(count);
     return g;
-  }
-  SILT_DEVICE lbm::LinkGroup group_across(std::uint32_t count, lbm::Int3 corner, int ready) {
-    lbm::LinkGroup g = group(count, scheme, corner, ready);
-    g.across = true, g.across_begin = across;
-    across += lbm::padded(count);
-    return g;
-  }
-  /// Returns the group of links that a device counts from a corner on.
-  SILT_DEVICE lbm::LinkGroup group(LinkKind kind, std::uint32_t count, lbm::Int3 corner) {
-    if (kind == LinkKind::across) return group_across(count, corner, -1);
-    return group(count,
-                 kind == LinkKind::own           ? scheme
-                 : kind == LinkKind::single_cell ? lbm::WallScheme::single_cell_gap
-                                                 : lbm::two_cell_gap_scheme(scheme),
-                 corner, -1);
   }
 };
 

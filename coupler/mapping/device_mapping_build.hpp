@@ -240,7 +240,7 @@ struct MakeGroups {
       for (int kind = 0; kind < link_kinds; ++kind) {
         const std::uint32_t count = all.cells.counts[n][kind];
         if (count == 0) continue;
-        const lbm::LinkGroup group = room.group(LinkKind(kind), count, corner);
+        const lbm::LinkGroup group = room.group(LinkKind(kind), count, corner, -1);
         lists.place[kind] = links.place + group.begin;
         if (group.across) lists.across = links.across + group.across_begin;
         *to++ = group;
@@ -277,17 +277,6 @@ struct ListSlab {
     }
   }
 };
-
-template <class T>
-SILT_DEVICE typename Lanes<T>::Real distance_of(const std::uint32_t* place,
-                                                const lbm::SILT_BUILD::PlaceOrigin<T>& origin,
-                                                const SurfaceView<T>& surface, T past) {
-  const lbm::SILT_BUILD::Places<T> at(place, origin);
-  if (surface.count > 1) return distance_to_any(at, surface, past);
-  typename Lanes<T>::Real found{};
-  with_kind(surface.parts[0].kind, [&](auto kind) { found = distance_to_part<kind()>(at, surface, past); });
-  return found;
-}
 
 template <class T>
 struct MeasureGroup {

@@ -116,5 +116,17 @@ SILT_DEVICE auto distance_to_part(const lbm::SILT_BUILD::Places<T>& at, const Su
   return under_lip(distance_to(lines, part, surface.planes, past), lines, part, surface.planes);
 }
 
+/// Returns the distance along a vector of links.
+template <class T>
+SILT_DEVICE typename Lanes<T>::Real distance_of(const std::uint32_t* place,
+                                                const lbm::SILT_BUILD::PlaceOrigin<T>& origin,
+                                                const SurfaceView<T>& surface, T past) {
+  const lbm::SILT_BUILD::Places<T> at(place, origin);
+  if (surface.count > 1) return distance_to_any(at, surface, past);
+  typename Lanes<T>::Real found{};
+  with_kind(surface.parts[0].kind, [&](auto kind) { found = distance_to_part<kind()>(at, surface, past); });
+  return found;
+}
+
 }  // namespace silt::coupler::SILT_BUILD
 #endif

@@ -10,21 +10,10 @@ template <class Real, class T>
 void set_distances(const PlacedLinks& links, const lbm::SurfaceFrame& frame, const SurfaceView<Real>& surface,
                    Real past, T* q) {
   using L = Lanes<Real>;
-  using Places = lbm::SILT_BUILD::Places<Real>;
   using Stored = typename VectorOf<T, L::count>::type;
   const lbm::SILT_BUILD::PlaceOrigin<Real> origin(links.corner, frame);
-  const auto set = [&](auto&& distance) {
-    for (int l = 0; l < links.padded; l += L::count) {
-      const Stored found = __builtin_convertvector(distance(Places(links.place + l, origin)), Stored);
-      __builtin_memcpy(q + l, &found, sizeof found);
-    }
-  };
-  if (surface.count == 1)
-    with_kind(surface.parts[0].kind, [&](auto kind) {
-      set([&](const Places& at) { return distance_to_part<kind()>(at, surface, past); });
-    });
-  else
-    set([&](const Places& at) { return distance_to_any(at, surface, past); });
+  for (int l = 0; l < links.padded; l += L::count)
+    store(q + l, converted<Stored>(distance_of(links.place + l, origin, surface, past)));
 }
 
 }  // namespace
