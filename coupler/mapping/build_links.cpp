@@ -62,7 +62,7 @@ class LinkWriter {
     if (mask.any && surface_.leaves_to_device(shape)) {
       surface_.leave_to_device(surface, shape, mask, mapped,
                                radius > 0 ? T(std::ldexp(1.0, -exponent)) : T(0));
-      return counted_.push_back({&mask, &shape, &surface});
+      return counted_.push_back({&mask, &surface});
     }
     device_.change(surface, &mask, mask.before < 0 ? nullptr : &map_.masks_before[mask.before]);
     groups_.begin(links);
@@ -73,31 +73,29 @@ class LinkWriter {
     if (radius > 0) surface.resistance = lbm::resistance_of(links, exponent);
     if (!device_.has_links()) return;
     to_device(links.place, links.q, links.rate, links.across);
-    tell_groups(surface, links.groups.begin());
+    renew(surface.device.groups, links.groups.size());
+    device_.upload(std::span<const lbm::LinkGroup>(links.groups), surface.device.groups.data());
     if (!links.groups.empty()) device_.tell(surface, mapped.middle());
   }
   /// Lets the device list and measure the links that it counts.
   void finish() {
     device_.count();
     for (std::uint32_t n = 0; n < counted_.size(); ++n) {
-      const auto& [mask, shape, surface] = counted_[n];
-      mask_ = mask;
-      const lbm::SurfaceFrame& frame = surface->links.frame;
+      const auto& [mask, surface] = counted_[n];
       groups_.begin(surface->links);
       device_.for_slabs(n, [&](int z, const KindCounts& counts) {
         groups_.add_counted(counts, mask->frame().low + Int3{0, 0, z});
       });
-      if (surface->device.has_edges) {
-        surface_.reset(*shape, map_, *mask, frame);
-        if (surface_.has_crossings()) crossing_groups(frame);
-      }
-      groups_.end_for_device(device_);
+      device_.for_edge_slabs(n, [&](int z, std::uint32_t links) {
+        groups_.add_counted_crossing(links, mask->frame().low + Int3{0, 0, z - 1});
+      });
+      groups_.end_for_device();
       const auto& groups = surface->links.groups;
       if (groups.empty()) {  // it is near the block
         surface->links.rate.clear(), surface->resistance = {};
         continue;
       }
-      tell_groups(*surface, std::ranges::find_if(groups, &lbm::LinkGroup::crossing));
+      renew(surface->device.groups, groups.size());
       device_.list(*surface, n);
     }
     device_.run();
@@ -107,18 +105,8 @@ class LinkWriter {
   /// A surface whose links a device counts.
   struct Counted {
     const BodyMask* mask;
-    const rigid::Shape* shape;
     SurfaceLinks<T>* surface;
   };
-  /// Sends the groups that the device does not make, from the first of them on.
-  void tell_groups(SurfaceLinks<T>& surface, std::vector<lbm::LinkGroup>::const_iterator first) {
-    const auto& groups = surface.links.groups;
-    DeviceArray<lbm::LinkGroup>& copies = surface.device.groups;
-    renew(copies, groups.size());
-    if (first != groups.end())
-      device_.upload(std::span(first, groups.end()), copies.data() + (first - groups.begin()));
-  }
-
   void write(const rigid::Shape& shape, const lbm::SurfaceFrame& at) {
     const BitFrame& frame = mask_->frame();
     surface_.reset(shape, map_, *mask_, at);

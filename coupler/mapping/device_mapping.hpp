@@ -72,6 +72,7 @@ static_assert(sizeof(BitFrame) % sizeof(std::uint64_t) == 0);
 /// The planes of a surface's frame, from `z` on, that the places of one group can reach.
 struct SlabToMap {
   static constexpr int most_planes = 1 << lbm::place_z_bits;
+  static constexpr int edge_planes = most_planes - 2;  // crossing links may end one plane outside
   std::uint32_t surface;
   std::int16_t z, planes;
 };
@@ -94,6 +95,12 @@ struct LinkRoom {
   }
 };
 
+/// The crossing links that begin in a slab: those with both ends in the block, and others.
+struct CrossingCounts {
+  std::uint32_t pairs, single;
+  SILT_DEVICE std::uint32_t links() const { return 2 * pairs + single; }
+};
+
 /// Where the links of a slab are listed: their first places by kind, the first indices of their pairs across.
 struct SlabLists {
   std::uint32_t *place[link_kinds], *across;
@@ -111,7 +118,7 @@ enum class Marking : std::uint8_t { ball, parts, told };
 /// distances.
 template <class T>
 struct SurfaceToMap {
-  MappedSurface<T>* surface;    // its groups: of its slabs, then those of crossing links, which are given
+  MappedSurface<T>* surface;    // its groups: of its slabs, then those of crossing links
   BitFrame frame;               // of its cells now
   CellsOnDevice cells, before;  // those of the last mapping, if any, may have the same memory
   PointInFrame centre;          // at the middle of the mapping's steps
@@ -121,7 +128,17 @@ struct SurfaceToMap {
   Marking marking;
   TurnedSurface now, last;
   std::uint32_t first_slab, slabs;
+  static constexpr std::uint32_t no_edges = ~0u;
+  std::uint32_t first_edge_slab, first_near;  // if it has edges that links may cross (or no_edges)
+  SILT_DEVICE bool has_edges() const { return first_near != no_edges; }
+  SILT_DEVICE std::uint32_t edge_slabs() const {
+    return has_edges() ? std::uint32_t(frame.size.z - 3) / SlabToMap::edge_planes + 1 : 0;
+  }
 };
+/// Returns the words, rows and planes of a frame with 64 cells to each word.
+SILT_DEVICE inline lbm::Int3 near_rows(const BitFrame& frame) {
+  return {(frame.size.x + 63) / 64, frame.size.y, frame.size.z};
+}
 
 /// A surface with links, by its number, and the first of its groups among those of all.
 struct ListedToMap {
@@ -158,6 +175,10 @@ struct SolidBits {
   std::uint64_t* words;
   lbm::Int3 size;
   int words_a_row;
+  /// Returns 64 cells of a row from a cell on.
+  SILT_DEVICE std::uint64_t from(lbm::Int3 x) const {
+    return CellBits::from(words + CellBits::row(size, x.y, x.z, words_a_row), x.x);
+  }
 };
 
 /// The surfaces of a block that are mapped: their cells are marked, and the links of their slabs counted.
@@ -172,6 +193,10 @@ struct CellsToMap {
   const rigid::Turn* turns;
   std::span<const SlabToMap> slabs;
   KindCounts* counts;  // per slab
+  std::span<const SlabToMap> edge_slabs;
+  CrossingCounts* crossings;  // per slab of these
+  std::uint64_t* near;        // the cells where they may begin or end, as near_rows
+  rigid::SurfacePart<T>* turned;
   SolidBits solid;
   lbm::WallScheme scheme;
   lbm::Components directions = lbm::components<lbm::D3Q19>;
@@ -187,7 +212,7 @@ struct LinksToMap {
   std::span<const ListedToMap> listed;
   std::span<GroupToMap> groups;
   lbm::ResistanceSums* resistance;  // per listed surface
-  rigid::SurfacePart<T>* turned;
+  std::uint32_t** edge_places;      // the first place of the links of each edge slab
 };
 
 /// The mapping of one block by its device; does nothing for `cpu`.
@@ -218,6 +243,13 @@ class DeviceMapping {
     for (std::uint32_t k = surface.first_slab; k < surface.first_slab + surface.slabs; ++k)
       visit(slabs_.host()[k].z, counts_.host()[k]);
   }
+  /// Calls visit(z, number of links) for its slabs of crossing links.
+  template <class Visit>
+  void for_edge_slabs(std::size_t n, Visit&& visit) const {
+    const SurfaceToMap<T>& surface = surfaces_.host()[n];
+    for (std::uint32_t k = surface.first_edge_slab; k < surface.first_edge_slab + surface.edge_slabs(); ++k)
+      visit(edge_slabs_.host()[k].z, crossings_.host()[k].links());
+  }
   /// Queues the n-th surface, which has groups for the counts of its slabs: lists its links, sets wall
   /// distances, their rates and the resistance.
   void list(SurfaceLinks<T>&, std::uint32_t n);
@@ -242,7 +274,8 @@ class DeviceMapping {
   void clear() {
     const auto all = [](auto&... lists) { (lists.host().clear(), ...); };
     all(surfaces_, gone_, turns_, slabs_, counts_, words_, flipped_, flips_, runs_, told_, listed_);
-    left_.clear(), wanted_.clear(), group_count_ = part_count_ = 0;
+    all(edge_slabs_, crossings_);
+    left_.clear(), wanted_.clear(), group_count_ = part_count_ = near_count_ = 0;
   }
   void add_words(std::uint64_t* to, const std::uint64_t* now, std::size_t count);
   void end_flips(std::uint32_t surface);
@@ -263,7 +296,11 @@ class DeviceMapping {
   Mirror<KindCounts> counts_{device_};
   DeviceArray<SlabLists> lists_{memory_of(device_)};
   DeviceArray<GroupToMap> groups_{memory_of(device_)};
-  std::uint32_t group_count_ = 0, part_count_ = 0;
+  Mirror<SlabToMap> edge_slabs_{device_};
+  Mirror<CrossingCounts> crossings_{device_};
+  DeviceArray<std::uint64_t> near_{memory_of(device_)};
+  DeviceArray<std::uint32_t*> edge_places_{memory_of(device_)};
+  std::uint32_t group_count_ = 0, part_count_ = 0, near_count_ = 0;
   std::vector<SurfaceLinks<T>*> wanted_;  // as listed_
   Mirror<ListedToMap> listed_{device_};
   Mirror<lbm::ResistanceSums> resistance_{device_};

@@ -83,15 +83,13 @@ class LinkGroups {
     for (int kind = 0; kind < link_kinds; ++kind)
       if (counts[kind] > 0) links_->groups.push_back(room_.group(LinkKind(kind), counts[kind], corner, -1));
   }
-  /// Makes room for all links, whose places and distances a device sets, except those of crossing links.
-  void end_for_device(DeviceMapping<T>& device) {
-    const auto tell = [&](const lbm::LinkGroup& g, const auto& from, auto& to) {
-      device.upload(std::span(from.data() + g.begin, g.count), to.data() + g.begin);
-    };
+  void add_counted_crossing(std::uint32_t links, lbm::Int3 corner) {
+    if (links > 0) links_->groups.push_back(room_.group(LinkKind::crossing, links, corner, -1));
+  }
+  /// Makes room for all links, whose places and distances a device sets.
+  void end_for_device() {
     renew(links_->place, room_.used), renew(links_->q, room_.used), renew(links_->across, room_.across);
     renew(links_->opposite_q, room_.gaps), renew(links_->opposite_u, room_.gaps);
-    for (const lbm::LinkGroup& g : links_->groups)
-      if (g.crossing) tell(g, place_, links_->place), tell(g, q_, links_->q);
   }
 
  private:
