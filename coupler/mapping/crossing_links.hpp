@@ -19,7 +19,7 @@ namespace silt::coupler {
 template <class T>
 class CrossingLinks {
  public:
-  static constexpr int planes = SlabToMap::edge_planes;  // per list
+  static constexpr int planes = EdgeSlab::most_planes;  // per list
 
   /// Finds the cells of the block and its first ghost layer where crossing links of a body may end.
   void find_cells(const BlockMap&, const BodyMask&);

@@ -7,18 +7,18 @@
 
 namespace silt::coupler::SILT_BUILD {
 
-/// Finds the cells where such links of a surface may begin or end: fluid cells next to it, and not next to
-/// another one.
+/// Finds the cells of a slab where such links may begin or end: fluid cells next to the surface, and not next
+/// to another one.
 template <class T>
 struct NearCells {
   CellsToMap<T> all;
   SILT_DEVICE void operator()(std::int64_t k, const Team& member) const {
-    const SurfaceToMap<T>& surface = all.surfaces[std::size_t(k)];
-    if (!surface.has_edges()) return;
-    const lbm::Int3 rows = near_rows(surface.frame);
-    for (int n = member.lane; n < rows.x * rows.y * rows.z; n += member.size)
-      all.near[surface.first_near + std::uint32_t(n)] =
-          near(surface, {n % rows.x * 64, n / rows.x % rows.y, n / rows.x / rows.y});
+    const auto& [slab, first_near] = all.edge_slabs[std::size_t(k)];
+    const SurfaceToMap<T>& surface = all.surfaces[slab.surface];
+    const int words = near_words(surface.frame), rows = surface.frame.size.y;
+    for (int n = member.lane; n < slab.planes * rows * words; n += member.size)
+      all.near[first_near + std::uint32_t(n)] =
+          near(surface, {n % words * 64, n / words % rows, slab.z + n / words / rows});
   }
   SILT_DEVICE std::uint64_t near(const SurfaceToMap<T>& surface, lbm::Int3 at) const {
     const BitFrame& frame = surface.frame;
@@ -42,14 +42,16 @@ struct EdgesOfSlab {
   const CellsToMap<T>& all;
   const SlabToMap& slab;
   const SurfaceToMap<T>& surface;
-  lbm::Int3 corner;  // of places: a link may end one plane below the slab
+  const std::uint64_t* near_cells;  // from its first plane on
+  lbm::Int3 corner;                 // of places: a link may end one plane below the slab
   lbm::SILT_BUILD::PlaceOrigin<T> origin;
   SurfaceView<T> parts;
 
   SILT_DEVICE EdgesOfSlab(const CellsToMap<T>& all, std::int64_t k)
       : all(all),
-        slab(all.edge_slabs[std::size_t(k)]),
+        slab(all.edge_slabs[std::size_t(k)].planes),
         surface(all.surfaces[slab.surface]),
+        near_cells(all.near + all.edge_slabs[std::size_t(k)].first_near),
         corner(surface.frame.low + lbm::Int3{0, 0, slab.z - 1}),
         origin(corner, surface_frame(surface.frame, surface.centre), all.directions.packed),
         parts{all.turned + surface.now.first_part, surface.surface->shape.parts.count,
@@ -73,10 +75,10 @@ struct EdgesOfSlab {
   }
   /// Returns 64 cells near the surface, moved by a step along x; `at` counts from the corner.
   SILT_DEVICE std::uint64_t near(lbm::Int3 at, int step) const {
-    const lbm::Int3 rows = near_rows(surface.frame);
-    const int w = at.x / 64, row = (at.z + slab.z - 1) * rows.y + at.y;
-    const std::uint64_t* const words = all.near + surface.first_near + std::size_t(row) * rows.x;
-    if (step > 0) return words[w] >> 1 | (w + 1 < rows.x ? words[w + 1] << 63 : 0);
+    const int z = at.z + slab.z - 1, count = near_words(surface.frame), w = at.x / 64;
+    if (z == 0 || z == surface.frame.size.z - 1) return 0;
+    const std::uint64_t* const words = near_cells + ((at.z - 1) * surface.frame.size.y + at.y) * count;
+    if (step > 0) return words[w] >> 1 | (w + 1 < count ? words[w + 1] << 63 : 0);
     if (step < 0) return words[w] << 1 | (w > 0 ? words[w - 1] >> 63 : 0);
     return words[w];
   }
@@ -104,8 +106,8 @@ struct EdgesOfSlab {
   /// Calls visit(found) the same number of times in all threads of a team.
   template <class Visit>
   SILT_DEVICE void visit_all(const Team& member, Visit&& visit) const {
-    const lbm::Int3 all_rows = near_rows(surface.frame);
-    const int words = all_rows.x, rows = all_rows.y - 2, in_direction = slab.planes * rows * words;
+    const int words = near_words(surface.frame), rows = surface.frame.size.y - 2;
+    const int in_direction = slab.planes * rows * words;
     for (int first = 0; first < in_direction * lbm::D3Q19::pairs; first += member.size) {
       const int e = first + member.lane, in = e % in_direction;
       Found found{{in % words * 64, 1 + in / words % rows, 1 + in / words / rows},

@@ -103,14 +103,12 @@ SurfaceToMap<T>& DeviceMapping<T>::add(SurfaceLinks<T>& surface, const BodyMask&
   to.centre = centre_in(*map_, mask), to.marking = marking;
   to.now = to.last = turned(surface, turn);
   to.first_slab = first_slab, to.slabs = std::uint32_t(slabs_.size()) - first_slab;
-  to.first_edge_slab = std::uint32_t(edge_slabs_.size()), to.first_near = SurfaceToMap<T>::no_edges;
-  if (surface.device.has_edges && lbm::follows_distance(cells_.scheme)) {
-    constexpr int most = SlabToMap::edge_planes;
-    for (int z = 1; z < frame.size.z - 1; z += most)
-      edge_slabs_.host().push_back(
-          {number, std::int16_t(z), std::int16_t(std::min(most, frame.size.z - 1 - z))});
-    const lbm::Int3 rows = near_rows(frame);
-    to.first_near = near_count_, near_count_ += std::uint32_t(rows.x * rows.y * rows.z);
+  constexpr int most = EdgeSlab::most_planes;
+  const bool crosses = surface.device.has_edges && lbm::follows_distance(cells_.scheme);
+  for (int z = 1; crosses && z < frame.size.z - 1; z += most) {
+    const SlabToMap planes{number, std::int16_t(z), std::int16_t(std::min(most, frame.size.z - 1 - z))};
+    edge_slabs_.host().push_back({planes, near_count_});
+    near_count_ += std::uint32_t(planes.planes * frame.size.y * near_words(frame));
   }
   surfaces_.host().push_back(to);
   return surfaces_.host().back();

@@ -72,10 +72,32 @@ static_assert(sizeof(BitFrame) % sizeof(std::uint64_t) == 0);
 /// The planes of a surface's frame, from `z` on, that the places of one group can reach.
 struct SlabToMap {
   static constexpr int most_planes = 1 << lbm::place_z_bits;
-  static constexpr int edge_planes = most_planes - 2;  // crossing links may end one plane outside
   std::uint32_t surface;
   std::int16_t z, planes;
 };
+/// Planes in which links may begin that cross edges of a surface, and end one plane outside. Which cells are
+/// next to the surface is kept from `first_near` on, 64 cells of a row to a word.
+struct EdgeSlab {
+  static constexpr int most_planes = SlabToMap::most_planes - 2;
+  SlabToMap planes;
+  std::uint32_t first_near;
+};
+/// Returns the words of each row of such cells.
+SILT_DEVICE inline int near_words(const BitFrame& frame) {
+  return (frame.size.x + 63) / 64;
+}
+/// Returns the first slab of a surface, or of a later one.
+SILT_DEVICE inline std::size_t first_slab_of(std::uint32_t surface, std::span<const EdgeSlab> slabs) {
+  std::size_t first = 0, end = slabs.size();
+  while (first < end) {
+    const std::size_t middle = (first + end) / 2;
+    if (slabs[middle].planes.surface < surface)
+      first = middle + 1;
+    else
+      end = middle;
+  }
+  return first;
+}
 
 /// The scheme of a block and the room that links of a surface have taken in its arrays so far.
 struct LinkRoom {
@@ -128,17 +150,7 @@ struct SurfaceToMap {
   Marking marking;
   TurnedSurface now, last;
   std::uint32_t first_slab, slabs;
-  static constexpr std::uint32_t no_edges = ~0u;
-  std::uint32_t first_edge_slab, first_near;  // if it has edges that links may cross (or no_edges)
-  SILT_DEVICE bool has_edges() const { return first_near != no_edges; }
-  SILT_DEVICE std::uint32_t edge_slabs() const {
-    return has_edges() ? std::uint32_t(frame.size.z - 3) / SlabToMap::edge_planes + 1 : 0;
-  }
 };
-/// Returns the words, rows and planes of a frame with 64 cells to each word.
-SILT_DEVICE inline lbm::Int3 near_rows(const BitFrame& frame) {
-  return {(frame.size.x + 63) / 64, frame.size.y, frame.size.z};
-}
 
 /// A surface with links, by its number, and the first of its groups among those of all.
 struct ListedToMap {
@@ -192,10 +204,10 @@ struct CellsToMap {
   const std::uint32_t* flips;
   const rigid::Turn* turns;
   std::span<const SlabToMap> slabs;
-  KindCounts* counts;  // per slab
-  std::span<const SlabToMap> edge_slabs;
-  CrossingCounts* crossings;  // per slab of these
-  std::uint64_t* near;        // the cells where they may begin or end, as near_rows
+  KindCounts* counts;                    // per slab
+  std::span<const EdgeSlab> edge_slabs;  // in the order of surfaces
+  CrossingCounts* crossings;             // per slab of these
+  std::uint64_t* near;                   // of all of these slabs
   rigid::SurfacePart<T>* turned;
   SolidBits solid;
   lbm::WallScheme scheme;
@@ -245,10 +257,10 @@ class DeviceMapping {
   }
   /// Calls visit(z, number of links) for its slabs of crossing links.
   template <class Visit>
-  void for_edge_slabs(std::size_t n, Visit&& visit) const {
-    const SurfaceToMap<T>& surface = surfaces_.host()[n];
-    for (std::uint32_t k = surface.first_edge_slab; k < surface.first_edge_slab + surface.edge_slabs(); ++k)
-      visit(edge_slabs_.host()[k].z, crossings_.host()[k].links());
+  void for_edge_slabs(std::uint32_t n, Visit&& visit) const {
+    const std::pmr::vector<EdgeSlab>& slabs = edge_slabs_.host();
+    for (std::size_t k = first_slab_of(n, slabs); k < slabs.size() && slabs[k].planes.surface == n; ++k)
+      visit(slabs[k].planes.z, crossings_.host()[k].links());
   }
   /// Queues the n-th surface, which has groups for the counts of its slabs: lists its links, sets wall
   /// distances, their rates and the resistance.
@@ -296,7 +308,7 @@ class DeviceMapping {
   Mirror<KindCounts> counts_{device_};
   DeviceArray<SlabLists> lists_{memory_of(device_)};
   DeviceArray<GroupToMap> groups_{memory_of(device_)};
-  Mirror<SlabToMap> edge_slabs_{device_};
+  Mirror<EdgeSlab> edge_slabs_{device_};
   Mirror<CrossingCounts> crossings_{device_};
   DeviceArray<std::uint64_t> near_{memory_of(device_)};
   DeviceArray<std::uint32_t*> edge_places_{memory_of(device_)};

@@ -214,7 +214,7 @@ void count_links(const CellsToMap<T>& all) {
   for_teams(std::int64_t(all.slabs.size()), CountSlab<T>{all});
   for_each(std::int64_t(all.surfaces.size()), TurnParts<T>{all});
   if (all.edge_slabs.empty()) return;
-  for_teams(std::int64_t(all.surfaces.size()), NearCells<T>{all});
+  for_teams(std::int64_t(all.edge_slabs.size()), NearCells<T>{all});
   for_teams(std::int64_t(all.edge_slabs.size()), CountEdges<T>{all});
 }
 
@@ -246,11 +246,13 @@ struct MakeGroups {
         *to++ = group;
       }
     }
-    for (std::uint32_t n = surface.first_edge_slab; n < surface.first_edge_slab + surface.edge_slabs(); ++n) {
+    const std::span<const EdgeSlab> edges = all.cells.edge_slabs;
+    for (std::size_t n = first_slab_of(surface_number, edges);
+         n < edges.size() && edges[n].planes.surface == surface_number; ++n) {
       const std::uint32_t count = all.cells.crossings[n].links();
       if (count == 0) continue;
       const lbm::LinkGroup group =
-          room.group(LinkKind::crossing, count, EdgesOfSlab<T>(all.cells, n).corner, -1);
+          room.group(LinkKind::crossing, count, EdgesOfSlab<T>(all.cells, std::int64_t(n)).corner, -1);
       all.edge_places[n] = links.place + group.begin;
       *to++ = group;
     }
