@@ -185,15 +185,12 @@ class FlowOf final : public Flow {
 
   /// Sets the body force of a time, and side velocities half a step later, when fluid meets the sides.
   void take_drive(double time) {
-    bool sides_vary = false;
     for (int side = 0; side < 6; ++side) {
       const BoundarySpec& of = drive_.sides[side];
       if (!of.over_time.varies()) continue;
       const Vec3 u = of.velocity_at(time + 0.5);
       fluid_.set_side_velocity(side, {u[0], u[1], u[2]});
-      sides_vary = true;
     }
-    for (std::size_t b = 0; sides_vary && b < links_.size(); ++b) pair_gaps(b);
     if (!control_ && !drive_.over_time.varies()) return;
     const Vec3 given = drive_.over_time.at(time) * drive_.body_force;
     const Vec3 f = control_ ? control_->force(given) : given;
@@ -277,7 +274,6 @@ class FlowOf final : public Flow {
                        {coupling_, fluid, fluid_.pass_order(int(b)), &meshes_, &mappings_[b]},
                        block.surfaces);
         block.order_groups(fluid_.pass_order(int(b)));
-        pair_gaps(b);
         block.leave_to_device();
         hold_excess(b);
         if (heat_) heat_->list_links(int(b), map, block);
@@ -297,12 +293,6 @@ class FlowOf final : public Flow {
       rows.push_back({frame.low.y, end.y, frame.low.z, end.z});
     }
     fluid_.hold_excess(int(b), rows);
-  }
-
-  /// A device pairs gaps itself.
-  void pair_gaps(std::size_t b) {
-    if (lbm::knows_opposite_wall(coupling_.wall_scheme) && fluid_.device() == Device::cpu)
-      links_[b].gaps.pair(links_[b].surfaces, fluid_.domain(), map_.blocks()[b].box);
   }
 
   void choose_pairs() {

@@ -77,6 +77,8 @@ void clear_in_turn(Device device, void* memory, std::size_t bytes) {
     cuda::clear_in_turn(memory, bytes);
   else if (device == Device::host)
     defer_work([=] { std::memset(memory, 0, bytes); });
+  else
+    std::memset(memory, 0, bytes);
 }
 
 std::shared_ptr<void> zeroed_on(Device device, std::size_t bytes) {

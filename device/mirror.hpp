@@ -1,6 +1,5 @@
 #pragma once
 // Arrays shared by the processor and the passes of a device.
-#include <algorithm>
 #include <cstddef>
 #include <memory_resource>
 #include <type_traits>
@@ -38,10 +37,7 @@ class Mirror {
   /// Sets all elements to zero on the device only, in order with its passes.
   T* clear() {
     make_room();
-    if (device_ == Device::cpu)
-      std::fill(here_.begin(), here_.end(), T{});
-    else if (!here_.empty())
-      clear_in_turn(device_, device(), here_.size() * sizeof(T));
+    if (!here_.empty()) clear_in_turn(device_, device(), here_.size() * sizeof(T));
     return device();
   }
   /// Copies all elements to the device, in order with its passes. They must not change before that.

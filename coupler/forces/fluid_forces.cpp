@@ -121,7 +121,7 @@ void FluidForces<T>::begin(const lbm::Fluid<T>& fluid, std::span<const BlockMap>
       set_motion(surface.motion, motion, surface.reflection);
       surface.motion.mass_by_link = coupling_of(bodies, surface.row).mass_owed.by_each_link;
     }
-    links[b].begin_step(double(fluid.passes()));
+    links[b].begin_step(double(fluid.passes()), fluid.domain(), maps[b].box.lower);
   }
 }
 
@@ -157,7 +157,7 @@ void FluidForces<T>::apply(lbm::Block<T>& block, const BlockLinks<T>& links, Sur
                            const lbm::LinkGroup& group, const lbm::NextGroup<T>& next, bool at_hand) {
   static const bool last_cache_is_far = silt::last_cache_is_far();
   const bool far = !at_hand || last_cache_is_far;
-  lbm::apply_cut_links<T>({block, links.slots, surface.links, group, next, links.pairs_across, &listed_, far},
+  lbm::apply_cut_links<T>({block, links.slots, surface.links, group, next, links.pairs_across, far},
                           surface.motion, spec_.force, surface.sums);
 }
 
@@ -211,7 +211,7 @@ void FluidForces<T>::apply_rims(lbm::Fluid<T>& fluid, std::span<BlockLinks<T>> l
     links[b].for_groups(rim, 0, rim.size(), [&](auto& surface, const auto& group, const auto& next) {
       apply(fluid.blocks()[b], links[b], surface, group, next, false);
     });
-    links[b].apply_at_once(fluid.blocks()[b], fluid.domain(), spec_.force);
+    links[b].apply_at_once(fluid.blocks()[b], spec_.force);
     for (const SurfaceLinks<T>& surface : links[b].surfaces) {
       if (surface.sums.invalid)
         outcome_.out_of_range = std::min(outcome_.out_of_range, bodies_->id[surface.row]);
@@ -289,8 +289,7 @@ void FluidForces<T>::correct(lbm::Block<T>& block, BlockLinks<T>& links, const r
     set_motion(m, change, surface.reflection);
     increments.push_back({{m.v[0], m.v[1], m.v[2]}, {m.omega[0], m.omega[1], m.omega[2]}, body});
   });
-  links.at_once.correct(block, increments);
-  if (links.at_once.size() > 0) return;
+  if (links.at_once.device() != Device::cpu) return links.at_once.correct(block, increments);
   for (std::uint32_t k = 0; k < links.surfaces.size(); ++k) {
     SurfaceLinks<T>& surface = links.surfaces[k];
     if (surface.finished || !bodies.is_dynamic(surface.row)) continue;
@@ -299,9 +298,8 @@ void FluidForces<T>::correct(lbm::Block<T>& block, BlockLinks<T>& links, const r
     if (!is_at_rest(surface.motion))
       for (std::uint32_t g = 0; g < surface.links.groups.size(); ++g) open.push_back({k, g});
   }
-  lbm::ListedLinks listed;
   links.for_groups(open, 0, open.size(), [&](const auto& surface, const auto& group, const auto& next) {
-    lbm::correct_cut_links<T>({block, links.slots, surface.links, group, next, nullptr, &listed, true},
+    lbm::correct_cut_links<T>({block, links.slots, surface.links, group, next, nullptr, true},
                               surface.motion);
   });
 }

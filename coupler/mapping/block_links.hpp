@@ -1,6 +1,5 @@
 #pragma once
-// The cut links of a block, surface by surface, in the order of their application; their sums in a step; and
-// the walls behind links in single-cell gaps.
+// The cut links of a block, surface by surface, in the order of their application, and their sums in a step.
 #include <cstdint>
 #include <vector>
 
@@ -53,34 +52,6 @@ struct SurfaceLinks {
   bool moves_as(const SurfaceLinks& o) const { return row == o.row && reflection == o.reflection; }
 };
 
-/// Pairs of `single_cell_gap` links: two links from one cell along i and against it, mostly of two surfaces;
-/// or a link and a side of the domain. Gives each link the distance and velocity of the wall behind.
-template <class T>
-class SingleCellGaps {
- public:
-  /// Finds the wall behind all links. Call after the links of the block were built.
-  void pair(const std::vector<SurfaceLinks<T>>&, const lbm::Domain&, const lbm::CellBox&);
-  /// Sets opposite_q and opposite_u of all links. Call once the motions of a step are set; the surfaces must
-  /// be those that were paired.
-  void set(std::vector<SurfaceLinks<T>>&) const;
-
- private:
-  struct Link : lbm::OppositeLink<T> {
-    std::uint64_t key;         // common to the pair
-    std::uint32_t own_number;  // index in place and q
-  };
-  struct Group {
-    std::uint32_t surface, number, first, count;  // range of opposite_q and opposite_u
-  };
-  template <class F>
-  void for_pairs(F&&);  // calls f with the indices of the links of each pair
-  void pad(std::vector<SurfaceLinks<T>>&, DeviceArray<T> lbm::CutLinks<T>::*values) const;
-
-  std::vector<Link> links_;
-  std::vector<Group> groups_;
-  std::vector<std::uint32_t> table_;  // of indices in links_ plus 1, by key; 0: empty
-};
-
 /// Groups [begin, end) of a list.
 struct GroupRange {
   std::uint32_t begin, end;
@@ -102,9 +73,8 @@ struct BlockLinks {
   std::vector<Group> rim;                            // groups after the halo exchange, crossing ones last
   std::size_t count = 0;                             // of links
   lbm::LinkSlots slots;                              // of the current step
-  SingleCellGaps<T> gaps;                            // for schemes that use the opposite wall
   const lbm::BeyondPair<T>* pairs_across = nullptr;  // of the current step, for schemes that read beyond
-  lbm::DeviceLinks<T> at_once;                       // all surfaces, for a device
+  lbm::DeviceLinks<T> at_once;                       // all surfaces, for their device
 
   /// Return the inner groups that wait for a part of the dense pass, and all inner groups.
   GroupRange inner_after(int part) const {
@@ -136,14 +106,18 @@ struct BlockLinks {
           visit(surfaces[order[k].surface], group_of(order[k]), next);
         });
   }
-  /// Passes the links to the device, if any. Call after they were built.
+  /// Passes the links to the device. Call after they were built.
   void leave_to_device() {
-    if (at_once.device() == Device::cpu) return;
     at_once.clear();
     for (std::size_t k = 0; k < surfaces.size(); ++k) {
-      auto& record = surfaces[k].device.record;
-      at_once.add(record.empty() ? nullptr : &record.data()->links, surfaces[k].links,
-                  k > 0 && surfaces[k - 1].moves_as(surfaces[k]));
+      SurfaceLinks<T>& surface = surfaces[k];
+      auto& record = surface.device.record;
+      if (at_once.device() == Device::cpu) {
+        record.resize(1);
+        record[0].links = lbm::device_surface(surface.links, surface.links.groups.data(), 0);
+      }
+      at_once.add(record.empty() ? nullptr : &record.data()->links, surface.links,
+                  k > 0 && surfaces[k - 1].moves_as(surface));
     }
   }
   /// Calls visit(number, first surface with links) for each body of a device.
@@ -153,15 +127,14 @@ struct BlockLinks {
     for (std::size_t k = 0; k < at_once.size(); ++k)
       if (at_once.body(k) == next) visit(next++, k);
   }
-  /// Call once the motions of a step are set.
-  void begin_step(double time) {
-    gaps.set(surfaces);
-    at_once.set_time(time);
+  /// Call once the motions of a step are set, for a block whose first cell is `lower`.
+  void begin_step(double time, const lbm::Domain& domain, lbm::Int3 lower) {
     for_bodies([&](std::uint32_t body, std::size_t k) { at_once.set_motion(body, surfaces[k].motion); });
+    at_once.begin_step(time, slots, domain, lower);
   }
-  void apply_at_once(lbm::Block<T>& block, const lbm::Domain& domain, lbm::ForceForm form) {
-    if (at_once.size() > 0)
-      at_once.apply(block, domain, surfaces.front().links.fluid, slots, pairs_across, form);
+  void apply_at_once(lbm::Block<T>& block, lbm::ForceForm form) {
+    if (at_once.device() == Device::cpu) return;
+    if (at_once.size() > 0) at_once.apply(block, surfaces.front().links.fluid, pairs_across, form);
     for_bodies([&](std::uint32_t body, std::size_t k) { surfaces[k].sums = at_once.sums(body); });
   }
   /// Sets inner, first_inner, rim and count. Call after links were built.

@@ -62,7 +62,7 @@ class LinkWriter {
     if (mask.any && !mask.reflection.any() && surface_.leaves_to_device(shape)) {
       surface_.leave_to_device(surface, shape, mask, mapped,
                                radius > 0 ? T(std::ldexp(1.0, -exponent)) : T(0));
-      return counted_.push_back({&mask, &shape, &surface});
+      return counted_.push_back({&mask, &surface});
     }
     if (!mask.reflection.any())  // else its cells were and are solid
       device_.change(surface, &mask, mask.before < 0 ? nullptr : &map_.masks_before[mask.before]);
@@ -74,31 +74,29 @@ class LinkWriter {
     if (radius > 0) surface.resistance = lbm::resistance_of(links, exponent);
     if (!device_.has_links()) return;
     to_device(links.place, links.q, links.rate, links.across);
-    tell_groups(surface, links.groups.begin());
+    renew(surface.device.groups, links.groups.size());
+    device_.upload(std::span<const lbm::LinkGroup>(links.groups), surface.device.groups.data());
     if (!links.groups.empty()) device_.tell(surface, mapped.middle());
   }
   /// Lets the device list and measure the links that it counts.
   void finish() {
     device_.count();
     for (std::uint32_t n = 0; n < counted_.size(); ++n) {
-      const auto& [mask, shape, surface] = counted_[n];
-      mask_ = mask;
-      const lbm::SurfaceFrame& frame = surface->links.frame;
+      const auto& [mask, surface] = counted_[n];
       groups_.begin(surface->links);
       device_.for_slabs(n, [&](int z, const KindCounts& counts) {
         groups_.add_counted(counts, mask->frame().low + Int3{0, 0, z});
       });
-      if (surface->device.has_edges) {
-        surface_.reset(*shape, map_, *mask, frame);
-        if (surface_.has_crossings()) crossing_groups(frame);
-      }
-      groups_.end_for_device(device_);
+      device_.for_edge_slabs(n, [&](int z, std::uint32_t links) {
+        groups_.add_counted_crossing(links, mask->frame().low + Int3{0, 0, z - 1});
+      });
+      groups_.end_for_device();
       const auto& groups = surface->links.groups;
       if (groups.empty()) {  // it is near the block
         surface->links.rate.clear(), surface->resistance = {};
         continue;
       }
-      tell_groups(*surface, std::ranges::find_if(groups, &lbm::LinkGroup::crossing));
+      renew(surface->device.groups, groups.size());
       device_.list(*surface, n);
     }
     device_.run();
@@ -108,18 +106,8 @@ class LinkWriter {
   /// A surface whose links a device counts.
   struct Counted {
     const BodyMask* mask;
-    const rigid::Shape* shape;
     SurfaceLinks<T>* surface;
   };
-  /// Sends the groups that the device does not make, from the first of them on.
-  void tell_groups(SurfaceLinks<T>& surface, std::vector<lbm::LinkGroup>::const_iterator first) {
-    const auto& groups = surface.links.groups;
-    DeviceArray<lbm::LinkGroup>& copies = surface.device.groups;
-    renew(copies, groups.size());
-    if (first != groups.end())
-      device_.upload(std::span(first, groups.end()), copies.data() + (first - groups.begin()));
-  }
-
   void write(const rigid::Shape& shape, const lbm::SurfaceFrame& at) {
     const BitFrame& frame = mask_->frame();
     surface_.reset(shape, map_, *mask_, at);
@@ -187,10 +175,10 @@ class LinkWriter {
     const std::uint32_t clear = classify({planes.z, planes.count, y0, y1}, open, most, list);
     if (list.n == 0) return;
     surface_.measure(list);
-    for (std::uint32_t k = clear; k < list.n; ++k) groups_.defer(GapKind::single_cell, list, k);
+    for (std::uint32_t k = clear; k < list.n; ++k) groups_.defer(LinkKind::single_cell, list, k);
     list.n = clear;
     if (lbm::reads_beyond(scheme_)) defer_gaps_and_pairs(list);
-    groups_.add(list, scheme_);
+    groups_.add(LinkKind::own, list);
   }
 
   /// Lists the links, those of single-cell gaps last. Returns the number of the others.
@@ -215,9 +203,9 @@ class LinkWriter {
       const Int3 cell = list.corner + lbm::place_cell(list.place[k]);
       const int i = lbm::place_direction(list.place[k]);
       if (map_.solid.test(cell - lbm::D3Q19::c[i] - lbm::D3Q19::c[i]))
-        groups_.defer(GapKind::two_cells, list, k);
+        groups_.defer(LinkKind::two_cells, list, k);
       else
-        groups_.defer(GapKind::across, list, k, places_across_(cell, i));
+        groups_.defer(LinkKind::across, list, k, places_across_(cell, i));
       list.remove(k);
     }
   }

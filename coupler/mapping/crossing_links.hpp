@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "coupler/mapping/device_mapping.hpp"
 #include "coupler/mapping/solid_map.hpp"
 #include "lbm/walls/cut_links.hpp"
 #include "rigid/shapes/surface_kinds.hpp"
@@ -18,7 +19,7 @@ namespace silt::coupler {
 template <class T>
 class CrossingLinks {
  public:
-  static constexpr int planes = (1 << lbm::place_z_bits) - 2;  // per list: a link may end one plane outside
+  static constexpr int planes = EdgeSlab::most_planes;  // per list
 
   /// Finds the cells of the block and its first ghost layer where crossing links of a body may end.
   void find_cells(const BlockMap&, const BodyMask&);
@@ -30,19 +31,15 @@ class CrossingLinks {
   const std::vector<T>& q() const { return q_; }
 
  private:
-  struct Ends {
-    std::vector<std::uint32_t> place;
-    std::vector<T> q;
-  };
-  void list_candidates(int z);
-  void measure(Ends&, lbm::Int3 corner, const lbm::SurfaceFrame&, const rigid::SurfaceView<T>&) const;
+  std::uint32_t list_candidates(int z);
 
   BitFrame frame_;
-  lbm::CellBox block_;                 // in block coordinates
-  BitWindow fluid_, own_;              // fluid cells, with ghosts; cells of the block
-  BitWindow others_, beside_others_;   // solid cells of other surfaces; their neighbours
-  BitWindow near_;                     // where links may begin or end
-  Ends begin_, end_, before_, after_;  // on a candidate's line: towards each other, away from each other
+  lbm::CellBox block_;                // in block coordinates
+  BitWindow fluid_, own_;             // fluid cells, with ghosts; cells of the block
+  BitWindow others_, beside_others_;  // solid cells of other surfaces; their neighbours
+  BitWindow near_;                    // where links may begin or end
+  std::vector<std::uint32_t> found_;  // from one end; distances from there and from the other end:
+  std::vector<T> begin_, end_;
   std::vector<std::uint32_t> place_;
   std::vector<T> q_;
 };

@@ -106,6 +106,13 @@ SurfaceToMap<T>& DeviceMapping<T>::add(SurfaceLinks<T>& surface, const BodyMask&
   to.centre = centre_in(*map_, mask), to.marking = marking;
   to.now = to.last = turned(surface, turn);
   to.first_slab = first_slab, to.slabs = std::uint32_t(slabs_.size()) - first_slab;
+  constexpr int most = EdgeSlab::most_planes;
+  const bool crosses = surface.device.has_edges && lbm::follows_distance(cells_.scheme);
+  for (int z = 1; crosses && z < frame.size.z - 1; z += most) {
+    const SlabToMap planes{number, std::int16_t(z), std::int16_t(std::min(most, frame.size.z - 1 - z))};
+    edge_slabs_.host().push_back({planes, near_count_});
+    near_count_ += std::uint32_t(planes.planes * frame.size.y * near_words(frame));
+  }
   surfaces_.host().push_back(to);
   return surfaces_.host().back();
 }
@@ -146,14 +153,17 @@ void DeviceMapping<T>::count() {
     end_flips(FlippedBits::no_surface);
   }
   if (tells_some_) std::ranges::fill(changed, 0);
-  counts_.host().resize(slabs_.size());
+  counts_.host().resize(slabs_.size()), crossings_.host().resize(edge_slabs_.size());
+  renew(near_, near_count_), renew(turned_, part_count_);
   cells_.told = send_told();
   cells_.surfaces = {surfaces_.send(), surfaces_.size()}, cells_.gone = {gone_.send(), gone_.size()};
   cells_.words = {words_.send(), words_.size()}, cells_.flipped = {flipped_.send(), flipped_.size()};
   cells_.flips = flips_.send(), cells_.turns = turns_.send();
   cells_.slabs = {slabs_.send(), slabs_.size()}, cells_.counts = counts_.make_room();
+  cells_.edge_slabs = {edge_slabs_.send(), edge_slabs_.size()}, cells_.crossings = crossings_.make_room();
+  cells_.near = near_.data(), cells_.turned = turned_.data();
   SILT_OFF_CPU(device_, count_links<T>)(cells_);
-  counts_.fetch();
+  counts_.fetch(), crossings_.fetch();
   lbm::wait(device_);
   runs_.host().clear(), told_.host().clear();
 }
@@ -185,7 +195,8 @@ template <class T>
 void DeviceMapping<T>::run() {
   if (!has_links()) return;
   resistance_.host().resize(listed_.size());
-  renew(lists_, slabs_.size()), renew(groups_, group_count_), renew(turned_, part_count_);
+  renew(lists_, slabs_.size()), renew(groups_, group_count_);
+  renew(edge_places_, edge_slabs_.size());
   SILT_OFF_CPU(device_, map_links<T>)
   ({cells_,
     send_told(),
@@ -194,7 +205,7 @@ void DeviceMapping<T>::run() {
     {listed_.send(), listed_.size()},
     groups_,
     resistance_.clear(),
-    turned_.data()});
+    edge_places_.data()});
   resistance_.fetch();
   lbm::wait(device_);
   for (std::size_t k = 0; k < wanted_.size(); ++k)

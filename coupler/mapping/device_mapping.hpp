@@ -44,10 +44,11 @@ SILT_DEVICE inline V rate_of(const V& middle, const V& last, double steps) {
   return (most < limited ? most : limited) * per_step;
 }
 
-/// The kinds of links that follow from the solid bits: the scheme's own; in gaps of one and of two cells;
-/// with the cell behind in another block.
-enum class LinkKind : std::uint8_t { own, single_cell, two_cells, across, count };
-inline constexpr int link_kinds = int(LinkKind::count);
+/// The kinds of links: of the scheme itself; those for which it cannot be used, or not from memory of the
+/// block, with a cell behind that is not fluid, a second cell behind that is not fluid, or a cell behind in
+/// another block; those that cross an edge of the body. All but the last follow from the solid bits.
+enum class LinkKind : std::uint8_t { own, single_cell, two_cells, across, crossing };
+inline constexpr int link_kinds = int(LinkKind::crossing);  // that follow from the solid bits
 using KindCounts = std::array<std::uint32_t, link_kinds>;
 
 /// The cells that a surface covers, in memory of a device: words of bits, after the frame that they have.
@@ -74,33 +75,52 @@ struct SlabToMap {
   std::uint32_t surface;
   std::int16_t z, planes;
 };
+/// Planes in which links may begin that cross edges of a surface, and end one plane outside. Which cells are
+/// next to the surface is kept from `first_near` on, 64 cells of a row to a word.
+struct EdgeSlab {
+  static constexpr int most_planes = SlabToMap::most_planes - 2;
+  SlabToMap planes;
+  std::uint32_t first_near;
+};
+/// Returns the words of each row of such cells.
+SILT_DEVICE inline int near_words(const BitFrame& frame) {
+  return (frame.size.x + 63) / 64;
+}
+/// Returns the first slab of a surface, or of a later one.
+SILT_DEVICE inline std::size_t first_slab_of(std::uint32_t surface, std::span<const EdgeSlab> slabs) {
+  std::size_t first = 0, end = slabs.size();
+  while (first < end) {
+    const std::size_t middle = (first + end) / 2;
+    if (slabs[middle].planes.surface < surface)
+      first = middle + 1;
+    else
+      end = middle;
+  }
+  return first;
+}
 
 /// The scheme of a block and the room that links of a surface have taken in its arrays so far.
 struct LinkRoom {
   lbm::WallScheme scheme;
   std::uint32_t used = 0, gaps = 0, across = 0;  // of place and q; of opposite_q; of CutLinks::across
-  SILT_DEVICE lbm::LinkGroup group(std::uint32_t count, lbm::WallScheme of, lbm::Int3 corner, int ready) {
-    const lbm::LinkGroup g{used, count, of, corner, ready, gaps};
+  /// Returns the next group; a crossing link has a scheme that reads at most the cell behind, which is fluid.
+  SILT_DEVICE lbm::LinkGroup group(LinkKind kind, std::uint32_t count, lbm::Int3 corner, int ready) {
+    const bool in_gap = kind == LinkKind::single_cell,
+               own = kind == LinkKind::own || kind == LinkKind::across;
+    lbm::LinkGroup g{used, count, scheme, corner, ready, gaps};
+    if (!own) g.scheme = in_gap ? lbm::WallScheme::single_cell_gap : lbm::two_cell_gap_scheme(scheme);
+    g.crossing = kind == LinkKind::crossing, g.across = kind == LinkKind::across;
     used += lbm::padded(count);
-    if (of == lbm::WallScheme::single_cell_gap && lbm::knows_opposite_wall(scheme))
-      gaps += lbm::padded(count);
+    if (in_gap && lbm::knows_opposite_wall(scheme)) gaps += lbm::padded(count);
+    if (g.across) g.across_begin = across, across += lbm::padded(count);
     return g;
   }
-  SILT_DEVICE lbm::LinkGroup group_across(std::uint32_t count, lbm::Int3 corner, int ready) {
-    lbm::LinkGroup g = group(count, scheme, corner, ready);
-    g.across = true, g.across_begin = across;
-    across += lbm::padded(count);
-    return g;
-  }
-  /// Returns the group of links that a device counts from a corner on.
-  SILT_DEVICE lbm::LinkGroup group(LinkKind kind, std::uint32_t count, lbm::Int3 corner) {
-    if (kind == LinkKind::across) return group_across(count, corner, -1);
-    return group(count,
-                 kind == LinkKind::own           ? scheme
-                 : kind == LinkKind::single_cell ? lbm::WallScheme::single_cell_gap
-                                                 : lbm::two_cell_gap_scheme(scheme),
-                 corner, -1);
-  }
+};
+
+/// The crossing links that begin in a slab: those with both ends in the block, and others.
+struct CrossingCounts {
+  std::uint32_t pairs, single;
+  SILT_DEVICE std::uint32_t links() const { return 2 * pairs + single; }
 };
 
 /// Where the links of a slab are listed: their first places by kind, the first indices of their pairs across.
@@ -120,7 +140,7 @@ enum class Marking : std::uint8_t { ball, parts, told };
 /// distances.
 template <class T>
 struct SurfaceToMap {
-  MappedSurface<T>* surface;    // its groups: of its slabs, then those of crossing links, which are given
+  MappedSurface<T>* surface;    // its groups: of its slabs, then those of crossing links
   BitFrame frame;               // of its cells now
   CellsOnDevice cells, before;  // those of the last mapping, if any, may have the same memory
   PointInFrame centre;          // at the middle of the mapping's steps
@@ -167,6 +187,10 @@ struct SolidBits {
   std::uint64_t* words;
   lbm::Int3 size;
   int words_a_row;
+  /// Returns 64 cells of a row from a cell on.
+  SILT_DEVICE std::uint64_t from(lbm::Int3 x) const {
+    return CellBits::from(words + CellBits::row(size, x.y, x.z, words_a_row), x.x);
+  }
 };
 
 /// The surfaces of a block that are mapped: their cells are marked, and the links of their slabs counted.
@@ -180,7 +204,11 @@ struct CellsToMap {
   const std::uint32_t* flips;
   const rigid::Turn* turns;
   std::span<const SlabToMap> slabs;
-  KindCounts* counts;  // per slab
+  KindCounts* counts;                    // per slab
+  std::span<const EdgeSlab> edge_slabs;  // in the order of surfaces
+  CrossingCounts* crossings;             // per slab of these
+  std::uint64_t* near;                   // of all of these slabs
+  rigid::SurfacePart<T>* turned;
   SolidBits solid;
   lbm::WallScheme scheme;
   lbm::Components directions = lbm::components<lbm::D3Q19>;
@@ -196,7 +224,7 @@ struct LinksToMap {
   std::span<const ListedToMap> listed;
   std::span<GroupToMap> groups;
   lbm::ResistanceSums* resistance;  // per listed surface
-  rigid::SurfacePart<T>* turned;
+  std::uint32_t** edge_places;      // the first place of the links of each edge slab
 };
 
 /// The mapping of one block by its device; does nothing for `cpu`.
@@ -227,6 +255,13 @@ class DeviceMapping {
     for (std::uint32_t k = surface.first_slab; k < surface.first_slab + surface.slabs; ++k)
       visit(slabs_.host()[k].z, counts_.host()[k]);
   }
+  /// Calls visit(z, number of links) for its slabs of crossing links.
+  template <class Visit>
+  void for_edge_slabs(std::uint32_t n, Visit&& visit) const {
+    const std::pmr::vector<EdgeSlab>& slabs = edge_slabs_.host();
+    for (std::size_t k = first_slab_of(n, slabs); k < slabs.size() && slabs[k].planes.surface == n; ++k)
+      visit(slabs[k].planes.z, crossings_.host()[k].links());
+  }
   /// Queues the n-th surface, which has groups for the counts of its slabs: lists its links, sets wall
   /// distances, their rates and the resistance.
   void list(SurfaceLinks<T>&, std::uint32_t n);
@@ -251,7 +286,8 @@ class DeviceMapping {
   void clear() {
     const auto all = [](auto&... lists) { (lists.host().clear(), ...); };
     all(surfaces_, gone_, turns_, slabs_, counts_, words_, flipped_, flips_, runs_, told_, listed_);
-    left_.clear(), wanted_.clear(), group_count_ = part_count_ = 0;
+    all(edge_slabs_, crossings_);
+    left_.clear(), wanted_.clear(), group_count_ = part_count_ = near_count_ = 0;
   }
   void tell_shape(SurfaceLinks<T>&, const typename MappedSurface<T>::Shape&);
   void add_words(std::uint64_t* to, const std::uint64_t* now, std::size_t count);
@@ -273,7 +309,11 @@ class DeviceMapping {
   Mirror<KindCounts> counts_{device_};
   DeviceArray<SlabLists> lists_{memory_of(device_)};
   DeviceArray<GroupToMap> groups_{memory_of(device_)};
-  std::uint32_t group_count_ = 0, part_count_ = 0;
+  Mirror<EdgeSlab> edge_slabs_{device_};
+  Mirror<CrossingCounts> crossings_{device_};
+  DeviceArray<std::uint64_t> near_{memory_of(device_)};
+  DeviceArray<std::uint32_t*> edge_places_{memory_of(device_)};
+  std::uint32_t group_count_ = 0, part_count_ = 0, near_count_ = 0;
   std::vector<SurfaceLinks<T>*> wanted_;  // as listed_
   Mirror<ListedToMap> listed_{device_};
   Mirror<lbm::ResistanceSums> resistance_{device_};

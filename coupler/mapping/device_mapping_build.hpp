@@ -4,6 +4,7 @@
 #include <cstring>
 #include <type_traits>
 
+#include "coupler/mapping/crossing_passes.hpp"
 #include "coupler/mapping/device_mapping.hpp"
 #include "coupler/mapping/mark_cells.hpp"
 #include "coupler/mapping/refill_build.hpp"
@@ -135,10 +136,7 @@ struct LinksOfSlab {
     std::uint64_t cells[link_kinds];
   };
 
-  SILT_DEVICE std::uint64_t solid(lbm::Int3 x) const {
-    const SolidBits& of = all.solid;
-    return CellBits::from(of.words + CellBits::row(of.size, x.y, x.z, of.words_a_row), x.x);
-  }
+  SILT_DEVICE std::uint64_t solid(lbm::Int3 x) const { return all.solid.from(x); }
   SILT_DEVICE std::uint64_t inside(lbm::Int3 x) const { return cells_of_block(x, all.solid.size, 0, false); }
   SILT_DEVICE void set(Found& found) const {
     const lbm::Int3 x = corner + found.at, c = found.c;
@@ -166,9 +164,7 @@ struct LinksOfSlab {
       const int e = first + member.lane, in = e % in_direction;
       Found found{{in % words * 64, 1 + in / words % rows, in / words / rows}, {}, 1 + e / in_direction, {}};
       if (found.direction < lbm::D3Q19::directions) {
-        const std::int32_t packed = all.directions.packed[found.direction];
-        found.c = {lbm::SILT_BUILD::component(packed, 0), lbm::SILT_BUILD::component(packed, 1),
-                   lbm::SILT_BUILD::component(packed, 2)};
+        found.c = along(all.directions.packed[found.direction]);
         set(found);
       }
       visit(found);
@@ -191,6 +187,22 @@ struct CountSlab {
 };
 
 template <class T>
+struct TurnParts {
+  CellsToMap<T> all;
+  SILT_DEVICE void operator()(std::int64_t k) const {
+    const SurfaceToMap<T>& surface = all.surfaces[std::size_t(k)];
+    const rigid::ShapeView<T>& shape = surface.surface->shape.parts;
+    const auto turn_to = [&](const TurnedSurface& at) {
+      const rigid::Rotation turn(all.turns[at.turn]);
+      for (int p = 0; p < shape.count; ++p)
+        all.turned[at.first_part + p] = rigid::turned<T>(shape.parts[p], turn);
+    };
+    turn_to(surface.now);
+    if (surface.steps > 0) turn_to(surface.last);
+  }
+};
+
+template <class T>
 void count_links(const CellsToMap<T>& all) {
   for_teams(std::int64_t(all.told.runs.size()), CopyTold<T>{all.told});
   for_teams(std::int64_t(all.surfaces.size()), LiftCells<T>{all});
@@ -200,23 +212,11 @@ void count_links(const CellsToMap<T>& all) {
   for_teams(std::int64_t(all.flipped.size()), FlipBits<T>{all});
   for_teams(std::int64_t(all.surfaces.size()), LowerCells<T>{all});
   for_teams(std::int64_t(all.slabs.size()), CountSlab<T>{all});
+  for_each(std::int64_t(all.surfaces.size()), TurnParts<T>{all});
+  if (all.edge_slabs.empty()) return;
+  for_teams(std::int64_t(all.edge_slabs.size()), NearCells<T>{all});
+  for_teams(std::int64_t(all.edge_slabs.size()), CountEdges<T>{all});
 }
-
-template <class T>
-struct TurnParts {
-  LinksToMap<T> all;
-  SILT_DEVICE void operator()(std::int64_t k) const {
-    const SurfaceToMap<T>& surface = all.cells.surfaces[all.listed[std::size_t(k)].surface];
-    const rigid::ShapeView<T>& shape = surface.surface->shape.parts;
-    const auto turn_to = [&](const TurnedSurface& at) {
-      const rigid::Rotation turn(all.cells.turns[at.turn]);
-      for (int p = 0; p < shape.count; ++p)
-        all.turned[at.first_part + p] = rigid::turned<T>(shape.parts[p], turn);
-    };
-    turn_to(surface.now);
-    if (surface.steps > 0) turn_to(surface.last);
-  }
-};
 
 /// Makes the groups of a surface for the counts of its slabs, as LinkGroups does, and the lists of its slabs.
 template <class T>
@@ -240,11 +240,21 @@ struct MakeGroups {
       for (int kind = 0; kind < link_kinds; ++kind) {
         const std::uint32_t count = all.cells.counts[n][kind];
         if (count == 0) continue;
-        const lbm::LinkGroup group = room.group(LinkKind(kind), count, corner);
+        const lbm::LinkGroup group = room.group(LinkKind(kind), count, corner, -1);
         lists.place[kind] = links.place + group.begin;
         if (group.across) lists.across = links.across + group.across_begin;
         *to++ = group;
       }
+    }
+    const std::span<const EdgeSlab> edges = all.cells.edge_slabs;
+    for (std::size_t n = first_slab_of(surface_number, edges);
+         n < edges.size() && edges[n].planes.surface == surface_number; ++n) {
+      const std::uint32_t count = all.cells.crossings[n].links();
+      if (count == 0) continue;
+      const lbm::LinkGroup group =
+          room.group(LinkKind::crossing, count, EdgesOfSlab<T>(all.cells, std::int64_t(n)).corner, -1);
+      all.edge_places[n] = links.place + group.begin;
+      *to++ = group;
     }
     for (std::uint32_t g = 0; g < links.group_count; ++g) all.groups[first_group + g] = {std::uint32_t(k), g};
   }
@@ -279,17 +289,6 @@ struct ListSlab {
 };
 
 template <class T>
-SILT_DEVICE typename Lanes<T>::Real distance_of(const std::uint32_t* place,
-                                                const lbm::SILT_BUILD::PlaceOrigin<T>& origin,
-                                                const SurfaceView<T>& surface, T past) {
-  const lbm::SILT_BUILD::Places<T> at(place, origin);
-  if (surface.count > 1) return distance_to_any(at, surface, past);
-  typename Lanes<T>::Real found{};
-  with_kind(surface.parts[0].kind, [&](auto kind) { found = distance_to_part<kind()>(at, surface, past); });
-  return found;
-}
-
-template <class T>
 struct MeasureGroup {
   using L = Lanes<T>;
   using V = typename L::Real;
@@ -322,13 +321,10 @@ struct MeasureGroup {
       const int l = int(group.begin) + n;
       const auto at = [&](const TurnedSurface& time, const lbm::SurfaceFrame& frame, T past) {
         return distance_of(links.place + l, origin(group, frame),
-                           {all.turned + time.first_part, shape.count, shape.planes}, past);
+                           {all.cells.turned + time.first_part, shape.count, shape.planes}, past);
       };
       V q = V{} + T(0.5);
-      if (group.crossing)
-        q = load<V>(links.q + l);
-      else if (lbm::follows_distance(group.scheme))
-        q = at(surface.now, links.frame, T(0));
+      if (lbm::follows_distance(group.scheme)) q = at(surface.now, links.frame, T(0));
       store(links.q + l, q);
       if (surface.steps > 0)
         store(links.rate + l,
@@ -361,8 +357,8 @@ template <class T>
 void map_links(const LinksToMap<T>& all) {
   for_teams(std::int64_t(all.told.runs.size()), CopyTold<T>{all.told});
   for_each(std::int64_t(all.listed.size()), MakeGroups<T>{all});
-  for_each(std::int64_t(all.listed.size()), TurnParts<T>{all});
   for_teams(std::int64_t(all.cells.slabs.size()), ListSlab<T>{all});
+  for_teams(std::int64_t(all.cells.edge_slabs.size()), ListEdges<T>{all});
   for_teams(std::int64_t(all.groups.size()), MeasureGroup<T>{all});
 }
 

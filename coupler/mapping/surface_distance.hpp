@@ -25,6 +25,14 @@ template <class Real, class T>
 using SurfaceDistances = void (*)(const PlacedLinks&, const lbm::SurfaceFrame&,
                                   const rigid::SurfaceView<Real>&, Real past, T* q);
 SILT_BUILDS(template <class Real, class T> SurfaceDistances<Real, T> surface_distances();)
+/// Keeps those of the first n links, from one half of the directions, that cross an edge of the surface
+/// (crossing_links.hpp); sets the distances at which they and the links from their other ends meet it.
+/// Returns their number.
+template <class T>
+using KeepCrossings = std::uint32_t (*)(std::uint32_t* place, std::uint32_t n, lbm::Int3 corner,
+                                        const lbm::SurfaceFrame&, const rigid::SurfaceView<T>&, T* begin,
+                                        T* end);
+SILT_BUILDS(template <class T> KeepCrossings<T> keep_crossings();)
 /// Returns the kernel for this CPU.
 template <class Real, class T>
 SurfaceDistances<Real, T> distance_kernel() {
@@ -114,6 +122,52 @@ SILT_DEVICE auto distance_to_part(const lbm::SILT_BUILD::Places<T>& at, const Su
   const SurfacePart<T>& part = surface.parts[0];
   const LineLanes<T, kind> lines(part, at.r, at.c);
   return under_lip(distance_to(lines, part, surface.planes, past), lines, part, surface.planes);
+}
+
+/// Returns the distance along a vector of links.
+template <class T>
+SILT_DEVICE typename Lanes<T>::Real distance_of(const std::uint32_t* place,
+                                                const lbm::SILT_BUILD::PlaceOrigin<T>& origin,
+                                                const SurfaceView<T>& surface, T past) {
+  const lbm::SILT_BUILD::Places<T> at(place, origin);
+  if (surface.count > 1) return distance_to_any(at, surface, past);
+  typename Lanes<T>::Real found{};
+  with_kind(surface.parts[0].kind, [&](auto kind) { found = distance_to_part<kind()>(at, surface, past); });
+  return found;
+}
+
+/// Returns the direction that Components have packed.
+SILT_DEVICE inline lbm::Int3 along(std::int32_t packed) {
+  using lbm::SILT_BUILD::component;
+  return {component(packed, 0), component(packed, 1), component(packed, 2)};
+}
+
+/// The distances along a vector of links from either end; which of the links cross an edge.
+template <class T>
+struct Crossings {
+  typename Lanes<T>::Real begin, end;
+  typename Lanes<T>::Mask cross;
+};
+/// Examines links between two cells: those cross that meet the surface from both ends, if their line does not
+/// meet it beyond either one.
+template <class T>
+SILT_DEVICE Crossings<T> crossings_of(const std::uint32_t* place,
+                                      const lbm::SILT_BUILD::PlaceOrigin<T>& origin,
+                                      const SurfaceView<T>& surface) {
+  using L = Lanes<T>;
+  using V = typename L::Real;
+  const V begin = distance_of(place, origin, surface, T(0));
+  if (L::all(begin >= T(1))) return {begin, begin, begin < T(1)};
+  std::uint32_t end[L::count], before[L::count], after[L::count];
+  for (int k = 0; k < L::count; ++k) {
+    const int i = lbm::place_direction(place[k]), back = lbm::opposite(i);
+    const lbm::Int3 x = lbm::place_cell(place[k]), y = x + along(origin.packed[i]);
+    end[k] = lbm::link_place(y, back), before[k] = lbm::link_place(x, back), after[k] = lbm::link_place(y, i);
+  }
+  const auto at = [&](const std::uint32_t* places) { return distance_of(places, origin, surface, T(0)); };
+  const V from_end = at(end);
+  const auto cross = (begin < T(1)) & (from_end < T(1)) & (at(before) == T(1)) & (at(after) == T(1));
+  return {begin, from_end, typename L::Mask(cross)};
 }
 
 }  // namespace silt::coupler::SILT_BUILD

@@ -10,24 +10,34 @@ template <class Real, class T>
 void set_distances(const PlacedLinks& links, const lbm::SurfaceFrame& frame, const SurfaceView<Real>& surface,
                    Real past, T* q) {
   using L = Lanes<Real>;
-  using Places = lbm::SILT_BUILD::Places<Real>;
   using Stored = typename VectorOf<T, L::count>::type;
   const lbm::SILT_BUILD::PlaceOrigin<Real> origin(links.corner, frame);
-  const auto set = [&](auto&& distance) {
-    for (int l = 0; l < links.padded; l += L::count) {
-      const Stored found = __builtin_convertvector(distance(Places(links.place + l, origin)), Stored);
-      __builtin_memcpy(q + l, &found, sizeof found);
-    }
-  };
-  if (surface.count == 1)
-    with_kind(surface.parts[0].kind, [&](auto kind) {
-      set([&](const Places& at) { return distance_to_part<kind()>(at, surface, past); });
-    });
-  else
-    set([&](const Places& at) { return distance_to_any(at, surface, past); });
+  for (int l = 0; l < links.padded; l += L::count)
+    store(q + l, converted<Stored>(distance_of(links.place + l, origin, surface, past)));
+}
+
+template <class T>
+std::uint32_t keep(std::uint32_t* place, std::uint32_t n, lbm::Int3 corner, const lbm::SurfaceFrame& frame,
+                   const SurfaceView<T>& surface, T* begin, T* end) {
+  const lbm::SILT_BUILD::PlaceOrigin<T> origin(corner, frame);
+  std::uint32_t kept = 0;
+  for (std::uint32_t l = 0; l < n; l += Lanes<T>::count) {
+    const Crossings<T> found = crossings_of(place + l, origin, surface);
+    for (std::uint32_t k = 0; any_lane(found.cross) && k < Lanes<T>::count && l + k < n; ++k)
+      if (found.cross[k])
+        place[kept] = place[l + k], begin[kept] = found.begin[k], end[kept++] = found.end[k];
+  }
+  return kept;
 }
 
 }  // namespace
+
+template <class T>
+KeepCrossings<T> keep_crossings() {
+  return keep<T>;
+}
+template KeepCrossings<float> keep_crossings();
+template KeepCrossings<double> keep_crossings();
 
 template <class Real, class T>
 SurfaceDistances<Real, T> surface_distances() {

@@ -1,244 +1,134 @@
-// The pass over cut links, built once per instruction set. Handles a vector of links at a time in registers:
-// place, gather, formula, scatter, sums (groups are padded to whole vectors).
+// The pass over cut links, built once per instruction set: a vector of links at a time in registers (groups
+// are padded to whole vectors).
 #include <algorithm>
-#include <cmath>
 
 #include "cpu/prefetch.hpp"
-#include "lbm/walls/link_exchange.hpp"
+#include "lbm/walls/group_exchange.hpp"
 
 namespace silt::lbm::SILT_BUILD {
 
-/// The slots that a kernel needs of a link: all that a scheme reads and writes, or only that of the result.
+namespace {
+
+constexpr Team alone{0, 1};
+
+template <class T>
+LinksOfGroup<T> links_of(const GroupInBlock<T>& here, const CutLinks<T>& links, const LinkGroup& group) {
+  const std::ptrdiff_t corner = here.block.cell(group.corner);
+  const bool knows_opposite = !links.opposite_q.empty();
+  return {group,
+          here.slots,
+          {group.corner, links.frame, here.slots.components, std::int32_t(here.block.row_stride()),
+           std::int32_t(here.block.plane_stride())},
+          WallDistances<T>(links, group),
+          links.place.data() + group.begin,
+          knows_opposite ? links.opposite_q.data() + group.opposite : nullptr,
+          knows_opposite ? links.opposite_u.data() + group.opposite : nullptr,
+          links.across.data() + group.across_begin,
+          here.pairs_across,
+          here.block.data() + here.block.middle() + corner,
+          here.block.excess() + corner};
+}
+
+/// The populations that are prefetched: all that a scheme reads and writes, or only those that return.
 enum class Wanted { all, returned };
 
-/// Lists the slots of links one window of vectors ahead of use: the next window of a group and, at its end,
-/// the first window of the next group. Prefetches populations that are not cached, since links would
-/// otherwise spend most of their time waiting for memory.
+/// Prefetches populations that are not cached some vectors ahead of their use, those of the next group at the
+/// end of a group, since links would otherwise spend most of their time waiting for memory.
 template <class T>
 class LinkFetch {
- public:
   using L = Lanes<T>;
   using Whole = typename L::Whole;
 
-  LinkFetch(const GroupInBlock<T>& here, Wanted wanted, ListedLinks& listed)
-      : block_(here.block),
-        slots_(here.slots),
-        present_{&here.links, &here.group},
-        next_(here.next),
+ public:
+  LinkFetch(const GroupInBlock<T>& here, Wanted wanted)
+      : own_(links_of(here, here.links, here.group)),
+        next_(here.next.group ? links_of(here, *here.next.links, *here.next.group) : own_),
         wanted_(wanted),
         fetches_(here.far),
-        listed_(listed) {
-    if (listed_.group != &here.group) list(present_, 0);
+        end_(here.next.group ? std::min(ahead, int(here.next.group->count)) : 0) {}
+  const LinksOfGroup<T>& links() const { return own_; }
+  /// Call for successive vectors of links of the group.
+  void operator()(int l) {
+    if (!fetches_) return;
+    if (l + ahead < int(own_.group.count))
+      fetch(own_, l + ahead);
+    else
+      fetch_next();
   }
-
-  /// The slots of a vector of links, row by row, counted from the slot of the group's corner. at() must be
-  /// called for successive vectors.
-  class Rows {
-   public:
-    explicit Rows(const std::int32_t* first) : first_(first) {}
-    const std::int32_t* operator[](int row) const { return first_ + row * L::count; }
-
-   private:
-    const std::int32_t* first_;
-  };
-  Rows at(int l) {
-    const int in_window = l % window;
-    if (in_window == 0) turn(l);
-    if (fetches_) fetch(in_window);
-    return Rows(present_slots_ + in_window * present_rows_);
-  }
-  /// Call after the last vector; `l` is the index after it.
-  void finish(int l) {
-    for (int k = l % window; fetches_ && k > 0 && k < listed_.count; k += L::count) fetch(k);
+  void finish() {
+    if (!fetches_) return;
+    while (fetched_ < end_) fetch_next();
+    fetch_listed();
   }
 
  private:
-  static constexpr int window = 8 * L::count;
-  static_assert(window <= ListedLinks::most);
+  static constexpr int ahead = 8 * L::count;  // links
 
-  /// Makes the window listed ahead the present one, and lists the next.
-  void turn(int l) {
-    present_slots_ = listed_.slot[listed_.half], present_rows_ = listed_.rows;
-    listed_.half = 1 - listed_.half;
-    if (l + window < int(present_.group->count))
-      list(present_, l + window);
-    else if (next_.group)
-      list(next_, 0);
-    else
-      listed_.group = nullptr, listed_.count = 0;
+  void fetch_next() {
+    if (fetched_ < end_) fetch(next_, fetched_);
+    fetched_ += L::count;
   }
-
-  void list(const NextGroup<T>& links, int first) {
-    const LinkGroup& group = *links.group;
-    const PlaceOrigin<T> origin(block_, group.corner, links.links->frame);
-    const std::uint32_t* const place = links.links->place.data() + group.begin + first;
-    corner_ = block_.data() + block_.middle() + block_.cell(group.corner);
-    listed_.group = &group, listed_.count = std::min(window, int(group.count) - first);
-    std::int32_t* const start = listed_.slot[listed_.half];
-    std::int32_t* end = start;
-    for (int l = 0; l < listed_.count; l += L::count) {
-      const Places<T> at(place + l, origin);
-      const auto add = [&](const Whole& slots) {
-        __builtin_memcpy(end, &slots, sizeof slots);
-        end += L::count;
-      };
-      const Whole back = at.slots(slots_.back);
-      add(back);
-      if (wanted_ == Wanted::all) add_read(group, at, back, add);
-      if (l == 0) listed_.rows = int(end - start) / L::count;
-    }
-  }
-
-  template <class Add>
-  void add_read(const LinkGroup& group, const Places<T>& at, const Whole& back, Add&& add) const {
-    const WallScheme scheme = group.scheme;
-    const Whole out = at.slots(slots_.out);
-    add(at.cell);
-    add(out);
+  /// Lists the slots of a vector of links, and prefetches the populations listed before: single slots are not
+  /// to be had at once from a vector just stored.
+  void fetch(const LinksOfGroup<T>& of, int l) {
+    fetch_listed();
+    corner_ = of.corner, rows_ = 0;
+    const WallScheme scheme = of.group.scheme;
+    const Places<T> at = of.at(l);
+    list(of.back(at));
+    if (wanted_ == Wanted::returned) return;
+    list(at.slots(of.slots.out));
     if (scheme == WallScheme::single_cell_gap) {
-      for (int i = 1; i < D3Q19::directions; ++i) add(at.cell + slots_.out[i]);
+      for (int i = 1; i < D3Q19::directions; ++i) list(at.cell + of.slots.out[i]);
     } else if (reads_behind(scheme)) {
-      const SlotsBehind<Whole> slots(out, back, L::look_up(slots_.step, at.direction));
-      add(slots.behind);
-      add(slots.against);
-      if (!reads_beyond(scheme) || group.across) return;
-      add(slots.away);
-      add(slots.toward);
+      const SlotsBehind<Whole> slots = of.behind(at);
+      list(slots.behind), list(slots.against);
+      if (!reads_beyond(scheme) || of.group.across) return;
+      list(slots.away), list(slots.toward);
     }
   }
-
-  /// Prefetches the populations of the listed vector at k with its padding lanes: testing lanes would take
-  /// longer. The dense pass has just read the excess of the cells.
-  void fetch(int k) const {
-    if (k >= listed_.count) return;
-    const Rows rows(listed_.slot[listed_.half] + k * listed_.rows);
-    for (int row = 0; row < listed_.rows; ++row)
-      if (row != cell_row) fetch(corner_, rows[row]);
-  }
-  template <class Value>
-  static void fetch(const Value* from, const std::int32_t* at) {
+  void list(const Whole& slots) { store(listed_ + L::count * rows_++, slots); }
+  /// Prefetches the padding lanes as well: testing lanes would take longer. The dense pass has just read the
+  /// excess of the cells.
+  void fetch_listed() const {
+    for (const std::int32_t* slot = listed_; slot < listed_ + L::count * rows_; slot += L::count)
 #pragma GCC unroll 16
-    for (int l = 0; l < L::count; ++l) prefetch_to_write(from + at[l]);
+      for (int k = 0; k < L::count; ++k) prefetch_to_write(corner_ + slot[k]);
   }
 
-  Block<T>& block_;
-  const LinkSlots& slots_;
-  NextGroup<T> present_, next_;
+  LinksOfGroup<T> own_, next_;
   Wanted wanted_;
   bool fetches_;
-  ListedLinks& listed_;
-  const T* corner_ = nullptr;  // of the window listed ahead
-  const std::int32_t* present_slots_ = nullptr;
-  int present_rows_ = 0;
+  int fetched_ = 0, end_;  // links of the next group
+  const T* corner_ = nullptr;
+  int rows_ = 0;
+  std::int32_t listed_[L::count * (D3Q19::directions + 1)];
 };
 
-namespace {
-
 template <class T>
-using LinkRows = typename LinkFetch<T>::Rows;
-
-/// A vector of links; slots count from that of the group's corner.
-template <WallScheme scheme, class T>
-struct LinksAt {
-  using L = Lanes<T>;
-  using V = typename L::Real;
-  const GroupInBlock<T>& here;
-  const T* data;  // at the group's corner, as `excess`
-  ExcessQuanta<T>* excess;
-  int l;
-  LinkRows<T> rows;
-  Places<T> at;
-  V q;
-
-  V operator()(int row) const { return L::gather(data, rows[row]); }
-  /// Reads the pair beyond from the block, or from its pairs across.
-  BeyondPair<V> beyond() const {
-    const LinkGroup& group = here.group;
-    if (!group.across) return {(*this)(away_row), (*this)(toward_row)};
-    const std::uint32_t* const across = here.links.across.data() + group.across_begin + l;
-    BeyondPair<V> found;
-    for (int k = 0; k < L::count; ++k)
-      found.away[k] = here.pairs_across[across[k]].away,
-      found.toward[k] = here.pairs_across[across[k]].toward;
-    return found;
-  }
-  OppositeWall<V> opposite() const {
-    if (scheme != WallScheme::single_cell_gap || here.links.opposite_q.empty()) return {};
-    return {load<V>(here.links.opposite_q.data() + here.group.opposite + l),
-            load<V>(here.links.opposite_u.data() + here.group.opposite + l)};
-  }
-  /// Adds lane by lane, since links of several directions in one vector may share a cell.
-  [[gnu::always_inline]] void give(const ExcessLanes<T>& given) const {
-    ExcessQuanta<T> of[L::count];
-    store(of, given);
-    const std::int32_t* const cell = rows[cell_row];
-#pragma GCC unroll 16
-    for (int k = 0; k < L::count; ++k) excess[cell[k]] += of[k];
-  }
-};
-
-template <WallScheme scheme, class T>
-void apply(const GroupInBlock<T>& here, const SurfaceMotion& motion, ForceForm form, LinkSums& sums,
-           LinkFetch<T>& fetch) {
-  using L = Lanes<T>;
-  const auto& [block, slots, links, group, next, pairs, listed, far] = here;
-  const PlaceOrigin<T> origin(block, group.corner, links.frame);
-  const std::uint32_t* const place = links.place.data() + group.begin;
-  const WallDistances<T> distance(links, group);
-  const int count = int(group.count);
-  T* const data = block.data() + block.middle() + block.cell(group.corner);
-  ExcessQuanta<T>* const excess = block.excess() + block.cell(group.corner);
-  GroupStep<T> step(motion, links.fluid, form == ForceForm::galilean,
-                    largest_exchange(links.frame.reach, motion));
-  int l = 0;
-  for (; l < count; l += L::count) {
-    const LinkRows<T> rows = fetch.at(l);
-    const LinksAt<scheme, T> at{here, data, excess, l, rows, Places<T>(place + l, origin), distance.at(l)};
-    const auto back = step.template apply<scheme>(at, L::below(count - l));
-    L::scatter(data, rows[back_row], back);
-  }
-  fetch.finish(l);
-  step.sums.add_to(sums, [](std::int64_t term, std::int64_t& sum) { sum += term; });
-  if (!step.sums.in_range()) sums.invalid = 1;
+void apply(const GroupInBlock<T>& here, const SurfaceMotion& motion, ForceForm form, LinkSums& sums) {
+  LinkFetch<T> fetch(here, Wanted::all);
+  with_scheme(here.group.scheme, [&](auto scheme) {
+    apply_group<scheme(), 1>(fetch.links(),
+                             GroupStep<T>(motion, here.links.fluid, form == ForceForm::galilean,
+                                          largest_exchange(here.links.frame.reach, motion)),
+                             sums, alone, fetch);
+  });
+  fetch.finish();
 }
 
 template <class T>
-void correct(const GroupInBlock<T>& here, const SurfaceMotion& increment, LinkFetch<T>& fetch) {
-  using L = Lanes<T>;
-  const LinkGroup& group = here.group;
-  const Motion<T> u(increment);
-  const PlaceOrigin<T> origin(here.block, group.corner, here.links.frame);
-  const std::uint32_t* const place = here.links.place.data() + group.begin;
-  const int count = int(group.count);
-  T* const data = here.block.data() + here.block.middle() + here.block.cell(group.corner);
-  int l = 0;
-  for (; l < count; l += L::count) {
-    const std::int32_t* const slot = fetch.at(l)[back_row];
-    const Places<T> at(place + l, origin);
-    L::scatter(data, slot, corrected(L::gather(data, slot), at, u));
-  }
-  fetch.finish(l);
-}
-
-template <class T>
-void apply_group(const GroupInBlock<T>& here, const SurfaceMotion& motion, ForceForm form, LinkSums& sums) {
-  ListedLinks own;
-  LinkFetch<T> fetch(here, Wanted::all, here.listed ? *here.listed : own);
-  with_scheme(here.group.scheme, [&](auto scheme) { apply<scheme()>(here, motion, form, sums, fetch); });
-}
-
-template <class T>
-void correct_group(const GroupInBlock<T>& here, const SurfaceMotion& increment) {
-  ListedLinks own;
-  LinkFetch<T> fetch(here, Wanted::returned, here.listed ? *here.listed : own);
-  correct(here, increment, fetch);
+void correct(const GroupInBlock<T>& here, const SurfaceMotion& increment) {
+  LinkFetch<T> fetch(here, Wanted::returned);
+  correct_group(fetch.links(), Motion<T>(increment), alone, fetch);
+  fetch.finish();
 }
 
 }  // namespace
 
 template <class T>
 LinkKernels<T> link_kernels() {
-  return {apply_group<T>, correct_group<T>};
+  return {apply<T>, correct<T>};
 }
 template LinkKernels<float> link_kernels();
 template LinkKernels<double> link_kernels();

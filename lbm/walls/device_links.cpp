@@ -26,43 +26,45 @@ void DeviceLinks<T>::add(const DeviceSurface<T>* surface, const CutLinks<T>& lin
 
 template <class T>
 const LinkPasses<T>& DeviceLinks<T>::passes() const {
-  return SILT_OFF_CPU(device_, link_passes<T>)();
+  return SILT_ON(device_, link_passes<T>)();
+}
+
+template <class T>
+LinkPass<T> DeviceLinks<T>::pass() {
+  LinkPass<T> pass{};
+  pass.slots = slots_.device() + slots_in_use_;
+  pass.surfaces = surfaces_.device(), pass.motions = motions_.device();
+  pass.time = time_;
+  return pass;
 }
 
 template <class T>
 LinkPass<T> DeviceLinks<T>::pass_over(Block<T>& block) {
-  return {block.data() + block.middle(),
-          std::int32_t(block.row_stride()),
-          std::int32_t(block.plane_stride()),
-          block.excess(),
-          slots_.device() + slots_in_use_,
-          {},
-          surfaces_.device(),
-          time_,
-          motions_.device(),
-          {increments_.device(), increments_.size()},
-          sums_.device(),
-          nullptr,
-          false};
-}
-
-/// Sends the surfaces, and makes room for their lists.
-template <class T>
-void DeviceLinks<T>::make_room() {
-  surfaces_.send();
-  renew(groups_, group_count_);
-  lines_.clear(), lines_.resize(gap_links_ == 0 ? 0 : std::bit_ceil(2 * gap_links_));
+  LinkPass<T> over = pass();
+  over.data = block.data() + block.middle(), over.excess = block.excess();
+  over.row = std::int32_t(block.row_stride()), over.plane = std::int32_t(block.plane_stride());
+  over.increments = {increments_.device(), increments_.size()};
+  over.sums = sums_.device();
+  return over;
 }
 
 /// Lists the groups of all surfaces, and the lines in gaps, if surfaces have changed.
 template <class T>
-void DeviceLinks<T>::list_groups(const LinkPass<T>& pass) {
+void DeviceLinks<T>::list_groups() {
   if (is_listed_) return;
   is_listed_ = true;
+  surfaces_.send();
+  renew(groups_, group_count_);
+  lines_.clear(), lines_.resize(gap_links_ == 0 ? 0 : std::bit_ceil(2 * gap_links_));
   passes().list_groups({surfaces_.device(), surfaces_.size()}, groups_.data());
   if (gap_links_ == 0) return;
+  if (device_ == Device::cpu)  // which uses no others
+    std::erase_if(groups_, [&](const GroupOfSurface& of) {
+      const LinkGroup& group = surfaces_.host()[of.surface].record->groups[of.number];
+      return group.scheme != WallScheme::single_cell_gap;
+    });
   clear_in_turn(device_, lines_.data(), lines_.size() * sizeof lines_[0]);
-  passes().pair_gaps(groups_, pass, table());
+  passes().pair_gaps(groups_, pass(), table());
 }
 
 template <class T>
@@ -81,18 +83,24 @@ void DeviceLinks<T>::take_slots(const LinkSlots& slots) {
 }
 
 template <class T>
-void DeviceLinks<T>::apply(Block<T>& block, const Domain& domain, const WallFluid<T>& fluid,
-                           const LinkSlots& slots, const BeyondPair<T>* pairs_across, ForceForm form) {
+void DeviceLinks<T>::begin_step(double time, const LinkSlots& slots, const Domain& domain, Int3 lower) {
+  time_ = time;
+  if (device_ == Device::cpu ? gap_links_ == 0 : size() == 0) return;
+  motions_.send(), take_slots(slots);
+  list_groups();
+  if (gap_links_ > 0)
+    passes().set_opposites(groups_, pass(), {table(), domain.sides(), domain.cells(), lower});
+}
+
+template <class T>
+void DeviceLinks<T>::apply(Block<T>& block, const WallFluid<T>& fluid, const BeyondPair<T>* pairs_across,
+                           ForceForm form) {
   if (size() == 0) return;
   sums_.host().resize(bodies());
-  sums_.clear(), motions_.send(), take_slots(slots);
-  if (!is_listed_) make_room();
+  sums_.clear();
   LinkPass<T> pass = pass_over(block);
-  list_groups(pass);
   pass.fluid = fluid, pass.pairs_across = pairs_across;
   pass.galilean = form == ForceForm::galilean;
-  if (gap_links_ > 0)
-    passes().set_opposites(groups_, pass, {table(), domain.sides(), domain.cells(), block.box().lower});
   passes().apply(groups_, pass);
   // last, since other links read what crossing links write
   if (has_crossings_) passes().apply_crossing(groups_, pass);

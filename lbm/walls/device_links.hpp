@@ -1,6 +1,7 @@
 #pragma once
 // The cut links of a block for a device: all groups of the block in one list, one team of threads per group.
-// The input of a step and its sums are one for each body, whose periodic images are surfaces.
+// The input of a step and its sums are one for each body, whose periodic images are surfaces. On the device
+// `cpu` only gaps of a single cell are handled here: kernels apply and correct the links (cut_links.hpp).
 #include <array>
 #include <cstdint>
 #include <span>
@@ -56,40 +57,6 @@ struct GroupOfSurface {
   std::uint32_t surface, number;
 };
 
-/// A `single_cell_gap` link, whose OppositeWall is at index `place`, and the wall behind it: a side of the
-/// domain; a surface, whose link `number` points the other way; both (the position of the side, the motion of
-/// the surface); or none.
-template <class T>
-struct OppositeLink {
-  std::uint32_t surface, place;
-  std::int32_t other;  // index of the opposite surface; -1: none
-  std::uint32_t number;
-  Int3 cell;
-  std::int8_t direction;
-  bool at_side;
-  T side_velocity;
-};
-
-/// A surface as set_opposite() uses it to set the OppositeWall of a link in the current step.
-template <class T>
-struct SurfaceInGap {
-  const SurfaceFrame& frame;
-  const SurfaceMotion& motion;
-  const T* q;
-  T *opposite_q, *opposite_u;
-};
-template <class T, class SurfaceAt>
-SILT_DEVICE void set_opposite(const OppositeLink<T>& link, Int3 along, const SurfaceAt& surface_at) {
-  T q = link.at_side ? T(0.5) : T(0), velocity = link.side_velocity;
-  if (link.other >= 0) {
-    const SurfaceInGap<T> other = surface_at(std::uint32_t(link.other));
-    if (!link.at_side) q = other.q[link.number];
-    velocity = T(velocity_along(other.frame, other.motion, link.cell, along));
-  }
-  const SurfaceInGap<T> own = surface_at(link.surface);
-  own.opposite_q[link.place] = q, own.opposite_u[link.place] = velocity;
-}
-
 /// Returns a key, not 0, common to the links along c_i and against it from a cell, which may lie outside the
 /// block, and unique in blocks below 2^18 cells per edge.
 SILT_DEVICE inline std::uint64_t key_of_line(Int3 cell, int direction) {
@@ -144,12 +111,13 @@ class DeviceLinks {
   std::size_t bodies() const { return motions_.size(); }
   std::uint32_t body(std::size_t surface) const { return surfaces_.host()[surface].body; }
 
-  /// Sets the time of the next step, and the motion of a body in it.
-  void set_time(double steps) { time_ = steps; }
+  /// Sets the motion of a body in the next step.
   void set_motion(std::uint32_t body, const SurfaceMotion& motion) { motions_.host()[body] = motion; }
+  /// Begins a step at a time in steps: sets the OppositeWall of links of a block whose first cell is `lower`.
+  /// Call once the motions are set.
+  void begin_step(double time, const LinkSlots&, const Domain&, Int3 lower);
   /// Writes the populations that links return, adds to their cells' excess, sums force and torque.
-  void apply(Block<T>&, const Domain&, const WallFluid<T>&, const LinkSlots&,
-             const BeyondPair<T>* pairs_across, ForceForm);
+  void apply(Block<T>&, const WallFluid<T>&, const BeyondPair<T>* pairs_across, ForceForm);
   const LinkSums& sums(std::uint32_t body) const { return sums_.host()[body]; }
 
   /// Corrects the populations that surfaces of some bodies, in order, returned for an increment of their
@@ -158,9 +126,9 @@ class DeviceLinks {
 
  private:
   const LinkPasses<T>& passes() const;
+  LinkPass<T> pass();
   LinkPass<T> pass_over(Block<T>&);
-  void make_room();
-  void list_groups(const LinkPass<T>&);
+  void list_groups();
   LinesInGaps table();
   void take_slots(const LinkSlots&);
 

@@ -13,21 +13,20 @@ SILT_DEVICE Whole component(const Whole& packed, int d) {
 /// The origin of the places of a group.
 template <class T>
 struct PlaceOrigin {
-  std::int32_t row = 0, plane = 0;   // offsets between rows and planes of cells
   Int3 corner;                       // of the group, relative to cell `frame.cell`
   T offset[3];                       // from the reference point to the centre of that cell
   const std::int32_t (&packed)[32];  // Components::packed
-  SILT_DEVICE PlaceOrigin(Int3 corner, const SurfaceFrame& frame, const std::int32_t (&packed)[32])
+  std::int32_t row, plane;           // offsets between rows and planes of cells
+  SILT_DEVICE PlaceOrigin(Int3 corner, const SurfaceFrame& frame, const std::int32_t (&packed)[32],
+                          std::int32_t row = 0, std::int32_t plane = 0)
       : corner(corner - frame.cell),
         offset{T(frame.offset[0]), T(frame.offset[1]), T(frame.offset[2])},
-        packed(packed) {}
+        packed(packed),
+        row(row),
+        plane(plane) {}
 #if !defined(SILT_SCALAR)
   PlaceOrigin(Int3 corner, const SurfaceFrame& frame)
       : PlaceOrigin(corner, frame, components<D3Q19>.packed) {}
-  PlaceOrigin(const Block<T>& block, Int3 corner, const SurfaceFrame& frame) : PlaceOrigin(corner, frame) {
-    row = std::int32_t(block.row_stride());
-    plane = std::int32_t(block.plane_stride());
-  }
 #endif
 };
 

@@ -63,9 +63,8 @@ class Links {
     coupler::build_links<float>(map.blocks()[0], scene_.scene().world, scene_.bodies(),
                                 {coupling, fluid, fluid_.pass_order(0)}, links_.surfaces);
     links_.order_groups(fluid_.pass_order(0));
-    if (lbm::knows_opposite_wall(coupling.wall_scheme))
-      links_.gaps.pair(links_.surfaces, fluid_.domain(), box), links_.gaps.set(links_.surfaces);
     links_.slots = lbm::link_slots(fluid_.blocks()[0], lbm::Parity::crossed);
+    links_.leave_to_device(), links_.begin_step(0, fluid_.domain(), box.lower);
     const lbm::RowRange rows[] = {{0, box.size.y, 0, box.size.z}};
     fluid_.hold_excess(0, rows);
     const std::uint32_t middle = links_.inner[links_.inner.size() / 2].surface;
@@ -84,14 +83,14 @@ class Links {
   void apply(const std::vector<Group>& order, bool next, bool fetch = false) {
     for_groups(order, next, [&](const auto& links, const auto& group, auto after) {
       lbm::apply_cut_links<float>(
-          {fluid_.blocks()[0], links_.slots, links, group, after, pairs_.of(0), &listed_, fetch}, {},
+          {fluid_.blocks()[0], links_.slots, links, group, after, pairs_.of(0), fetch}, {},
           lbm::ForceForm::galilean, sums_);
     });
   }
   void correct(const std::vector<Group>& order, bool next, bool fetch = false) {
     for_groups(order, next, [&](const auto& links, const auto& group, auto after) {
-      lbm::correct_cut_links<float>(
-          {fluid_.blocks()[0], links_.slots, links, group, after, nullptr, &listed_, fetch}, {});
+      lbm::correct_cut_links<float>({fluid_.blocks()[0], links_.slots, links, group, after, nullptr, fetch},
+                                    {});
     });
   }
   void sum_resistance() {
@@ -119,7 +118,6 @@ class Links {
   coupler::BlockLinks<float> links_;
   std::vector<Group> one_;
   lbm::LinkSums sums_;
-  lbm::ListedLinks listed_;
   std::int64_t resistance_ = 0;
 };
 

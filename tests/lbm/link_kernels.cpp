@@ -1,4 +1,4 @@
-// The kernels of cut links: what returns does not depend on how links are listed or their distances change,
+// The kernels of cut links: what returns does not depend on what is fetched or how their distances change,
 // and their resistance is how the force falls with the velocity.
 #include <gtest/gtest.h>
 
@@ -12,9 +12,9 @@
 namespace silt::lbm {
 namespace {
 
-constexpr int width = 24;    // cells of the block in x and y
+constexpr int width = 24;   // cells of the block in x and y
 constexpr int spacing = 4;  // cells between walls, so that the links of none meet another
-constexpr std::uint32_t links_of_wall[] = {1, 7, 64, 65, 129, 300, 8};  // some fit a window, others do not
+constexpr std::uint32_t links_of_wall[] = {1, 7, 64, 65, 129, 300, 8};  // up to 128 are fetched ahead
 constexpr int walls = int(std::size(links_of_wall));
 
 template <class T>
@@ -55,9 +55,9 @@ struct Returned {
   bool operator==(const Returned&) const = default;
 };
 
-/// All groups in turn, each of which names the one that many places further on as the next.
+/// All groups in turn; if they fetch, each names the one that many places further on as the next.
 template <class T>
-Returned<T> applied(const CutLinks<T>& links, int next, ListedLinks* listed) {
+Returned<T> applied(const CutLinks<T>& links, int next, bool fetch) {
   const SurfaceMotion motion{{0.01, -0.02, 0.03}, {1e-3, 2e-3, -1e-3}};
   Block<T> block({{0, 0, 0}, {width, width, walls * spacing}});
   for (std::size_t k = 0; k < block.bytes() / sizeof(T); ++k)
@@ -67,9 +67,9 @@ Returned<T> applied(const CutLinks<T>& links, int next, ListedLinks* listed) {
   Returned<T> all;
   for (int wall = 0; wall < walls; ++wall) {
     NextGroup<T> named;
-    if (listed && wall + next < walls) named = {&links, &links.groups[wall + next]};
+    if (fetch && wall + next < walls) named = {&links, &links.groups[wall + next]};
     LinkSums sums;
-    const GroupInBlock<T> here{block, slots, links, links.groups[wall], named, nullptr, listed};
+    const GroupInBlock<T> here{block, slots, links, links.groups[wall], named, nullptr, fetch};
     apply_cut_links<T>(here, motion, ForceForm::exact, sums);
     all.sums.insert(all.sums.end(), {sums.force[0], sums.force[1], sums.force[2], sums.torque[0],
                                      sums.torque[1], sums.torque[2]});
@@ -80,21 +80,20 @@ Returned<T> applied(const CutLinks<T>& links, int next, ListedLinks* listed) {
 }
 
 template <class T>
-void expect_same_however_listed(WallScheme scheme) {
+void expect_same_however_fetched(WallScheme scheme) {
   SCOPED_TRACE(wall_scheme_names[int(scheme)]);
   const CutLinks<T> links = walls_above_planes<T>(scheme);
-  const Returned<T> alone = applied(links, 0, nullptr);
+  const Returned<T> alone = applied(links, 0, false);
   EXPECT_NE(alone.sums, std::vector<std::int64_t>(alone.sums.size(), 0));
-  ListedLinks listed;
-  EXPECT_EQ(applied(links, 1, &listed), alone) << "each group lists the one after it";
-  EXPECT_EQ(applied(links, 2, &listed), alone) << "each group lists one that does not come next";
+  EXPECT_EQ(applied(links, 1, true), alone) << "each group fetches for the one after it";
+  EXPECT_EQ(applied(links, 2, true), alone) << "each group fetches for one that does not come next";
 }
 
-TEST(LinkFetch, WhatReturnsIsTheSameHoweverLinksAreListed) {
+TEST(LinkFetch, WhatReturnsIsTheSameHoweverLinksAreFetched) {
   for (const WallScheme scheme :
        {WallScheme::bounce_back, WallScheme::cli, WallScheme::parabolic, WallScheme::multireflection}) {
-    expect_same_however_listed<float>(scheme);
-    expect_same_however_listed<double>(scheme);
+    expect_same_however_fetched<float>(scheme);
+    expect_same_however_fetched<double>(scheme);
   }
 }
 

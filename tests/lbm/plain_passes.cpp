@@ -191,6 +191,7 @@ void expect_same_links() {
     const CutLinks<T> links = some_links<T>(scheme);
     const Outcome<T> expected = by_kernels(links, pairs);
     EXPECT_EQ(expected.sums.back(), 0);
+    EXPECT_EQ(by_kernels(as_on_a_device(links), pairs), expected);
     EXPECT_EQ(by_passes(plain::link_passes<T>(), as_on_a_device(links), pairs, [] {}), expected);
     EXPECT_EQ(by_passes(SILT_OFF_CPU(Device::host, link_passes<T>)(), as_on_a_device(links), pairs,
                         [] { wait(Device::host); }),

@@ -94,8 +94,8 @@ std::vector<double> velocities(const Channel& channel, WallScheme scheme) {
     pairs.exchange(fluid.blocks(), fluid.parity());
     for (int k = 0; k < 2; ++k)
       for (const LinkGroup& group : links[k].groups)
-        apply_cut_links<double>({fluid.blocks()[0], slots, links[k], group, {}, pairs.of(0), nullptr, false},
-                                motions[k], ForceForm::exact, sums);
+        apply_cut_links<double>({fluid.blocks()[0], slots, links[k], group, {}, pairs.of(0)}, motions[k],
+                                ForceForm::exact, sums);
   }
   return u;
 }

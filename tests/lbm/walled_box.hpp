@@ -59,8 +59,8 @@ class WalledBox {
       const LinkSlots slots = link_slots(block, fluid().parity());
       for (int k = 0; k < 2; ++k)
         for (const LinkGroup& g : links_[b][k].groups)
-          apply_cut_links<double>({block, slots, links_[b][k], g, {}, pairs_.of(int(b)), nullptr, false},
-                                  motions[k], ForceForm::galilean, sums_[k]);
+          apply_cut_links<double>({block, slots, links_[b][k], g, {}, pairs_.of(int(b))}, motions[k],
+                                  ForceForm::galilean, sums_[k]);
     }
     if (!keeps_mass) drop_excess();
   }
