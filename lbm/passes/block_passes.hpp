@@ -2,7 +2,6 @@
 // The passes over all cells of a block: collision, giving up excess, totals. For builds for a device
 // (SILT_BUILD): a vector of cells at a time, or one cell (SILT_SCALAR).
 #include <algorithm>
-#include <cmath>
 
 #include "device/for_each.hpp"
 #include "lbm/blocks/lane_totals.hpp"

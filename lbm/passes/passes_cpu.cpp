@@ -4,7 +4,7 @@
 #define SILT_AT_ONCE
 #include <vector>
 
-#include "lbm/passes/border_kernel.hpp"
+#include "lbm/passes/level_border_patches.hpp"
 #include "lbm/passes/passes.hpp"
 
 namespace silt::lbm::SILT_BUILD {

@@ -1,7 +1,6 @@
 // The pass over cut links, built once per instruction set. Handles a vector of links at a time in registers:
 // place, gather, formula, scatter, sums (groups are padded to whole vectors).
 #include <algorithm>
-#include <cmath>
 
 #include "cpu/prefetch.hpp"
 #include "lbm/walls/link_exchange.hpp"
