@@ -115,6 +115,7 @@ void Fluid<T>::take_excess() {
 
 template <class T>
 void Fluid<T>::take_and_keep_excess() {
+  if (is_given_up_) return;
   given_up_.resize(blocks_.size());
   for (std::size_t b = 0; b < blocks_.size(); ++b) keep_excess(b);
   is_given_up_ = true;
