@@ -165,7 +165,7 @@ void Fluid<T>::pass_over(int number, Block<T>& block, RowRange rows) {
   constexpr int period = WatchedPlanes::period;
   const int first = int(passes_ % period) - block.box().lower.z % period;
   const int watched = (first + period) % period;
-  passes_on<T>(device_).stream_collide(number, block, parity_, *rates_, rows, watched, fast_list(device_));
+  passes_on<T>(device_).stream_collide(block, parity_, *rates_, rows, {fast_list(device_), number, watched});
 }
 
 template <class T>

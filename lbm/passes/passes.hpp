@@ -27,6 +27,11 @@ struct FastList {
   unsigned* count;
 };
 FastList fast_list(Device);
+/// What a pass over a block watches: every WatchedPlanes::period-th plane from one on.
+struct FastWatch {
+  FastList list;
+  int block, first_plane;
+};
 /// Returns the fast cells found since the last call, in any order; waits for all passes.
 std::vector<FastInBlock> take_fast_cells(Device);
 
@@ -72,10 +77,8 @@ struct CellLists {
 /// On a device other than `cpu` most passes return before they are complete.
 template <class T>
 struct Passes {
-  /// Collides and streams the rows of block b. Examines every WatchedPlanes::period-th plane from
-  /// `first_watched` on, and adds fast cells to the list.
-  void (*stream_collide)(int b, Block<T>&, Parity, const CollisionRates<T>&, RowRange, int first_watched,
-                         const FastList&);
+  /// Collides and streams rows of a block, and adds fast cells of the watched planes to the list.
+  void (*stream_collide)(Block<T>&, Parity, const CollisionRates<T>&, RowRange, const FastWatch&);
   /// Returns when all passes are done and the CPU may read the results.
   void (*wait)();
   /// Copies slots; adds addends[k] to the values of the k-th pair if there are addends.

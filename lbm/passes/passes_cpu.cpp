@@ -10,13 +10,14 @@
 namespace silt::lbm::SILT_BUILD {
 
 template <class T>
-void stream_collide(int b, Block<T>& block, Parity parity, const CollisionRates<T>& rates, RowRange range,
-                    int first_watched, const FastList& list) {
+void stream_collide(Block<T>& block, Parity parity, const CollisionRates<T>& rates, RowRange range,
+                    const FastWatch& watch) {
   static std::vector<FastCell> found;  // of these rows
   found.clear();
-  lbm::stream_collide(block, parity, rates, range, {first_watched, found});
+  lbm::stream_collide(block, parity, rates, range, {watch.first_plane, found});
   for (const FastCell& fast : found)
-    if (const unsigned k = (*list.count)++; k < FastList::room) list.cells[k] = {b, fast};
+    if (const unsigned k = (*watch.list.count)++; k < FastList::room)
+      watch.list.cells[k] = {watch.block, fast};
 }
 
 template <class T>
