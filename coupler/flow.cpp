@@ -1,25 +1,20 @@
 #include "coupler/flow.hpp"
 
-#include <algorithm>
 #include <optional>
+#include <tuple>
 
 #include "coupler/exchange/coupling_state.hpp"
 #include "coupler/exchange/parallel_body_exchange.hpp"
 #include "coupler/flow_control.hpp"
+#include "coupler/flow_links.hpp"
 #include "coupler/forces/covered_momentum.hpp"
 #include "coupler/forces/entrained_fluid.hpp"
 #include "coupler/forces/fluid_forces.hpp"
 #include "coupler/heat/heat_flow.hpp"
-#include "coupler/mapping/build_links.hpp"
-#include "coupler/mapping/cell_bits.hpp"
-#include "coupler/mapping/map_bodies.hpp"
 #include "coupler/mapping/mapping_poses.hpp"
 #include "coupler/mapping/refill.hpp"
 #include "coupler/regions/level_views.hpp"
-#include "coupler/spec/flow_spec.hpp"
 #include "lbm/levels/levels.hpp"
-#include "lbm/walls/cut_links.hpp"
-#include "lbm/walls/pairs_across.hpp"
 #include "parallel/communicator.hpp"
 
 namespace silt::coupler {
@@ -50,33 +45,26 @@ class FlowOf final : public Flow {
  public:
   FlowOf(const FlowSpec& spec, const lbm::Domain& domain, MPI_Comm comm, ParallelBodyExchange& exchange,
          int substeps, const Flow* before)
-      : coupling_(spec.coupling),
-        world_(exchange.world()),
-        fluid_(domain, collision_of(*spec.fluid), comm, spec.device,
+      : fluid_(domain, collision_of(*spec.fluid), comm, spec.device,
                before ? &static_cast<const FlowOf&>(*before).fluid_ : nullptr),
         heat_(spec.heat ? std::make_unique<HeatFlow<T>>(*spec.heat, spec.boundary, fluid_, exchange)
                         : nullptr),
         levels_(fluid_, spec.coarsening ? spec.coarsening->levels : 0,
                 heat_ ? &heat_->temperature() : nullptr,
                 before ? &static_cast<const FlowOf&>(*before).levels_ : nullptr),
-        map_(fluid_.domain(), world_, boxes(fluid_), lbm::link_reach(coupling_.wall_scheme)),
+        map_(fluid_.domain(), exchange.world(), boxes(fluid_), lbm::link_reach(spec.coupling.wall_scheme)),
         fields_(make_fields<T>(fluid_, map_.blocks(), levels_.heat(0))),
         account_(*fields_, comm),
-        pushes_bodies_(spec.fluid->body_force_on_bodies && spec.fluid->has_body_force()),
-        drive_{spec.fluid->body_force, spec.fluid->body_force_over_time, spec.boundary},
-        forces_(coupling_, exchange, substeps, spec.fluid->relaxation_time) {
-    for (std::size_t b = 0; b < fluid_.blocks().size(); ++b)
-      links_.emplace_back(spec.device), mappings_.emplace_back(spec.device);
+        links_(spec.coupling, exchange.world(), fluid_, map_),
+        drive_(spec, comm),
+        forces_(spec.coupling, exchange, substeps, spec.fluid->relaxation_time),
+        turning_walls_(exchange.world()) {
     if (!fluid_.is_in_parts()) schedule_ = LinkSchedule::sequential;
-    if (!spec.fluid->superficial_velocity.isZero(0)) control_.emplace(*spec.fluid, spec.volume(), comm);
     for (int level = 1; level < levels_.count(); ++level) {
-      coarser_.push_back(std::make_unique<CoarserFields>(levels_.fluid(level), levels_.heat(level), world_));
+      coarser_.push_back(
+          std::make_unique<CoarserFields>(levels_.fluid(level), levels_.heat(level), exchange.world()));
       account_.add_level(*coarser_.back()->fields);
     }
-    if (!lbm::reads_beyond(coupling_.wall_scheme) || world_.shapes.empty()) return;
-    pairs_.emplace(fluid_.domain(), comm, fluid_.blocks(), spec.device);
-    for (const BlockMap& map : map_.blocks()) columns_.emplace_back(map.solid);
-    for (std::size_t b = 0; b < links_.size(); ++b) links_[b].pairs_across = pairs_->of(int(b));
   }
 
   int levels() const override { return levels_.count(); }
@@ -90,33 +78,34 @@ class FlowOf final : public Flow {
   std::int64_t heat_of_wall(std::size_t wall) const override { return heat_ ? heat_->heat_of_wall(wall) : 0; }
 
   void drive(std::int64_t step) override {
-    if (control_ && control_->is_due(step)) control_->look(step, fields_->sums());
+    if (FlowControl* const of = control(); of && of->is_due(step)) of->look(step, fields_->sums());
     take_drive(static_cast<double>(step));
   }
-  FlowControl* control() override { return control_ ? &*control_ : nullptr; }
+  FlowControl* control() override { return drive_.control ? &*drive_.control : nullptr; }
 
   void map_bodies(rigid::BodySet& bodies, const BodyChanges& changes) override {
     cells_changed();
-    if (!holds_bodies_) renew_mapping_poses(bodies, world_, coupling_, fluid_.passes());
+    if (!holds_bodies_) renew_mapping_poses(bodies, links_.world(), links_.spec(), fluid_.passes());
     map_(bodies);
     if (heat_) heat_->begin_step(bodies);
-    counts_.covered = counts_.uncovered = 0;
-    if (map_.changed()) remap(bodies, changes);
+    std::uint64_t covered = 0, uncovered = 0;
+    if (map_.changed()) std::tie(covered, uncovered) = remap(bodies, changes);
     if (is_exact() && parallel::rank_of(fluid_.comm()) == 0)
       for (const TurningWalls::Impulse& mean : turning_walls_.impulses(bodies))
         forces_.add_covered(mean.wall, mean.momentum, mean.arm);
-    account_.set_mapping(counts_);
-    if (pushes_bodies_) push_bodies(bodies);  // before any body is solved for
+    account_.set_mapping({covered, uncovered, links_.count()});
+    if (drive_.pushes_bodies) push_bodies(bodies);  // before any body is solved for
     apply_pending_impacts(bodies);
-    forces_.begin(fluid_, map_.blocks(), links_, bodies, changes);
+    forces_.begin(fluid_, map_.blocks(), links_.blocks(), bodies, changes);
   }
   void stream_collide(StepClock& clock) override {
     account_.begin_pass();
     cells_changed();
     levels_.begin_step();
-    if (world_.shapes.empty() || schedule_ == LinkSchedule::sequential) return levels_.stream_collide();
+    if (links_.world().shapes.empty() || schedule_ == LinkSchedule::sequential)
+      return levels_.stream_collide();
     fluid_.begin_pass();
-    for (int b = 0; b < int(links_.size()); ++b)
+    for (int b = 0; b < links_.count_blocks(); ++b)
       for (int part = 0; part < fluid_.parts(b); ++part) {
         fluid_.collide(b, part);
         levels_.after_part(b, part);
@@ -129,14 +118,14 @@ class FlowOf final : public Flow {
     turned_.give(fluid_);
     fluid_.exchange();
     levels_.end_step();
-    if (pairs_) pairs_->exchange(fluid_.blocks(), fluid_.parity());
+    links_.exchange_pairs();
   }
   void evaluate_forces(rigid::BodySet& bodies) override {
     cells_changed();
     if (schedule_ == LinkSchedule::sequential)
-      for (int b = 0; b < int(links_.size()); ++b) apply_inner(b, links_[b].all_inner());
-    if (heat_) heat_->exchange_heat(links_, bodies);  // before corrections change the motions of surfaces
-    account_.end_step(forces_.finish(fluid_, links_, bodies));
+      for (int b = 0; b < links_.count_blocks(); ++b) apply_inner(b, links_[b].all_inner());
+    if (heat_) heat_->exchange_heat(links_.blocks(), bodies);  // before corrections change surfaces' motions
+    account_.end_step(forces_.finish(fluid_, links_.blocks(), bodies));
   }
 
   void hold_bodies(bool hold) override {
@@ -161,14 +150,15 @@ class FlowOf final : public Flow {
     account_.take_over(from.account_);
     levels_.set_passes(from.fluid_.passes());
     levels_.set_seconds(from.levels_.seconds());
-    if (control_) control_->set_state(from.control_->state(), from.control_->looked_at());
+    if (auto& control = drive_.control)
+      control->set_state(from.drive_.control->state(), from.drive_.control->looked_at());
     resumed_ = true;
   }
   void start(rigid::BodySet& bodies) override {
     map_(bodies);
     for (const auto& coarser : coarser_) coarser->map.map_walls(bodies);
     rebuild_links(bodies);
-    account_.set_mapping(counts_);
+    account_.set_mapping({0, 0, links_.count()});
     cells_changed();
     if (resumed_) return;
     forces_.start(map_.blocks(), bodies);
@@ -191,44 +181,37 @@ class FlowOf final : public Flow {
       const Vec3 u = of.velocity_at(time + 0.5);
       fluid_.set_side_velocity(side, {u[0], u[1], u[2]});
     }
-    if (!control_ && !drive_.over_time.varies()) return;
-    const Vec3 given = drive_.over_time.at(time) * drive_.body_force;
-    const Vec3 f = control_ ? control_->force(given) : given;
+    const std::optional<Vec3> f = drive_.force_at(time);
+    if (!f) return;
     cells_changed();
-    fluid_.set_force({f[0], f[1], f[2]});
-    const lbm::WallFluid<T> fluid(fluid_.spec());
-    for (BlockLinks<T>& block : links_)
-      for (auto& surface : block.surfaces) surface.links.fluid = fluid;
+    fluid_.set_force({(*f)[0], (*f)[1], (*f)[2]});
+    links_.take_force();
   }
 
   FluidFields& own_fields(int level) { return level == 0 ? *fields_ : *coarser_[level - 1]->fields; }
   void cells_changed() {
     for (int level = 0; level < levels(); ++level) own_fields(level).changed();
     fluid_.forget_given_up();
-    complete_ = false;
   }
   /// Makes all cells give up their excess before their values are read; in a step collisions do that.
-  void complete_cells() const {
-    if (!complete_) fluid_.take_and_keep_excess();
-    complete_ = true;
-  }
+  void complete_cells() const { fluid_.take_and_keep_excess(); }
   void apply_inner(int b, GroupRange groups) {
     forces_.apply_inner(fluid_.blocks()[b], links_[b], groups, schedule_ == LinkSchedule::interleaved);
   }
 
-  /// Handles cells that turned solid or fluid, and rebuilds links.
-  void remap(const rigid::BodySet& bodies, const BodyChanges& changes) {
+  /// Handles cells that turned solid or fluid, whose numbers it returns, and rebuilds links.
+  std::pair<std::uint64_t, std::uint64_t> remap(const rigid::BodySet& bodies, const BodyChanges& changes) {
     const ChangedCells cells = changed_cells(map_.blocks());
     take_cells(+1, cells.covered, bodies, changes);
     turned_.refill(fluid_, map_.blocks(), cells, bodies, changes.gone);
     if (heat_) heat_->change_cells(map_.blocks(), cells, bodies);
     take_cells(-1, cells.uncovered, bodies, changes);
     account_.take_mass(turned_.weigh(fluid_, map_.blocks()));
-    counts_.covered = cells.covered.size(), counts_.uncovered = cells.uncovered.size();
     rebuild_links(bodies);
+    return {cells.covered.size(), cells.uncovered.size()};
   }
 
-  bool is_exact() const { return coupling_.force == ForceForm::exact; }
+  bool is_exact() const { return links_.spec().force == ForceForm::exact; }
 
   /// Accounts for the momentum of cells that bodies have covered (sign 1) or uncovered (-1).
   void take_cells(int sign, const std::vector<CoveredCell>& cells, const rigid::BodySet& bodies,
@@ -263,49 +246,12 @@ class FlowOf final : public Flow {
   }
 
   void rebuild_links(const rigid::BodySet& bodies) {
-    const lbm::WallFluid<T> fluid(fluid_.spec());
-    counts_.links = 0;
-    for (std::size_t b = 0; b < links_.size(); ++b) {
-      const BlockMap& map = map_.blocks()[b];
-      BlockLinks<T>& block = links_[b];
-      if (map.changed) {
-        fluid_.set_idle(int(b), !map.has_fluid());
-        build_links<T>(map, world_, bodies,
-                       {coupling_, fluid, fluid_.pass_order(int(b)), &meshes_, &mappings_[b]},
-                       block.surfaces);
-        block.order_groups(fluid_.pass_order(int(b)));
-        block.leave_to_device();
-        hold_excess(b);
-        if (heat_) heat_->list_links(int(b), map, block);
-      }
-      counts_.links += block.count;
-    }
-    if (heat_) heat_->find_pockets(map_.blocks(), bodies);
-    if (pairs_ && pairs_->chooses()) choose_pairs();
-  }
-
-  void hold_excess(std::size_t b) {
-    std::vector<lbm::RowRange> rows;
-    for (std::size_t k = 0; k < links_[b].surfaces.size(); ++k) {
-      if (links_[b].surfaces[k].links.groups.empty()) continue;
-      const BitFrame& frame = map_.blocks()[b].masks[k].frame();
-      const Int3 end = frame.low + frame.size;
-      rows.push_back({frame.low.y, end.y, frame.low.z, end.z});
-    }
-    fluid_.hold_excess(int(b), rows);
-  }
-
-  void choose_pairs() {
-    for (std::size_t b = 0; b < columns_.size(); ++b)
-      if (map_.blocks()[b].changed) columns_[b].reset(map_.blocks()[b].solid);
-    pairs_->choose([&](int b, Int3 x, int axis) {
-      const CellBits& solid = map_.blocks()[b].solid;
-      return axis == 1 ? columns_[b].from(solid, x.x, x.y, x.z) : solid.from(x.x, x.y, x.z);
+    links_.rebuild(bodies, [&](int b) {
+      if (heat_) heat_->list_links(b, map_.blocks()[b], links_[b]);
     });
+    if (heat_) heat_->find_pockets(map_.blocks(), bodies);
   }
 
-  CouplingSpec coupling_;
-  const rigid::World& world_;
   mutable lbm::Fluid<T> fluid_;        // finest level
   std::unique_ptr<HeatFlow<T>> heat_;  // null: the case has no [heat]
   lbm::Levels<T> levels_;              // all levels
@@ -313,25 +259,13 @@ class FlowOf final : public Flow {
   std::unique_ptr<FluidFields> fields_;
   std::vector<std::unique_ptr<CoarserFields>> coarser_;
   FlowAccount account_;
-  std::vector<BlockLinks<T>> links_;
-  std::vector<DeviceMapping<T>> mappings_;  // per block
-  MeshDistances meshes_{map_.meshes()};
-  TurnedCells<T> turned_{fluid_.device()};    // of the last mapping
-  std::optional<lbm::PairsAcross<T>> pairs_;  // for schemes that read beyond
-  std::vector<SideColumns> columns_;          // per block, for pairs_
-  bool pushes_bodies_;
-  struct {
-    Vec3 body_force;
-    rigid::OverTime over_time;
-    std::array<BoundarySpec, 6> sides;
-  } drive_;
-  mutable std::optional<FlowControl> control_;
+  FlowLinks<T> links_;
+  TurnedCells<T> turned_{fluid_.device()};  // of the last mapping
+  mutable FlowDrive drive_;
   FluidForces<T> forces_;
-  TurningWalls turning_walls_{world_};
+  TurningWalls turning_walls_;
   LinkSchedule schedule_ = LinkSchedule::interleaved;
-  MappingCounts counts_;
   bool resumed_ = false;
-  mutable bool complete_ = true;  // no cell has an excess
   bool holds_bodies_ = false;
 };
 

@@ -9,6 +9,7 @@
 
 #include "coupler/fluid_fields.hpp"
 #include "coupler/forces/fluid_forces.hpp"
+#include "parallel/collectives.hpp"
 #include "parallel/pending_sums.hpp"
 #include "rigid/math/exact_sum.hpp"
 
@@ -27,7 +28,12 @@ class FlowAccount {
   // ---- asked between steps ----
   /// Returns the totals over all ranks. Collective; throws ForceOutOfRange, on every rank alike, if a body's
   /// sums were out of range in the last step. Cells must be complete, as Flow::totals ensures.
-  FlowTotals totals() const;
+  FlowTotals totals() const {
+    settle();
+    FlowSums all = levels_.front()->sums();
+    for (std::size_t l = 1; l < levels_.size(); ++l) all.add(levels_[l]->sums());
+    return all.over_ranks(comm_);
+  }
   /// Returns this rank's share of the force and torque (about the wall's position) of the fluid on a wall in
   /// the last step, in lbm::link_quantum; `wall` counts the rows of walls. Zero before the first step.
   std::array<std::int64_t, 6> wall_load(std::size_t wall) const {
@@ -48,7 +54,12 @@ class FlowAccount {
   /// Completes the sums of the last step (throws ForceOutOfRange as above).
   void begin_pass() { settle(); }
   /// Starts the sums that the next step completes.
-  void end_step(const LinkOutcome&);
+  void end_step(const LinkOutcome& links) {
+    out_of_range_ = links.out_of_range;
+    wall_loads_ = links.wall_loads;
+    brought_.add(links.debts_begun);
+    sums_.start(comm_, {links.out_of_range != LinkOutcome::nobody});
+  }
   /// Continues from an earlier account, of this run or another.
   void set_mass_taken(rigid::FixedSum quanta) { mass_taken_ = quanta; }
   void take_over(const FlowAccount& other) {
@@ -62,7 +73,10 @@ class FlowAccount {
     std::int64_t ranks_out_of_range;  // ranks with a body whose sums are
   };
   /// Completes the sums of the last step.
-  void settle() const;
+  void settle() const {
+    if (sums_.under_way() && sums_.finish().ranks_out_of_range > 0)
+      throw ForceOutOfRange(parallel::least_over_ranks(comm_, out_of_range_));
+  }
 
   std::vector<const FluidFields*> levels_;
   MPI_Comm comm_;

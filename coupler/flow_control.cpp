@@ -47,4 +47,18 @@ void FlowControl::settle() {
                          cells_;
 }
 
+FlowDrive::FlowDrive(const FlowSpec& spec, MPI_Comm comm)
+    : body_force(spec.fluid->body_force),
+      over_time(spec.fluid->body_force_over_time),
+      sides(spec.boundary),
+      pushes_bodies(spec.fluid->body_force_on_bodies && spec.fluid->has_body_force()) {
+  if (!spec.fluid->superficial_velocity.isZero(0)) control.emplace(*spec.fluid, spec.volume(), comm);
+}
+
+std::optional<Vec3> FlowDrive::force_at(double time) const {
+  if (!control && !over_time.varies()) return {};
+  const Vec3 given = over_time.at(time) * body_force;
+  return control ? control->force(given) : given;
+}
+
 }  // namespace silt::coupler

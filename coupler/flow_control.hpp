@@ -4,6 +4,7 @@
 #include <mpi.h>
 
 #include <cstdint>
+#include <optional>
 
 #include "coupler/flow_totals.hpp"
 #include "coupler/spec/flow_spec.hpp"
@@ -51,6 +52,19 @@ class FlowControl {
   std::int64_t looked_at_ = -1;
   bool pending_ = false;
   parallel::PendingSums<Sums> sums_;
+};
+
+/// What drives the fluid: its body force and the sides of the domain, over time.
+struct FlowDrive {
+  FlowDrive(const FlowSpec&, MPI_Comm);
+  /// Returns the body force at a time; none if it never changes.
+  std::optional<rigid::Vec3> force_at(double time) const;
+
+  rigid::Vec3 body_force;
+  rigid::OverTime over_time;  // of the body force
+  std::array<BoundarySpec, 6> sides;
+  bool pushes_bodies;                  // stands for a pressure gradient
+  std::optional<FlowControl> control;  // of a superficial velocity
 };
 
 }  // namespace silt::coupler

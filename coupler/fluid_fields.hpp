@@ -143,6 +143,27 @@ void for_each_fluid_cell(const FluidFields& fields, Visit&& visit) {
   for_each_fluid_cell(fields, {{}, fields.domain().cells()}, visit);
 }
 
+/// Replaces the first populations of all cells of a block: change(global cell, its populations).
+template <class Change>
+void change_populations(FluidFields& fields, int b, int populations, Change&& change) {
+  const lbm::CellBox& block = fields.block(b);
+  lbm::CellBox plane{{}, {block.size.x, block.size.y, 1}};
+  const auto cells = std::size_t(plane.cells());
+  std::vector<double> g(populations * cells), of_cell(populations);
+  for (; plane.lower.z < block.size.z; ++plane.lower.z) {
+    for (int q = 0; q < populations; ++q) fields.read(b, plane, q, &g[q * cells]);
+    std::size_t n = 0;
+    const lbm::Int3 first = block.lower + plane.lower;
+    for_cells(first, first + plane.size, [&](lbm::Int3 cell) {
+      for (int q = 0; q < populations; ++q) of_cell[q] = g[q * cells + n];
+      change(cell, of_cell);
+      for (int q = 0; q < populations; ++q) g[q * cells + n] = of_cell[q];
+      ++n;
+    });
+    for (int q = 0; q < populations; ++q) fields.write(b, plane, q, &g[q * cells]);
+  }
+}
+
 // ---- the initial state (initial_flow.cpp) ----
 
 /// Sets that of a level's fluid (InitialSpec), which must be new and at rest, and its temperature.

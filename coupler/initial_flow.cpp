@@ -133,22 +133,11 @@ Local at(const GaussianVortex& vortex, const rigid::Vec3& point) {
 /// Replaces every population by change(i, g, local(global cell)).
 template <class AtCell, class Change>
 void change_populations(FluidFields& fields, AtCell&& local, Change&& change) {
-  std::vector<double> g;
-  for (int b = 0; b < fields.blocks(); ++b) {
-    const lbm::CellBox& block = fields.block(b);
-    lbm::CellBox plane{{}, {block.size.x, block.size.y, 1}};
-    g.resize(std::size_t(plane.cells()));
-    for (; plane.lower.z < block.size.z; ++plane.lower.z) {
-      std::vector<decltype(local(block.lower))> here;
-      const lbm::Int3 first = block.lower + plane.lower;
-      for_cells(first, first + plane.size, [&](lbm::Int3 cell) { here.push_back(local(cell)); });
-      for (int i = 0; i < lbm::D3Q19::directions; ++i) {
-        fields.read(b, plane, i, g.data());
-        for (std::size_t k = 0; k < g.size(); ++k) g[k] = change(i, g[k], here[k]);
-        fields.write(b, plane, i, g.data());
-      }
-    }
-  }
+  for (int b = 0; b < fields.blocks(); ++b)
+    change_populations(fields, b, lbm::D3Q19::directions, [&](lbm::Int3 cell, std::vector<double>& g) {
+      const auto here = local(cell);
+      for (int i = 0; i < lbm::D3Q19::directions; ++i) g[i] = change(i, g[i], here);
+    });
 }
 
 /// Sets equilibrium and its first-order deviation, f1_i = -3 tau w_i (c_i c_i - 1/3) : S.

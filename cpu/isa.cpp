@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <cstdlib>
+#include <span>
 
 #if defined(__x86_64__)
 #include <xmmintrin.h>
@@ -33,6 +34,12 @@ Isa wanted_isa() {
   return Isa::avx512;
 }
 
+std::string complaint_of(const char* name, std::span<const std::string_view> known, const char* listed) {
+  const char* const found = std::getenv(name);
+  if (!found || !*found || std::ranges::find(known, found) != known.end()) return "";
+  return "the environment variable " + std::string(name) + " is '" + found + "'; it must be " + listed;
+}
+
 }  // namespace
 
 Isa chosen_isa() {
@@ -58,6 +65,12 @@ void flush_denormals_to_zero() {
   constexpr std::uint64_t flush_to_zero = 1u << 24;  // arguments and results
   __builtin_aarch64_set_fpcr64(__builtin_aarch64_get_fpcr64() | flush_to_zero);
 #endif
+}
+
+std::string environment_error() {
+  constexpr std::string_view caches[] = {"near", "far"};  // last_cache_is_far
+  const std::string of_isa = complaint_of("SILT_ISA", isa_names, "portable, avx2 or avx512");
+  return of_isa.empty() ? complaint_of("SILT_LAST_CACHE", caches, "near or far") : of_isa;
 }
 
 }  // namespace silt

@@ -1,6 +1,7 @@
 #pragma once
 // Selects the build of the hot kernels. All builds round alike (no contraction): results never change.
 #include <array>
+#include <string>
 #include <string_view>
 
 namespace silt {
@@ -43,5 +44,8 @@ bool last_cache_is_far();
 /// Flushes denormal results to zero on this thread from now on: they are slow and irrelevant in populations.
 /// Does nothing on machines without such a mode.
 void flush_denormals_to_zero();
+
+/// Returns a message for an invalid value, which would otherwise have no effect; "" if all are valid.
+std::string environment_error();
 
 }  // namespace silt

@@ -115,6 +115,7 @@ void Fluid<T>::take_excess() {
 
 template <class T>
 void Fluid<T>::take_and_keep_excess() {
+  if (is_given_up_) return;
   given_up_.resize(blocks_.size());
   for (std::size_t b = 0; b < blocks_.size(); ++b) keep_excess(b);
   is_given_up_ = true;
@@ -164,7 +165,7 @@ void Fluid<T>::pass_over(int number, Block<T>& block, RowRange rows) {
   constexpr int period = WatchedPlanes::period;
   const int first = int(passes_ % period) - block.box().lower.z % period;
   const int watched = (first + period) % period;
-  passes_on<T>(device_).stream_collide(number, block, parity_, *rates_, rows, watched, fast_list(device_));
+  passes_on<T>(device_).stream_collide(block, parity_, *rates_, rows, {fast_list(device_), number, watched});
 }
 
 template <class T>

@@ -83,7 +83,8 @@ class Fluid {
   /// Subtracts the excess of all cells now instead of at the next collision: the populations that arrive are
   /// then final, but no longer those that links returned.
   void take_excess();
-  /// Like take_excess(), but keeps the amounts for given_up() until forget_given_up().
+  /// Like take_excess(), but keeps the amounts for given_up() until forget_given_up(); until then it does
+  /// nothing again.
   void take_and_keep_excess();
   void forget_given_up() { is_given_up_ = false; }
   /// Returns what populations along c_i and against it (i > 0) of a cell lost in take_and_keep_excess().
@@ -195,7 +196,7 @@ class Fluid {
 
 /// Copies the populations that arrive in `from` to the cells of `to`, two cuts of one domain for the same
 /// ranks, from rank to rank, except for blocks that share their array. One direction at a time, so that
-/// messages hold a nineteenth of the populations (move_populations.cpp). Collective.
+/// messages hold a nineteenth of the populations (levels/change_levels.cpp). Collective.
 template <class Field>
 void move_populations(const Field& from, Field& to);
 

@@ -1,6 +1,8 @@
 """The bodies of bodies.h5 in pictures: silhouettes seen from afar and cuts by a plane, from the meshes of their parts."""
 import numpy as np
 
+from silt_results.surfaces import rotations
+
 
 class NoMesh(ValueError):
     """Raised where the file does not say what the bodies look like."""
@@ -39,18 +41,10 @@ class Mesh:
         return bool(ahead.max() <= 1e-5 * np.linalg.norm(self.facing, axis=1).max() * self.reach)
 
 
-def rotation(q):
-    """Returns the matrix of a unit quaternion w, x, y, z: body to world."""
-    w, x, y, z = q
-    return np.array([[1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-                     [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-                     [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)]])
-
-
 def turns(rows):
     """Returns the matrices [n, 3, 3] from the surfaces of kinds to bodies in the world: rotations, times the size of each body."""
     scales = rows.get("scale", np.ones(len(rows["kind"])))
-    return np.array([scale * rotation(q) for scale, q in zip(scales, rows["orientation"])]).reshape(-1, 3, 3)
+    return scales[:, None, None] * rotations(rows["orientation"])
 
 
 def meshes_of_kinds(series):

@@ -1,6 +1,7 @@
 
 #include <algorithm>
 #include <array>
+#include <numeric>
 #include <optional>
 #include <vector>
 
@@ -86,20 +87,14 @@ class HeldScene final : rigid::StepObserver {
     return force;
   }
   void stop(coupler::FluidFields& fields, int b) const {
+    constexpr int directions = lbm::D3Q19::directions;
     const std::array<double, 3> force = force_on(fields);
-    const lbm::Int3 size = fields.block(b).size;
-    for (lbm::CellBox plane{{}, {size.x, size.y, 1}}; plane.lower.z < size.z; ++plane.lower.z) {
-      std::vector<double> density(std::size_t(plane.cells())), g(density.size());
-      for (int i = 0; i < lbm::D3Q19::directions; ++i) {
-        fields.read(b, plane, i, g.data());
-        for (std::size_t k = 0; k < g.size(); ++k) density[k] += g[k];
-      }
-      for (int i = 0; i < lbm::D3Q19::directions; ++i) {
-        const double push = lbm::half_push(force, i);
-        for (std::size_t k = 0; k < g.size(); ++k) g[k] = lbm::D3Q19::w(i) * density[k] - push;
-        fields.write(b, plane, i, g.data());
-      }
-    }
+    std::array<double, directions> push;
+    for (int i = 0; i < directions; ++i) push[i] = lbm::half_push(force, i);
+    coupler::change_populations(fields, b, directions, [&](lbm::Int3, std::vector<double>& g) {
+      const double density = std::accumulate(g.begin(), g.end(), 0.);
+      for (int i = 0; i < directions; ++i) g[i] = lbm::D3Q19::w(i) * density - push[i];
+    });
   }
   void stop_bodies() {
     rigid::BodySet& bodies = scene_.bodies;

@@ -8,7 +8,6 @@
 
 #include "coupler/forces/covered_momentum.hpp"
 #include "coupler/forces/fluid_forces.hpp"
-#include "coupler/mapping/map_bodies.hpp"
 #include "coupler/state_hash.hpp"
 #include "cpu/isa.hpp"
 #include "parallel/collectives.hpp"

@@ -7,12 +7,6 @@
 #include "adapters/common/engine_backend.hpp"
 #include "rigid/collision/collision_backend.hpp"
 #include "rigid/collision/uniform_grid.hpp"
-#ifdef SILT_WITH_BULLET
-#include "adapters/bullet/bullet.hpp"
-#endif
-#ifdef SILT_WITH_FCL
-#include "adapters/fcl/fcl.hpp"
-#endif
 
 namespace silt::adapters {
 

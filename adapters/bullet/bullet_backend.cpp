@@ -1,5 +1,5 @@
 // The narrow phase; only files of this folder see Bullet's headers.
-#include "adapters/bullet/bullet.hpp"
+#include "adapters/common/engine_backend.hpp"
 
 #include <btBulletCollisionCommon.h>
 
@@ -15,7 +15,7 @@
 #include <stdexcept>
 #include <variant>
 
-#include "rigid/shapes/convex_shape.hpp"
+#include "rigid/shapes/shape.hpp"
 
 #ifndef BT_USE_DOUBLE_PRECISION
 #error "build against bullet-float64: Bullet in single precision is off by up to 3e-4 at coordinates of 1000"

@@ -3,8 +3,7 @@
 #include <BulletCollision/CollisionShapes/btBvhTriangleMeshShape.h>
 #include <BulletCollision/CollisionShapes/btTriangleIndexVertexArray.h>
 
-#include "adapters/bullet/bullet.hpp"
-#include "adapters/common/tree_broad_phase.hpp"
+#include "adapters/common/engine_backend.hpp"
 
 #ifndef BT_USE_DOUBLE_PRECISION
 #error "build against bullet-float64"

@@ -1,6 +1,6 @@
 // The narrow phase by FCL; only files of this folder include FCL. Its assertions end the process, so signed
 // distances (it asserts where shapes nearly touch) and distances to a half-space are not used.
-#include "adapters/fcl/fcl.hpp"
+#include "adapters/common/engine_backend.hpp"
 
 #include <fcl/geometry/shape/box.h>
 #include <fcl/geometry/shape/capsule.h>
@@ -13,7 +13,6 @@
 #include <fcl/narrowphase/detail/convexity_based_algorithm/gjk_libccd.h>
 #include <fcl/narrowphase/distance.h>
 
-#include <cmath>
 #include <optional>
 #include <type_traits>
 #include <variant>

@@ -4,8 +4,7 @@
 #include <fcl/geometry/shape/box.h>
 #include <fcl/math/bv/OBB.h>
 
-#include "adapters/common/tree_broad_phase.hpp"
-#include "adapters/fcl/fcl.hpp"
+#include "adapters/common/engine_backend.hpp"
 
 // Debian's FCL is built for plain x86-64, where Eigen aligns to 16 bytes; another value changes its types.
 static_assert(EIGEN_MAX_ALIGN_BYTES == 16, "compile this file with EIGEN_MAX_ALIGN_BYTES=16");

@@ -4,7 +4,7 @@
 #include <numeric>
 
 #include "adapters/hdf5/checkpoint_parts.hpp"
-#include "adapters/hdf5/slab_exchange.hpp"
+#include "adapters/hdf5/slice_exchange.hpp"
 #include "parallel/collectives.hpp"
 #include "parallel/together.hpp"
 

@@ -11,7 +11,7 @@
 
 #include "adapters/hdf5/file.hpp"
 #include "adapters/hdf5/over_time.hpp"
-#include "adapters/hdf5/slab_exchange.hpp"
+#include "adapters/hdf5/slice_exchange.hpp"
 #include "parallel/collectives.hpp"
 #include "parallel/together.hpp"
 

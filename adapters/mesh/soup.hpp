@@ -1,7 +1,6 @@
 #pragma once
 // The steps from the bytes of a mesh file to a closed, oriented surface. A soup has triangles as the file
 // lists them, without connectivity. Faults throw std::invalid_argument.
-#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>

@@ -4,7 +4,7 @@
 // share of the work items, sums along the edges of its part, and the tree. One process can predict the cut.
 #include <mpi.h>
 
-#include "coupler/balance/work_map.hpp"
+#include "coupler/balance/body_work.hpp"
 #include "lbm/blocks/equal_cut.hpp"
 
 namespace silt::coupler {

@@ -2,8 +2,6 @@
 // The state that the coupler keeps with every body, as bytes in rigid::BodySet: it travels with the body
 // between ranks and into checkpoints. Lattice units, world frame.
 #include <array>
-#include <new>
-#include <span>
 #include <type_traits>
 #include <vector>
 

@@ -4,13 +4,14 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <string_view>
 #include <vector>
 
-#include "coupler/spec/heat_spec.hpp"
 #include "coupler/spec/name_table.hpp"
-#include "coupler/spec/sides.hpp"
 #include "device/device.hpp"
+#include "lbm/blocks/side_kinds.hpp"
 #include "lbm/collision/collision_model.hpp"
+#include "lbm/collision/heat_rates.hpp"
 #include "lbm/walls/wall_scheme.hpp"
 #include "rigid/bodies/body_exchange.hpp"
 #include "rigid/bodies/body_set.hpp"
@@ -18,6 +19,74 @@
 #include "rigid/math/types.hpp"
 
 namespace silt::coupler {
+
+enum class Side { x_low, x_high, y_low, y_high, z_low, z_high };
+inline constexpr auto side_names = names_of<Side>("x-low", "x-high", "y-low", "y-high", "z-low", "z-high");
+
+enum class BoundaryKind { periodic, no_slip, moving, free_slip, velocity_inlet, pressure_outlet };
+
+/// The properties of a kind of side.
+struct BoundaryTraits {
+  std::string_view name;
+  lbm::SideKind fluid;                              // SideKind of the fluid
+  bool is_wall = false;                             // moves fluid and touching bodies at its velocity
+  bool is_inlet = false;                            // needs an outlet elsewhere
+  bool has_velocity = false, has_pressure = false;  // keys in a case
+};
+/// The kinds in the order of the enumerators.
+inline constexpr auto boundary_kinds = std::to_array<BoundaryTraits>({
+    {.name = "periodic", .fluid = lbm::SideKind::periodic},
+    {.name = "no-slip", .fluid = lbm::SideKind::bounce, .is_wall = true},
+    {.name = "moving", .fluid = lbm::SideKind::bounce, .is_wall = true, .has_velocity = true},
+    {.name = "free-slip", .fluid = lbm::SideKind::free_slip},
+    {.name = "velocity-inlet", .fluid = lbm::SideKind::bounce, .is_inlet = true, .has_velocity = true},
+    {.name = "pressure-outlet", .fluid = lbm::SideKind::pressure, .has_pressure = true},
+});
+inline constexpr auto boundary_names = names_of<BoundaryKind>(boundary_kinds);
+
+struct BoundarySpec {
+  BoundaryKind kind = BoundaryKind::periodic;
+  rigid::Vec3 velocity = rigid::Vec3::Zero();  // moving walls and inlets
+  rigid::OverTime over_time;                   // of the velocity
+  double pressure = 0;                         // outlets; less that of the reference density
+  bool solid_for_bodies = true;                // a half-space for bodies, unless periodic
+  const BoundaryTraits& traits() const { return boundary_kinds[static_cast<std::size_t>(kind)]; }
+  bool is_periodic() const { return kind == BoundaryKind::periodic; }
+  bool is_inlet() const { return traits().is_inlet; }
+  bool is_outlet() const { return lbm::is_outlet(traits().fluid); }
+  bool is_open() const { return is_inlet() || is_outlet(); }
+  bool is_wall() const { return traits().is_wall; }
+  rigid::Vec3 velocity_at(double time) const { return over_time.at(time) * velocity; }
+  double largest_speed() const { return over_time.most() * velocity.norm(); }
+  bool stops_bodies() const { return !is_periodic() && solid_for_bodies; }
+  /// Returns whether bodies that pass the side are removed.
+  bool removes_bodies() const { return !is_periodic() && !solid_for_bodies; }
+};
+
+/// What a side of the domain is to the heat of the fluid: insulating without a temperature or a flux.
+struct SideHeat {
+  std::optional<double> temperature;
+  double flux = 0;  // into the fluid, per area and step
+};
+
+/// What bodies of a kind or a wall are: insulating without a temperature.
+struct BodyHeat {
+  std::optional<double> temperature;  // at the start, of a body with a heat capacity
+  double capacity = 0;  // of its mass, relative to that of the fluid; 0: it keeps its temperature
+  double source = 0;    // heat that each body makes in a step
+  bool operator==(const BodyHeat&) const = default;
+};
+
+struct HeatSpec : lbm::HeatSpec {
+  double expansion = 0;  // β; with gravity it is the buoyancy
+  double initial = 0;    // of the fluid at the start
+  double of_fluid = 1;   // heat capacity of a cell of fluid, in lattice units of energy
+  std::array<SideHeat, 6> sides;
+  std::vector<BodyHeat> kinds, walls;  // of bodies, by kind; of [[walls]]
+
+  /// Returns the temperature of a body of a kind at the start.
+  double at_start(std::size_t kind) const { return kinds[kind].temperature.value_or(0); }
+};
 
 /// A spring and a damper between two points, each fixed to a body; the second may be fixed to the domain.
 struct SpringSpec {

@@ -4,7 +4,6 @@
 // borders of levels and cut links take the lattice as a template parameter.
 #include <algorithm>
 #include <array>
-#include <cstddef>
 #include <cstdint>
 #include <utility>
 

@@ -5,7 +5,6 @@
 // along i goes to B, the one against it to A. Parity only decides where A and B are: one pass serves all
 // steps.
 #include <cmath>
-#include <type_traits>
 
 #include "cpu/lanes.hpp"
 #if !defined(SILT_SCALAR)

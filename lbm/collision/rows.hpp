@@ -1,7 +1,6 @@
 #pragma once
 // Rows of cells in the dense passes of the fluid and of the temperature. Only for files built for a device or
 // an instruction set (SILT_BUILD).
-#include <vector>
 
 #include "cpu/lanes.hpp"
 #include "lbm/blocks/block.hpp"

@@ -1,6 +1,5 @@
 // The dense pass, built once per instruction set (SILT_BUILD): 19 reads and 19 writes per cell and step.
 #include <algorithm>
-#include <cmath>
 
 #include "cpu/lanes.hpp"
 #include "lbm/collision/carry_heat.hpp"

@@ -14,8 +14,6 @@
 #include <mpi.h>
 
 #include <array>
-#include <cstdint>
-#include <memory>
 #include <span>
 #include <vector>
 

@@ -2,7 +2,6 @@
 // The temperature of a fluid: a scalar on D3Q7 in the same blocks and steps, carried by its passes
 // (method-heat.md). The populations are deviations from the reference temperature.
 #include <array>
-#include <span>
 #include <vector>
 
 #include "lbm/collision/heat_rates.hpp"

@@ -9,7 +9,6 @@
 // Lists are made for patches, rectangles of coarse cells with the same leaves of the tree of cuts around
 // them: packets of the next cell do the same as its own, two fine cells further on (level_border_lists.cpp).
 // Patches that go on from one another are then joined (join_patches.hpp).
-#include <cstdint>
 #include <memory_resource>
 #include <span>
 #include <vector>

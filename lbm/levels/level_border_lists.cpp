@@ -1,6 +1,5 @@
 // Makes the lists of a border between levels by following each packet to its end.
 #include <algorithm>
-#include <map>
 #include <set>
 #include <stdexcept>
 #include <utility>

@@ -1,7 +1,6 @@
 #include "lbm/levels/level_cut.hpp"
 
 #include <algorithm>
-#include <array>
 
 namespace silt::lbm {
 

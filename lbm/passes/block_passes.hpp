@@ -2,7 +2,6 @@
 // The passes over all cells of a block: collision, giving up excess, totals. For builds for a device
 // (SILT_BUILD): a vector of cells at a time, or one cell (SILT_SCALAR).
 #include <algorithm>
-#include <cmath>
 
 #include "device/for_each.hpp"
 #include "lbm/blocks/lane_totals.hpp"
@@ -121,8 +120,8 @@ void close_rows(Block<T, Lattice>& block, Parity parity, RowRange range) {
 }
 
 template <class T>
-void stream_collide(int b, Block<T>& block, Parity parity, const CollisionRates<T>& rates, RowRange range,
-                    int first_watched, const FastList& fast) {
+void stream_collide(Block<T>& block, Parity parity, const CollisionRates<T>& rates, RowRange range,
+                    const FastWatch& fast) {
   const CellsOfRows cells(block, range);
   const int rows = std::max(range.y1 - range.y0, 0) * std::max(range.z1 - range.z0, 0);
   if (rows == 0) return;
@@ -130,9 +129,10 @@ void stream_collide(int b, Block<T>& block, Parity parity, const CollisionRates<
   with_model(rates, [&]<class Model>(Model) {
     const T scale = Model::square_scale(rates);
     using WatchFast = Watch<T, AddFast>;
-    const WatchFast watch{T(speed_of_sound * speed_of_sound) * scale, scale, {fast, b}};
+    const WatchFast watch{T(speed_of_sound * speed_of_sound) * scale, scale, {fast.list, fast.block}};
     constexpr int period = WatchedPlanes::period;
-    const int first = ((first_watched - range.z0) % period + period) % period, planes = range.z1 - range.z0;
+    const int first = ((fast.first_plane - range.z0) % period + period) % period,
+              planes = range.z1 - range.z0;
     with_rates(
         rates, block, parity, [&]<bool source, class Rates>(std::bool_constant<source>, const Rates& of) {
           const Slots<T> slots(block, parity);

@@ -1,5 +1,5 @@
 // The passes over a border between levels, built once per instruction set (SILT_BUILD).
-#include "lbm/passes/border_kernel.hpp"
+#include "lbm/passes/level_border_patches.hpp"
 
 #include "lbm/passes/cross_border.hpp"
 

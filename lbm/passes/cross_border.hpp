@@ -3,7 +3,6 @@
 // time, or one (SILT_SCALAR). For files built for an instruction set or a device (SILT_BUILD).
 #include <cstddef>
 #include <span>
-#include <type_traits>
 #include <utility>
 
 #include "cpu/lanes.hpp"

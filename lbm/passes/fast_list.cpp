@@ -1,4 +1,3 @@
-#include "lbm/passes/fast_list.hpp"
 
 #include <algorithm>
 #include <array>

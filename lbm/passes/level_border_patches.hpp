@@ -2,12 +2,12 @@
 // What crosses a border between levels (level_border.hpp), as lists of patches: rectangles of coarse cells
 // that have the same leaves of the tree of cuts around them. The passes over them are in cross_border.hpp.
 #include <array>
-#include <cstddef>
 #include <cstdint>
 #include <memory_resource>
-#include <vector>
+#include <span>
 
 #include "cpu/device_code.hpp"
+#include "cpu/isa.hpp"
 
 namespace silt::lbm {
 
@@ -118,5 +118,13 @@ struct BorderLists {
         sources{Of<typename Patches::Source>(m), Of<typename Patches::Source>(m)},
         taken(m) {}
 };
+
+template <class T>
+struct BorderKernels {
+  void (*carry_packets)(const BorderPatches<T>&, std::span<const typename BorderPatches<T>::Carried>);
+  void (*cross_border)(const BorderPatches<T>&, const BorderLists<T>&,
+                       std::span<const typename BorderPatches<T>::Passing>);
+};
+SILT_BUILDS(template <class T> BorderKernels<T> border_kernels();)
 
 }  // namespace silt::lbm

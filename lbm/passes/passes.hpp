@@ -2,16 +2,38 @@
 // The passes of the fluid, as built for each device: dense pass, moving slots, outlets, borders between
 // levels, single cells and totals. All builds give the same bits.
 #include <span>
+#include <vector>
 
+#include "device/device.hpp"
 #include "device/mirror.hpp"
 #include "lbm/blocks/moments.hpp"
 #include "lbm/collision/stream_collide.hpp"
-#include "lbm/passes/fast_list.hpp"
 #include "lbm/passes/level_border_patches.hpp"
 #include "lbm/passes/outlet.hpp"
 #include "lbm/passes/slot_lists.hpp"
 
 namespace silt::lbm {
+
+/// A fast cell of a block of a fluid.
+struct FastInBlock {
+  int block;
+  FastCell at;
+};
+
+/// Fast cells in any order, as passes see them; beyond `room` they are only counted.
+struct FastList {
+  static constexpr unsigned room = 4096;
+  FastInBlock* cells;
+  unsigned* count;
+};
+FastList fast_list(Device);
+/// What a pass over a block watches: every WatchedPlanes::period-th plane from one on.
+struct FastWatch {
+  FastList list;
+  int block, first_plane;
+};
+/// Returns the fast cells found since the last call, in any order; waits for all passes.
+std::vector<FastInBlock> take_fast_cells(Device);
 
 /// Single cells of a fluid: the block of each, and its offset there (Block::cell). Per block: where the
 /// populations arriving at a cell are, the steps along c_i, and the excess of the cell at `data`.
@@ -55,10 +77,8 @@ struct CellLists {
 /// On a device other than `cpu` most passes return before they are complete.
 template <class T>
 struct Passes {
-  /// Collides and streams the rows of block b. Examines every WatchedPlanes::period-th plane from
-  /// `first_watched` on, and adds fast cells to the list.
-  void (*stream_collide)(int b, Block<T>&, Parity, const CollisionRates<T>&, RowRange, int first_watched,
-                         const FastList&);
+  /// Collides and streams rows of a block, and adds fast cells of the watched planes to the list.
+  void (*stream_collide)(Block<T>&, Parity, const CollisionRates<T>&, RowRange, const FastWatch&);
   /// Returns when all passes are done and the CPU may read the results.
   void (*wait)();
   /// Copies slots; adds addends[k] to the values of the k-th pair if there are addends.

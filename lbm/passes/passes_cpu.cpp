@@ -4,19 +4,20 @@
 #define SILT_AT_ONCE
 #include <vector>
 
-#include "lbm/passes/border_kernel.hpp"
+#include "lbm/passes/level_border_patches.hpp"
 #include "lbm/passes/passes.hpp"
 
 namespace silt::lbm::SILT_BUILD {
 
 template <class T>
-void stream_collide(int b, Block<T>& block, Parity parity, const CollisionRates<T>& rates, RowRange range,
-                    int first_watched, const FastList& list) {
+void stream_collide(Block<T>& block, Parity parity, const CollisionRates<T>& rates, RowRange range,
+                    const FastWatch& watch) {
   static std::vector<FastCell> found;  // of these rows
   found.clear();
-  lbm::stream_collide(block, parity, rates, range, {first_watched, found});
+  lbm::stream_collide(block, parity, rates, range, {watch.first_plane, found});
   for (const FastCell& fast : found)
-    if (const unsigned k = (*list.count)++; k < FastList::room) list.cells[k] = {b, fast};
+    if (const unsigned k = (*watch.list.count)++; k < FastList::room)
+      watch.list.cells[k] = {watch.block, fast};
 }
 
 template <class T>

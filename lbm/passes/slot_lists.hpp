@@ -4,7 +4,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory_resource>
-#include <vector>
 
 #include "cpu/device_code.hpp"
 #include "device/mirror.hpp"

@@ -5,7 +5,6 @@
 // with coefficients that depend on the wall distance q and the collision rates. x is the fluid cell, x + q
 // c_i the wall, u_w the velocity there, F the acceleration of the fluid; * means after collision. V is a
 // number of type T or a vector of them.
-#include <algorithm>
 #include <type_traits>
 #include <utility>
 

@@ -1,6 +1,5 @@
 #include "rigid/bodies/body_exchange.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 namespace silt::rigid {

@@ -21,7 +21,7 @@ struct LubricationResistance {
 struct LubricatedGap {
   double width;                   // least distance; < 0: overlap
   double travel;                  // change of the width over the step, at the velocities before it
-  Mat3 curvature_a, curvature_b;  // curvature of either surface (shapes/convex_shape.hpp); W
+  Mat3 curvature_a, curvature_b;  // curvature of either surface (shapes/shape.hpp); W
   Vec3 middle;                    // canonical position, W
   Vec3 normal;                    // unit, from a to b, W
   bool at_side = false;           // b is a side of the domain

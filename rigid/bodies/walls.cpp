@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <stdexcept>
 
 #include "rigid/math/types.hpp"
@@ -10,41 +9,24 @@
 
 namespace silt::rigid {
 
-void add_walls(BodySet& bodies, World& world, const Extent& extent, const std::array<WallSpec, 6>& specs) {
-  for (int side = 0; side < 6; ++side) {
-    const int axis = side / 2;
-    const bool upper = side % 2 != 0;
-    const WallSpec& spec = specs[side];
-    if (!spec.solid || extent.periodic[axis]) continue;
-    if (spec.velocity[axis] != 0) throw std::invalid_argument("a wall can only slide in its own plane");
-    world.shapes.push_back(HalfSpace{Vec3::Unit(axis) * (upper ? -1.0 : 1.0)});
-    world.bounding_radii.push_back(std::numeric_limits<double>::infinity());
-    BodyRecord wall;
-    wall.id = first_wall_id + side;
-    wall.shape = static_cast<std::int32_t>(world.shapes.size()) - 1;
-    wall.material = spec.material;
-    wall.kind = -1;
-    wall.motion = spec.velocity.isZero(0) ? Motion::fixed : Motion::prescribed;
-    wall.position[axis] = upper ? extent.size[axis] : 0.0;
-    Eigen::Map<Vec3>{wall.velocity} = spec.velocity;
-    bodies.insert(bodies.size(), wall);
-    ++bodies.walls;
-  }
-  bodies.reindex();
-}
-
 namespace {
 
 /// Adds the shape to the world and appends the wall's row.
-template <class Spec>
-void append(BodySet& bodies, World& world, const Shape& shape, const Spec& spec) {
+void append(BodySet& bodies, World& world, const Shape& shape, int material, BodyRecord& wall) {
   world.shapes.push_back(shape);
   world.bounding_radii.push_back(bounding_radius(shape));
+  wall.shape = static_cast<std::int32_t>(world.shapes.size()) - 1;
+  wall.material = material;
+  wall.kind = -1;
+  bodies.insert(bodies.size(), wall);
+  ++bodies.walls;
+}
+
+/// Appends the row of a tube or a mesh.
+template <class Spec>
+void append(BodySet& bodies, World& world, const Shape& shape, const Spec& spec) {
   BodyRecord wall;
   wall.id = std::max(bodies.walls > 0 ? bodies.id.back() + 1 : first_tube_id, first_tube_id);
-  wall.shape = static_cast<std::int32_t>(world.shapes.size()) - 1;
-  wall.material = spec.material;
-  wall.kind = -1;
   wall.motion = spec.moves() ? Motion::prescribed : Motion::fixed;
   const Pose pose = spec.pose(0);
   const Quat& q = pose.orientation;
@@ -53,12 +35,28 @@ void append(BodySet& bodies, World& world, const Shape& shape, const Spec& spec)
   Eigen::Map<Eigen::Vector4d>{wall.orientation} = Eigen::Vector4d(q.w(), q.x(), q.y(), q.z());
   Eigen::Map<Vec3>{wall.velocity} = velocity.linear;
   Eigen::Map<Vec3>{wall.angular_velocity} = velocity.angular;
-  bodies.insert(bodies.size(), wall);
-  ++bodies.walls;
+  append(bodies, world, shape, spec.material, wall);
   bodies.reindex();
 }
 
 }  // namespace
+
+void add_walls(BodySet& bodies, World& world, const Extent& extent, const std::array<WallSpec, 6>& specs) {
+  for (int side = 0; side < 6; ++side) {
+    const int axis = side / 2;
+    const bool upper = side % 2 != 0;
+    const WallSpec& spec = specs[side];
+    if (!spec.solid || extent.periodic[axis]) continue;
+    if (spec.velocity[axis] != 0) throw std::invalid_argument("a wall can only slide in its own plane");
+    BodyRecord wall;
+    wall.id = first_wall_id + side;
+    wall.motion = spec.velocity.isZero(0) ? Motion::fixed : Motion::prescribed;
+    wall.position[axis] = upper ? extent.size[axis] : 0.0;
+    Eigen::Map<Vec3>{wall.velocity} = spec.velocity;
+    append(bodies, world, HalfSpace{Vec3::Unit(axis) * (upper ? -1.0 : 1.0)}, spec.material, wall);
+  }
+  bodies.reindex();
+}
 
 void add_wall(BodySet& bodies, World& world, const TubeWallSpec& spec) {
   append(bodies, world, spec.tube, spec);

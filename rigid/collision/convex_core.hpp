@@ -3,7 +3,7 @@
 // Sphere, capsule and box are oriented boxes with zero or more nonzero half edges, swept by a sphere: sphere
 // = point + radius, capsule = segment + radius, box = box + 0. Every other shape is its own core of radius 0.
 // Distances and penetration depths of the shapes are those of the cores less the radii.
-#include "rigid/shapes/convex_shape.hpp"
+#include "rigid/shapes/shape.hpp"
 
 namespace silt::rigid {
 

@@ -5,7 +5,7 @@
 #include <stdexcept>
 
 #include "rigid/math/elementary.hpp"
-#include "rigid/shapes/convex_shape.hpp"
+#include "rigid/shapes/shape.hpp"
 
 namespace silt::rigid {
 namespace {

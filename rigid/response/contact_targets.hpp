@@ -1,7 +1,6 @@
 #pragma once
 // The target of a contact: its least normal velocity after a step (method.md, C1), or in the correction (C7).
 #include <algorithm>
-#include <cmath>
 #include <span>
 
 #include "rigid/bodies/contact.hpp"

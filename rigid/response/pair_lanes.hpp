@@ -5,7 +5,6 @@
 #include <span>
 #include <vector>
 
-#include "cpu/isa.hpp"
 #include "rigid/bodies/contact.hpp"
 #include "rigid/response/contact_lanes.hpp"
 #include "rigid/response/warm_start.hpp"

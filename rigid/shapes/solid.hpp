@@ -179,7 +179,7 @@ inline Mat3 across(const Vec3& n) {
 /// - bounding_box(pose): the tight axis-aligned box in the frame of the pose;
 /// - reach(pose): the largest distance of its points from that frame's origin;
 /// - support(n): its point furthest along unit n;
-/// - curvature(x, n): rigid::curvature (convex_shape.hpp);
+/// - curvature(x, n): rigid::curvature (shape.hpp);
 /// - ==: bitwise equality (the cache of compounds uses it);
 /// - mass_properties();
 /// - least_width(): the least distance of two parallel planes that enclose it, or an estimate;

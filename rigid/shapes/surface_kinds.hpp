@@ -3,7 +3,6 @@
 // precision. Kernels, which are built once for each instruction set, also get the intervals of lines inside a
 // kind (one line a lane) and the nearest edge. Lines start within a few cells of the part; without branches;
 // a shape's line_interval (solid.hpp) serves any line.
-#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <type_traits>

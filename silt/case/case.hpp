@@ -3,10 +3,8 @@
 // keeps the conversions for output. case_file reads it (through adapters/toml), case_check checks it.
 // Sections that are used alone have their own headers.
 #include <algorithm>
-#include <array>
 #include <cstdint>
 #include <filesystem>
-#include <limits>
 #include <map>
 #include <optional>
 #include <string>

@@ -152,7 +152,7 @@ double least_explicit_density(const Case&, const rigid::Shape&);
 /// Returns whether a free body of the case is lighter.
 bool has_bodies_too_light(const Case&);
 
-// Numbers of SI cases that would be plausible in another unit (unit_slips.cpp). The functions return the
+// Numbers of SI cases that would be plausible in another unit. The functions return the
 // remedy, "if gravity.acceleration is in mm/s2, write 9.81 (m/s2)", or "".
 
 inline constexpr double thinnest = 5e-8, thickest = 0.5;              // m2/s: liquid metal to honey

@@ -8,7 +8,6 @@
 
 #include "coupler/spec/name_table.hpp"
 #include "rigid/math/types.hpp"
-#include "silt/case/case_error.hpp"
 
 namespace silt {
 

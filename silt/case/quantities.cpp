@@ -2,11 +2,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <limits>
 
-#include "rigid/shapes/shape.hpp"
 #include "silt/case/case_sections.hpp"
 
 namespace silt {

@@ -10,7 +10,6 @@
 
 #include "coupler/spec/name_table.hpp"
 #include "rigid/math/types.hpp"
-#include "silt/case/case_error.hpp"
 #include "silt/case/units.hpp"
 
 namespace silt {

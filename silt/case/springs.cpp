@@ -1,7 +1,6 @@
 // [[springs]], with their checks.
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 #include <numbers>
 

@@ -10,7 +10,6 @@
 #include "parallel/together.hpp"
 #include "rigid/shapes/shape.hpp"
 #include "silt/case/case_check.hpp"
-#include "silt/placement/neighbour_grid.hpp"
 #include "silt/placement/obstacles.hpp"
 
 namespace silt {
@@ -159,8 +158,6 @@ std::vector<BodyFault> faults_of_pairs(const Case& setup, const std::vector<Give
   }
   return faults;
 }
-
-using rigid::Vec3;
 
 /// A body in a message; the case has its other properties.
 struct Passing {

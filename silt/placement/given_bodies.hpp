@@ -85,8 +85,6 @@ struct BodyFault {
 /// Returns the first `most` faults of all ranks by (body, other), without repetitions. Collective.
 std::vector<BodyFault> first_faults(MPI_Comm, std::vector<BodyFault> mine, std::size_t most);
 
-struct Case;
-
 /// Throws CaseError on every rank if given bodies have their centre outside the domain, overlap a wall or,
 /// only if there are none of those, overlap each other; lists the first few of a kind in the order of the
 /// case. The case must have passed check_case. Collective.

@@ -63,7 +63,6 @@ double distance_to(const Shape& shape, const Pose& pose, const Vec3& x_W, const 
 }
 
 using rigid::BoundingBox;
-using rigid::Vec3;
 
 Obstacles::Obstacles(const Case& setup, const rigid::Extent& extent, std::span<const GivenBody> given,
                      double reach)

@@ -1,4 +1,4 @@
-#include "silt/placement/one_fill.hpp"
+#include "silt/placement/place_bodies.hpp"
 
 #include <fmt/format.h>
 
@@ -88,7 +88,6 @@ void add_to_obstacles(const std::vector<FilledBody>& bodies, Surroundings& aroun
 }
 
 using rigid::BoundingBox;
-using rigid::Vec3;
 
 /// Rejected points per body after which the box counts as full: at the start, where missing bodies end the
 /// run, and later, where they are left to the next application.

@@ -152,8 +152,6 @@ std::vector<GivenBody> present_near(const Case& setup, const std::vector<FillApp
   return near;
 }
 
-using rigid::Vec3;
-
 void store(const Vec3& v, double* to) {
   Eigen::Map<Vec3>{to} = v;
 }
@@ -230,7 +228,6 @@ rigid::BodyRecord body_record(rigid::BodyId id, const BodySpec& body, const Cent
 }
 
 using rigid::BodyId;
-using rigid::Vec3;
 
 /// Returns the starts of the bodies that this rank keeps, by id.
 std::vector<StartPositions::Start> StartPositions::met_here(const Case& setup, const lbm::Domain& domain,

@@ -11,10 +11,57 @@
 #include "rigid/bodies/contact.hpp"
 #include "rigid/shapes/shape.hpp"
 #include "silt/case/case.hpp"
+#include "silt/case/fill_room.hpp"
 #include "silt/placement/given_bodies.hpp"
-#include "silt/placement/one_fill.hpp"
+#include "silt/placement/obstacles.hpp"
 
 namespace silt {
+
+// One application of a fill, and its two arrangements.
+//
+// On lattice sites each rank fills the free sites in its blocks.
+//
+// A random fill is parallel random sequential addition (method-parallel.md). Points are drawn in the room for
+// centres; a point is accepted unless an earlier accepted point is closer than a diameter. Ranks draw the
+// points of their own blocks and exchange those near borders. They decide points whose earlier neighbours are
+// all decided, and exchange decisions until no point is open. Only the number of accepted points and the time
+// of the last are global.
+
+struct FilledBody {
+  std::uint64_t number;  // unique in the fill; close bodies have close numbers
+  rigid::Vec3 centre;    // of bounding sphere and mass; wrapped
+  rigid::Quat orientation = rigid::Quat::Identity();
+  std::uint64_t place = 0;  // index among all bodies of this application
+};
+
+/// The current application. The obstacles have begun balls of its radius, to which bodies are added.
+struct OneFill {
+  const Case& setup;
+  FillApplication application;
+  const FillSpec& spec;
+  std::int64_t count;  // of this size; 0: all sites
+  double radius;       // of the bounding sphere
+  Surroundings& around;
+  Obstacles& obstacles;
+};
+
+/// Return this rank's bodies by number, and the number placed on all ranks; bitwise the same bodies on any
+/// number of ranks. If not all fit: throw CaseError on every rank in the first application, place fewer in
+/// later ones. Collective.
+struct Filling {
+  std::vector<FilledBody> bodies;
+  std::uint64_t total;
+};
+Filling fill_sites(const OneFill&);
+Filling fill_at_random(const OneFill&);
+
+/// Returns for each of this rank's keys the number of smaller keys on all ranks. Keys must be sorted, below
+/// `range` and globally unique. Each rank counts a slice of the range, which limits memory. Collective.
+std::vector<std::uint64_t> number_off(parallel::Messages&, const std::vector<std::uint64_t>& keys,
+                                      std::uint64_t range);
+
+/// Sets the places of bodies: their order over all ranks by number, which is below `range`. Collective.
+void set_places(std::vector<FilledBody>&, std::uint64_t range, Surroundings&);
 
 /// This rank's bodies of one application of a fill.
 struct AppliedFill {
@@ -66,8 +113,6 @@ std::vector<FillApplication> fills_due(const Case&, std::int64_t steps_done);
 std::vector<AppliedFill> place_arrivals(const Case&, const std::vector<FillApplication>&, const lbm::Domain&,
                                         MPI_Comm, const rigid::BodySet& bodies, rigid::BodyId& next_id);
 
-struct Case;
-
 /// A shape about its centre of mass, with its properties.
 struct CentredShape {
   rigid::Shape shape;
@@ -78,8 +123,6 @@ std::vector<CentredShape> centred_shapes(const Case&);
 
 /// Returns the record of a body: pose of its centre of mass, not wrapped; buoyancy if in a fluid.
 rigid::BodyRecord body_record(rigid::BodyId, const BodySpec&, const CentredShape&, bool in_fluid);
-
-struct Case;
 
 /// The start positions of bodies, distributed evenly over ranks by id modulo their number.
 class StartPositions {

@@ -11,11 +11,11 @@
 #include <optional>
 
 #include "coupler/state_hash.hpp"
-#include "cpu/environment.hpp"
+#include "cpu/isa.hpp"
 #include "parallel/communicator.hpp"
 #include "silt/case/case.hpp"
 #include "silt/case/case_file.hpp"
-#include "silt/python/bodies.hpp"
+#include "silt/python/live_simulation.hpp"
 #include "silt/results/build_info.hpp"
 #include "silt/results/flow_fields.hpp"
 #include "silt/run/run.hpp"

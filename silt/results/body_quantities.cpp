@@ -4,7 +4,6 @@
 
 #include "parallel/collectives.hpp"
 #include "rigid/math/elementary.hpp"
-#include "rigid/shapes/shape.hpp"
 #include "silt/case/case.hpp"
 #include "silt/fault_watch.hpp"
 #include "silt/placement/place_bodies.hpp"

@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "coupler/exchange/coupling_state.hpp"
-#include "rigid/shapes/shape.hpp"
 #include "silt/case/case.hpp"
 #include "silt/results/checkpoint.hpp"
 

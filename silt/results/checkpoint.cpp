@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <concepts>
 #include <limits>
 #include <sstream>
@@ -125,21 +124,6 @@ void write_bodies(CheckpointWriter& writer, const rigid::BodySet& bodies) {
                 saved_columns());
 }
 
-// ---- the case ----
-
-std::string joined_lines(const std::vector<std::string>& lines) {
-  std::string text;
-  for (const std::string& line : lines) text += line + '\n';
-  return text;
-}
-
-std::vector<std::string> split_lines(const std::string& text) {
-  std::vector<std::string> lines;
-  std::istringstream stream(text);
-  for (std::string line; std::getline(stream, line);) lines.push_back(line);
-  return lines;
-}
-
 /// Returns the state of a simulation without bodies and populations.
 SavedState numbers_of(const Simulation& simulation) {
   SavedState state;
@@ -189,6 +173,19 @@ void write_state(CheckpointWriter& writer, const Simulation& simulation, const R
 }
 
 }  // namespace
+
+std::string joined_lines(const std::vector<std::string>& lines) {
+  std::string text;
+  for (const std::string& line : lines) text += line + '\n';
+  return text;
+}
+
+std::vector<std::string> split_lines(const std::string& text) {
+  std::vector<std::string> lines;
+  std::istringstream stream(text);
+  for (std::string line; std::getline(stream, line);) lines.push_back(line);
+  return lines;
+}
 
 std::vector<adapters::AttachedColumn> saved_columns() {
   using Column = adapters::AttachedColumn;

@@ -7,10 +7,10 @@
 
 #include "adapters/hdf5/checkpoint_file.hpp"
 #include "coupler/flow.hpp"
+#include "lbm/blocks/lattice.hpp"
 #include "lbm/levels/level_cut.hpp"
 #include "silt/case/case_file.hpp"
 #include "silt/results/flow_mean.hpp"
-#include "silt/results/other_fluid.hpp"
 #include "silt/results/quantities.hpp"
 #include "silt/results/steady_watch.hpp"
 #include "silt/simulation.hpp"
@@ -51,6 +51,10 @@ SeriesMeans read_means(const adapters::CheckpointReader&, const Case&);
 /// Returns the watch of a case: restored, new if the run watched something else, none without run.steady.
 std::optional<SteadyWatch> read_steady_watch(const adapters::CheckpointReader&, const Case&);
 
+/// Lists of texts are stored as lines.
+std::string joined_lines(const std::vector<std::string>&);
+std::vector<std::string> split_lines(const std::string&);
+
 /// Returns the columns of CouplingState in checkpoints.
 std::vector<adapters::AttachedColumn> saved_columns();
 
@@ -77,7 +81,27 @@ bool has_temperature(const adapters::CheckpointReader&);
 /// `coarsest` is the coarsest level of the case. Collective.
 std::vector<lbm::LevelBox> saved_levels(const adapters::CheckpointReader&, int coarsest, const lbm::CellBox&);
 
-// ---- another run's start (start_from.cpp, other_cells.cpp) ----
+// ---- another run's start (start_from.cpp, other_fluid.cpp) ----
+
+/// The factors that convert the temperature of an earlier run.
+struct HeatScales {
+  double shift = 0;            // its reference temperature less that of this run
+  double off_equilibrium = 1;  // of the populations: what keeps the gradient
+};
+
+/// The factors that convert the fluid of an earlier run to the lattice units of this run.
+struct FluidScales {
+  double length = 1;  // the width of its cells in those of the earlier run
+  double velocity = 1, pressure = 1;
+  double off_equilibrium = 1;      // of the populations: what keeps the rate of strain
+  std::optional<HeatScales> heat;  // none: not both runs have a temperature
+
+  int populations() const { return lbm::D3Q19::directions + (heat ? lbm::D3Q7::directions : 0); }
+};
+
+/// Converts the fluid: velocity, pressure, rate of strain and temperature stay what they are in the units of
+/// the case.
+void rescale_populations(coupler::FluidFields&, const FluidScales&);
 
 /// Collective. Sets the fluid to that of an earlier run, at the same places, on cells of another width; both
 /// have one level of cells.

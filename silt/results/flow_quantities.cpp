@@ -1,11 +1,9 @@
-#include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include "coupler/fluid_fields.hpp"
 #include "parallel/collectives.hpp"
 #include "rigid/math/elementary.hpp"
-#include "rigid/shapes/shape.hpp"
 #include "silt/case/case.hpp"
 #include "silt/placement/place_bodies.hpp"
 #include "silt/results/quantity_computation.hpp"

@@ -10,7 +10,6 @@
 #include <limits>
 #include <tuple>
 
-#include "parallel/together.hpp"
 #include "silt/case/case.hpp"
 #include "silt/results/checkpoint.hpp"
 #include "silt/results/flow_fields.hpp"

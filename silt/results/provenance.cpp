@@ -1,6 +1,5 @@
 #include <unistd.h>
 
-#include <chrono>
 #include <fstream>
 
 #include <fmt/chrono.h>

@@ -15,8 +15,8 @@ namespace {
 
 template <class Visit>
 void for_rows(Visit&& visit) {
-  for (const auto family : {body_quantities, flow_quantities, heat_quantities, motion_quantities,
-                            wall_quantities, stress_quantities})
+  for (const auto family :
+       {body_quantities, flow_quantities, heat_quantities, motion_quantities, wall_quantities})
     std::ranges::for_each(family, visit);
 }
 

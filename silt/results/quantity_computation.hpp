@@ -1,5 +1,5 @@
 #pragma once
-// Defines quantities: rows of families (body_, flow_, heat_, motion_, wall_, stress_quantities) with type and
+// Defines quantities: rows of families (body_, flow_, heat_, motion_, wall_quantities) with type and
 // computation. Computations are collective and give the same on every rank and any number of ranks, in
 // lattice units; NaN stands for a value that does not exist (no such body, no step yet).
 #include <array>
@@ -72,7 +72,7 @@ struct Quantity {
 };
 
 extern const std::span<const Quantity> body_quantities, flow_quantities, heat_quantities, motion_quantities,
-    wall_quantities, stress_quantities;
+    wall_quantities;
 
 /// Returns the computation of a type. Throws std::logic_error if there is none.
 const Computation& computation_of(std::string_view type);

@@ -125,13 +125,6 @@ BodyRecord body_from(const BodyRecord& was, const ContinuedSpec& entry,
   return r;
 }
 
-std::vector<std::string> lines_of(const CheckpointReader& reader, const char* name) {
-  std::vector<std::string> lines;
-  std::istringstream text(reader.text(name));
-  for (std::string line; std::getline(text, line);) lines.push_back(line);
-  return lines;
-}
-
 /// Returns the temperature of a body less the reference: what it had, if it had one and may change it.
 double temperature_from(const BodyRecord& was, bool was_warm, const coupler::HeatSpec& heat, int kind,
                         const std::optional<HeatScales>& scales) {
@@ -141,8 +134,8 @@ double temperature_from(const BodyRecord& was, bool was_warm, const coupler::Hea
 
 /// Returns the bodies of the other run as those of the case.
 SavedState state_from(const CheckpointReader& reader, const Case& setup, const Scales& scales) {
-  const std::vector<std::string> kinds = lines_of(reader, "start.kinds");
-  const auto warm = scales.heat ? lines_of(reader, "start.warm_kinds") : std::vector<std::string>();
+  const std::vector<std::string> kinds = split_lines(reader.text("start.kinds"));
+  const auto warm = split_lines(scales.heat ? reader.text("start.warm_kinds") : "");
   const auto shapes = centred_shapes(setup);
   auto bodies = reader.bodies(saved_columns());
   SavedState state;
@@ -210,32 +203,10 @@ void require_fluid(const CheckpointReader& reader, const Case& setup, double len
         "a new one write it");
 }
 
-/// Velocity, pressure, rate of strain and temperature stay what they are in the units of the case.
-void rescale(coupler::FluidFields& fields, const FluidScales& scales) {
-  for (int b = 0; b < fields.blocks(); ++b) {
-    lbm::CellBox plane{{}, {fields.block(b).size.x, fields.block(b).size.y, 1}};
-    std::vector<double> g(std::size_t(plane.cells()));
-    for (; plane.lower.z < fields.block(b).size.z; ++plane.lower.z) {
-      std::vector<CellFluid> cells(g.size());
-      for (int q = 0; q < scales.populations(); ++q) {
-        fields.read(b, plane, q, g.data());
-        for (std::size_t n = 0; n < g.size(); ++n) cells[n].rest[q] = g[n];
-      }
-      std::ranges::for_each(cells, &CellFluid::split);
-      for (int q = 0; q < scales.populations(); ++q) {
-        for (std::size_t n = 0; n < g.size(); ++n) g[n] = cells[n].population(q, scales);
-        fields.write(b, plane, q, g.data());
-      }
-    }
-  }
-}
-
 }  // namespace
 
 void write_origin_of_start(adapters::CheckpointWriter& writer, const Case& setup, std::int64_t step) {
-  std::string kinds;
-  for (const std::string& name : setup.kind_names) kinds += name + '\n';
-  writer.set("start.kinds", kinds);
+  writer.set("start.kinds", joined_lines(setup.kind_names));
   writer.set("start.walls", walls_after(setup, step));
   writer.set("start.surfaces", std::int64_t{setup.has_surfaces()});  // then /cells/solid is there
   writer.set("start.cell_size", setup.units.cell_size);
@@ -287,7 +258,7 @@ std::unique_ptr<Simulation> simulation_from(const CheckpointReader& reader, Case
         interpolate_populations(reader, of, flow.fields(), scales.of_fluid());
       else
         read_populations(reader, of, flow);
-      if (scales.length == 1 && !scales.keep_fluid()) rescale(flow.fields(), scales.of_fluid());
+      if (scales.length == 1 && !scales.keep_fluid()) rescale_populations(flow.fields(), scales.of_fluid());
       if (!scales.heat) set_initial_temperature(of, flow.fields());
     };
   return std::make_unique<Simulation>(std::move(setup), comm, state, set_populations);

@@ -1,7 +1,6 @@
 #include "silt/results/body_output.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 #include "adapters/qhull/convex_hull.hpp"

@@ -1,4 +1,4 @@
-#include "silt/run/foreseen_pressure.hpp"
+#include "silt/run/run_estimate.hpp"
 
 #include <fmt/format.h>
 

@@ -8,9 +8,7 @@
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
-#include <filesystem>
 
-#include "cpu/environment.hpp"
 #include "cpu/isa.hpp"
 #include "device/device.hpp"
 #include "parallel/together.hpp"

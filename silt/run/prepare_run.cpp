@@ -16,7 +16,6 @@
 #include "silt/results/body_output.hpp"
 #include "silt/results/checkpoint.hpp"
 #include "silt/results/definitions.hpp"
-#include "silt/run/foreseen_pressure.hpp"
 #include "silt/run/run_estimate.hpp"
 
 namespace silt {

@@ -21,7 +21,6 @@
 #include "silt/case/case.hpp"
 #include "silt/case/case_check.hpp"
 #include "silt/placement/place_bodies.hpp"
-#include "silt/run/foreseen_pressure.hpp"
 
 namespace silt {
 namespace {

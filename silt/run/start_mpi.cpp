@@ -3,7 +3,6 @@
 #include <mpi.h>
 #include <sys/mman.h>
 
-#include <cstdio>
 #include <cstdlib>
 #include <string_view>
 #include <vector>

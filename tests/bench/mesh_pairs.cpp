@@ -8,7 +8,7 @@
 
 #include "adapters/automatic/collision_factory.hpp"
 #include "rigid/collision/mesh_contacts.hpp"
-#include "rigid/shapes/convex_shape.hpp"
+#include "rigid/shapes/shape.hpp"
 #include "tests/rigid/shapes/meshes.hpp"
 
 namespace silt::tests {

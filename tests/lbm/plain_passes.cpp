@@ -66,7 +66,7 @@ void expect_same_collisions(const CollisionSpec& spec, const HeatSpec* heat = nu
   for (const Parity parity : {Parity::settled, Parity::crossed}) {
     const auto on = [&](const Passes<T>& passes, Device device) {
       return collided<T>(spec, heat, parity, [&](auto& block, Parity p, const auto& rates, RowRange rows) {
-        passes.stream_collide(0, block, p, rates, rows, 3, fast_list(device));
+        passes.stream_collide(block, p, rates, rows, {fast_list(device), 0, 3});
         passes.wait(), take_fast_cells(device);
       });
     };

@@ -8,7 +8,8 @@ import types
 import numpy as np
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[3] / "scripts"))
-from body_shapes import Mesh, NoMesh, cut, meshes_of_kinds, rotation, silhouette, turns  # noqa: E402
+from body_shapes import Mesh, NoMesh, cut, meshes_of_kinds, silhouette, turns  # noqa: E402
+from silt_results.surfaces import rotations  # noqa: E402
 
 random = np.random.default_rng(3)
 
@@ -103,8 +104,9 @@ for part in (ellipsoid([1.4, 0.5, 0.9]), box([0.5, 1.1, 0.8]), tetrahedron(-0.5)
     assert mesh.reach == np.linalg.norm(part["vertices"], axis=1).max()
     for axis in (0, 1, 2, 0, 1, 2):
         q = random.normal(size=(2, 4))
-        turned, view = (rotation(x / np.linalg.norm(x)) for x in q)
-        sizes = turns({"kind": [0, 0], "orientation": [x / np.linalg.norm(x) for x in q], "scale": [0.5, 3]})
+        q /= np.linalg.norm(q, axis=1, keepdims=True)
+        turned, view = rotations(q)
+        sizes = turns({"kind": [0, 0], "orientation": q, "scale": np.array([0.5, 3])})
         assert np.allclose(sizes, [0.5 * turned, 3 * view])
         position = random.normal(size=3)
         check_silhouette(mesh, position, turned, view)

@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 
 #include "coupler/balance/body_work.hpp"
-#include "coupler/balance/work_map.hpp"
 #include "lbm/blocks/equal_cut.hpp"
 #include "silt/case/case.hpp"
 #include "tests/silt/case/case_text.hpp"

@@ -1,5 +1,5 @@
 // Cells are finest near surfaces, coarser elsewhere, and neighbours differ by a level at most.
-#include "coupler/regions/fine_boxes.hpp"
+#include "coupler/regions/level_views.hpp"
 
 #include <gtest/gtest.h>
 

@@ -7,7 +7,7 @@
 #include <set>
 
 #include "silt/case/case.hpp"
-#include "silt/placement/neighbour_grid.hpp"
+#include "silt/placement/obstacles.hpp"
 #include "tests/errors.hpp"
 #include "tests/silt/placement/placed.hpp"
 

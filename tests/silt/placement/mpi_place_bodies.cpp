@@ -11,7 +11,7 @@
 #include "parallel/collectives.hpp"
 #include "rigid/shapes/shape.hpp"
 #include "silt/placement/given_bodies.hpp"
-#include "silt/placement/one_fill.hpp"
+#include "silt/placement/place_bodies.hpp"
 #include "tests/errors.hpp"
 #include "tests/silt/placement/placed.hpp"
 #include "tests/world.hpp"

@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lbm/blocks/moments.hpp"
+#include "lbm/collision/heat_rates.hpp"
 #include "silt/case/case.hpp"
 #include "silt/results/checkpoint.hpp"
 
@@ -17,6 +19,43 @@ using lbm::CellBox;
 using lbm::Int3;
 
 namespace {
+
+/// The fluid of a cell: density, momentum, temperature, and what of its populations is not equilibrium.
+struct CellFluid {
+  static constexpr int first_of_heat = lbm::D3Q19::directions, most = first_of_heat + lbm::D3Q7::directions;
+  double rho = 0, temperature = 0;
+  std::array<double, 3> j{};
+  double rest[most] = {};  // of the fluid, then of the temperature
+
+  /// Makes `rest`, which has the populations, what is not equilibrium of them.
+  void split() {
+    for (int i = 0; i < lbm::D3Q19::directions; ++i) {
+      rho += rest[i];
+      for (int d = 0; d < 3; ++d) j[d] += lbm::D3Q19::c[i][d] * rest[i];
+    }
+    for (int i = 0; i < lbm::D3Q7::directions; ++i) temperature += rest[first_of_heat + i];
+    for (int q = 0; q < most; ++q) rest[q] -= equilibrium(q, rho, temperature, j);
+  }
+  void add(double weight, const CellFluid& other) {
+    rho += weight * other.rho, temperature += weight * other.temperature;
+    for (int d = 0; d < 3; ++d) j[d] += weight * other.j[d];
+    for (int q = 0; q < most; ++q) rest[q] += weight * other.rest[q];
+  }
+  /// Returns a population in the units of this run.
+  double population(int q, const FluidScales& scales) const {
+    const double shift = scales.heat ? scales.heat->shift : 0;
+    const double off = q < first_of_heat ? scales.off_equilibrium : scales.heat->off_equilibrium;
+    const std::array<double, 3> scaled{scales.velocity * j[0], scales.velocity * j[1],
+                                       scales.velocity * j[2]};
+    return equilibrium(q, scales.pressure * rho, temperature + shift, scaled) + off * rest[q];
+  }
+
+ private:
+  static double equilibrium(int q, double rho, double temperature, const std::array<double, 3>& j) {
+    return q < first_of_heat ? lbm::equilibrium(q, rho, j.data())
+                             : lbm::heat_equilibrium(q - first_of_heat, temperature, j);
+  }
+};
 
 /// A cell of the other run; outside the domain none is fluid.
 struct OldCell : CellFluid {
@@ -127,6 +166,16 @@ void read_old_populations(const CheckpointReader& reader, adapters::Storage stor
 
 }  // namespace
 
+void rescale_populations(coupler::FluidFields& fields, const FluidScales& scales) {
+  for (int b = 0; b < fields.blocks(); ++b)
+    change_populations(fields, b, scales.populations(), [&](Int3, std::vector<double>& g) {
+      CellFluid cell;
+      std::ranges::copy(g, cell.rest);
+      cell.split();
+      for (std::size_t q = 0; q < g.size(); ++q) g[q] = cell.population(int(q), scales);
+    });
+}
+
 void interpolate_populations(const CheckpointReader& reader, const Case& setup, coupler::FluidFields& fields,
                              const FluidScales& scales) {
   std::vector<OldCells> around;
@@ -141,17 +190,10 @@ void interpolate_populations(const CheckpointReader& reader, const Case& setup, 
                                [](int, OldCell& cell, std::uint8_t solid) { cell.is_fluid &= solid == 0; });
   for (int b = 0; b < fields.blocks(); ++b) {
     std::ranges::for_each(around[b].cells, &OldCell::split);
-    const CellBox& block = fields.block(b);
-    CellBox plane{{}, {block.size.x, block.size.y, 1}};
-    std::vector<std::vector<double>> g(scales.populations());
-    for (; plane.lower.z < block.size.z; ++plane.lower.z) {
-      for (auto& of_one : g) of_one.clear();
-      lbm::for_cells(plane.lower, plane.lower + plane.size, [&](Int3 x) {
-        const OldCell old = around[b].value_at(block.lower + x, scales.length);
-        for (std::size_t q = 0; q < g.size(); ++q) g[q].push_back(old.population(int(q), scales));
-      });
-      for (std::size_t q = 0; q < g.size(); ++q) fields.write(b, plane, int(q), g[q].data());
-    }
+    change_populations(fields, b, scales.populations(), [&](Int3 cell, std::vector<double>& g) {
+      const OldCell old = around[b].value_at(cell, scales.length);
+      for (std::size_t q = 0; q < g.size(); ++q) g[q] = old.population(int(q), scales);
+    });
   }
 }
 
