@@ -23,7 +23,8 @@ template <class AnyContact, class Each>
 void for_contact_members(AnyContact& c, Each&& each) {
   each(c.a), each(c.b), each(c.image), each(c.feature);
   for (int d = 0; d < 3; ++d) each(c.normal[d]), each(c.r_a[d]), each(c.r_b[d]);
-  each(c.gap), each(c.restitution), each(c.friction), each(c.lubrication), each(c.normal_turns);
+  each(c.gap), each(c.restitution), each(c.friction), each(c.lubrication), each(c.radii),
+      each(c.normal_turns);
 }
 
 void put_contact(parallel::Bytes& to, const Contact& c) {

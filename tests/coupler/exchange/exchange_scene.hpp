@@ -6,6 +6,7 @@
 #include <memory>
 #include <random>
 #include <string_view>
+#include <utility>
 
 #include "adapters/automatic/collision_factory.hpp"
 #include "coupler/exchange/check_exchange.hpp"
@@ -74,6 +75,7 @@ struct ExchangeScene {
   rigid::World world;
   rigid::BodySet bodies;
   rigid::ResolverSettings settings;
+  const char* broad_phase = "auto";
 
   ExchangeScene(double restitution, double friction) {
     world.materials = {{restitution, friction}};
@@ -102,10 +104,15 @@ struct ExchangeScene {
     bodies.set_velocity(bodies.row_of(id), v, w);
   }
   void add_walls() {  // where not periodic
-    rigid::Extent extent{{double(cells.x), double(cells.y), double(cells.z)}, periodic};
     std::array<rigid::WallSpec, 6> walls;
     for (rigid::WallSpec& w : walls) w.solid = true;
-    rigid::add_walls(bodies, world, extent, walls);
+    rigid::add_walls(bodies, world, extent(), walls);
+  }
+  rigid::Extent extent() const { return {{double(cells.x), double(cells.y), double(cells.z)}, periodic}; }
+  std::unique_ptr<rigid::ContactResolver> resolver(std::string_view law) const {
+    rigid::ResolverSettings all = settings;
+    rigid::set_materials(all, world);
+    return rigid::make_resolver(law, all);
   }
   std::array<lbm::SideCondition, 6> sides() const {
     std::array<lbm::SideCondition, 6> s;
@@ -153,7 +160,8 @@ class Witness : public ParallelBodyExchange {
  private:
   static std::uint64_t hash_of_contact(const rigid::Contact& c) {
     BitHash hash;
-    hash.add(c.a, c.b, c.feature, c.image, c.gap, c.restitution, c.friction);
+    hash.add(c.a, c.b, c.feature, c.image, c.gap, c.restitution, c.friction, c.radii, c.lubrication,
+             c.normal_turns);
     for (const Vec3* v : {&c.normal, &c.r_a, &c.r_b}) hash.add((*v)[0], (*v)[1], (*v)[2]);
     return hash.value();
   }
@@ -184,7 +192,7 @@ struct SceneRun {
   std::unique_ptr<rigid::ContactResolver> resolver;
   rigid::RigidStep step;
   rigid::RigidStepReport report;
-  std::uint64_t contacts = 0, mixed_contacts = 0, sweeps = 0;
+  std::uint64_t contacts = 0, mixed_contacts = 0, sweeps = 0, impact_sweeps = 0;
 
   SceneRun(MPI_Comm comm, const ExchangeScene& from, std::string_view law = "sffd", Blocks blocks = {},
            double rim = contact_rim,
@@ -194,8 +202,8 @@ struct SceneRun {
         domain(blocks.cut(scene.cells, ranks_of(comm)), scene.sides(), ranks_of(comm)),
         exchange(comm, domain, scene.world, rim),
         backend(std::move(collision)),
-        resolver(rigid::make_resolver(law, scene.settings)),
-        step(scene.world, *backend, *resolver, exchange) {
+        resolver(scene.resolver(law)),
+        step(scene.world, *backend, *resolver, exchange, adapters::make_broad_phase(scene.broad_phase)) {
     drop_others();
     exchange.synchronise(scene.bodies);
   }
@@ -205,6 +213,7 @@ struct SceneRun {
     contacts += report.resolver.contacts;
     mixed_contacts += report.mixed_owner_contacts;
     sweeps += report.resolver.sweeps;
+    impact_sweeps += report.resolver.impact_sweeps;
   }
   std::uint64_t hash() { return records_hash(comm, scene.bodies); }
 
@@ -218,32 +227,42 @@ struct SceneRun {
   }
 };
 
-/// Spheres of three sizes and boxes on a lattice of places, all of them moving: a gas that never rests.
+/// Adds body k of those on a lattice of places, 16 a layer, each a little off its place, with its own random
+/// motion.
+inline void add_flying(ExchangeScene& s, int k, int shape, double speed, double lift = 0) {
+  std::mt19937 random(k);
+  std::uniform_real_distribution<> u(-1, 1);
+  const Vec3 x = Vec3(3 + 6 * (k % 4), 3 + 6 * (k / 4 % 4), 3 + 6 * (k / 16) + lift) +
+                 0.3 * Vec3(u(random), u(random), u(random));
+  const Vec3 v(u(random), u(random), u(random)), w(u(random), u(random), u(random));
+  const rigid::Quat q = rigid::Quat(1, u(random), u(random), u(random)).normalized();
+  s.add(1000 - 7 * k, shape, x, speed * v, 0.1 * w, q);
+}
+
+/// Spheres of three sizes and boxes, all of them moving: a gas that never rests.
 inline ExchangeScene gas(double restitution, double speed = 0.3) {
   ExchangeScene s(restitution, 0.2);
   const int shapes[] = {s.shape(rigid::Sphere{1.6}), s.shape(rigid::Sphere{2.2}), s.shape(rigid::Sphere{2.6}),
                         s.shape(rigid::Box{{1.2, 1.8, 1.4}})};
-  for (int k = 0; k < 64; ++k) {
-    std::mt19937 random(k);
-    std::uniform_real_distribution<> u(-1, 1);
-    const Vec3 x = Vec3(3 + 6 * (k % 4), 3 + 6 * (k / 4 % 4), 3 + 6 * (k / 16)) +
-                   0.3 * Vec3(u(random), u(random), u(random));
-    const Vec3 v(u(random), u(random), u(random)), w(u(random), u(random), u(random));
-    const rigid::Quat q = rigid::Quat(1, u(random), u(random), u(random)).normalized();
-    s.add(1000 - 7 * k, shapes[k % 7 == 0 ? 3 : k % 3], x, speed * v, 0.1 * w, q);
-  }
+  for (int k = 0; k < 64; ++k) add_flying(s, k, shapes[k % 7 == 0 ? 3 : k % 3], speed);
+  return s;
+}
+
+/// Keeps the bodies of a scene without walls at these places.
+template <class Keep>
+ExchangeScene thinned(ExchangeScene s, Keep&& keep) {
+  const rigid::BodySet all = std::exchange(s.bodies, {});
+  for (std::size_t row = 0; row < all.owned; ++row)
+    if (keep(all.position[row])) s.bodies.add(all.record(row));
+  s.bodies.reindex();
   return s;
 }
 
 /// A ball that overlaps every block, small ones around it.
 inline ExchangeScene planet() {
-  const ExchangeScene whole = gas(1);
-  ExchangeScene s = whole;
-  s.bodies = {};
   const Vec3 centre(12, 12, 12);
   const double radius = 8.5;
-  for (std::size_t row = 0; row < whole.bodies.owned; ++row)
-    if ((whole.bodies.position[row] - centre).norm() > radius + 2.6) s.bodies.add(whole.bodies.record(row));
+  ExchangeScene s = thinned(gas(1), [&](const Vec3& x) { return (x - centre).norm() > radius + 2.6; });
   s.add(5000, s.shape(rigid::Sphere{radius}), centre, {0.02, 0.03, -0.05});
   return s;
 }

@@ -1,9 +1,14 @@
 // Bodies that cross the borders of ranks and touch there all the time have the same bits on any number of
-// ranks.
+// ranks, and in any order of rows.
 #include <gtest/gtest.h>
+
+#include <algorithm>
+#include <numeric>
+#include <random>
 
 #include "coupler/exchange/parallel_body_exchange.hpp"
 #include "tests/coupler/exchange/exchange_scene.hpp"
+#include "tests/rigid/shapes/meshes.hpp"
 #include "tests/world.hpp"
 
 namespace silt::coupler {
@@ -36,6 +41,7 @@ void expect_same_as_on_one_rank(const ExchangeScene& scene, std::string_view law
   EXPECT_EQ(sum_of(MPI_COMM_WORLD, parallel.exchange.at_first), serial.exchange.at_first);
   EXPECT_EQ(sum_of(MPI_COMM_WORLD, parallel.exchange.at_second), serial.exchange.at_second);
   EXPECT_GT(serial.contacts, std::uint64_t(steps));
+  EXPECT_EQ(serial.impact_sweeps > 0, scene.settings.impact_sweeps > 0);
   const std::uint64_t migrations = sum_of(MPI_COMM_WORLD, parallel.exchange.counters().migrations);
   const std::uint64_t mixed = sum_of(MPI_COMM_WORLD, parallel.mixed_contacts);
   if (ranks_of(MPI_COMM_WORLD) == 1) return;
@@ -44,20 +50,20 @@ void expect_same_as_on_one_rank(const ExchangeScene& scene, std::string_view law
   EXPECT_GT(sum_of(MPI_COMM_WORLD, parallel.exchange.visitors), 0u);
 }
 
+ExchangeScene elastic_gas() {
+  return gas(1);
+}
+ExchangeScene lossy_gas() {
+  return gas(0.8);
+}
 /// A quarter as wide as the gas: every body meets its neighbours through both sides, close to its own images.
 ExchangeScene ring() {
-  const ExchangeScene whole = gas(1);
-  ExchangeScene s = whole;
+  ExchangeScene s = thinned(gas(1), [](const Vec3& x) { return x[0] < 6; });
   s.cells = {6, 24, 24};
-  s.bodies = {};
-  for (std::size_t row = 0; row < whole.bodies.owned; ++row)
-    if (whole.bodies.position[row][0] < 6) s.bodies.add(whole.bodies.record(row));
-  s.bodies.reindex();
   return s;
 }
-/// Falling onto a floor between walls, fixed and moved bodies among them: chains of contacts, impulses
-/// remembered.
-ExchangeScene heap() {
+/// Falling, with few sweeps to solve for contacts: what is added up in another order would show.
+ExchangeScene falling() {
   ExchangeScene s = gas(0.3, 0.1);
   s.periodic = {true, false, false};
   s.world.gravity = {0.0005, 0.0003, -0.003};
@@ -66,7 +72,93 @@ ExchangeScene heap() {
   s.bodies.set_velocity(5, Vec3::Zero(), Vec3::Zero());
   s.bodies.motion[40] = rigid::Motion::prescribed;
   s.bodies.set_velocity(40, {0.05, 0, 0}, {0, 0.01, 0});
+  return s;
+}
+/// Falling onto a floor between walls, fixed and moved bodies among them: chains of contacts, impulses
+/// remembered.
+ExchangeScene heap() {
+  ExchangeScene s = falling();
   s.add_walls();
+  return s;
+}
+ExchangeScene heap_by_bullet() {
+  ExchangeScene s = heap();
+  s.broad_phase = "bullet";
+  return s;
+}
+ExchangeScene heap_by_fcl() {
+  ExchangeScene s = heap();
+  s.broad_phase = "fcl";
+  return s;
+}
+/// Slippery between bodies of one material and rough between those of two, so that groups of contacts with
+/// friction, without, and of both come about.
+ExchangeScene partly_slippery() {
+  ExchangeScene s = heap();
+  s.world.materials = {{0.4, 0}, {0.4, 0.5}, {0.4, 0.5}, {0.4, 0}};
+  s.world.material_count = 2;
+  for (std::size_t row = 0; row < s.bodies.owned; ++row) s.bodies.material[row] = s.bodies.id[row] % 3 == 0;
+  return s;
+}
+ExchangeScene heap_of_impacts() {
+  ExchangeScene s = heap();
+  s.world.materials[0].restitution = 0.9;
+  s.settings.impact_sweeps = 60;
+  return s;
+}
+/// Bodies that stick to each other and to the walls.
+ExchangeScene sticky() {
+  ExchangeScene s = heap();
+  rigid::Material& m = s.world.materials[0];
+  m.restitution = 0, m.cohesion = 0.2, m.hamaker = 1e-6, m.hamaker_gap = 1e-3;
+  return s;
+}
+rigid::Compound star() {
+  rigid::Compound star;
+  for (const Vec3& axis : {Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1)})
+    star.parts.push_back(
+        {rigid::Capsule{0.8, 1.2}, {Vec3::Zero(), rigid::rotation_between(Vec3::UnitZ(), axis)}});
+  return star;
+}
+/// A turning plate, prescribed, much larger than a rank's part, with a beam across it that sweeps along what
+/// falls on it.
+ExchangeScene carousel() {
+  ExchangeScene s = thinned(falling(), [](const Vec3& x) { return x[2] > 6; });
+  rigid::Compound plate;
+  plate.parts = {{rigid::Box{{8, 8, 0.5}}, {}},
+                 {rigid::Box{{7.6, 0.5, 1}}, {Vec3(0, 0, 1.5), rigid::Quat::Identity()}}};
+  s.add(5000, s.shape(plate), {12, 12, 3}, {0.02, 0, 0}, {0, 0, 0.02});
+  s.bodies.motion[s.bodies.row_of(5000)] = rigid::Motion::prescribed;
+  s.add_walls();
+  return s;
+}
+/// Rings and cubes of triangles, balls, boxes, capsules and stars on a floor of triangles, with a paddle of
+/// triangles that turns across a periodic border.
+ExchangeScene meshes_on_a_floor() {
+  using namespace rigid::testing;
+  ExchangeScene s(0.4, 0.3);
+  s.periodic = {true, true, false};
+  s.world.gravity = {0, 0, -0.003};
+  s.settings.max_sweeps = 6;
+  const int shapes[] = {s.shape(solid_of(torus_mesh(1.8, 0.6, 10, 6))),
+                        s.shape(solid_of(cuboid_mesh(Vec3::Constant(-1.6), Vec3::Constant(1.6)))),
+                        s.shape(rigid::Sphere{1.6}),
+                        s.shape(rigid::Box{{1.6, 1.2, 2}}),
+                        s.shape(rigid::Capsule{1, 1.6}),
+                        s.shape(star())};
+  for (int k = 0; k < 36; ++k) add_flying(s, k, shapes[k % 6], 0.1, 6);
+  s.add_walls();
+  const rigid::Quat upright = rigid::Quat::Identity();
+  rigid::PrescribedMotion turns;
+  turns.angular_velocity = {0, 0, 0.01};
+  add_wall(s.bodies, s.world,
+           {solid_of(random_slab(72, 4, 6, 3)), {{-24, -24, 4}, upright}, Vec3::UnitZ(), 0, {}});
+  add_wall(s.bodies, s.world,
+           {solid_of(cuboid_mesh({-6, -0.8, -1.6}, {6, 0.8, 1.6})),
+            {{1.5, 12, 5.7}, upright},
+            Vec3::UnitZ(),
+            0,
+            turns});
   return s;
 }
 
@@ -74,67 +166,56 @@ struct ExchangeRun {
   const char* name;
   ExchangeScene (*scene)();
   const char* law;
-  Blocks (*blocks)();
+  Blocks blocks;
   int steps;
 };
 const ExchangeRun exchange_runs[] = {
-    {"GasInPeriodicBox", [] { return gas(1); }, "sffd", [] { return Blocks{}; }, 2000},
-    {"GasOnCubesSeveralARank", [] { return gas(1); }, "sffd",
-     [] {
-       return Blocks{{6, 6, 6}};
-     },
-     400},
-    {"GasOnSliversSeveralARank", [] { return gas(1); }, "sffd",
-     [] {
-       return Blocks{{5, 24, 3}};
-     },
-     400},
-    {"GasOnOddBlocks", [] { return gas(1); }, "sffd", [] { return odd_blocks(1); }, 400},
-    {"GasOnOddBlocksSeveralARank", [] { return gas(1); }, "sffd", [] { return odd_blocks(4); }, 400},
-    {"GasWithClassicFfd", [] { return gas(0.8); }, "ffd", [] { return Blocks{}; }, 400},
-    {"GasWithClassicFfdSeveralBlocksARank", [] { return gas(0.8); }, "ffd",
-     [] {
-       return Blocks{{6, 12, 5}};
-     },
-     400},
-    {"PeriodicAxisOfOneBlock", ring, "sffd",
-     [] {
-       return Blocks{{6, 12, 6}};
-     },
-     700},
-    {"PeriodicAxisOfTwoBlocks", ring, "sffd",
-     [] {
-       return Blocks{{3, 12, 12}};
-     },
-     700},
-    {"BallAsLargeAsBlocks", planet, "sffd", [] { return Blocks{}; }, 600},
-    {"BallLargerThanBlocks", planet, "sffd",
-     [] {
-       return Blocks{{6, 6, 6}};
-     },
-     300},
-    {"BallLargerThanBlocksWithFfd", planet, "ffd",
-     [] {
-       return Blocks{{12, 12, 4}};
-     },
-     300},
-    {"BallLargerThanOddBlocks", planet, "sffd", [] { return odd_blocks(27); }, 300},
-    {"HeapBetweenWalls", heap, "sffd",
-     [] {
-       return Blocks{{12, 12, 12}};
-     },
-     300},
-    {"HeapOnOddBlocks", heap, "sffd", [] { return odd_blocks(3, 6); }, 300},
-    {"HeapBetweenWallsClassicFfd", heap, "ffd",
-     [] {
-       return Blocks{{8, 8, 8}};
-     },
-     400}};
+    {"GasInPeriodicBox", elastic_gas, "sffd", {}, 2000},
+    {"GasOnCubesSeveralARank", elastic_gas, "sffd", {{6, 6, 6}}, 400},
+    {"GasOnSliversSeveralARank", elastic_gas, "sffd", {{5, 24, 3}}, 400},
+    {"GasOnOddBlocks", elastic_gas, "sffd", odd_blocks(1), 400},
+    {"GasOnOddBlocksSeveralARank", elastic_gas, "sffd", odd_blocks(4), 400},
+    {"GasWithClassicFfd", lossy_gas, "ffd", {}, 400},
+    {"GasWithClassicFfdSeveralBlocksARank", lossy_gas, "ffd", {{6, 12, 5}}, 400},
+    {"PeriodicAxisOfOneBlock", ring, "sffd", {{6, 12, 6}}, 700},
+    {"PeriodicAxisOfTwoBlocks", ring, "sffd", {{3, 12, 12}}, 700},
+    {"BallAsLargeAsBlocks", planet, "sffd", {}, 600},
+    {"BallLargerThanBlocks", planet, "sffd", {{6, 6, 6}}, 300},
+    {"BallLargerThanBlocksWithFfd", planet, "ffd", {{12, 12, 4}}, 300},
+    {"BallLargerThanOddBlocks", planet, "sffd", odd_blocks(27), 300},
+    {"HeapBetweenWalls", heap, "sffd", {{12, 12, 12}}, 300},
+    {"HeapOnOddBlocks", heap, "sffd", odd_blocks(3, 6), 300},
+    {"HeapBetweenWallsClassicFfd", heap, "ffd", {{8, 8, 8}}, 400},
+    {"HeapByBullet", heap_by_bullet, "sffd", {}, 300},
+    {"HeapByFcl", heap_by_fcl, "sffd", {}, 300},
+    {"PartlySlippery", partly_slippery, "sffd", {}, 300},
+    {"HeapOfImpacts", heap_of_impacts, "sffd", {}, 300},
+    {"Sticky", sticky, "sffd", {}, 300},
+    {"PlateLargerThanBlocks", carousel, "sffd", {{6, 12, 6}}, 400},
+    {"MeshesOnAFloor", meshes_on_a_floor, "sffd", {}, 300}};
 
 class BodyExchange : public ::testing::TestWithParam<ExchangeRun> {};
 TEST_P(BodyExchange, IsAsOnOneRank) {
   const ExchangeRun& run = GetParam();
-  expect_same_as_on_one_rank(run.scene(), run.law, run.blocks(), run.steps, 1);
+  expect_same_as_on_one_rank(run.scene(), run.law, run.blocks, run.steps, 1);
+}
+/// Without the exchange that sorts them.
+TEST_P(BodyExchange, OrderOfRowsDoesNotMatter) {
+  if (ranks() > 1) return;
+  ExchangeScene s = GetParam().scene();
+  SceneRun<> sorted(MPI_COMM_SELF, s, GetParam().law);
+  const rigid::BodySet ordered = s.bodies;
+  std::vector<std::size_t> rows(ordered.owned);
+  std::iota(rows.begin(), rows.end(), 0);
+  std::shuffle(rows.begin(), rows.end(), std::mt19937(2));
+  for (std::size_t k = 0; k < rows.size(); ++k) s.bodies.erase(0);
+  for (std::size_t k = 0; k < rows.size(); ++k) s.bodies.insert(k, ordered.record(rows[k]));
+  s.bodies.reindex();
+  rigid::BodyExchange exchange(s.extent());
+  const auto resolver = s.resolver(GetParam().law);
+  rigid::RigidStep step(s.world, *sorted.backend, *resolver, exchange);
+  for (int i = 0; i < std::min(GetParam().steps, 300); ++i) sorted.advance(), step(s.bodies, 1);
+  EXPECT_EQ(records_hash(MPI_COMM_SELF, s.bodies), sorted.hash());
 }
 INSTANTIATE_TEST_SUITE_P(Parallel, BodyExchange, ::testing::ValuesIn(exchange_runs),
                          [](const auto& info) { return info.param.name; });
