@@ -91,18 +91,21 @@ ExchangeScene heap_by_fcl() {
   s.broad_phase = "fcl";
   return s;
 }
-/// Slippery between bodies of one material and rough between those of two, so that groups of contacts with
-/// friction, without, and of both come about.
-ExchangeScene partly_slippery() {
+/// The heap's bodies of two materials, by their ids.
+ExchangeScene heap_of(const rigid::Material& equals, const rigid::Material& unequals) {
   ExchangeScene s = heap();
-  s.world.materials = {{0.4, 0}, {0.4, 0.5}, {0.4, 0.5}, {0.4, 0}};
+  s.world.materials = {equals, unequals, unequals, equals};
   s.world.material_count = 2;
   for (std::size_t row = 0; row < s.bodies.owned; ++row) s.bodies.material[row] = s.bodies.id[row] % 3 == 0;
   return s;
 }
+/// Groups of contacts with friction, without, and of both come about.
+ExchangeScene partly_slippery() {
+  return heap_of({0.4, 0}, {0.4, 0.5});
+}
+/// Of pairs that meet in one body those of the larger restitution collide first.
 ExchangeScene heap_of_impacts() {
-  ExchangeScene s = heap();
-  s.world.materials[0].restitution = 0.9;
+  ExchangeScene s = heap_of({0.9, 0.2}, {0.6, 0.2});
   s.settings.impact_sweeps = 60;
   return s;
 }
