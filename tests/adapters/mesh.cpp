@@ -6,6 +6,7 @@
 #include <string>
 
 #include "adapters/mesh/read_mesh.hpp"
+#include "tests/adapters/mesh_texts.hpp"
 #include "tests/errors.hpp"
 
 namespace silt::adapters {
@@ -13,19 +14,9 @@ namespace {
 
 using rigid::Vec3;
 
-const Vec3 corner_of(int i) {
-  return Vec3(i & 1, i >> 1 & 1, i >> 2 & 1);
-}
-
-/// The triangles of a cube.
-std::vector<std::array<int, 3>> indexed_cube() {
-  std::vector<std::array<int, 3>> triangles;
-  const int squares[6][4] = {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4},
-                             {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}};
-  for (const auto& s : squares)
-    triangles.push_back({s[0], s[1], s[2]}), triangles.push_back({s[0], s[2], s[3]});
-  return triangles;
-}
+using tests::cube_corner;
+using tests::cube_facets;
+using tests::cube_triangles;
 
 struct Piece {
   Vec3 at = Vec3::Zero();
@@ -34,12 +25,12 @@ struct Piece {
 
 /// Cubes as an OBJ file.
 std::string obj_of(const std::vector<Piece>& pieces,
-                   const std::vector<std::array<int, 3>>& triangles = indexed_cube()) {
+                   const std::vector<std::array<int, 3>>& triangles = cube_triangles()) {
   std::string text = "# cubes\nmtllib none.mtl\n";
   char line[100];
   for (std::size_t p = 0; p < pieces.size(); ++p) {
     for (int i = 0; i < 8; ++i) {
-      const Vec3 x = pieces[p].at + pieces[p].size * corner_of(i);
+      const Vec3 x = pieces[p].at + pieces[p].size * cube_corner(i);
       std::snprintf(line, sizeof line, "v %.17g %.17g %.17g\n", x[0], x[1], x[2]);
       text += line;
     }
@@ -51,46 +42,20 @@ std::string obj_of(const std::vector<Piece>& pieces,
   return text;
 }
 
-std::string ply_header(const char* format, int vertices, int faces) {
-  return std::string("ply\nformat ") + format + " 1.0\ncomment a cube\nelement vertex " +
-         std::to_string(vertices) +
-         "\nproperty float x\nproperty float y\nproperty float z\nproperty uchar red\nelement face " +
-         std::to_string(faces) + "\nproperty list uchar int vertex_indices\nend_header\n";
-}
 std::string ply_binary() {
-  std::string bytes = ply_header("binary_little_endian", 8, 12);
-  const auto put = [&](const auto& x) { bytes.append(reinterpret_cast<const char*>(&x), sizeof x); };
+  std::string bytes =
+      "ply\nformat binary_little_endian 1.0\ncomment a cube\nelement vertex 8\nproperty float x\nproperty "
+      "float y\nproperty float z\nproperty uchar red\nelement face 12\nproperty list uchar int "
+      "vertex_indices\nend_header\n";
   for (int i = 0; i < 8; ++i) {
-    for (int d = 0; d < 3; ++d) put(float(corner_of(i)[d]));
-    put(std::uint8_t{255});
+    for (int d = 0; d < 3; ++d) tests::put(bytes, float(cube_corner(i)[d]));
+    tests::put(bytes, std::uint8_t{255});
   }
-  for (const auto& t : indexed_cube()) put(std::uint8_t{3}), put(t);
-  return bytes;
-}
-std::string stl_binary() {
-  std::string bytes(80, ' ');
-  const auto put = [&](const auto& x) { bytes.append(reinterpret_cast<const char*>(&x), sizeof x); };
-  put(std::uint32_t{12});
-  for (const auto& t : indexed_cube()) {
-    for (int k = 0; k < 3; ++k) put(0.f);
-    for (const int i : t)
-      for (int d = 0; d < 3; ++d) put(float(corner_of(i)[d]));
-    put(std::uint16_t{0});
+  for (const auto& triangle : cube_triangles()) {
+    tests::put(bytes, std::uint8_t{3});
+    for (const int i : triangle) tests::put(bytes, i);
   }
   return bytes;
-}
-std::string stl_text() {
-  std::string text = "solid cube\n";
-  for (const auto& t : indexed_cube()) {
-    text += "facet normal 0 0 0\nouter loop\n";
-    for (const int i : t) {
-      const Vec3 x = corner_of(i);
-      text +=
-          "vertex " + std::to_string(x[0]) + ' ' + std::to_string(x[1]) + ' ' + std::to_string(x[2]) + '\n';
-    }
-    text += "endloop\nendfacet\n";
-  }
-  return text + "endsolid\n";
 }
 
 using tests::error_of;
@@ -99,7 +64,7 @@ std::string error_of_obj(const std::string& text) {
 }
 
 TEST(ReadMesh, DefectsAreMendedAndCounted) {
-  auto triangles = indexed_cube();
+  auto triangles = cube_triangles();
   std::swap(triangles[3][0], triangles[3][1]), std::swap(triangles[8][0], triangles[8][1]);
   triangles.push_back(triangles[5]);
   triangles.push_back({0, 0, 1});
@@ -119,7 +84,7 @@ TEST(ReadMesh, SheetsOfNoThicknessAreLeftOut) {
   const auto read = [](std::vector<std::array<int, 3>> triangles, const char* point) {
     return read_mesh("a.obj", obj_of({{}}, triangles) + point, 1);
   };
-  const auto cube = indexed_cube();
+  const auto cube = cube_triangles();
   ReadMesh found = read_mesh("a.obj", "v -1 -1 2\n" + obj_of({{}}, cube) + "f 1 -8 -7\nf -8 1 -7\n", 1);
   EXPECT_EQ(found.welded.thin, 2u);
   EXPECT_EQ(found.surface->triangles().size(), 12u);
@@ -157,10 +122,10 @@ TEST(ReadMesh, PointsThatNoFaceUsesDoNotCount) {
 
 /// Numbers in single precision are 0.5 apart from 2^22 on.
 TEST(ReadMesh, SaysHowFarApartSingleCoordinatesAre) {
-  EXPECT_EQ(read_mesh("a.stl", stl_text(), 1).coordinate_step, 0);
+  EXPECT_EQ(read_mesh("a.stl", tests::stl_text(cube_facets()), 1).coordinate_step, 0);
   EXPECT_EQ(read_mesh("a.obj", obj_of({{}}), 1).coordinate_step, 0);
   EXPECT_EQ(read_mesh("a.ply", ply_binary(), 3).coordinate_step, 3 * 0x1p-23);
-  std::string far = stl_binary();
+  std::string far = tests::stl_binary(cube_facets());
   for (std::size_t t = 0; t < 12; ++t)
     for (std::size_t k = 3; k < 12; ++k) {
       float x;
@@ -184,7 +149,7 @@ TEST(ReadMesh, ShellsAreTurnedByWhatIsAroundThem) {
 }
 
 TEST(ReadMesh, NearlyEqualCornersAreOne) {
-  std::string bytes = stl_binary();
+  std::string bytes = tests::stl_binary(cube_facets());
   const float off = 1 + 5e-8f * 2;  // of the first corner that is 1
   for (std::size_t at = 84 + 12; at + 4 <= 84 + 48; at += 4) {
     float x;
@@ -197,7 +162,7 @@ TEST(ReadMesh, NearlyEqualCornersAreOne) {
 }
 
 TEST(ReadMesh, WhatCannotBeMendedIsNamedWithItsPlace) {
-  auto open = indexed_cube();
+  auto open = cube_triangles();
   open.pop_back();
   EXPECT_TEXT(error_of_obj(obj_of({{}}, open)), "3 edges, the first from [0, 0, 1]");
   const std::string touching = error_of_obj(obj_of({{}, {{1, 1, 0}, 1}}));

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "adapters/mesh/read_mesh.hpp"
+#include "tests/adapters/mesh_texts.hpp"
 #include "tests/errors.hpp"
 
 namespace silt::adapters::dialects {
@@ -26,10 +27,8 @@ Vec3 corner(int i) {
 }
 const int quads[6][4] = {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}};
 
-std::vector<std::array<int, 3>> triangles() {
-  std::vector<std::array<int, 3>> all;
-  for (const auto& q : quads) all.push_back({q[0], q[1], q[2]}), all.push_back({q[0], q[2], q[3]});
-  return all;
+std::vector<tests::Facet> block() {
+  return tests::cube_facets([](const Vec3& x) { return corner(int(x[0] + 2 * x[1] + 4 * x[2])); });
 }
 
 std::string replaced(std::string text, const std::string& from, const std::string& to, bool once = false) {
@@ -45,40 +44,12 @@ std::string one_case(std::string text, int (*change)(int)) {
   return text;
 }
 
-const char* const facet_form = "  facet normal 0 0 1\n    outer loop\n{}    endloop\n  endfacet\n";
-
 std::string text_stl(const char* number = "{} {} {}", const std::string& name = "part") {
-  std::string text = "solid " + name + "\n";
-  for (const auto& t : triangles()) {
-    std::string corners;
-    for (const int i : t) {
-      const Vec3 x = corner(i);
-      corners += "      vertex " + fmt::format(fmt::runtime(number), x[0], x[1], x[2]) + "\n";
-    }
-    text += fmt::format(fmt::runtime(facet_form), corners);
-  }
-  return text + "endsolid " + name + "\n";
+  return tests::stl_text(block(), number, name);
 }
-
-template <class Number>
-void put(std::string& bytes, Number x, bool swapped = false) {
-  char stored[sizeof x];
-  std::memcpy(stored, &x, sizeof x);
-  if (swapped) std::reverse(stored, stored + sizeof x);
-  bytes.append(stored, sizeof x);
-}
-
-std::string binary_stl(std::string header = "made by a test", std::uint32_t count = 12,
+std::string binary_stl(const std::string& header = "made by a test", std::uint32_t count = 12,
                        bool swapped = false) {
-  header.resize(80);
-  put(header, count, swapped);
-  for (const auto& t : triangles()) {
-    for (int k = 0; k < 3; ++k) put(header, 0.f, swapped);
-    for (const int i : t)
-      for (int d = 0; d < 3; ++d) put(header, float(corner(i)[d]), swapped);
-    put(header, std::uint16_t{0x8001});
-  }
-  return header;
+  return tests::stl_binary(block(), header, count, swapped);
 }
 
 std::string points_obj(const char* form = "v {} {} {}\n") {
@@ -89,7 +60,7 @@ std::string points_obj(const char* form = "v {} {} {}\n") {
 }
 std::string faces_obj(const char* form = "f {} {} {}\n", int from = 1) {
   std::string text;
-  for (const auto& [a, b, c] : triangles())
+  for (const auto& [a, b, c] : tests::cube_triangles())
     text += fmt::format(fmt::runtime(form), a + from, b + from, c + from);
   return text;
 }
@@ -122,10 +93,10 @@ std::string text_ply(const char* number = "{} {} {}\n") {
 std::string binary_ply(bool swapped) {
   std::string bytes = ply_header(swapped ? "binary_big_endian" : "binary_little_endian", "float");
   for (int i = 0; i < 8; ++i)
-    for (int d = 0; d < 3; ++d) put(bytes, float(corner(i)[d]), swapped);
-  for (const auto& t : triangles()) {
-    put(bytes, std::uint8_t{3});
-    for (const int i : t) put(bytes, i, swapped);
+    for (int d = 0; d < 3; ++d) tests::put(bytes, float(corner(i)[d]), swapped);
+  for (const auto& t : tests::cube_triangles()) {
+    tests::put(bytes, std::uint8_t{3});
+    for (const int i : t) tests::put(bytes, i, swapped);
   }
   return bytes;
 }

@@ -8,58 +8,17 @@
 #include "adapters/mesh/read_mesh.hpp"
 #include "adapters/qhull/convex_hull.hpp"
 #include "rigid/shapes/shape.hpp"
+#include "tests/adapters/mesh_texts.hpp"
 #include "tests/errors.hpp"
 
 namespace silt::adapters {
 namespace {
 
 using rigid::Vec3;
-using Facet = std::array<Vec3, 3>;
-
-/// The unit cube in 12 triangles, its corners seen through a map.
-template <class Map>
-std::vector<Facet> cube_triangles(Map&& map) {
-  const int squares[6][4] = {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4},
-                             {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}};
-  const auto corner = [&](int i) -> Vec3 { return map(Vec3(i & 1, i >> 1 & 1, i >> 2 & 1)); };
-  std::vector<Facet> triangles;
-  for (const auto& s : squares) {
-    triangles.push_back({corner(s[0]), corner(s[1]), corner(s[2])});
-    triangles.push_back({corner(s[0]), corner(s[2]), corner(s[3])});
-  }
-  return triangles;
-}
-std::vector<Facet> cube_triangles() {
-  return cube_triangles([](const Vec3& x) { return x; });
-}
-
-std::string as_text(const std::vector<Facet>& triangles, const char* newline = "\n") {
-  std::string text = std::string("solid a cube") + newline;
-  for (const Facet& t : triangles) {
-    text += std::string("facet normal 0 0 0") + newline + " outer loop" + newline;
-    for (const Vec3& v : t) {
-      char line[100];
-      std::snprintf(line, sizeof line, "  vertex %.9g %.9e %+.9g%s", v[0], v[1], v[2], newline);
-      text += line;
-    }
-    text += std::string(" endloop") + newline + "endfacet" + newline;
-  }
-  return text + "endsolid a cube" + newline;
-}
-
-std::string as_binary(const std::vector<Facet>& triangles, const char* header = "binary") {
-  std::string bytes = header;
-  bytes.resize(80);
-  const auto put = [&](const auto& x) { bytes.append(reinterpret_cast<const char*>(&x), sizeof x); };
-  put(static_cast<std::uint32_t>(triangles.size()));
-  for (const Facet& t : triangles) {
-    for (int k = 0; k < 3; ++k) put(0.f);
-    for (const Vec3& v : t)
-      for (int d = 0; d < 3; ++d) put(static_cast<float>(v[d]));
-    put(std::uint16_t{0});
-  }
-  return bytes;
-}
+using tests::cube_facets;
+using tests::Facet;
+using tests::stl_binary;
+using tests::stl_text;
 
 std::string refusal(const std::string& bytes) {
   return tests::error_of<std::invalid_argument>([&] { read_polyhedron("a.stl", bytes, 1); });
@@ -67,67 +26,66 @@ std::string refusal(const std::string& bytes) {
 
 TEST(ReadPolyhedron, TextAndBinaryGiveTheSameBody) {
   const rigid::Quat turn = rigid::Quat(0.3, 0.5, -0.2, 0.7).normalized();
-  const auto turned = cube_triangles([&](const Vec3& x) -> Vec3 { return turn * x + Vec3(5, 6, 7); });
+  const auto turned = cube_facets([&](const Vec3& x) -> Vec3 { return turn * x + Vec3(5, 6, 7); });
   for (const std::string& bytes :
-       {as_text(cube_triangles()), as_text(cube_triangles(), "\r\n"), as_binary(cube_triangles()),
-        as_binary(cube_triangles(), "solid but binary"), as_text(turned), as_binary(turned)}) {
+       {stl_text(cube_facets()), stl_binary(cube_facets()), stl_binary(cube_facets(), "solid but binary"),
+        stl_text(turned), stl_binary(turned)}) {
     const auto mesh = read_polyhedron("a.stl", bytes, 2).mesh;
     EXPECT_EQ(mesh->vertices.size(), 8u);
     EXPECT_EQ(mesh->faces.size(), 6u) << "two triangles a face, put together";
     EXPECT_NEAR(rigid::integrals(*mesh).volume, 8, 1e-5);
   }
-  EXPECT_EQ(stl_triangles(as_text(cube_triangles())).points,
-            stl_triangles(as_binary(cube_triangles())).points);
+  EXPECT_EQ(stl_triangles(stl_text(cube_facets())).points, stl_triangles(stl_binary(cube_facets())).points);
 }
 
 TEST(ReadPolyhedron, CornersAreWeldedAndTurnedOverBodiesTaken) {
-  auto shaken = cube_triangles();
+  auto shaken = cube_facets();
   for (std::size_t t = 0; t < shaken.size(); ++t)
     for (int k = 0; k < 3; ++k) shaken[t][k][(t + k) % 3] += 1e-7 * ((t * k) % 3);
-  EXPECT_EQ(read_polyhedron("a.stl", as_text(shaken), 1).mesh->vertices.size(), 8u);
-  auto inside_out = cube_triangles();
+  EXPECT_EQ(read_polyhedron("a.stl", stl_text(shaken), 1).mesh->vertices.size(), 8u);
+  auto inside_out = cube_facets();
   for (Facet& t : inside_out) std::swap(t[0], t[1]);
-  EXPECT_EQ(read_polyhedron("a.stl", as_text(inside_out), 1).mesh->faces.size(), 6u);
-  auto turned = cube_triangles();
+  EXPECT_EQ(read_polyhedron("a.stl", stl_text(inside_out), 1).mesh->faces.size(), 6u);
+  auto turned = cube_facets();
   std::swap(turned[3][0], turned[3][1]);
-  EXPECT_EQ(read_polyhedron("a.stl", as_text(turned), 1).mesh->faces.size(), 6u);
-  auto sliver = cube_triangles();  // a triangle without area, between two that meet along its edge
+  EXPECT_EQ(read_polyhedron("a.stl", stl_text(turned), 1).mesh->faces.size(), 6u);
+  auto sliver = cube_facets();  // a triangle without area, between two that meet along its edge
   sliver.push_back({Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 0, 0)});
-  EXPECT_EQ(read_polyhedron("a.stl", as_text(sliver), 1).mesh->faces.size(), 6u);
+  EXPECT_EQ(read_polyhedron("a.stl", stl_text(sliver), 1).mesh->faces.size(), 6u);
 }
 
 TEST(ReadPolyhedron, SaysWhatIsWrongWithTheSurface) {
-  auto open = cube_triangles();
+  auto open = cube_facets();
   open.pop_back();
-  EXPECT_EQ(refusal(as_text(open)),
+  EXPECT_EQ(refusal(stl_text(open)),
             "the surface is not closed: one triangle only has 3 edges, the first from [0, 0, 1] to [0, 1, "
             "1]; close its holes");
-  EXPECT_EQ(refusal(as_text({cube_triangles()[0]})), "it has 1 triangles; a closed surface has at least 4");
+  EXPECT_EQ(refusal(stl_text({cube_facets()[0]})), "it has 1 triangles; a closed surface has at least 4");
   // the top drawn down to a point below its middle: a dent of a pyramid, 1/3 x 1/2
-  auto dented = cube_triangles();
+  auto dented = cube_facets();
   dented.resize(10);
   const Vec3 tip(0.5, 0.5, 0.5), a(0, 0, 1), b(1, 0, 1), c(1, 1, 1), d(0, 1, 1);
   for (const auto& [p, q] : {std::pair{a, b}, {b, c}, {c, d}, {d, a}}) dented.push_back({p, q, tip});
-  EXPECT_EQ(refusal(as_binary(dented)),
+  EXPECT_EQ(refusal(stl_binary(dented)),
             "the surface is not convex: it encloses 0.833333 of the volume of its hull; make the shape a "
             "mesh, or cut the body into convex pieces, one file each, and put them together as a compound");
   const Vec3 o(0, 0, 0), x(1, 0, 0), y(0, 1, 0), pressed(0.3, 0.3, 0);
-  EXPECT_EQ(refusal(as_text({{o, y, x}, {o, x, pressed}, {x, y, pressed}, {y, o, pressed}})),
+  EXPECT_EQ(refusal(stl_text({{o, y, x}, {o, x, pressed}, {x, y, pressed}, {y, o, pressed}})),
             "the shell at [0, 0, 0] encloses no volume");
-  auto two = cube_triangles();
-  const auto other = cube_triangles([](const Vec3& x) -> Vec3 { return x + Vec3(3, 0, 0); });
+  auto two = cube_facets();
+  const auto other = cube_facets([](const Vec3& x) -> Vec3 { return x + Vec3(3, 0, 0); });
   two.insert(two.end(), other.begin(), other.end());
-  EXPECT_TRUE(refusal(as_text(two)).starts_with("the surface is not convex: it encloses 0.5 of the volume"))
-      << refusal(as_text(two));
+  EXPECT_TRUE(refusal(stl_text(two)).starts_with("the surface is not convex: it encloses 0.5 of the volume"))
+      << refusal(stl_text(two));
 }
 
 /// The needle's triangles run 1e-3 of its length across: flat faces are flat to 1e-6 of the thickness.
 TEST(ReadPolyhedron, ANeedleKeepsItsVolume) {
   const rigid::Quat turn = rigid::Quat(0.3, 0.5, -0.2, 0.7).normalized();
   const auto needle =
-      cube_triangles([&](const Vec3& x) -> Vec3 { return turn * Vec3(x[0], 0.001 * x[1], 0.001 * x[2]); });
-  EXPECT_NEAR(rigid::integrals(*read_polyhedron("a.stl", as_text(needle), 1).mesh).volume, 1e-6, 1e-10);
-  EXPECT_NEAR(rigid::integrals(*read_polyhedron("a.stl", as_binary(needle), 1).mesh).volume, 1e-6, 1e-9);
+      cube_facets([&](const Vec3& x) -> Vec3 { return turn * Vec3(x[0], 0.001 * x[1], 0.001 * x[2]); });
+  EXPECT_NEAR(rigid::integrals(*read_polyhedron("a.stl", stl_text(needle), 1).mesh).volume, 1e-6, 1e-10);
+  EXPECT_NEAR(rigid::integrals(*read_polyhedron("a.stl", stl_binary(needle), 1).mesh).volume, 1e-6, 1e-9);
 }
 
 std::vector<Vec3> cube(double scale = 1, const Vec3& at = Vec3::Zero(),

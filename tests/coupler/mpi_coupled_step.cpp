@@ -145,7 +145,7 @@ void expect_same_bits(const Overrides& overrides) {
     all.push_back(std::string("run.device=") + device);
     Simulation s = crowd().start(comm, all);
     stir(s);
-    for (int t = 0; t < 120; ++t) s.step();
+    for (int t = 0; t < 60; ++t) s.step();
     return s.hash();
   };
   const std::uint64_t expected = tests::alone([&] { return hash("auto", MPI_COMM_SELF); });
@@ -188,7 +188,7 @@ TEST(CoupledStep, SameBitsWithEitherSchedule) {
       Simulation s = crowd().start(MPI_COMM_WORLD, {force, "domain.blocks=[12,10,7]"});
       s.scene().flow->set_schedule(schedule);
       stir(s);
-      for (int t = 0; t < 120; ++t) s.step();
+      for (int t = 0; t < 60; ++t) s.step();
       hash[int(schedule)] = s.hash();
     }
     EXPECT_EQ(hash[0], hash[1]) << force;

@@ -7,12 +7,15 @@
 
 #include "coupler/spec/flow_spec.hpp"
 #include "coupler/state_hash.hpp"
+#include "silt/case/case.hpp"
 #include "silt/guard.hpp"
+#include "silt/results/quantities.hpp"
 #include "silt/results/velocity_gradient.hpp"
 #include "silt/simulation.hpp"
 #include "tests/coupler/levelled_flow.hpp"
 #include "tests/errors.hpp"
 #include "tests/silt/case/case_text.hpp"
+#include "tests/silt/same_bits.hpp"
 #include "tests/world.hpp"
 
 namespace silt::coupler::testing {
@@ -97,17 +100,69 @@ TEST(Levels, AFlowBeginsAtTheCentresOfCells) {
   });
 }
 
+constexpr const char* levels = "[coarsening]\nlevels = 2\ndistance = 7\n";
+
 /// Spheres that fly past each other in a periodic box of cells of three levels.
 CaseText flying(const std::string& run = "") {
   CaseText c;
   c.domain = domain_of({96, 64, 64});
   c.fluid += "precision = \"double\"\n";
-  c.rest = "[coupling]\nforce = \"exact\"\n[coarsening]\nlevels = 2\ndistance = 7\n";
+  c.rest = std::string("[coupling]\nforce = \"exact\"\n") + levels;
   c.shapes = sphere_of("sphere", 6.5);
   c.bodies = body_of("sphere", 200, "position = [5.2, 16.1, 7.3]\nvelocity = [0.08, 0.03, 0.0]") +
              body_of("sphere", 100, "position = [67.4, 26.9, 17.9]\nvelocity = [-0.06, 0.0, 0.05]");
   c.run = "[run]\nsteps = 640\n" + run;
   return c;
+}
+
+/// The same spheres, one with a temperature of its own and one insulating, in fluid that heat stirs.
+CaseText warm(const std::string& precision, const std::string& coarsening = levels) {
+  CaseText c = flying();
+  c.fluid = CaseText().fluid + "precision = \"" + precision + "\"\n";
+  c.rest =
+      "[heat]\nthermal_diffusivity = 0.05\ninitial = 0.5\nexpansion = 0.1\n[gravity]\nacceleration = "
+      "[0, 0, -1e-4]\n[[quantities]]\nname = \"heat\"\ntype = \"stored-heat\"\n" +
+      coarsening;
+  c.bodies.replace(c.bodies.find("position"), 0, "name = \"warm\"\ntemperature = 3\nheat_capacity = 0.01\n");
+  return c;
+}
+
+/// The warm body is fixed in a mean gradient.
+CaseText warm_in_a_gradient() {
+  CaseText c = warm("single");
+  c.rest.replace(c.rest.find("initial"), 0, "mean_gradient = [0.01, 0, 0.02]\n");
+  c.bodies.replace(c.bodies.find("velocity = [0.08, 0.03, 0.0]"), 28, "motion = \"fixed\"");
+  return c;
+}
+
+TEST(WarmLevels, AreTheSameOnAnyRanksAndDevice) {
+  for (const auto& [text, steps] : {std::pair(warm("single", ""), 24), std::pair(warm("single"), 112),
+                                    std::pair(warm_in_a_gradient(), 112)}) {
+    const auto hash = [&](MPI_Comm comm, const std::string& device) {
+      Simulation s = text.start(comm, {"run.device=" + device});
+      s.run(steps);
+      return s.hash();
+    };
+    const std::uint64_t alone = tests::alone([&] { return hash(MPI_COMM_SELF, "cpu"); });
+    EXPECT_EQ(alone, hash(MPI_COMM_WORLD, "cpu")) << text.rest;
+    EXPECT_EQ(alone, hash(MPI_COMM_WORLD, "host")) << text.rest;
+  }
+}
+
+TEST(WarmLevels, GoOnFromACheckpoint) {
+  Simulation s = warm("single").start(MPI_COMM_WORLD);
+  s.run(68);
+  expect_goes_on(s, 60);
+}
+
+TEST(WarmLevels, LoseNoHeat) {
+  Simulation s = warm("double").start(MPI_COMM_WORLD);
+  const auto heat = [&] { return Quantities(s.setup()).evaluate(s, "heat"); };
+  const double before = heat();
+  const lbm::CutTree cut = s.scene().level_view().tree();
+  s.run(112);
+  EXPECT_FALSE(s.scene().level_view().tree() == cut);
+  EXPECT_NEAR(heat() / before, 1, 1e-9);
 }
 
 /// Returns how often this rank's cells were refined or coarsened.

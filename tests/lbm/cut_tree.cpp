@@ -21,9 +21,7 @@ using tests::odd_cut;
 
 template <class F>
 void for_cells(const CellBox& box, F&& f) {
-  for (int z = 0; z < box.size.z; ++z)
-    for (int y = 0; y < box.size.y; ++y)
-      for (int x = 0; x < box.size.x; ++x) f(box.lower + Int3{x, y, z});
+  for_cells(box.lower, box.lower + box.size, f);
 }
 
 bool same(const CellBox& a, const CellBox& b) {
@@ -45,12 +43,6 @@ void expect_partition(const CutTree& tree) {
     });
   }
   EXPECT_TRUE(std::all_of(covered.begin(), covered.end(), [](char times) { return times == 1; }));
-}
-
-bool meet(const CellBox& a, const CellBox& b) {
-  for (int d = 0; d < 3; ++d)
-    if (a.lower[d] >= b.lower[d] + b.size[d] || b.lower[d] >= a.lower[d] + a.size[d]) return false;
-  return true;
 }
 
 constexpr Int3 boxes[] = {{32, 32, 32}, {40, 9, 17}, {3, 128, 16}, {130, 1, 16}, {16, 33, 24}};
@@ -86,7 +78,7 @@ TEST(CutTree, LeavesThatMeetABoxAreThoseOfItsCells) {
           EXPECT_TRUE(same(leaf.box, tree.leaf(leaf.index).box));
         });
         for (int k = 0; k < leaves; ++k)
-          if (meet(tree.leaf(k).box, box)) expected.push_back(k);
+          if (overlap(tree.leaf(k).box, box).cells() > 0) expected.push_back(k);
         ASSERT_EQ(found, expected);
       }
     }
@@ -274,15 +266,13 @@ TEST(PlacesAcross, AreOfOneCellAndDirection) {
     std::vector<int> taken(place.count(), 0);
     std::size_t links = 0;
     for (int i = 1; i < D3Q19::directions; ++i)
-      for (int z = 0; z < n.z; ++z)
-        for (int y = 0; y < n.y; ++y)
-          for (int x = 0; x < n.x; ++x) {
-            if (block.contains(Int3{x, y, z} - D3Q19::c[i])) continue;
-            const std::uint32_t at = place({x, y, z}, i);
-            ASSERT_LT(at, place.count());
-            EXPECT_EQ(taken[at]++, 0) << x << ", " << y << ", " << z << " along " << i;
-            ++links;
-          }
+      for_cells(block, [&](Int3 x) {
+        if (block.contains(x - D3Q19::c[i])) return;
+        const std::uint32_t at = place(x, i);
+        ASSERT_LT(at, place.count());
+        EXPECT_EQ(taken[at]++, 0) << x.x << ", " << x.y << ", " << x.z << " along " << i;
+        ++links;
+      });
     EXPECT_EQ(place.count() - links, std::size_t(4 * (n.x + n.y + n.z)));  // edges, counted twice
   }
 }

@@ -34,9 +34,7 @@ template <class T, class F>
 void for_all_cells(Fluid<T>& fluid, F&& f) {
   for (int b = 0; b < int(fluid.blocks().size()); ++b) {
     const CellBox& box = fluid.blocks()[b].box();
-    for (int z = 0; z < box.size.z; ++z)
-      for (int y = 0; y < box.size.y; ++y)
-        for (int x = 0; x < box.size.x; ++x) f(b, Int3{x, y, z}, box.lower + Int3{x, y, z});
+    for_cells({}, box.size, [&](Int3 x) { f(b, x, box.lower + x); });
   }
 }
 

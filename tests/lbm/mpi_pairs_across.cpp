@@ -170,13 +170,6 @@ const std::vector<Layout> layouts = {
     {"blocks of one cell", {3, 3, 4}, {1, 1, 1}, {no_slip, slip, periodic, periodic, periodic, periodic}},
     {"a domain one cell thick", {9, 1, 12}, {4, 1, 4}, all_periodic}};
 
-template <class F>
-void for_cells(Int3 size, F&& f) {
-  for (int z = 0; z < size.z; ++z)
-    for (int y = 0; y < size.y; ++y)
-      for (int x = 0; x < size.x; ++x) f(Int3{x, y, z});
-}
-
 /// A number in [-0.01, 0.01), of a cell and direction.
 double disturbance(Int3 x, int i) {
   std::uint64_t h = std::uint64_t(((x.z * 1009 + x.y) * 1009 + x.x) * 19 + i + 1) * 0x9E3779B97F4A7C15u;
@@ -192,7 +185,7 @@ class Populations {
     values_.resize(std::size_t(cells_.x) * cells_.y * cells_.z * D3Q19::directions);
     for (int b = 0; b < int(fluid.blocks().size()); ++b) {
       const CellBox& box = fluid.blocks()[b].box();
-      for_cells(box.size, [&](Int3 x) {
+      for_cells({}, box.size, [&](Int3 x) {
         for (int i = 0; i < D3Q19::directions; ++i) values_[index(box.lower + x, i)] = get(b, x, i);
       });
     }
@@ -237,7 +230,7 @@ Count compare(const Fluid<T>& fluid, const PairsAcross<T>& pairs, const Solid* s
   for (int b = 0; b < int(fluid.blocks().size()); ++b) {
     const CellBox& box = fluid.blocks()[b].box();
     const PlacesAcross<D3Q19> place(box.size);
-    for_cells(box.size, [&](Int3 x) {
+    for_cells({}, box.size, [&](Int3 x) {
       for (int i = 1; i < D3Q19::directions; ++i) {
         const Int3 near = domain.wrapped(box.lower + x - D3Q19::c[i]),
                    far = domain.wrapped(near - D3Q19::c[i]);
@@ -264,7 +257,7 @@ void pairs_are_right(const Layout& layout, const CutTree& cut, bool chosen) {
   if (chosen)
     pairs.choose([&](int b, Int3 x, int axis) { return solid.cells_from(blocks[b].box().lower + x, axis); });
   for (int b = 0; b < int(blocks.size()); ++b)
-    for_cells(blocks[b].size(), [&](Int3 x) {
+    for_cells({}, blocks[b].size(), [&](Int3 x) {
       for (int i = 0; i < D3Q19::directions; ++i)
         fluid.arriving(b, x, i) = T(disturbance(blocks[b].box().lower + x, i));
     });
@@ -314,7 +307,7 @@ TEST(PairsAcross, MoveForCutLinksAlone) {
         [&](int b, Int3 x, int axis) { return solid.cells_from(fluid.blocks()[b].box().lower + x, axis); });
     int read = 0;  // from other ranks
     for (const Block<float>& block : fluid.blocks())
-      for_cells(block.size(), [&](Int3 x) {
+      for_cells({}, block.size(), [&](Int3 x) {
         for (int i = 1; i < D3Q19::directions; ++i) {
           const Int3 cell = block.box().lower + x, near = domain.wrapped(cell - D3Q19::c[i]);
           read += domain.inside(near) && domain.block_at(near).rank != tests::rank() && solid.cuts(cell, i);

@@ -166,15 +166,14 @@ TEST(Regularised, KeepsMassAndMomentumToRounding) {
   const CollisionRates<float> rates(of(0.5003));
   double before[4] = {}, after[4] = {};
   const auto for_populations = [&](auto&& slot_of, double(&sums)[4], auto&& touch) {
-    for (int z = 0; z < size.z; ++z)
-      for (int y = 0; y < size.y; ++y)
-        for (int x = 0; x < size.x; ++x)
-          for (int i = 0; i < D3Q19::directions; ++i) {
-            float& g = block.data()[slot_of(i) + block.cell(x, y, z)];
-            touch(g);
-            sums[0] += g;
-            for (int d = 0; d < 3; ++d) sums[d + 1] += along(i, d) * g;
-          }
+    for_cells({}, size, [&](Int3 x) {
+      for (int i = 0; i < D3Q19::directions; ++i) {
+        float& g = block.data()[slot_of(i) + block.cell(x)];
+        touch(g);
+        sums[0] += g;
+        for (int d = 0; d < 3; ++d) sums[d + 1] += along(i, d) * g;
+      }
+    });
   };
   for_populations([&](int i) { return block.arriving(i, Parity::settled); }, before,
                   [&](float& g) { g = uniform(random); });
@@ -196,10 +195,9 @@ class RowsOf : public ::testing::Test {
   void set_at_random(int seed) {
     std::mt19937 random(seed);
     std::uniform_real_distribution<> any(-0.1, 0.1);
-    for (int z = 0; z < cells.z; ++z)
-      for (int y = 0; y < cells.y; ++y)
-        for (int x = 0; x < cells.x; ++x)
-          for (int i = 0; i < D3Q19::directions; ++i) fluid.arriving(0, {x, y, z}, i) = T(any(random));
+    for_cells({}, cells, [&](Int3 x) {
+      for (int i = 0; i < D3Q19::directions; ++i) fluid.arriving(0, x, i) = T(any(random));
+    });
   }
   Moments summed(Int3 x) const {
     Moments m;

@@ -15,7 +15,7 @@ struct Point {
   double x, y, z;
 };
 struct Hit {
-  double q;  // >= 1: no wall on the link
+  double q;  // > 1: no wall on the link
   int surface = 0;
 };
 
@@ -80,6 +80,8 @@ class WalledBox {
   Fluid<double>& fluid() { return flow_.finest; }
   const Fluid<double>& fluid() const { return flow_.finest; }
   testing::LevelledFlow<double>& flow() { return flow_; }
+  /// The links of a surface in the first block.
+  CutLinks<double>& links(int surface) { return links_[0][surface]; }
   /// Links under `single_cell_gap`, and those of two-cell gaps that are under another scheme than theirs.
   std::size_t gap_links() const { return gap_links_; }
 
@@ -103,7 +105,7 @@ class WalledBox {
       const Int3 x = box.lower + local;
       for (int i = 1; i < D3Q19::directions && is_fluid(x); ++i) {
         const Hit h = scene_.hit(centre(x), D3Q19::c[i]);
-        if (h.q >= 1 || h.surface != surface) continue;
+        if (h.q > 1 || h.surface != surface) continue;
         const Link link{link_place({local.x, local.y, 0}, i), h.q};
         if (reads_behind(scheme) && !is_fluid(x - D3Q19::c[i]))
           single_cell.push_back(link);

@@ -13,7 +13,7 @@ TEST_P(KeptPairsOf, FollowsBodiesOverManySteps) {
   std::normal_distribution<> normal;
   for (const std::array<bool, 3> periodic : {std::array{true, true, true}, std::array{false, true, false}}) {
     Cloud all(250, {{9, 8, 7}, periodic}, 0.4, 2, 2, 21);
-    for (int step = 0; step < 100; ++step) {
+    for (int step = 0; step < 60; ++step) {
       for (std::size_t row = 0; row < all.bodies.size(); ++row) {
         Vec3& x = all.bodies.position[row];
         const double stride = g() % 50 ? 0.02 : 3;
@@ -45,7 +45,7 @@ TEST_P(KeptPairsOf, FollowsBodiesThatCreep) {
     Cloud cloud(80, {size, {true, true, false}}, 0.4, 0.5, 2, 22);
     std::vector<Vec3> velocity(80);
     for (Vec3& v : velocity) v = 1e-3 * Vec3(normal(g), normal(g), normal(g));
-    for (int step = 0; step < 600; ++step) {
+    for (int step = 0; step < 300; ++step) {
       for (std::size_t row = 0; row < cloud.bodies.size(); ++row) {
         cloud.bodies.position[row] += velocity[row];
         if (g() % 4000 == 0) cloud.bodies.position[row] += Vec3(2, 0, 0);
@@ -171,7 +171,7 @@ TEST_P(KeptPairsOf, FollowsBodiesThatComeAndGo) {
       for (const double width : {6.0, 10.0}) {  // a newcomer may meet two images of another, or one
         FallingCloud falling(common, own, false, width, 0.8, 0.9);
         falling.turns = true;
-        for (int step = 0; step < 100; ++step) {
+        for (int step = 0; step < 60; ++step) {
           const Cloud here = falling.part(step);
           ASSERT_EQ(falling.found_by(*broad_phase, here), falling.brute(here)) << "in step " << step;
           falling.step();

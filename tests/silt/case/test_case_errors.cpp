@@ -73,24 +73,32 @@ Lines lines_of(const std::string& text) {
   return lines;
 }
 
+/// Returns the parts of a text between marks.
+Lines split(const std::string& text, const std::string& mark) {
+  Lines parts;
+  for (std::size_t at = 0; at < text.size();) {
+    const auto end = std::min(text.find(mark, at), text.size());
+    parts.push_back(text.substr(at, end - at));
+    at = end + mark.size();
+  }
+  return parts;
+}
+
 /// Makes changes in the lines of a scene, in their order.
 std::string changed(const Lines& scene, const Lines& changes) {
   Lines result;
   auto from = scene.begin();
-  for (std::size_t k = 0; k < changes.size();) {
-    Lines before, after;
-    for (bool added = false; k < changes.size(); ++k) {
-      const char kind = changes[k][0];
-      if (changes[k] == ".." || (added && kind != '+')) break;
-      added |= kind == '+';
-      if (kind != '+') before.push_back(changes[k].substr(2));
-      if (kind != '-') after.push_back(changes[k].substr(2));
-    }
-    if (k < changes.size() && changes[k] == "..") ++k;
+  for (const std::string& change : changes) {
+    const auto arrow = change.find(" =>");
+    const Lines before = split(change.substr(0, arrow), " | ");
     const auto at = std::search(from, scene.end(), before.begin(), before.end());
-    if (at == scene.end()) throw std::runtime_error("the scene has no line '" + before.at(0) + "'");
+    if (at == scene.end()) throw std::runtime_error("the scene has no lines '" + change + "'");
     result.insert(result.end(), from, at);
-    result.insert(result.end(), after.begin(), after.end());
+    for (const std::string& line : split(change.substr(std::min(arrow + 4, change.size())), " | "))
+      if (line == "..")
+        result.insert(result.end(), before.begin(), before.end());
+      else
+        result.push_back(line);
     from = at + std::ptrdiff_t(before.size());
   }
   result.insert(result.end(), from, scene.end());
@@ -115,8 +123,12 @@ std::vector<Mistake> read_mistakes() {
       sound = of;
     else if (const std::string of_one = rest_after("mistake "); !of_one.empty())
       mistakes.push_back({of_one, scenes.at(sound), {}, {}});
+    else if (Lines& changes = mistakes.back().changes; line[0] != ' ')
+      mistakes.back().said.push_back(line);
+    else if (!changes.empty() && changes.back().ends_with(" |"))
+      changes.back() += line.substr(3);
     else
-      (line[0] == '=' || line[0] == '~' ? mistakes.back().said : mistakes.back().changes).push_back(line);
+      changes.push_back(line.substr(2));
   }
   return mistakes;
 }
@@ -145,13 +157,8 @@ bool names(const std::string& said, const std::string& wanted) {
   const auto colon = wanted.find(": ");
   const std::string line = wanted.substr(2, colon - 2);
   if (!said.starts_with(line == "0" ? "case.toml: " : "case.toml:" + line + ":")) return false;
-  const std::string mark = " … ";
-  for (auto at = colon + 2; at < wanted.size();) {
-    const auto end = std::min(wanted.find(mark, at), wanted.size());
-    if (!tests::has_part(said, wanted.substr(at, end - at))) return false;
-    at = end + mark.size();
-  }
-  return true;
+  return std::ranges::all_of(split(wanted.substr(colon + 2), " … "),
+                             [&](const std::string& part) { return bool(tests::has_part(said, part)); });
 }
 
 class Mistakes : public ::testing::TestWithParam<Mistake> {};

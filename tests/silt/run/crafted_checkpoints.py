@@ -1,7 +1,6 @@
 #!/usr/bin/python3
 """Checkpoints that no run wrote, with every checksum right, and such with damaged metadata: refused by name, at once,
 without a crash. crafted_checkpoints.py SILT [TEST]"""
-import os
 import pathlib
 import sys
 import unittest
@@ -12,25 +11,21 @@ import numpy as np
 from silt_test import CASE, ROOT, SiltTest
 
 sys.path.append(str(ROOT / "tests/stress"))
-from crafted import checksum  # noqa: E402
+import crafted  # noqa: E402
 
 TOUCHING = CASE.replace("[[6, 8, 8], [18, 8, 9]]", "[[6, 8, 2.5], [11, 8, 2.5]]")  # each other and the floor
 
 
 def put(name, values):
     """Replaces a dataset, of its type, by values with a right checksum."""
-    def craft(f):
-        kind = f[name].dtype
-        del f[name]
-        f.create_dataset(name, data=np.array(values, dtype=kind)).attrs["checksum"] = checksum(np.array(values, kind))
-    return craft
+    return lambda f: crafted.put(f, name, np.array(values, f[name].dtype))
 
 
 def change(name, index, value):
     def craft(f):
         values = f[name][:]
         values[index] = value
-        put(name, values)(f)
+        crafted.put(f, name, values)
     return craft
 
 
@@ -44,51 +39,24 @@ def declare(name, shape):
 
 
 def attribute(name, value):
-    def craft(f):
-        f["state"].attrs[name] = value
-    return craft
+    return lambda f: f["state"].attrs.__setitem__(name, value)
 
 
 def without(name):
+    return lambda f: f.__delitem__(name)
+
+
+def link(name, to=None):
+    """To a named pipe beside the file, which who opens it for reading waits for, or to another place in it."""
     def craft(f):
         del f[name]
+        f[name] = h5py.SoftLink(to) if to else h5py.ExternalLink(crafted.pipe_beside(f), "/x")
     return craft
 
 
 def wrapping_counts(f):
     rows = len(f["impulses/partner"])
     put("bodies/impulse_count", [2**63, 2**63 + rows])(f)
-
-
-def pipe(path):
-    """A link to a named pipe beside the file: who opens it for reading waits for ever."""
-    def craft(f):
-        target = pathlib.Path(f.filename).with_name("pipe")
-        if not target.exists():
-            os.mkfifo(target)
-        del f[path]
-        f[path] = h5py.ExternalLink(str(target), "/x")
-    return craft
-
-
-def soft(name, to):
-    def craft(f):
-        del f[name]
-        f[name] = h5py.SoftLink(to)
-    return craft
-
-
-def elsewhere(name):
-    """A dataset whose values are in another file."""
-    def craft(f):
-        shape, kind = f[name].shape, f[name].dtype
-        target = pathlib.Path(f.filename).with_name("pipe")
-        if not target.exists():
-            os.mkfifo(target)
-        del f[name]
-        f.create_dataset(name, shape, kind, external=[(str(target), 0, h5py.h5f.UNLIMITED)])
-        f[name].attrs["checksum"] = np.uint64(0)
-    return craft
 
 
 CRAFTED = {
@@ -105,7 +73,7 @@ CRAFTED = {
     "/bodies/id, row 1 (body 3): it is 3, and must be from 1 to 2": put("bodies/id", [1, 3]),
     "/cells/populations, population 4 of the cell [1, 2, 3]: it is nan": change("cells/populations", (4, 3, 2, 1), np.nan),
     "body 1 comes after body 1": put("bodies/id", [1, 1]),
-    "/bodies/id has another": lambda f: put("bodies/id", 1)(f),
+    "/bodies/id has another": put("bodies/id", 1),
     "do not fit together": wrapping_counts,
     "/bodies/mass declares more values than the file": declare("bodies/mass", (2**40,)),
     "/cells/populations declares more values than the file": declare("cells/populations", (19, 2**14, 2**14, 2**14)),
@@ -115,10 +83,10 @@ CRAFTED = {
     "/state/contacts is -1, and must be from 0": attribute("contacts", np.int64(-1)),
     "/state/fluid_speed is nan, and must be a number": attribute("fluid_speed", np.nan),
     "it is of step 24, by its name of step 25": attribute("step", np.int64(24)),
-    "/bodies/id is a link to another place or file": pipe("bodies/id"),
-    "/state is a link to another place or file": pipe("state"),
-    "/cells/populations is a link to another place or file": soft("cells/populations", "/bodies/id"),
-    "/bodies/mass has its values in another file": elsewhere("bodies/mass"),
+    "/bodies/id is a link to another place or file": link("bodies/id"),
+    "/state is a link to another place or file": link("state"),
+    "/cells/populations is a link to another place or file": link("cells/populations", "/bodies/id"),
+    "/bodies/mass has its values in another file": lambda f: crafted.piped(f, "bodies/mass", None),
 }
 
 
