@@ -12,8 +12,14 @@ void set_distances(const PlacedLinks& links, const lbm::SurfaceFrame& frame, con
   using L = Lanes<Real>;
   using Stored = typename VectorOf<T, L::count>::type;
   const lbm::SILT_BUILD::PlaceOrigin<Real> origin(links.corner, frame);
-  for (int l = 0; l < links.padded; l += L::count)
-    store(q + l, converted<Stored>(distance_of(links.place + l, origin, surface, past)));
+  const auto set = [&](auto&& distance) {
+    for (int l = 0; l < links.padded; l += L::count)
+      store(q + l, converted<Stored>(distance(lbm::SILT_BUILD::Places<Real>(links.place + l, origin))));
+  };
+  if (surface.count > 1) return set([&](const auto& at) { return distance_to_any(at, surface, past); });
+  with_kind(surface.parts[0].kind, [&](auto kind) {  // once, not in each vector
+    set([&](const auto& at) { return distance_to_part<kind()>(at, surface, past); });
+  });
 }
 
 template <class T>

@@ -12,7 +12,8 @@ namespace {
 constexpr Team alone{0, 1};
 
 template <class T>
-LinksOfGroup<T> links_of(const GroupInBlock<T>& here, const CutLinks<T>& links, const LinkGroup& group) {
+[[gnu::always_inline]] inline LinksOfGroup<T> links_of(const GroupInBlock<T>& here, const CutLinks<T>& links,
+                                                       const LinkGroup& group) {
   const std::ptrdiff_t corner = here.block.cell(group.corner);
   const bool knows_opposite = !links.opposite_q.empty();
   return {group,

@@ -58,18 +58,13 @@ void DeviceLinks<T>::list_groups() {
   lines_.clear(), lines_.resize(gap_links_ == 0 ? 0 : std::bit_ceil(2 * gap_links_));
   passes().list_groups({surfaces_.device(), surfaces_.size()}, groups_.data());
   if (gap_links_ == 0) return;
-  if (device_ == Device::cpu)  // which uses no others
-    std::erase_if(groups_, [&](const GroupOfSurface& of) {
-      const LinkGroup& group = surfaces_.host()[of.surface].record->groups[of.number];
-      return group.scheme != WallScheme::single_cell_gap;
-    });
   clear_in_turn(device_, lines_.data(), lines_.size() * sizeof lines_[0]);
-  passes().pair_gaps(groups_, pass(), table());
-}
-
-template <class T>
-LinesInGaps DeviceLinks<T>::table() {
-  return {lines_.data(), int(std::bit_width(lines_.size())) - 1};
+  renew(opposites_, gap_links_);
+  clear_in_turn(device_, opposites_.data(), opposites_.size() * sizeof opposites_[0]);
+  opposite_count_.host().resize(1);
+  const LinesInGaps table{lines_.data(), int(std::bit_width(lines_.size())) - 1};
+  passes().pair_gaps(groups_, pass(), table);
+  passes().list_opposites(groups_, pass(), table, {opposites_.data(), opposite_count_.clear()});
 }
 
 /// Sends the slots unless the device has them from an earlier step.
@@ -88,8 +83,7 @@ void DeviceLinks<T>::begin_step(double time, const LinkSlots& slots, const Domai
   if (device_ == Device::cpu ? gap_links_ == 0 : size() == 0) return;
   motions_.send(), take_slots(slots);
   list_groups();
-  if (gap_links_ > 0)
-    passes().set_opposites(groups_, pass(), {table(), domain.sides(), domain.cells(), lower});
+  if (gap_links_ > 0) passes().set_opposites(pass(), {opposites_, domain.sides(), domain.cells(), lower});
 }
 
 template <class T>

@@ -83,9 +83,21 @@ struct LinesInGaps {
   LineInGap* lines;  // a hash table
   int log_size;
 };
-/// What a pass needs to set the OppositeWall of links: where they meet, and the sides of the domain.
+/// A link in a gap: the index of its OppositeWall, and the link of another surface that points the other way.
+struct OppositeLink {
+  std::uint32_t surface, place;  // the surface plus 1; 0: no link
+  std::uint32_t other, number;   // the surface plus 1, or 0, and the index in its q
+  Int3 cell;
+  std::int32_t direction;
+};
+/// A list of such links, in any order.
+struct OppositeLinks {
+  OppositeLink* links;
+  unsigned* count;
+};
+/// What a pass needs to set the OppositeWall of links: the links, and the sides of the domain.
 struct OppositesToSet {
-  LinesInGaps table;
+  std::span<const OppositeLink> links;
   std::array<SideCondition, 6> sides;
   Int3 cells, lower;  // of the domain; the first cell of the block
 };
@@ -129,7 +141,6 @@ class DeviceLinks {
   LinkPass<T> pass();
   LinkPass<T> pass_over(Block<T>&);
   void list_groups();
-  LinesInGaps table();
   void take_slots(const LinkSlots&);
 
   Device device_;
@@ -143,6 +154,8 @@ class DeviceLinks {
   bool is_listed_ = false, has_crossings_ = false;
   std::size_t gap_links_ = 0;  // at most, of those that know the wall on the other side
   DeviceArray<LineInGap> lines_{memory_of(device_)};
+  DeviceArray<OppositeLink> opposites_{memory_of(device_)};
+  Mirror<unsigned> opposite_count_{device_};
   Mirror<LinkSlots> slots_{device_};  // of either parity, as they occur
   std::size_t slots_in_use_ = 0;
 };
@@ -169,7 +182,9 @@ template <class T>
 struct LinkPasses {
   void (*list_groups)(std::span<const ListedSurface<T>>, GroupOfSurface*);
   void (*pair_gaps)(std::span<const GroupOfSurface>, const LinkPass<T>&, const LinesInGaps&);
-  void (*set_opposites)(std::span<const GroupOfSurface>, const LinkPass<T>&, const OppositesToSet&);
+  void (*list_opposites)(std::span<const GroupOfSurface>, const LinkPass<T>&, const LinesInGaps&,
+                         const OppositeLinks&);
+  void (*set_opposites)(const LinkPass<T>&, const OppositesToSet&);
   void (*apply)(std::span<const GroupOfSurface>, const LinkPass<T>&);
   void (*apply_crossing)(std::span<const GroupOfSurface>, const LinkPass<T>&);
   void (*correct)(std::span<const GroupOfSurface>, const LinkPass<T>&);

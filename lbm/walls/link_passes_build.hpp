@@ -115,40 +115,53 @@ struct PairGaps {
   }
 };
 
+template <class T>
+struct ListOpposites {
+  LinkPass<T> pass;
+  const GroupOfSurface* groups;
+  LinesInGaps table;
+  OppositeLinks all;
+  SILT_DEVICE const LineInGap& line_of(Int3 cell, int i) const {
+    const std::uint64_t key = key_of_line(cell, i);
+    const std::size_t last = (std::size_t{1} << table.log_size) - 1;
+    std::size_t at = first_place(key, table.log_size);
+    while (table.lines[at].key != key) at = (at + 1) & last;
+    return table.lines[at];
+  }
+  SILT_DEVICE void operator()(std::int64_t k, const Team& member) const {
+    const LinksInGap<T> links(pass, groups[k]);
+    links.visit(member, [&](std::uint32_t l, Int3 cell, int i) {
+      const LineInGap& line = line_of(cell, i);
+      const int other = i & 1;  // place of the opposite link
+      all.links[next_of(all.count)] = {
+          groups[k].surface + 1, links.group.opposite + l, line.surface[other], line.number[other], cell, i};
+    });
+  }
+};
+
 /// Sets the OppositeWall of links in gaps: a side of the domain; a surface, whose link points the other way;
 /// both (the position of the side, the motion of the surface); or none.
 template <class T>
 struct SetOpposites {
   LinkPass<T> pass;
-  const GroupOfSurface* groups;
   OppositesToSet all;
-  SILT_DEVICE const LineInGap& line_of(Int3 cell, int i) const {
-    const std::uint64_t key = key_of_line(cell, i);
-    const std::size_t last = (std::size_t{1} << all.table.log_size) - 1;
-    std::size_t at = first_place(key, all.table.log_size);
-    while (all.table.lines[at].key != key) at = (at + 1) & last;
-    return all.table.lines[at];
-  }
-  SILT_DEVICE void operator()(std::int64_t k, const Team& member) const {
-    const LinksInGap<T> links(pass, groups[k]);
-    links.visit(member, [&](std::uint32_t l, Int3 cell, int i) {
-      const std::int32_t packed = pass.slots->components[i];
-      const Int3 along{component(packed, 0), component(packed, 1), component(packed, 2)};
-      const Int3 walls = walls_met(all.sides, all.cells, all.lower + cell - along);
-      const bool at_side = !(walls == Int3{0, 0, 0});
-      T q = at_side ? T(0.5) : T(0),
-        velocity = at_side ? T(wall_velocity_along(all.sides, walls, along)) : T(0);
-      const LineInGap& line = line_of(cell, i);
-      const int other = i & 1;  // place of the opposite link
-      if (line.surface[other] > 0) {
-        const ListedSurface<T>& listed = pass.surfaces[line.surface[other] - 1];
-        const DeviceSurface<T>& of = *listed.record;
-        if (!at_side) q = of.q[line.number[other]];
-        velocity = T(lbm::velocity_along(of.frame, pass.motions[listed.body], cell, along));
-      }
-      links.surface.opposite_q[links.group.opposite + l] = q;
-      links.surface.opposite_u[links.group.opposite + l] = velocity;
-    });
+  SILT_DEVICE void operator()(std::int64_t k) const {
+    const OppositeLink& link = all.links[std::size_t(k)];
+    if (link.surface == 0) return;
+    const std::int32_t packed = pass.slots->components[link.direction];
+    const Int3 along{component(packed, 0), component(packed, 1), component(packed, 2)};
+    const Int3 walls = walls_met(all.sides, all.cells, all.lower + link.cell - along);
+    const bool at_side = !(walls == Int3{0, 0, 0});
+    T q = at_side ? T(0.5) : T(0),
+      velocity = at_side ? T(wall_velocity_along(all.sides, walls, along)) : T(0);
+    if (link.other > 0) {
+      const ListedSurface<T>& listed = pass.surfaces[link.other - 1];
+      const DeviceSurface<T>& of = *listed.record;
+      if (!at_side) q = of.q[link.number];
+      velocity = T(lbm::velocity_along(of.frame, pass.motions[listed.body], link.cell, along));
+    }
+    const DeviceSurface<T>& own = *pass.surfaces[link.surface - 1].record;
+    own.opposite_q[link.place] = q, own.opposite_u[link.place] = velocity;
   }
 };
 
@@ -161,9 +174,13 @@ void pair_gaps(std::span<const GroupOfSurface> groups, const LinkPass<T>& pass, 
   for_teams(std::int64_t(groups.size()), PairGaps<T>{pass, groups.data(), table});
 }
 template <class T>
-void set_opposites(std::span<const GroupOfSurface> groups, const LinkPass<T>& pass,
-                   const OppositesToSet& all) {
-  for_teams(std::int64_t(groups.size()), SetOpposites<T>{pass, groups.data(), all});
+void list_opposites(std::span<const GroupOfSurface> groups, const LinkPass<T>& pass, const LinesInGaps& table,
+                    const OppositeLinks& all) {
+  for_teams(std::int64_t(groups.size()), ListOpposites<T>{pass, groups.data(), table, all});
+}
+template <class T>
+void set_opposites(const LinkPass<T>& pass, const OppositesToSet& all) {
+  for_each(std::int64_t(all.links.size()), SetOpposites<T>{pass, all});
 }
 template <class T, bool crossing>
 void apply_links(std::span<const GroupOfSurface> groups, const LinkPass<T>& pass) {
@@ -179,6 +196,7 @@ const LinkPasses<T>& link_passes() {
   static constexpr LinkPasses<T> passes = {
       .list_groups = list_groups<T>,
       .pair_gaps = pair_gaps<T>,
+      .list_opposites = list_opposites<T>,
       .set_opposites = set_opposites<T>,
       .apply = apply_links<T, false>,
       .apply_crossing = apply_links<T, true>,
