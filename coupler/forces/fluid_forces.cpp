@@ -157,7 +157,7 @@ void FluidForces<T>::apply(lbm::Block<T>& block, const BlockLinks<T>& links, Sur
                            const lbm::LinkGroup& group, const lbm::NextGroup<T>& next, bool at_hand) {
   static const bool last_cache_is_far = silt::last_cache_is_far();
   const bool far = !at_hand || last_cache_is_far;
-  lbm::apply_cut_links<T>({block, links.slots, surface.links, group, next, links.pairs_across, far},
+  lbm::apply_cut_links<T>({block, links.slots, surface.links, group, next, links.pairs_across, &listed_, far},
                           surface.motion, spec_.force, surface.sums);
 }
 
@@ -298,8 +298,9 @@ void FluidForces<T>::correct(lbm::Block<T>& block, BlockLinks<T>& links, const r
     if (!is_at_rest(surface.motion))
       for (std::uint32_t g = 0; g < surface.links.groups.size(); ++g) open.push_back({k, g});
   }
+  lbm::ListedLinks listed;
   links.for_groups(open, 0, open.size(), [&](const auto& surface, const auto& group, const auto& next) {
-    lbm::correct_cut_links<T>({block, links.slots, surface.links, group, next, nullptr, true},
+    lbm::correct_cut_links<T>({block, links.slots, surface.links, group, next, nullptr, &listed, true},
                               surface.motion);
   });
 }

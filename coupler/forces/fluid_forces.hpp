@@ -84,6 +84,7 @@ class FluidForces {
   const BodyChanges* changes_ = nullptr;
   LinkOutcome outcome_;
   RowSums sums_;
+  lbm::ListedLinks listed_;  // scratch
 };
 
 }  // namespace silt::coupler

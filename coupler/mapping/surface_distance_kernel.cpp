@@ -7,8 +7,8 @@ namespace {
 
 /// Sets the distance of each link, in links, to the first part of the surface that it enters.
 template <class Real, class T>
-void set_distances(const PlacedLinks& links, const lbm::SurfaceFrame& frame, const SurfaceView<Real>& surface,
-                   Real past, T* q) {
+[[gnu::flatten]] void set_distances(const PlacedLinks& links, const lbm::SurfaceFrame& frame,
+                                    const SurfaceView<Real>& surface, Real past, T* q) {
   using L = Lanes<Real>;
   using Stored = typename VectorOf<T, L::count>::type;
   const lbm::SILT_BUILD::PlaceOrigin<Real> origin(links.corner, frame);

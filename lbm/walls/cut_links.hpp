@@ -231,11 +231,20 @@ inline int resistance_exponent(double radius) {
   return e;
 }
 
-/// The group of the next call, in the same block: prefetched in the meantime if far.
+/// The group of the next call, in the same block: looked up, and prefetched if far, in the meantime.
 template <class T>
 struct NextGroup {
   const CutLinks<T>* links = nullptr;
   const LinkGroup* group = nullptr;
+};
+
+/// The slots of the next links: a call lists those of the next group in advance (LinkFetch in
+/// cut_links_kernel.cpp).
+struct ListedLinks {
+  static constexpr int most = 128, most_rows = D3Q19::directions + 2;  // links of a window; slots per link
+  const LinkGroup* group = nullptr;                                    // of the listed links
+  int count = 0, rows = 0, half = 0;  // number of links; slots per link; array in use
+  alignas(64) std::int32_t slot[2][most * most_rows];
 };
 
 /// A group of links and the block that it lies in.
@@ -247,6 +256,7 @@ struct GroupInBlock {
   const LinkGroup& group;  // of the links
   NextGroup<T> next = {};
   const BeyondPair<T>* pairs_across = nullptr;  // of the block, for groups `across`
+  ListedLinks* listed = nullptr;                // shared by calls that name each other as next
   bool far = false;                             // populations are not cached: prefetch them
 };
 

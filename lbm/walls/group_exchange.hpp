@@ -21,9 +21,45 @@ struct LinksOfGroup {
   ExcessQuanta<T>* excess;            // of the group's corner
 
   SILT_DEVICE Places<T> at(int l) const { return Places<T>(place + l, origin); }
-  SILT_DEVICE typename Lanes<T>::Whole back(const Places<T>& at) const { return at.slots(slots.back); }
-  SILT_DEVICE SlotsBehind<typename Lanes<T>::Whole> behind(const Places<T>& at) const {
-    return {at.slots(slots.out), back(at), Lanes<T>::look_up(slots.step, at.direction)};
+};
+
+/// The slots of a vector of links by LinkRow, computed when they are used, and the cells of the links.
+template <WallScheme scheme, class T>
+struct ComputedSlots {
+  using L = Lanes<T>;
+  using Whole = typename L::Whole;
+  static constexpr bool are_padded = false;
+  const LinkSlots& slots;
+  const Places<T>& at;
+
+  SILT_DEVICE Whole operator()(int row) const {
+    if constexpr (scheme == WallScheme::single_cell_gap)
+      if (row > out_row) return at.cell + slots.out[row - out_row];
+    const Whole out = at.slots(slots.out), back = at.slots(slots.back);
+    if (row == out_row) return out;
+    if (row == back_row) return back;
+    const SlotsBehind<Whole> behind(out, back, L::look_up(slots.step, at.direction));
+    return row == behind_row    ? behind.behind
+           : row == against_row ? behind.against
+           : row == away_row    ? behind.away
+                                : behind.toward;
+  }
+  struct Cells {
+    std::int32_t cell[L::count];
+    SILT_DEVICE std::int32_t operator[](int k) const { return cell[k]; }
+  };
+  SILT_DEVICE Cells cells() const {
+    Cells all;
+    store(all.cell, at.cell);
+    return all;
+  }
+};
+/// Computes the slots of links.
+struct ComputeSlots {
+  const LinkSlots& slots;
+  template <WallScheme scheme, class T>
+  SILT_DEVICE ComputedSlots<scheme, T> at(int, const Places<T>& places) const {
+    return {slots, places};
   }
 };
 
@@ -36,28 +72,20 @@ SILT_DEVICE void scatter(T* to, const typename Lanes<T>::Whole& slots, const typ
 }
 
 /// A vector of links, from the l-th one of a group on.
-template <WallScheme scheme, class T>
+template <WallScheme scheme, class T, class Slots>
 struct LinkAt {
   using L = Lanes<T>;
   using V = typename L::Real;
   const LinksOfGroup<T>& links;
   int l;
-  Places<T> at;
+  const Places<T>& at;
+  const Slots& slots;
   V q;
 
-  SILT_DEVICE LinkAt(const LinksOfGroup<T>& links, int l)
-      : links(links), l(l), at(links.at(l)), q(links.distance.at(l)) {}
-  SILT_DEVICE V operator()(int row) const {
-    if constexpr (scheme == WallScheme::single_cell_gap)
-      if (row > out_row) return L::gather(links.corner, at.cell + links.slots.out[row - out_row]);
-    if (row == out_row) return L::gather(links.corner, at.slots(links.slots.out));
-    return L::gather(links.corner, row == behind_row ? links.behind(at).behind : links.behind(at).against);
-  }
+  SILT_DEVICE V operator()(int row) const { return L::gather(links.corner, slots(row)); }
   /// Reads the pair beyond from the block, or from its pairs across.
   SILT_DEVICE BeyondPair<V> beyond() const {
-    const SlotsBehind slots = links.behind(at);
-    if (!links.group.across)
-      return {L::gather(links.corner, slots.away), L::gather(links.corner, slots.toward)};
+    if (!links.group.across) return {(*this)(away_row), (*this)(toward_row)};
     T away[L::count], toward[L::count];
     for (int k = 0; k < L::count; ++k) {
       const BeyondPair<T>& pair = links.pairs_across[links.across[l + k]];
@@ -72,53 +100,65 @@ struct LinkAt {
   /// Adds lane by lane, since links of several directions in one vector may share a cell.
   [[gnu::always_inline]] SILT_DEVICE void give(const ExcessLanes<T>& given) const {
     ExcessQuanta<T> of[L::count];
-    std::int32_t cell[L::count];
-    store(of, given), store(cell, at.cell);
+    store(of, given);
+    const auto cell = slots.cells();
 #pragma GCC unroll 16
     for (int k = 0; k < L::count; ++k) add_to(links.excess[cell[k]], of[k]);
   }
 };
 
-/// Prefetches nothing.
-struct NoFetch {
-  SILT_DEVICE void operator()(int) const {}
-};
-
 /// Applies a member's share of a group, `together` vectors of links at a time: reads them all before it
-/// writes. Calls fetch(l) before it reads the links from l on.
-template <WallScheme scheme, int together, class T, class Fetch>
-SILT_DEVICE void apply_group(const LinksOfGroup<T>& links, GroupStep<T> step, LinkSums& sums,
-                             const Team& member, Fetch&& fetch) {
+/// writes. slots_of.at<scheme>(l, places) returns the slots of the links from l on.
+template <WallScheme scheme, int together, class T, class SlotsOf>
+SILT_DEVICE void apply_group(LinksOfGroup<T> links, GroupStep<T> step, LinkSums& sums, const Team& member,
+                             SlotsOf&& slots_of) {
   using L = Lanes<T>;
   const int count = int(links.group.count);
   constexpr int some = together * L::count;
+  constexpr bool whole =
+      std::remove_cvref_t<decltype(slots_of.template at<scheme>(0, links.at(0)))>::are_padded &&
+      scheme != WallScheme::single_cell_gap;  // what is told of opposite walls is not padded
+  const auto passed_by = [&](int l, const Places<T>& at, const auto& slots) __attribute__((always_inline)) {
+    const LinkAt<scheme, T, std::remove_cvref_t<decltype(slots)>> link{links, l, at, slots,
+                                                                       links.distance.at(l)};
+    return step.template apply<scheme>(link, L::below(count - l));
+  };
   for (int first = some * member.lane; first < count; first += some * member.size) {
-    typename L::Real passed[together];
-    typename L::Whole back[together];
-    for (int k = 0; k < together; ++k)
-      if (const int l = first + k * L::count; l < count) {
-        fetch(l);
-        const LinkAt<scheme, T> link(links, l);
-        passed[k] = step.template apply<scheme>(link, L::below(count - l)), back[k] = links.back(link.at);
-      }
-    for (int k = 0; k < together; ++k)
-      if (const int l = first + k * L::count; l < count) scatter(links.corner, back[k], passed[k], count - l);
+    if constexpr (together == 1) {
+      const Places<T> at = links.at(first);
+      const auto slots = slots_of.template at<scheme>(first, at);
+      const auto passed = passed_by(first, at, slots);
+      scatter<T>(links.corner, slots(back_row), passed, whole ? L::count : count - first);
+    } else {
+      typename L::Real passed[together];
+      typename L::Whole back[together];
+      for (int k = 0; k < together; ++k)
+        if (const int l = first + k * L::count; l < count) {
+          const Places<T> at = links.at(l);
+          const auto slots = slots_of.template at<scheme>(l, at);
+          passed[k] = passed_by(l, at, slots), back[k] = slots(back_row);
+        }
+      for (int k = 0; k < together; ++k)
+        if (const int l = first + k * L::count; l < count)
+          scatter<T>(links.corner, back[k], passed[k], count - l);
+    }
   }
   step.sums.add_to(sums, [&](std::int64_t term, std::int64_t& sum) { member.add(term, sum); });
   member.add(step.sums.in_range() ? 0 : 1, sums.invalid);
 }
 
 /// Corrects the populations that a member's share of a group returned, for an increment of the velocity.
-template <class T, class Fetch>
-SILT_DEVICE void correct_group(const LinksOfGroup<T>& links, const Motion<T>& increment, const Team& member,
-                               Fetch&& fetch) {
+template <class T, class SlotsOf>
+SILT_DEVICE void correct_group(LinksOfGroup<T> links, const Motion<T>& increment, const Team& member,
+                               SlotsOf&& slots_of) {
   using L = Lanes<T>;
   const int count = int(links.group.count);
   for (int l = L::count * member.lane; l < count; l += L::count * member.size) {
-    fetch(l);
     const Places<T> at = links.at(l);
-    const auto back = links.back(at);
-    scatter(links.corner, back, corrected<T>(L::gather(links.corner, back), at, increment), count - l);
+    const auto slots = slots_of.template at<WallScheme::bounce_back>(l, at);
+    const auto back = slots(back_row);
+    scatter<T>(links.corner, back, corrected<T>(L::gather(links.corner, back), at, increment),
+               decltype(slots)::are_padded ? L::count : count - l);
   }
 }
 

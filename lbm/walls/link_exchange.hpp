@@ -7,9 +7,9 @@
 
 namespace silt::lbm::SILT_BUILD {
 
-/// The populations that a scheme reads: what goes out along the link, and behind it those of the link's line
-/// in either direction. For `single_cell_gap`, all that leave the cell follow out_row.
-enum LinkRow { behind_row, against_row, out_row };
+/// The rows in which slots of a link and its cell are listed. The pair beyond is listed only if it is read
+/// from the block. For `single_cell_gap` all populations that leave the cell follow out_row.
+enum LinkRow { back_row, cell_row, out_row, behind_row, against_row, away_row, toward_row };
 
 /// The slots that a link reads behind its cell, from those of its own populations.
 template <class Whole>

@@ -83,14 +83,14 @@ class Links {
   void apply(const std::vector<Group>& order, bool next, bool fetch = false) {
     for_groups(order, next, [&](const auto& links, const auto& group, auto after) {
       lbm::apply_cut_links<float>(
-          {fluid_.blocks()[0], links_.slots, links, group, after, pairs_.of(0), fetch}, {},
+          {fluid_.blocks()[0], links_.slots, links, group, after, pairs_.of(0), &listed_, fetch}, {},
           lbm::ForceForm::galilean, sums_);
     });
   }
   void correct(const std::vector<Group>& order, bool next, bool fetch = false) {
     for_groups(order, next, [&](const auto& links, const auto& group, auto after) {
-      lbm::correct_cut_links<float>({fluid_.blocks()[0], links_.slots, links, group, after, nullptr, fetch},
-                                    {});
+      lbm::correct_cut_links<float>(
+          {fluid_.blocks()[0], links_.slots, links, group, after, nullptr, &listed_, fetch}, {});
     });
   }
   void sum_resistance() {
@@ -118,6 +118,7 @@ class Links {
   coupler::BlockLinks<float> links_;
   std::vector<Group> one_;
   lbm::LinkSums sums_;
+  lbm::ListedLinks listed_;
   std::int64_t resistance_ = 0;
 };
 

@@ -53,9 +53,9 @@ struct Returned {
 };
 
 /// What stirred fluid has after all groups in turn, each of which names the one that many places further on
-/// as the next if they fetch.
+/// as the next.
 template <class T>
-Returned<T> returned(const CutLinks<T>& links, int next = 0, bool fetch = false) {
+Returned<T> returned(const CutLinks<T>& links, int next = 0, ListedLinks* listed = nullptr) {
   const SurfaceMotion motion{{0.01, -0.02, 0.03}, {1e-3, 2e-3, -1e-3}};
   Block<T> block = block_under<T>(links.groups.size());
   for (std::size_t k = 0; k < block.bytes() / sizeof(T); ++k)
@@ -64,9 +64,9 @@ Returned<T> returned(const CutLinks<T>& links, int next = 0, bool fetch = false)
   Returned<T> all;
   for (std::size_t wall = 0; wall < links.groups.size(); ++wall) {
     NextGroup<T> named;
-    if (fetch && wall + next < links.groups.size()) named = {&links, &links.groups[wall + next]};
+    if (listed && wall + next < links.groups.size()) named = {&links, &links.groups[wall + next]};
     LinkSums sums;
-    const GroupInBlock<T> here{block, slots, links, links.groups[wall], named, nullptr, fetch};
+    const GroupInBlock<T> here{block, slots, links, links.groups[wall], named, nullptr, listed};
     apply_cut_links<T>(here, motion, ForceForm::galilean, sums);
     correct_cut_links<T>({block, slots, links, links.groups[wall]}, motion);
     for (const auto& sum : {sums.force, sums.torque}) all.sums.insert(all.sums.end(), sum, sum + 3);
@@ -77,21 +77,22 @@ Returned<T> returned(const CutLinks<T>& links, int next = 0, bool fetch = false)
 }
 
 template <class T>
-void expect_same_however_fetched(WallScheme scheme) {
+void expect_same_however_listed(WallScheme scheme) {
   SCOPED_TRACE(wall_scheme_names[int(scheme)]);
   // some fit a window, others do not
   const CutLinks<T> links = walls_above_planes<T>(scheme, {1, 7, 64, 65, 129, 300, 8});
   const Returned<T> alone = returned(links);
   EXPECT_NE(alone.sums, std::vector<std::int64_t>(alone.sums.size(), 0));
-  EXPECT_EQ(returned(links, 1, true), alone) << "each group fetches for the one after it";
-  EXPECT_EQ(returned(links, 2, true), alone) << "each group fetches for one that does not come next";
+  ListedLinks listed;
+  EXPECT_EQ(returned(links, 1, &listed), alone) << "each group lists the one after it";
+  EXPECT_EQ(returned(links, 2, &listed), alone) << "each group lists one that does not come next";
 }
 
-TEST(LinkFetch, WhatReturnsIsTheSameHoweverLinksAreFetched) {
+TEST(LinkFetch, WhatReturnsIsTheSameHoweverLinksAreListed) {
   for (const WallScheme scheme :
        {WallScheme::bounce_back, WallScheme::cli, WallScheme::parabolic, WallScheme::multireflection}) {
-    expect_same_however_fetched<float>(scheme);
-    expect_same_however_fetched<double>(scheme);
+    expect_same_however_listed<float>(scheme);
+    expect_same_however_listed<double>(scheme);
   }
 }
 
