@@ -26,20 +26,34 @@ bool is_at_rest(const lbm::SurfaceMotion& m) {
   return Vec3(m.v[0], m.v[1], m.v[2]).isZero(0) && Vec3(m.omega[0], m.omega[1], m.omega[2]).isZero(0);
 }
 
+/// Returns the load and the resistance of a body from those of its mirror image.
+lbm::LinkSums reflected(lbm::LinkSums sums, const Reflection& of) {
+  for (int d = 0; d < 3; ++d) sums.force[d] *= of.of_vector(d), sums.torque[d] *= of.of_axial(d);
+  return sums;
+}
+lbm::ResistanceSums reflected(lbm::ResistanceSums sums, const Reflection& of) {
+  std::int64_t* h = sums.h;
+  for (int d = 0; d < RowSums::push_width; ++d) {
+    sums.push[d] *= of.of_motion(d);
+    for (int e = d; e < RowSums::push_width; ++e) *h++ *= of.of_motion(d) * of.of_motion(e);
+  }
+  return sums;
+}
+
+void add_sums(const lbm::LinkSums& load, const lbm::ResistanceSums& resistance, std::size_t row,
+              RowSums& sums) {
+  std::int64_t* const force = sums.force(row);
+  for (int d = 0; d < 3; ++d) force[d] += load.force[d], force[3 + d] += load.torque[d];
+  std::int64_t *const h = sums.resistance(row), *const push = sums.push(row);
+  for (int e = 0; e < RowSums::resistance_width; ++e) h[e] += resistance.h[e];
+  for (int e = 0; e < RowSums::push_width; ++e) push[e] += resistance.push[e];
+}
 template <class T>
-void add_sums(const SurfaceLinks<T>& surface, RowSums& sums) {
-  const Reflection& of = surface.reflection;
-  std::int64_t* const force = sums.force(surface.row);
-  for (int d = 0; d < 3; ++d) {
-    force[d] += of.of_vector(d) * surface.sums.force[d];
-    force[3 + d] += of.of_axial(d) * surface.sums.torque[d];
-  }
-  std::int64_t *const h = sums.resistance(surface.row), *const push = sums.push(surface.row);
-  for (int d = 0, n = 0; d < RowSums::push_width; ++d) {
-    push[d] += of.of_motion(d) * surface.resistance.push[d];
-    for (int e = d; e < RowSums::push_width; ++e, ++n)
-      h[n] += of.of_motion(d) * of.of_motion(e) * surface.resistance.h[n];
-  }
+void add_sums(const SurfaceLinks<T>& of, RowSums& sums) {
+  if (of.reflection.any())
+    add_sums(reflected(of.sums, of.reflection), reflected(of.resistance, of.reflection), of.row, sums);
+  else
+    add_sums(of.sums, of.resistance, of.row, sums);
 }
 
 // Mass owed to the fluid. Over all links of a body the mass carried by its motion sums to zero, since every

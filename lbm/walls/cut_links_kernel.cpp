@@ -163,8 +163,8 @@ LinksOfGroup<T> links_of(const GroupInBlock<T>& here) {
 }
 
 template <WallScheme scheme, class T>
-[[gnu::noinline]] void apply_in(const GroupInBlock<T>& here, const SurfaceMotion& motion, ForceForm form,
-                                LinkSums& sums, LinkFetch<T>& fetch) {
+void apply_in(const GroupInBlock<T>& here, const SurfaceMotion& motion, ForceForm form, LinkSums& sums,
+              LinkFetch<T>& fetch) {
   const GroupStep<T> step(motion, here.links.fluid, form == ForceForm::galilean,
                           largest_exchange(here.links.frame.reach, motion));
   apply_group<scheme, 1>(links_of(here), step, sums, alone, fetch);
