@@ -107,7 +107,8 @@ CaseText flying(const std::string& run = "") {
   CaseText c;
   c.domain = domain_of({96, 64, 64});
   c.fluid += "precision = \"double\"\n";
-  c.rest = std::string("[coupling]\nforce = \"exact\"\n") + levels;
+  c.rest = "[coupling]\nforce = \"exact\"\n";
+  c.rest += levels;
   c.shapes = sphere_of("sphere", 6.5);
   c.bodies = body_of("sphere", 200, "position = [5.2, 16.1, 7.3]\nvelocity = [0.08, 0.03, 0.0]") +
              body_of("sphere", 100, "position = [67.4, 26.9, 17.9]\nvelocity = [-0.06, 0.0, 0.05]");
