@@ -1,31 +1,18 @@
-// The pass over cut links, built once per instruction set: a vector of links at a time in registers (groups
-// are padded to whole vectors).
+// The pass over cut links, built once per instruction set. Handles a vector of links at a time in registers:
+// place, gather, formula, scatter, sums (groups are padded to whole vectors).
 #include <algorithm>
+#include <cmath>
 
 #include "cpu/prefetch.hpp"
 #include "lbm/walls/group_exchange.hpp"
 
 namespace silt::lbm::SILT_BUILD {
 
-namespace {
-
-constexpr Team alone{0, 1};
-
 template <class T>
 PlaceOrigin<T> origin_of(const Block<T>& block, Int3 corner, const SurfaceFrame& frame) {
   return {corner, frame, components<D3Q19>.packed, std::int32_t(block.row_stride()),
           std::int32_t(block.plane_stride())};
 }
-
-/// Slots of a vector of links, listed before.
-template <class T>
-struct ListedSlots {
-  using L = Lanes<T>;
-  static constexpr bool are_padded = true;
-  const std::int32_t* first;
-  typename L::Whole operator()(int row) const { return load<typename L::Whole>(first + row * L::count); }
-  const std::int32_t* cells() const { return first + cell_row * L::count; }
-};
 
 /// The slots that a kernel needs of a link: all that a scheme reads and writes, or only that of the result.
 enum class Wanted { all, returned };
@@ -50,13 +37,21 @@ class LinkFetch {
     if (listed_.group != &here.group) list(present_, 0);
   }
 
-  /// Returns the slots of the l-th link on. Must be called for successive vectors.
-  template <WallScheme>
-  ListedSlots<T> at(int l, const Places<T>&) {
+  /// The slots of a vector of links, row by row, counted from the slot of the group's corner. at() must be
+  /// called for successive vectors.
+  class Rows {
+   public:
+    explicit Rows(const std::int32_t* first) : first_(first) {}
+    const std::int32_t* operator[](int row) const { return first_ + row * L::count; }
+
+   private:
+    const std::int32_t* first_;
+  };
+  Rows at(int l) {
     const int in_window = l % window;
     if (in_window == 0) turn(l);
     if (fetches_) fetch(in_window);
-    return {present_slots_ + in_window * present_rows_};
+    return Rows(present_slots_ + in_window * present_rows_);
   }
   /// Call after the last vector; `l` is the index after it.
   void finish(int l) {
@@ -122,9 +117,9 @@ class LinkFetch {
   /// longer. The dense pass has just read the excess of the cells.
   void fetch(int k) const {
     if (k >= listed_.count) return;
-    const std::int32_t* const rows = listed_.slot[listed_.half] + k * listed_.rows;
+    const Rows rows(listed_.slot[listed_.half] + k * listed_.rows);
     for (int row = 0; row < listed_.rows; ++row)
-      if (row != cell_row) fetch(corner_, rows + row * L::count);
+      if (row != cell_row) fetch(corner_, rows[row]);
   }
   template <class Value>
   static void fetch(const Value* from, const std::int32_t* at) {
@@ -143,54 +138,116 @@ class LinkFetch {
   int present_rows_ = 0;
 };
 
+namespace {
+
 template <class T>
-LinksOfGroup<T> links_of(const GroupInBlock<T>& here) {
-  const LinkGroup& group = here.group;
-  const CutLinks<T>& links = here.links;
-  const std::ptrdiff_t corner = here.block.cell(group.corner);
-  const bool knows_opposite = !links.opposite_q.empty();
-  return {group,
-          here.slots,
-          origin_of(here.block, group.corner, links.frame),
-          WallDistances<T>(links, group),
-          links.place.data() + group.begin,
-          knows_opposite ? links.opposite_q.data() + group.opposite : nullptr,
-          knows_opposite ? links.opposite_u.data() + group.opposite : nullptr,
-          links.across.data() + group.across_begin,
-          here.pairs_across,
-          here.block.data() + here.block.middle() + corner,
-          here.block.excess() + corner};
-}
+using LinkRows = typename LinkFetch<T>::Rows;
+
+/// A vector of links; slots count from that of the group's corner.
+template <WallScheme scheme, class T>
+struct LinksAt {
+  using L = Lanes<T>;
+  using V = typename L::Real;
+  const GroupInBlock<T>& here;
+  const T* data;  // at the group's corner, as `excess`
+  ExcessQuanta<T>* excess;
+  int l;
+  LinkRows<T> rows;
+  Places<T> at;
+  V q;
+
+  V operator()(int row) const { return L::gather(data, rows[row]); }
+  /// Reads the pair beyond from the block, or from its pairs across.
+  BeyondPair<V> beyond() const {
+    const LinkGroup& group = here.group;
+    if (!group.across) return {(*this)(away_row), (*this)(toward_row)};
+    const std::uint32_t* const across = here.links.across.data() + group.across_begin + l;
+    BeyondPair<V> found;
+    for (int k = 0; k < L::count; ++k)
+      found.away[k] = here.pairs_across[across[k]].away,
+      found.toward[k] = here.pairs_across[across[k]].toward;
+    return found;
+  }
+  OppositeWall<V> opposite() const {
+    if (scheme != WallScheme::single_cell_gap || here.links.opposite_q.empty()) return {};
+    return {load<V>(here.links.opposite_q.data() + here.group.opposite + l),
+            load<V>(here.links.opposite_u.data() + here.group.opposite + l)};
+  }
+  /// Adds lane by lane, since links of several directions in one vector may share a cell.
+  [[gnu::always_inline]] void give(const ExcessLanes<T>& given) const {
+    ExcessQuanta<T> of[L::count];
+    store(of, given);
+    const std::int32_t* const cell = rows[cell_row];
+#pragma GCC unroll 16
+    for (int k = 0; k < L::count; ++k) excess[cell[k]] += of[k];
+  }
+};
 
 template <WallScheme scheme, class T>
-void apply_in(const GroupInBlock<T>& here, const SurfaceMotion& motion, ForceForm form, LinkSums& sums,
-              LinkFetch<T>& fetch) {
-  const GroupStep<T> step(motion, here.links.fluid, form == ForceForm::galilean,
-                          largest_exchange(here.links.frame.reach, motion));
-  apply_group<scheme, 1>(links_of(here), step, sums, alone, fetch);
+void apply(const GroupInBlock<T>& here, const SurfaceMotion& motion, ForceForm form, LinkSums& sums,
+           LinkFetch<T>& fetch) {
+  using L = Lanes<T>;
+  const auto& [block, slots, links, group, next, pairs, listed, far] = here;
+  const PlaceOrigin<T> origin = origin_of(block, group.corner, links.frame);
+  const std::uint32_t* const place = links.place.data() + group.begin;
+  const WallDistances<T> distance(links, group);
+  const int count = int(group.count);
+  T* const data = block.data() + block.middle() + block.cell(group.corner);
+  ExcessQuanta<T>* const excess = block.excess() + block.cell(group.corner);
+  GroupStep<T> step(motion, links.fluid, form == ForceForm::galilean,
+                    largest_exchange(links.frame.reach, motion));
+  int l = 0;
+  for (; l < count; l += L::count) {
+    const LinkRows<T> rows = fetch.at(l);
+    const LinksAt<scheme, T> at{here, data, excess, l, rows, Places<T>(place + l, origin), distance.at(l)};
+    const auto back = step.template apply<scheme>(at, L::below(count - l));
+    if constexpr (scheme == WallScheme::single_cell_gap)  // the walls on the other side are not padded
+      scatter(data, load<typename L::Whole>(rows[back_row]), back, count - l);
+    else
+      L::scatter(data, rows[back_row], back);
+  }
+  fetch.finish(l);
+  step.sums.add_to(sums, [](std::int64_t term, std::int64_t& sum) { sum += term; });
+  if (!step.sums.in_range()) sums.invalid = 1;
 }
 
 template <class T>
-void apply(const GroupInBlock<T>& here, const SurfaceMotion& motion, ForceForm form, LinkSums& sums) {
+void correct(const GroupInBlock<T>& here, const SurfaceMotion& increment, LinkFetch<T>& fetch) {
+  using L = Lanes<T>;
+  const LinkGroup& group = here.group;
+  const Motion<T> u(increment);
+  const PlaceOrigin<T> origin = origin_of(here.block, group.corner, here.links.frame);
+  const std::uint32_t* const place = here.links.place.data() + group.begin;
+  const int count = int(group.count);
+  T* const data = here.block.data() + here.block.middle() + here.block.cell(group.corner);
+  int l = 0;
+  for (; l < count; l += L::count) {
+    const std::int32_t* const slot = fetch.at(l)[back_row];
+    const Places<T> at(place + l, origin);
+    L::scatter(data, slot, corrected(L::gather(data, slot), at, u));
+  }
+  fetch.finish(l);
+}
+
+template <class T>
+void apply_links(const GroupInBlock<T>& here, const SurfaceMotion& motion, ForceForm form, LinkSums& sums) {
   ListedLinks own;
   LinkFetch<T> fetch(here, Wanted::all, here.listed ? *here.listed : own);
-  with_scheme(here.group.scheme, [&](auto scheme) { apply_in<scheme()>(here, motion, form, sums, fetch); });
-  fetch.finish(int(padded(here.group.count)));
+  with_scheme(here.group.scheme, [&](auto scheme) { apply<scheme()>(here, motion, form, sums, fetch); });
 }
 
 template <class T>
-void correct(const GroupInBlock<T>& here, const SurfaceMotion& increment) {
+void correct_links(const GroupInBlock<T>& here, const SurfaceMotion& increment) {
   ListedLinks own;
   LinkFetch<T> fetch(here, Wanted::returned, here.listed ? *here.listed : own);
-  correct_group(links_of(here), Motion<T>(increment), alone, fetch);
-  fetch.finish(int(padded(here.group.count)));
+  correct(here, increment, fetch);
 }
 
 }  // namespace
 
 template <class T>
 LinkKernels<T> link_kernels() {
-  return {apply<T>, correct<T>};
+  return {apply_links<T>, correct_links<T>};
 }
 template LinkKernels<float> link_kernels();
 template LinkKernels<double> link_kernels();

@@ -1,6 +1,7 @@
 #pragma once
-// The exchange along the links of one group, with the populations of their block: for the kernels of the
-// processor and the passes of devices (SILT_BUILD), a vector of links at a time, or one (SILT_SCALAR).
+// The exchange along the links of one group, with the populations of their block, for the passes of devices
+// (SILT_BUILD): a vector of links at a time, or one (SILT_SCALAR). The kernels of the processor, whose loop
+// lists slots ahead (cut_links_kernel.cpp), share its formulas (link_exchange.hpp).
 #include "device/for_each.hpp"
 #include "lbm/walls/link_exchange.hpp"
 
@@ -28,7 +29,6 @@ template <WallScheme scheme, class T>
 struct ComputedSlots {
   using L = Lanes<T>;
   using Whole = typename L::Whole;
-  static constexpr bool are_padded = false;
   const LinkSlots& slots;
   const Places<T>& at;
 
@@ -54,15 +54,6 @@ struct ComputedSlots {
     return all;
   }
 };
-/// Computes the slots of links.
-struct ComputeSlots {
-  const LinkSlots& slots;
-  template <WallScheme scheme, class T>
-  SILT_DEVICE ComputedSlots<scheme, T> at(int, const Places<T>& places) const {
-    return {slots, places};
-  }
-};
-
 /// Writes the values of the first `count` links of a vector.
 template <class T>
 SILT_DEVICE void scatter(T* to, const typename Lanes<T>::Whole& slots, const typename Lanes<T>::Real& values,
@@ -72,14 +63,14 @@ SILT_DEVICE void scatter(T* to, const typename Lanes<T>::Whole& slots, const typ
 }
 
 /// A vector of links, from the l-th one of a group on.
-template <WallScheme scheme, class T, class Slots>
+template <WallScheme scheme, class T>
 struct LinkAt {
   using L = Lanes<T>;
   using V = typename L::Real;
   const LinksOfGroup<T>& links;
   int l;
   const Places<T>& at;
-  const Slots& slots;
+  const ComputedSlots<scheme, T>& slots;
   V q;
 
   SILT_DEVICE V operator()(int row) const { return L::gather(links.corner, slots(row)); }
@@ -108,57 +99,39 @@ struct LinkAt {
 };
 
 /// Applies a member's share of a group, `together` vectors of links at a time: reads them all before it
-/// writes. slots_of.at<scheme>(l, places) returns the slots of the links from l on.
-template <WallScheme scheme, int together, class T, class SlotsOf>
-SILT_DEVICE void apply_group(LinksOfGroup<T> links, GroupStep<T> step, LinkSums& sums, const Team& member,
-                             SlotsOf&& slots_of) {
+/// writes.
+template <WallScheme scheme, int together, class T>
+SILT_DEVICE void apply_group(LinksOfGroup<T> links, GroupStep<T> step, LinkSums& sums, const Team& member) {
   using L = Lanes<T>;
   const int count = int(links.group.count);
   constexpr int some = together * L::count;
-  constexpr bool whole =
-      std::remove_cvref_t<decltype(slots_of.template at<scheme>(0, links.at(0)))>::are_padded &&
-      scheme != WallScheme::single_cell_gap;  // what is told of opposite walls is not padded
-  const auto passed_by = [&](int l, const Places<T>& at, const auto& slots) __attribute__((always_inline)) {
-    const LinkAt<scheme, T, std::remove_cvref_t<decltype(slots)>> link{links, l, at, slots,
-                                                                       links.distance.at(l)};
-    return step.template apply<scheme>(link, L::below(count - l));
-  };
   for (int first = some * member.lane; first < count; first += some * member.size) {
-    if constexpr (together == 1) {
-      const Places<T> at = links.at(first);
-      const auto slots = slots_of.template at<scheme>(first, at);
-      const auto passed = passed_by(first, at, slots);
-      scatter<T>(links.corner, slots(back_row), passed, whole ? L::count : count - first);
-    } else {
-      typename L::Real passed[together];
-      typename L::Whole back[together];
-      for (int k = 0; k < together; ++k)
-        if (const int l = first + k * L::count; l < count) {
-          const Places<T> at = links.at(l);
-          const auto slots = slots_of.template at<scheme>(l, at);
-          passed[k] = passed_by(l, at, slots), back[k] = slots(back_row);
-        }
-      for (int k = 0; k < together; ++k)
-        if (const int l = first + k * L::count; l < count)
-          scatter<T>(links.corner, back[k], passed[k], count - l);
-    }
+    typename L::Real passed[together];
+    typename L::Whole back[together];
+    for (int k = 0; k < together; ++k)
+      if (const int l = first + k * L::count; l < count) {
+        const Places<T> at = links.at(l);
+        const ComputedSlots<scheme, T> slots{links.slots, at};
+        const LinkAt<scheme, T> link{links, l, at, slots, links.distance.at(l)};
+        passed[k] = step.template apply<scheme>(link, L::below(count - l)), back[k] = slots(back_row);
+      }
+    for (int k = 0; k < together; ++k)
+      if (const int l = first + k * L::count; l < count)
+        scatter<T>(links.corner, back[k], passed[k], count - l);
   }
   step.sums.add_to(sums, [&](std::int64_t term, std::int64_t& sum) { member.add(term, sum); });
   member.add(step.sums.in_range() ? 0 : 1, sums.invalid);
 }
 
 /// Corrects the populations that a member's share of a group returned, for an increment of the velocity.
-template <class T, class SlotsOf>
-SILT_DEVICE void correct_group(LinksOfGroup<T> links, const Motion<T>& increment, const Team& member,
-                               SlotsOf&& slots_of) {
+template <class T>
+SILT_DEVICE void correct_group(LinksOfGroup<T> links, const Motion<T>& increment, const Team& member) {
   using L = Lanes<T>;
   const int count = int(links.group.count);
   for (int l = L::count * member.lane; l < count; l += L::count * member.size) {
     const Places<T> at = links.at(l);
-    const auto slots = slots_of.template at<WallScheme::bounce_back>(l, at);
-    const auto back = slots(back_row);
-    scatter<T>(links.corner, back, corrected<T>(L::gather(links.corner, back), at, increment),
-               decltype(slots)::are_padded ? L::count : count - l);
+    const auto back = at.slots(links.slots.back);
+    scatter<T>(links.corner, back, corrected<T>(L::gather(links.corner, back), at, increment), count - l);
   }
 }
 

@@ -51,8 +51,7 @@ struct ApplyLinks {
     const GroupStep<T> step(motion, pass.fluid, pass.galilean, largest_exchange(surface.frame.reach, motion));
     with_scheme(group.scheme, [&](auto scheme) {
       constexpr int together = crossing && Lanes<T>::count == 1 ? 2 : 1;
-      apply_group<scheme(), together>(links_of(pass, surface, group), step, pass.sums[body], member,
-                                      ComputeSlots{*pass.slots});
+      apply_group<scheme(), together>(links_of(pass, surface, group), step, pass.sums[body], member);
     });
   }
 };
@@ -71,7 +70,7 @@ struct CorrectLinks {
     if (pass.increments[first].body != body) return;
     const DeviceSurface<T>& surface = *pass.surfaces[groups[k].surface].record;
     correct_group(links_of(pass, surface, surface.groups[groups[k].number]),
-                  Motion<T>(pass.increments[first]), member, ComputeSlots{*pass.slots});
+                  Motion<T>(pass.increments[first]), member);
   }
 };
 
