@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "cpu/prefetch.hpp"
-#include "lbm/walls/group_exchange.hpp"
+#include "lbm/walls/link_exchange.hpp"
 
 namespace silt::lbm::SILT_BUILD {
 

@@ -24,7 +24,7 @@ struct LinksOfGroup {
   SILT_DEVICE Places<T> at(int l) const { return Places<T>(place + l, origin); }
 };
 
-/// The slots of a vector of links by LinkRow, computed when they are used, and the cells of the links.
+/// The slots of a vector of links by LinkRow, computed when they are used.
 template <WallScheme scheme, class T>
 struct ComputedSlots {
   using L = Lanes<T>;
@@ -44,23 +44,7 @@ struct ComputedSlots {
            : row == away_row    ? behind.away
                                 : behind.toward;
   }
-  struct Cells {
-    std::int32_t cell[L::count];
-    SILT_DEVICE std::int32_t operator[](int k) const { return cell[k]; }
-  };
-  SILT_DEVICE Cells cells() const {
-    Cells all;
-    store(all.cell, at.cell);
-    return all;
-  }
 };
-/// Writes the values of the first `count` links of a vector.
-template <class T>
-SILT_DEVICE void scatter(T* to, const typename Lanes<T>::Whole& slots, const typename Lanes<T>::Real& values,
-                         int count) {
-  if (count >= Lanes<T>::count) return Lanes<T>::scatter(to, slots, values);
-  for (int k = 0; k < count; ++k) to[lane_of(slots, k)] = lane_of(values, k);
-}
 
 /// A vector of links, from the l-th one of a group on.
 template <WallScheme scheme, class T>
@@ -91,8 +75,8 @@ struct LinkAt {
   /// Adds lane by lane, since links of several directions in one vector may share a cell.
   [[gnu::always_inline]] SILT_DEVICE void give(const ExcessLanes<T>& given) const {
     ExcessQuanta<T> of[L::count];
-    store(of, given);
-    const auto cell = slots.cells();
+    std::int32_t cell[L::count];
+    store(of, given), store(cell, at.cell);
 #pragma GCC unroll 16
     for (int k = 0; k < L::count; ++k) add_to(links.excess[cell[k]], of[k]);
   }

@@ -19,6 +19,14 @@ struct SlotsBehind {
       : behind(out - step), against(back - step), away(back - 2 * step), toward(out - 2 * step) {}
 };
 
+/// Writes the values of the first `count` links of a vector.
+template <class T>
+SILT_DEVICE void scatter(T* to, const typename Lanes<T>::Whole& slots, const typename Lanes<T>::Real& values,
+                         int count) {
+  if (count >= Lanes<T>::count) return Lanes<T>::scatter(to, slots, values);
+  for (int k = 0; k < count; ++k) to[lane_of(slots, k)] = lane_of(values, k);
+}
+
 /// The velocity of a rigid surface at an arm r from its reference point.
 template <class T>
 struct Motion {
