@@ -86,22 +86,47 @@ struct Prefetch {
 #endif
 };
 
-/// The amounts that cells without an excess give up (excess.hpp): none.
-struct NothingGivenUp {
-  template <class V>
-  SILT_DEVICE const V& left(int, const V& g) const {
-    return g;
+/// The excess of the cells of a block (excess.hpp), which they give up when they collide.
+template <class T>
+struct HeldExcess {
+  ExcessQuanta<T>* quanta;  // of cell 0
+  T stress_share;
+  explicit HeldExcess(Block<T>& block) : quanta(block.excess()), stress_share(block.stress_share()) {}
+  /// Sets the excess of a vector of cells to zero; returns the amounts that they give up with it.
+  template <class Keep, class V = typename Lanes<T>::Real>
+  [[gnu::always_inline]] SILT_DEVICE GivenUp<V> take(const Slots<T>& slots, std::ptrdiff_t x,
+                                                     const Keep& keep) const {
+    constexpr QuantaLanes<T> none{};
+    const auto held = load<QuantaLanes<T>>(quanta + x);
+    if constexpr (Lanes<T>::count == 1)
+      if (held == none) return {};  // writes nothing, as most cells
+    store(quanta + x, keep(none, held));
+    return given_up<T>(converted<V>(keep(held, none)), stress_share,
+                       [&](int i) { return load<V>(slots.arriving(i) + x); });
+  }
+};
+/// Cells without an excess give up nothing.
+struct NoExcess {
+  struct Nothing {
+    template <class V>
+    SILT_DEVICE const V& left(int, const V& g) const {
+      return g;
+    }
+  };
+  template <class T, class Keep>
+  SILT_DEVICE Nothing take(const Slots<T>&, std::ptrdiff_t, const Keep&) const {
+    return {};
   }
 };
 
 /// Collides the vector of cells from x on, at the rates of carry_heat.hpp. Slots of lanes outside the row
 /// keep their values.
-template <class Model, bool source, class V, class T, class Rates, class Keep, class Watch,
-          class Given = NothingGivenUp>
+template <class Model, bool source, class V, class T, class Rates, class Keep, class Watch, class Excess>
 [[gnu::always_inline]] SILT_DEVICE inline void collide(const Slots<T>& slots, std::ptrdiff_t x,
                                                        const Rates& rates, const Keep& keep,
-                                                       const Watch& watch, const Given& given = {}) {
+                                                       const Watch& watch, const Excess& excess) {
   constexpr Prefetch prefetch;
+  const auto given = excess.take(slots, x, keep);
   V sum[D3Q19::pairs + 1], difference[D3Q19::pairs];
   const auto arriving = [&](int i, const T* from) __attribute__((always_inline)) {
     prefetch(from + x);

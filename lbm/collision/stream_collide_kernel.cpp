@@ -42,30 +42,14 @@ void take_excess_of_block(Block<T>& block, Parity parity) {
     }
 }
 
-/// Sets the excess of a vector of cells to zero; returns what they give up with it.
-template <class T, class Keep, class V = typename VectorOf<T>::type>
-[[gnu::always_inline]] inline GivenUp<V> excess_taken(Block<T>& block, const Slots<T>& slots,
-                                                      std::ptrdiff_t x, const Keep& keep) {
-  ExcessQuanta<T>* const excess = block.excess() + x;
-  constexpr QuantaLanes<T> none{};
-  const auto quanta = load<QuantaLanes<T>>(excess);
-  store(excess, keep(none, quanta));
-  return given_up<T>(converted<V>(keep(quanta, none)), block.stress_share(),
-                     [&](int i) { return load<V>(slots.arriving(i) + x); });
-}
-
 /// Collides rows whose cells have an excess, or none. `watch` receives the cells' squared speeds and offsets.
-template <class Model, bool source, bool with_excess, class T, class Pass, class Watch>
-[[gnu::noinline]] void rows(const Pass pass, RowRange range, const Watch& watch) {
+template <class Model, bool source, class T, class Pass, class Watch, class Excess>
+[[gnu::noinline]] void rows(const Pass pass, RowRange range, const Watch& watch, const Excess excess) {
   using V = typename VectorOf<T>::type;
   constexpr int width = vector_bytes / sizeof(T);
   const int nx = pass.block.size().x, whole = nx / width * width;
   const auto collide_at = [&](std::ptrdiff_t x, const auto& keep) __attribute__((always_inline)) {
-    if constexpr (with_excess)
-      collide<Model, source, V>(pass.slots, x, pass.rates, keep, watch,
-                                excess_taken(pass.block, pass.slots, x, keep));
-    else
-      collide<Model, source, V>(pass.slots, x, pass.rates, keep, watch);
+    collide<Model, source, V>(pass.slots, x, pass.rates, keep, watch, excess);
   };
   for (int z = range.z0; z < range.z1; ++z)
     for (int y = range.y0; y < range.y1; ++y) {
@@ -85,9 +69,9 @@ void linked_rows(const Pass& pass, RowRange range, const Watch& watch) {
       const bool excess = pass.block.has_excess(y, z);
       for (end = y + 1; end < range.y1 && pass.block.has_excess(end, z) == excess;) ++end;
       if (excess)
-        rows<Model, source, true, T>(pass, {y, end, z, z + 1}, watch);
+        rows<Model, source, T>(pass, {y, end, z, z + 1}, watch, HeldExcess<T>(pass.block));
       else
-        rows<Model, source, false, T>(pass, {y, end, z, z + 1}, watch);
+        rows<Model, source, T>(pass, {y, end, z, z + 1}, watch, NoExcess());
     }
 }
 
@@ -103,7 +87,7 @@ void planes(const Pass& pass, RowRange range, const WatchedPlanes& watched) {
     if constexpr (linked)
       linked_rows<Model, source, T>(pass, of_planes, seen);
     else
-      rows<Model, source, false, T>(pass, of_planes, seen);
+      rows<Model, source, T>(pass, of_planes, seen, NoExcess());
   };
   for (int z = range.z0; z < range.z1;) {
     const int plane = std::min(watched.next(z), range.z1);

@@ -49,9 +49,10 @@ struct OthersInTurn {
   SILT_DEVICE int operator()(int n) const { return n + int(n >= first) * (1 + (n - first) / (period - 1)); }
 };
 
-template <class Model, bool source, class T, class Rates, class Planes, class Watch>
+template <class Model, bool source, class T, class Excess, class Rates, class Planes, class Watch>
 struct CollideCells {
   Slots<T> slots;
+  Excess excess;
   Rates rates;
   CellsOfRows cells;
   Planes planes;
@@ -60,9 +61,9 @@ struct CollideCells {
   [[gnu::always_inline]] SILT_DEVICE void operator()(int x, int row, int count) const {
     using V = typename Lanes<T>::Real;
     const std::ptrdiff_t at = cells.row_at(row % cells.ny, planes(row / cells.ny)) + x;
-    if (count == together) return collide<Model, source, V>(slots, at, rates, AllLanes{}, watch);
+    if (count == together) return collide<Model, source, V>(slots, at, rates, AllLanes{}, watch, excess);
 #if !defined(SILT_SCALAR)
-    collide<Model, source, V>(slots, at, rates, FirstLanes<V, T>(count), watch);
+    collide<Model, source, V>(slots, at, rates, FirstLanes<V, T>(count), watch, excess);
 #endif
   }
   void run() const {
@@ -85,17 +86,11 @@ struct TakeExcess {
   }
 };
 template <class T>
-void take_excess_of(Block<T>& block, Parity parity, RowRange range) {
-  const int rows = std::max(range.y1 - range.y0, 0) * std::max(range.z1 - range.z0, 0);
-  if (block.excess() && rows > 0)
-    for_rows(block.size().x, rows,
-             TakeExcess<T>{Slots<T>(block, parity), block.excess(), block.stress_share(),
-                           CellsOfRows(block, range)});
-}
-
-template <class T>
 void take_excess(Block<T>& block, Parity parity) {
-  take_excess_of(block, parity, {0, block.size().y, 0, block.size().z});
+  const Int3 n = block.size();
+  for_rows(n.x, n.y * n.z,
+           TakeExcess<T>{Slots<T>(block, parity), block.excess(), block.stress_share(),
+                         CellsOfRows(block, {0, n.y, 0, n.z})});
 }
 
 template <class T>
@@ -119,29 +114,37 @@ void close_rows(Block<T, Lattice>& block, Parity parity, RowRange range) {
   for_rows(close.count, (range.y1 - range.y0) * (range.z1 - range.z0), close);
 }
 
+/// Collides rows with models and rates chosen; watched planes by another pass, which finds fast cells.
+template <class Model, bool source, class T, class Excess, class Rates>
+void collide_rows(Block<T>& block, Parity parity, const Excess& excess, const Rates& rates, RowRange range,
+                  const FastWatch& fast) {
+  const Slots<T> slots(block, parity);
+  const CellsOfRows cells(block, range);
+  const T scale = Model::square_scale(rates.fluid);
+  constexpr int period = WatchedPlanes::period;
+  const int first = ((fast.first_plane - range.z0) % period + period) % period, planes = range.z1 - range.z0;
+  const auto collide_planes = [&]<class Planes, class Seen>(const Planes& in_turn, const Seen& seen) {
+    CollideCells<Model, source, T, Excess, Rates, Planes, Seen>{slots, excess, rates, cells, in_turn, seen}
+        .run();
+  };
+  collide_planes(OthersInTurn{first, planes}, Unseen());
+  collide_planes(
+      WatchedInTurn{first, planes},
+      Watch<T, AddFast>{T(speed_of_sound * speed_of_sound) * scale, scale, {fast.list, fast.block}});
+}
+
 template <class T>
 void stream_collide(Block<T>& block, Parity parity, const CollisionRates<T>& rates, RowRange range,
                     const FastWatch& fast) {
-  const CellsOfRows cells(block, range);
-  const int rows = std::max(range.y1 - range.y0, 0) * std::max(range.z1 - range.z0, 0);
-  if (rows == 0) return;
-  take_excess_of(block, parity, range);
+  if (range.y0 >= range.y1 || range.z0 >= range.z1) return;
   with_model(rates, [&]<class Model>(Model) {
-    const T scale = Model::square_scale(rates);
-    using WatchFast = Watch<T, AddFast>;
-    const WatchFast watch{T(speed_of_sound * speed_of_sound) * scale, scale, {fast.list, fast.block}};
-    constexpr int period = WatchedPlanes::period;
-    const int first = ((fast.first_plane - range.z0) % period + period) % period,
-              planes = range.z1 - range.z0;
-    with_rates(
-        rates, block, parity, [&]<bool source, class Rates>(std::bool_constant<source>, const Rates& of) {
-          const Slots<T> slots(block, parity);
-          CollideCells<Model, source, T, Rates, OthersInTurn, Unseen>{slots, of, cells, {first, planes}, {}}
-              .run();
-          CollideCells<Model, source, T, Rates, WatchedInTurn, WatchFast>{
-              slots, of, cells, {first, planes}, watch}
-              .run();
-        });
+    with_rates(rates, block, parity,
+               [&]<bool source, class Rates>(std::bool_constant<source>, const Rates& of) {
+                 if (block.excess())
+                   collide_rows<Model, source>(block, parity, HeldExcess<T>(block), of, range, fast);
+                 else
+                   collide_rows<Model, source>(block, parity, NoExcess(), of, range, fast);
+               });
   });
   close_rows(block, parity, range);
   if (block.temperature()) close_rows(*block.temperature(), parity, range);
