@@ -59,7 +59,6 @@ class FlowOf final : public Flow {
         drive_(spec, comm),
         forces_(spec.coupling, exchange, substeps, spec.fluid->relaxation_time),
         turning_walls_(exchange.world()) {
-    if (!fluid_.is_in_parts()) schedule_ = LinkSchedule::sequential;
     for (int level = 1; level < levels_.count(); ++level) {
       coarser_.push_back(
           std::make_unique<CoarserFields>(levels_.fluid(level), levels_.heat(level), exchange.world()));
@@ -102,8 +101,7 @@ class FlowOf final : public Flow {
     account_.begin_pass();
     cells_changed();
     levels_.begin_step();
-    if (links_.world().shapes.empty() || schedule_ == LinkSchedule::sequential)
-      return levels_.stream_collide();
+    if (links_.world().shapes.empty() || !fluid_.is_in_parts()) return levels_.stream_collide();
     fluid_.begin_pass();
     for (int b = 0; b < links_.count_blocks(); ++b)
       for (int part = 0; part < fluid_.parts(b); ++part) {
@@ -122,7 +120,7 @@ class FlowOf final : public Flow {
   }
   void evaluate_forces(rigid::BodySet& bodies) override {
     cells_changed();
-    if (schedule_ == LinkSchedule::sequential)
+    if (!fluid_.is_in_parts())
       for (int b = 0; b < links_.count_blocks(); ++b) apply_inner(b, links_[b].all_inner());
     if (heat_) heat_->exchange_heat(links_.blocks(), bodies);  // before corrections change surfaces' motions
     account_.end_step(forces_.finish(fluid_, links_.blocks(), bodies));
@@ -136,7 +134,6 @@ class FlowOf final : public Flow {
     levels_.set_passes(0);
     levels_.set_seconds(std::vector<double>(levels()));
   }
-  void set_schedule(LinkSchedule schedule) override { schedule_ = schedule; }
 
   void resume(std::int64_t step, rigid::FixedSum mass_taken) override {
     account_.set_mass_taken(mass_taken);
@@ -196,7 +193,7 @@ class FlowOf final : public Flow {
   /// Makes all cells give up their excess before their values are read; in a step collisions do that.
   void complete_cells() const { fluid_.take_and_keep_excess(); }
   void apply_inner(int b, GroupRange groups) {
-    forces_.apply_inner(fluid_.blocks()[b], links_[b], groups, schedule_ == LinkSchedule::interleaved);
+    forces_.apply_inner(fluid_.blocks()[b], links_[b], groups, fluid_.is_in_parts());
   }
 
   /// Handles cells that turned solid or fluid, whose numbers it returns, and rebuilds links.
@@ -264,7 +261,6 @@ class FlowOf final : public Flow {
   mutable FlowDrive drive_;
   FluidForces<T> forces_;
   TurningWalls turning_walls_;
-  LinkSchedule schedule_ = LinkSchedule::interleaved;
   bool resumed_ = false;
   bool holds_bodies_ = false;
 };

@@ -18,10 +18,6 @@ class ParallelBodyExchange;
 struct BodyChanges;
 struct FlowSpec;
 
-/// When links within a block are applied (and bodies solved for that have no others): during the dense pass,
-/// as soon as their cells have collided and are still cached, or all after it. Results are bitwise equal.
-enum class LinkSchedule { interleaved, sequential };
-
 class Flow {
  public:
   virtual ~Flow() = default;
@@ -61,9 +57,10 @@ class Flow {
   /// where cells or surfaces changed, and refills uncovered cells. `changes` are those since the last step
   /// and must stay valid until the last pass of this step.
   virtual void map_bodies(rigid::BodySet&, const BodyChanges&) = 0;
-  /// Streams and collides and, if interleaved, applies links that touch no ghost cell, whose time the clock
-  /// counts as force evaluation. First completes the sums of the last step: throws ForceOutOfRange, on every
-  /// rank alike, if a body's sums were out of range then.
+  /// Streams and collides and, where cells are passed in parts, applies links that touch no ghost cell as
+  /// soon as their cells have collided and are still cached; the clock counts their time as force evaluation.
+  /// First completes the sums of the last step: throws ForceOutOfRange, on every rank alike, if a body's sums
+  /// were out of range then.
   virtual void stream_collide(StepClock&) = 0;
   /// LBM communication: exchanges ghost layers and applies domain walls.
   virtual void communicate() = 0;
@@ -74,9 +71,6 @@ class Flow {
   /// Fixes the mapping poses of bodies, whatever their velocities, until hold_bodies(false), which resets the
   /// account and the number of passes. Collective, between steps of the coarsest cells.
   virtual void hold_bodies(bool) = 0;
-
-  /// Sets the schedule; the default is interleaved.
-  virtual void set_schedule(LinkSchedule) = 0;
 
   // ---- before the first step ----
   /// Continues after a restart from a step with this account of mass. Call once populations are written.

@@ -18,10 +18,6 @@ namespace {
 
 using rigid::Vec3;
 
-bool is_in(const OutflowSpec& outflow, const Vec3& x) {
-  return (x.array() >= outflow.box.lower.array()).all() && (x.array() <= outflow.box.upper.array()).all();
-}
-
 /// Returns how a body leaves now, if it does.
 std::optional<int> way_out(const Scene& scene, std::size_t row) {
   const rigid::BodySet& bodies = scene.bodies;
@@ -31,7 +27,7 @@ std::optional<int> way_out(const Scene& scene, std::size_t row) {
   if (side && scene.setup.boundary[*side].removes_bodies()) return side;
   if (!bodies.is_dynamic(row)) return {};
   const auto& outflows = scene.setup.outflows;
-  const auto at = std::ranges::find_if(outflows, [&](const OutflowSpec& o) { return is_in(o, x); });
+  const auto at = std::ranges::find_if(outflows, [&](const OutflowSpec& o) { return o.box.contains(x); });
   if (at == outflows.end()) return {};
   return first_outflow + static_cast<int>(at - outflows.begin());
 }

@@ -72,10 +72,12 @@ bool crosses_open_side(const lbm::Domain& domain, const Vec3& centre, double rad
 }
 
 /// Sets the mass that an owned body owes after a step in which its links moved with this velocity and angular
-/// velocity, and what each link returns in the next step. The first quantum and the exponent are those of the
-/// resistance (lbm::ResistanceSums), the last that of the mass.
+/// velocity, and what each link returns in the next step. The exponent is that of the resistance
+/// (lbm::ResistanceSums).
+template <class T>
 void owe_mass(rigid::BodySet& bodies, std::size_t row, const RowSums& sums, const Vec6& motion,
-              double resistance_quantum, int exponent, double mass_quantum) {
+              int exponent) {
+  constexpr double resistance_quantum = lbm::resistance_quantum<T>, mass_quantum = lbm::excess_quantum<T>;
   const std::int64_t *const h = sums.resistance(row), *const push = sums.push(row);
   // 6 w |c|^2 is 1/3 along every link
   const std::int64_t links = std::llround(3 * double(h[0] + h[6] + h[11]) * resistance_quantum);
@@ -162,8 +164,7 @@ void FluidForces<T>::owe(rigid::BodySet& bodies, std::size_t row, const Vec6& mo
   if (crosses_open_side(*domain_, bodies.position[row], radius))
     coupling_of(bodies, row).mass_owed = {};
   else
-    owe_mass(bodies, row, sums_, motion, lbm::resistance_quantum<T>, lbm::resistance_exponent(radius),
-             lbm::excess_quantum<T>);
+    owe_mass<T>(bodies, row, sums_, motion, lbm::resistance_exponent(radius));
 }
 
 template <class T>

@@ -35,10 +35,7 @@ struct BitFrame {
     const int in_plane = int(bit % (unsigned(plane) * 64));
     return low + lbm::Int3{in_plane % pitch, in_plane / pitch, int(bit / (unsigned(plane) * 64))};
   }
-  bool contains(lbm::Int3 c) const {
-    return c.x >= low.x && c.x < low.x + size.x && c.y >= low.y && c.y < low.y + size.y && c.z >= low.z &&
-           c.z < low.z + size.z;
-  }
+  bool contains(lbm::Int3 c) const { return lbm::CellBox{low, size}.contains(c); }
   /// Returns a mask of the bits of one row in a word.
   SILT_DEVICE std::uint64_t row_bits() const {
     return pitch >= 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << pitch) - 1;

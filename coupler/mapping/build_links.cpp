@@ -42,7 +42,6 @@ class LinkWriter {
       : map_(map),
         sweep_(sweep),
         scheme_(scheme),
-        reach_(lbm::link_reach(scheme)),
         places_across_(map.box.size),
         device_(device),
         surface_(scheme, meshes, device),
@@ -103,6 +102,8 @@ class LinkWriter {
   }
 
  private:
+  int reach() const { return lbm::link_reach(scheme_); }  // of a link, in cells
+
   /// A surface whose links a device counts.
   struct Counted {
     const BodyMask* mask;
@@ -114,7 +115,7 @@ class LinkWriter {
     const Int3 n = map_.box.size;
     solid_.reset(frame);
     fill_rows(solid_, n, 1, [&](int x, int y, int z) { return map_.solid.from(x, y, z); });
-    const bool at_rim = touches_rim(frame, n, reach_);
+    const bool at_rim = touches_rim(frame, n, reach());
     find_open(at_rim);
     constexpr int words_a_group = 16;  // for small bodies: links enough for a group
     const int step = std::clamp(words_a_group / frame.plane, 1, 1 << lbm::place_z_bits);
@@ -150,20 +151,20 @@ class LinkWriter {
     rim_.reset(frame);
     for (const bool rim : {false, true})
       fill_rows(rim ? rim_ : inner_, n, 1, [&](int x, int y, int z) {
-        return ~map_.solid.from(x, y, z) & cells_of_block({x, y, z}, n, reach_, rim);
+        return ~map_.solid.from(x, y, z) & cells_of_block({x, y, z}, n, reach(), rim);
       });
   }
 
   /// Adds one group per strip of the dense pass.
   void inner_groups(Planes planes, std::size_t most) {
     const BitFrame& frame = mask_->frame();
-    const int last = std::min(frame.low.z + planes.z + planes.count, map_.box.size.z - reach_) - 1;
-    if (last < reach_) return;
-    const int first = std::max(frame.low.y + 1, reach_),
-              end = std::min(frame.low.y + frame.size.y - 1, map_.box.size.y - reach_);
+    const int last = std::min(frame.low.z + planes.z + planes.count, map_.box.size.z - reach()) - 1;
+    if (last < reach()) return;
+    const int first = std::max(frame.low.y + 1, reach()),
+              end = std::min(frame.low.y + frame.size.y - 1, map_.box.size.y - reach());
     for (int y = first; y < end;) {
-      const int next = std::min(sweep_.next_row(y, reach_), end);
-      group(planes, y - frame.low.y, next - frame.low.y, inner_, most, sweep_.ready(y, last, reach_));
+      const int next = std::min(sweep_.next_row(y, reach()), end);
+      group(planes, y - frame.low.y, next - frame.low.y, inner_, most, sweep_.ready(y, last, reach()));
       y = next;
     }
   }
@@ -224,7 +225,6 @@ class LinkWriter {
   const BlockMap& map_;
   const lbm::PassOrder& sweep_;
   WallScheme scheme_;
-  int reach_;  // reach of a link in cells
   lbm::PlacesAcross<lbm::D3Q19> places_across_;
   const BodyMask* mask_ = nullptr;  // current body
   DeviceMapping<T>& device_;

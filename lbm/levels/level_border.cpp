@@ -10,13 +10,6 @@ namespace silt::lbm {
 
 namespace {
 
-/// Fetches values of other ranks into the arrays of a table, and copies between arrays of this rank.
-template <class T>
-void fetch(SlotExchange<T>& slots, std::span<T* const> arrays) {
-  slots.start(arrays);
-  slots.finish(arrays, arrays);
-}
-
 template <class Field>
 std::size_t arrays_of(const Field& fluid) {
   return fluid.blocks().size() * Field::Lattice::directions;
@@ -40,12 +33,9 @@ template <class Field>
 LevelBorder<Field>::LevelBorder(Field& fine, Field& coarse, std::pmr::polymorphic_allocator<> memory)
     : fine_(fine),
       coarse_(coarse),
-      before_(fine.comm(), 5, fine.device()),
-      coarse_left_(fine.comm(), 5, fine.device()),
-      fine_left_{{fine.comm(), 5, fine.device()}, {fine.comm(), 5, fine.device()}},
-      coarse_before_(memory),
-      coarse_fetched_(memory),
-      fine_fetched_{std::pmr::vector<T>(memory), std::pmr::vector<T>(memory)},
+      before_(fine.comm(), fine.device(), memory),
+      coarse_left_(fine.comm(), fine.device(), memory),
+      fine_left_{{fine.comm(), fine.device(), memory}, {fine.comm(), fine.device(), memory}},
       carried_(memory),
       sums_(memory),
       coarse_arrays_{std::pmr::vector<T*>(memory), std::pmr::vector<T*>(memory)},
@@ -55,8 +45,10 @@ LevelBorder<Field>::LevelBorder(Field& fine, Field& coarse, std::pmr::polymorphi
       late_(memory.resource()) {
   make_lists();
   for (const Parity parity : {Parity::settled, Parity::crossed}) {
-    set_table(coarse_arrays_[int(parity)], coarse, parity, {coarse_fetched_.data(), coarse_before_.data()});
-    set_table(fine_arrays_[int(parity)], fine, parity, {fine_fetched_[0].data(), fine_fetched_[1].data()});
+    set_table(coarse_arrays_[int(parity)], coarse, parity,
+              {coarse_left_.values.data(), before_.values.data()});
+    set_table(fine_arrays_[int(parity)], fine, parity,
+              {fine_left_[0].values.data(), fine_left_[1].values.data()});
   }
 }
 template <class Field>
@@ -65,15 +57,15 @@ LevelBorder<Field>::LevelBorder(Field& fine, Field& coarse)
 
 template <class Field>
 void LevelBorder<Field>::before_coarse_pass() {
-  fetch(before_, std::span<T* const>(coarse_arrays_[int(coarse_.parity())]).subspan(arrays_of(coarse_)));
+  before_.fetch(std::span<T* const>(coarse_arrays_[int(coarse_.parity())]).subspan(arrays_of(coarse_)));
 }
 
 template <class Field>
 void LevelBorder<Field>::after_coarse_pass() {
   const std::pmr::vector<T*>& arrays = coarse_arrays_[int(coarse_.parity())];
-  fetch<T>(coarse_left_, arrays);
+  coarse_left_.fetch(arrays);
   now_.coarse_left = arrays.data(), now_.coarse_arriving = arrays.data() + arrays_of(coarse_);
-  now_.coarse_before = coarse_before_.data(), now_.carried = carried_.data(), now_.sums = sums_.data();
+  now_.coarse_before = before_.values.data(), now_.carried = carried_.data(), now_.sums = sums_.data();
   passes_on<T>(fine_.device()).carry_packets(now_, carry_);
 }
 
@@ -96,7 +88,7 @@ void LevelBorder<Field>::end_fine_pass() {
   for (std::size_t b = 0; b < ready_.size(); ++b)
     for (const Lists& part : ready_[b])
       if (!by_parts_[b]) cross(part, {});
-  fetch<T>(fine_left_[now_.sub_step], fine_arrays_[int(fine_.parity())]);
+  fine_left_[now_.sub_step].fetch(fine_arrays_[int(fine_.parity())]);
   cross(late_, passing_);
 }
 

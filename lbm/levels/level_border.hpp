@@ -19,6 +19,19 @@
 
 namespace silt::lbm {
 
+/// Values that patches read in an array of their own: those of other ranks, or copies before they change.
+template <class T>
+struct FetchedSlots {
+  SlotExchange<T> exchange;
+  std::pmr::vector<T> values;
+  std::uint32_t count = 0;  // of the values listed
+
+  FetchedSlots(MPI_Comm comm, Device device, std::pmr::polymorphic_allocator<> memory)
+      : exchange(comm, 5, device), values(memory) {}
+  /// Fetches them; the arrays are those of a table, `values` among them.
+  void fetch(std::span<T* const> arrays) { exchange.start(arrays), exchange.finish(arrays, arrays); }
+};
+
 /// `Field` holds the populations of a level: Fluid<T>, or a class with its blocks(), domain(), parity(),
 /// passes(), device() and half_push().
 template <class Field>
@@ -55,9 +68,9 @@ class LevelBorder {
   void cross(const Lists&, std::span<const typename Patches::Passing>);
 
   Field &fine_, &coarse_;
-  SlotExchange<T> before_, coarse_left_, fine_left_[2];
-  std::pmr::vector<T> coarse_before_, coarse_fetched_, fine_fetched_[2], carried_, sums_;
-  /// The tables of patches by parity: arrays of the blocks, then the fetched arrays (and coarse_before_).
+  FetchedSlots<T> before_, coarse_left_, fine_left_[2];  // before_: of coarse cells, before they collide
+  std::pmr::vector<T> carried_, sums_;
+  /// The tables of patches by parity: arrays of the blocks, then the fetched arrays (and before_).
   std::pmr::vector<T*> coarse_arrays_[2], fine_arrays_[2];
   std::pmr::vector<typename Patches::Carried> carry_;
   std::pmr::vector<typename Patches::Passing> passing_;

@@ -32,7 +32,6 @@ struct LevelBorder<Field>::Builder {
     int sub_step, corner;
     Flight to;
   };
-  std::uint32_t coarse_next = 0, before_next = 0, fine_next[2] = {};
   /// Of the blocks that share a block's array the first in memory: patches go on from one to the next.
   std::vector<int> first_of[2] = {first_in_memory(border.fine_.blocks()),
                                   first_in_memory(border.coarse_.blocks())};
@@ -64,14 +63,13 @@ struct LevelBorder<Field>::Builder {
                   size.length});
   }
   /// Returns the patch that rank `user` reads populations of any rank from; lists the message, if any.
-  Patch fetched(SlotExchange<T>& slots, const Patch& own, int owner, int user, std::uint32_t& next,
-                std::uint32_t table) {
+  Patch fetched(FetchedSlots<T>& slots, const Patch& own, int owner, int user, std::uint32_t table) {
     if (owner == user) return own;
-    if (owner == rank) for_runs(own, size, [&](const SlotRun& run) { slots.sent(user).add(run); });
+    if (owner == rank) for_runs(own, size, [&](const SlotRun& run) { slots.exchange.sent(user).add(run); });
     if (user != rank) return {};
-    slots.received(owner).add({table, next, 1, size.cells()});
-    next += size.cells();
-    return {table, std::int32_t(next - size.cells()), 1, std::int32_t(size.length)};
+    const std::uint32_t first = std::exchange(slots.count, slots.count + size.cells());
+    slots.exchange.received(owner).add({table, first, 1, size.cells()});
+    return {table, std::int32_t(first), 1, std::int32_t(size.length)};
   }
   static std::uint32_t arrays_of(const Field& fluid) {
     return std::uint32_t(fluid.blocks().size() * Lattice::directions);
@@ -84,12 +82,12 @@ struct LevelBorder<Field>::Builder {
       own = own_patch(border.coarse_, coarse_leaves, cell, direction);
       if (returned) own.array += arrays_of(border.coarse_);
     }
-    return fetched(border.coarse_left_, own, owner, user, coarse_next, 2 * arrays_of(border.coarse_));
+    return fetched(border.coarse_left_, own, owner, user, 2 * arrays_of(border.coarse_));
   }
   Patch fine_patch(int user, Int3 cell, int direction, int sub_step) {
     const int owner = leaves.at(cell).rank;
     const Patch own = owner == rank ? own_patch(border.fine_, leaves, cell, direction) : Patch{};
-    return fetched(border.fine_left_[sub_step], own, owner, user, fine_next[sub_step],
+    return fetched(border.fine_left_[sub_step], own, owner, user,
                    2 * arrays_of(border.fine_) + std::uint32_t(sub_step));
   }
 
@@ -197,9 +195,9 @@ struct LevelBorder<Field>::Builder {
   Patch before_patch(int user, int j) {
     const int owner = coarse_leaves.at(x).rank;
     const Patch own = owner == rank ? own_patch(border.coarse_, coarse_leaves, x, j) : Patch{};
-    return fetched(border.before_, own, owner, user, before_next, before_table());
+    return fetched(border.before_, own, owner, user, before_table());
   }
-  std::uint32_t before_table() const { return arrays_of(border.coarse_) + 1; }  // behind coarse_fetched_
+  std::uint32_t before_table() const { return arrays_of(border.coarse_) + 1; }  // behind what left
 
   void add_coalescence(int j) {
     struct Left {
@@ -348,9 +346,10 @@ struct LevelBorder<Field>::Builder {
           add_patches(face);
       }
     }
-    border.coarse_fetched_.resize(coarse_next);
-    for (int s = 0; s < 2; ++s) border.fine_fetched_[s].resize(fine_next[s]);
     place_kept();
+    for (FetchedSlots<T>* slots :
+         {&border.before_, &border.coarse_left_, &border.fine_left_[0], &border.fine_left_[1]})
+      slots->values.resize(slots->count);
   }
 
   /// Gives what is kept of each patch its place, in the order of passes. Explosions then refer to what is
@@ -372,18 +371,19 @@ struct LevelBorder<Field>::Builder {
     border.carry_.swap(carry);
     for (typename Patches::Passing& one : border.passing_)
       one.kept = std::exchange(sums, sums + one.size.cells());
-    border.coarse_before_.resize(before_next), border.carried_.resize(carried), border.sums_.resize(sums);
+    border.carried_.resize(carried), border.sums_.resize(sums);
   }
 
   /// Lists the copies of populations before collision.
   void keep_before(typename Patches::Carried& its) {
     if (!its.in_time() || its.before.array == before_table()) return;
+    FetchedSlots<T>& kept = border.before_;
+    const std::uint32_t first = kept.count;
     for_runs(its.before, its.size, [&](const SlotRun& run) {
-      border.before_.copied().add(run, {before_table(), before_next, 1, run.length});
-      before_next += run.length;
+      kept.exchange.copied().add(run, {before_table(), kept.count, 1, run.length});
+      kept.count += run.length;
     });
-    its.before = {before_table(), std::int32_t(before_next - its.size.cells()), 1,
-                  std::int32_t(its.size.length)};
+    its.before = {before_table(), std::int32_t(first), 1, std::int32_t(its.size.length)};
   }
 };
 

@@ -8,9 +8,29 @@
 namespace silt::lbm {
 
 template <class T>
+void LinksInGaps<T>::list(std::span<const GroupOfSurface> groups, const LinkPass<T>& pass) {
+  lines_.clear(), lines_.resize(empty() ? 0 : std::bit_ceil(2 * most_));
+  if (empty()) return;
+  clear_in_turn(device_, lines_.data(), lines_.size() * sizeof lines_[0]);
+  renew(opposites_, most_);
+  clear_in_turn(device_, opposites_.data(), opposites_.size() * sizeof opposites_[0]);
+  count_.host().resize(1);
+  const LinesInGaps table{lines_.data(), int(std::bit_width(lines_.size())) - 1};
+  const LinkPasses<T>& passes = SILT_ON(device_, link_passes<T>)();
+  passes.pair_gaps(groups, pass, table);
+  passes.list_opposites(groups, pass, table, {opposites_.data(), count_.clear()});
+}
+
+template <class T>
+void LinksInGaps<T>::set_opposites(const LinkPass<T>& pass, const Domain& domain, Int3 lower) const {
+  if (empty()) return;
+  SILT_ON(device_, link_passes<T>)().set_opposites(pass, {opposites_, domain.sides(), domain.cells(), lower});
+}
+
+template <class T>
 void DeviceLinks<T>::clear() {
   surfaces_.host().clear(), motions_.host().clear();
-  group_count_ = 0, gap_links_ = 0, is_listed_ = has_crossings_ = false;
+  group_count_ = 0, gaps_.clear(), is_listed_ = has_crossings_ = false;
 }
 
 template <class T>
@@ -20,7 +40,7 @@ void DeviceLinks<T>::add(const DeviceSurface<T>* surface, const CutLinks<T>& lin
   if (body_ == no_body && !links.groups.empty())
     body_ = std::uint32_t(motions_.size()), motions_.host().emplace_back();
   surfaces_.host().push_back({surface, group_count_, links.groups.empty() ? no_body : body_});
-  group_count_ += std::uint32_t(links.groups.size()), gap_links_ += links.opposite_q.size();
+  group_count_ += std::uint32_t(links.groups.size()), gaps_.add(links.opposite_q.size());
   for (const LinkGroup& group : links.groups) has_crossings_ |= group.crossing;
 }
 
@@ -55,16 +75,8 @@ void DeviceLinks<T>::list_groups() {
   is_listed_ = true;
   surfaces_.send();
   renew(groups_, group_count_);
-  lines_.clear(), lines_.resize(gap_links_ == 0 ? 0 : std::bit_ceil(2 * gap_links_));
   passes().list_groups({surfaces_.device(), surfaces_.size()}, groups_.data());
-  if (gap_links_ == 0) return;
-  clear_in_turn(device_, lines_.data(), lines_.size() * sizeof lines_[0]);
-  renew(opposites_, gap_links_);
-  clear_in_turn(device_, opposites_.data(), opposites_.size() * sizeof opposites_[0]);
-  opposite_count_.host().resize(1);
-  const LinesInGaps table{lines_.data(), int(std::bit_width(lines_.size())) - 1};
-  passes().pair_gaps(groups_, pass(), table);
-  passes().list_opposites(groups_, pass(), table, {opposites_.data(), opposite_count_.clear()});
+  gaps_.list(groups_, pass());
 }
 
 /// Sends the slots unless the device has them from an earlier step.
@@ -80,10 +92,10 @@ void DeviceLinks<T>::take_slots(const LinkSlots& slots) {
 template <class T>
 void DeviceLinks<T>::begin_step(double time, const LinkSlots& slots, const Domain& domain, Int3 lower) {
   time_ = time;
-  if (device_ == Device::cpu ? gap_links_ == 0 : size() == 0) return;
+  if (device_ == Device::cpu ? gaps_.empty() : size() == 0) return;
   motions_.send(), take_slots(slots);
   list_groups();
-  if (gap_links_ > 0) passes().set_opposites(pass(), {opposites_, domain.sides(), domain.cells(), lower});
+  gaps_.set_opposites(pass(), domain, lower);
 }
 
 template <class T>

@@ -107,6 +107,27 @@ struct LinkPass;
 template <class T>
 struct LinkPasses;
 
+/// The links of a block in gaps of one cell that know the wall on the other side.
+template <class T>
+class LinksInGaps {
+ public:
+  explicit LinksInGaps(Device device) : device_(device) {}
+  void clear() { most_ = 0; }
+  void add(std::size_t most) { most_ += most; }
+  bool empty() const { return most_ == 0; }
+  /// Lists them, and the lines through them.
+  void list(std::span<const GroupOfSurface>, const LinkPass<T>&);
+  /// Sets their OppositeWall; `lower` is the first cell of the block.
+  void set_opposites(const LinkPass<T>&, const Domain&, Int3 lower) const;
+
+ private:
+  Device device_;
+  std::size_t most_ = 0;
+  DeviceArray<LineInGap> lines_{memory_of(device_)};
+  DeviceArray<OppositeLink> opposites_{memory_of(device_)};
+  Mirror<unsigned> count_{device_};
+};
+
 /// The surfaces and links of a block on a device. Without surfaces its functions do nothing.
 template <class T>
 class DeviceLinks {
@@ -152,10 +173,7 @@ class DeviceLinks {
   DeviceArray<GroupOfSurface> groups_{memory_of(device_)};  // of all surfaces
   std::uint32_t group_count_ = 0, body_ = 0;                // of all surfaces; of the one added last
   bool is_listed_ = false, has_crossings_ = false;
-  std::size_t gap_links_ = 0;  // at most, of those that know the wall on the other side
-  DeviceArray<LineInGap> lines_{memory_of(device_)};
-  DeviceArray<OppositeLink> opposites_{memory_of(device_)};
-  Mirror<unsigned> opposite_count_{device_};
+  LinksInGaps<T> gaps_{device_};
   Mirror<LinkSlots> slots_{device_};  // of either parity, as they occur
   std::size_t slots_in_use_ = 0;
 };

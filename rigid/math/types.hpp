@@ -52,6 +52,10 @@ struct BoundingBox {
     return {Vec3::Constant(infinity), Vec3::Constant(-infinity)};
   }
   static BoundingBox everything() { return {empty().upper, empty().lower}; }
+  /// Returns whether a point is in the box or on its surface.
+  bool contains(const Vec3& x) const {
+    return (x.array() >= lower.array()).all() && (x.array() <= upper.array()).all();
+  }
   void add(const BoundingBox& other) {
     lower = lower.cwiseMin(other.lower);
     upper = upper.cwiseMax(other.upper);

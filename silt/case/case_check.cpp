@@ -49,9 +49,9 @@ std::string shown_box(const Case& setup, const rigid::BoundingBox& box) {
 }
 
 bool lies_in_domain(const Case& setup, const rigid::BoundingBox& box, double slack) {
-  const rigid::BoundingBox domain = box_of(setup);
-  return (box.lower.array() >= domain.lower.array() - slack).all() &&
-         (box.upper.array() <= domain.upper.array() + slack).all();
+  const rigid::Vec3 margin = rigid::Vec3::Constant(slack);
+  const rigid::BoundingBox domain = box_of(setup), wider{domain.lower - margin, domain.upper + margin};
+  return wider.contains(box.lower) && wider.contains(box.upper);
 }
 
 std::string shown_length(const Case& setup, double x) {

@@ -88,7 +88,7 @@ void read_planes(TableReader& table, const QuantityType& type, QuantitySpec& qua
 
 /// The steps of which the value is the mean or the deviation.
 void read_over(TableReader& table, const QuantityType& type, QuantitySpec& quantity) {
-  quantity.deviation = table.boolean("deviation").value_or(false);
+  const bool deviation = table.boolean("deviation").value_or(false);
   const Node* const node = table.find("over");
   if (!node)
     return table.refuse_given({"deviation"}, "{key} is given without {table}.over, which gives the times");
@@ -102,7 +102,7 @@ void read_over(TableReader& table, const QuantityType& type, QuantitySpec& quant
   if (!times || !((*times)[0] >= 0 && (*times)[0] < (*times)[1]))
     return table.refuse("over", "two times, [from, to], the first at least 0 and before the second");
   const double step = table.context().units.time_step;
-  quantity.over = {(*times)[0] / step, (*times)[1] / step};
+  quantity.over = {(*times)[0] / step, (*times)[1] / step, deviation};
 }
 
 // The keys that the type takes; any other is unknown.
@@ -233,14 +233,14 @@ void find_quantity_faults(const Case& setup, Diagnostics& findings) {
     const auto end = static_cast<double>(setup.steps);
     if (!lack.empty())
       findings.error(entry + ".type", "{}.type is \"{}\", but {}", entry, quantity.type, lack);
-    if (quantity.over && (*quantity.over)[0] > end)
+    if (quantity.over && quantity.over->from > end)
       findings.warning(entry + ".over",
                        "{}.over begins after the end of the run: the quantity will have no value", entry);
-    else if (quantity.over && (*quantity.over)[1] > end + 0.5)
+    else if (quantity.over && quantity.over->to > end + 0.5)
       findings.warning(
           entry + ".over",
           "{}.over ends at {}, after the end of the run at {}: the quantity is evaluated up to there only",
-          entry, shown(setup.units.physical((*quantity.over)[1], dimension::time)),
+          entry, shown(setup.units.physical(quantity.over->to, dimension::time)),
           shown(setup.units.physical(end, dimension::time)));
     if ((type.takes(Q::time) && quantity.time >= end) ||
         (type.takes(Q::instant) && std::isfinite(quantity.time) && quantity.time > end))

@@ -33,9 +33,14 @@ struct QuantitySpec {
   int axis = 2;
   double time = 0;    // start of the evaluation (of an instant: its time, by default the end), in steps
   double height = 0;  // along the axis: of bodies, of a plane
-  double second_height = 0;                   // of the second of two planes
-  std::optional<std::array<double, 2>> over;  // steps of which the value is the mean, or the deviation
-  bool deviation = false;
+  double second_height = 0;  // of the second of two planes
+  /// The steps of which the value is the mean, or the deviation.
+  struct Over {
+    double from, to;
+    bool deviation;
+    bool operator==(const Over&) const = default;
+  };
+  std::optional<Over> over;
   int side = 0;       // a Side of the domain
   int wall = 0;       // index into Case::walls
   int component = 0;  // a Component

@@ -68,9 +68,7 @@ void check_features(const Case& setup, Diagnostics& findings, std::size_t index,
 bool is_seen(const Case& setup, const MeshWall& wall, const rigid::BoundingBox& box) {
   if ((box.upper - box.lower).maxCoeff() < 1) return false;
   const rigid::BoundingBox domain = box_of(setup);
-  const bool surrounds =
-      (box.lower.array() <= domain.lower.array()).all() && (box.upper.array() >= domain.upper.array()).all();
-  if (!surrounds) return true;
+  if (!box.contains(domain.lower) || !box.contains(domain.upper)) return true;
   const rigid::Pose pose = wall.pose(0);
   const rigid::Mat3 turn = pose.orientation.conjugate().toRotationMatrix();
   const Vec3 half = 0.5 * (domain.upper - domain.lower);

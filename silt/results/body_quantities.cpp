@@ -278,10 +278,8 @@ double weight_torque(const Case& setup, const QuantitySpec& q, std::int64_t step
 
 double bodies_in_box(const Simulation& simulation, const QuantitySpec& q) {
   std::uint64_t inside = 0;
-  for_bodies_of(simulation.bodies(), q, [&](std::size_t row) {
-    const auto x = simulation.bodies().position[row].array();
-    inside += (x >= q.box.lower.array()).all() && (x <= q.box.upper.array()).all();
-  });
+  for_bodies_of(simulation.bodies(), q,
+                [&](std::size_t row) { inside += q.box.contains(simulation.bodies().position[row]); });
   return double(parallel::sum_over_ranks(simulation.scene().comm, inside));
 }
 

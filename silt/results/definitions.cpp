@@ -37,7 +37,7 @@ std::string text_of_anew(const CheckpointReader& reader, const QuantitySpec& q, 
   if (is_instant) return "";
   if (has_history(reader, q))
     return "has another definition than the result of this name in the checkpoint, and starts again";
-  if ((q.over ? (*q.over)[0] : q.time) > double(step)) return "";
+  if ((q.over ? q.over->from : q.time) > double(step)) return "";
   return fmt::format("is not in the checkpoint; it starts at step {}, where the run resumes", step);
 }
 
@@ -79,12 +79,12 @@ std::string definition_name(const std::string& of) {
 }
 
 std::string definition_of(const QuantitySpec& q) {
-  const auto& [name, type, bearer, kind, axis, time, height, second_height, over, deviation, side, wall,
-               component, centre, box] = q;
+  const auto& [name, type, bearer, kind, axis, time, height, second_height, over, side, wall, component,
+               centre, box] = q;
   std::string more;
   if (second_height != 0) more += fmt::format(", and {}", second_height);
   if (over)
-    more += fmt::format(", {} over {} to {}", deviation ? "deviation" : "mean", (*over)[0], (*over)[1]);
+    more += fmt::format(", {} over {} to {}", over->deviation ? "deviation" : "mean", over->from, over->to);
   return fmt::format(
       "{}: bearer {}, kind {}, axis {}, time {}, height {}, side {}, wall {}, component {}, centre {}, box "
       "{} "
@@ -95,8 +95,7 @@ std::string definition_of(const QuantitySpec& q) {
 
 std::string definition_of(const Case& setup, const ColumnsSpec& series, std::size_t column) {
   QuantitySpec in_step = quantity_named(setup, series.columns[column]);
-  in_step.time = 0, in_step.over = {},
-  in_step.deviation = false;  // a row has what it is in a step, from the first on
+  in_step.time = 0, in_step.over = {};  // a row has what it is in a step, from the first on
   return definition_of(in_step);
 }
 

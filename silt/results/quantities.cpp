@@ -68,7 +68,7 @@ bool have_same_terms(QuantitySpec a, QuantitySpec b) {
   if (!u.of || !v.of || x.sums.add != y.sums.add || x.sums.count != y.sums.count || u.see != v.see)
     return false;
   for (QuantitySpec* q : {&a, &b}) {
-    q->name = q->type = "", q->time = 0, q->over = {}, q->deviation = false;
+    q->name = q->type = "", q->time = 0, q->over = {};
     if (u.of_all_axes) q->axis = 0;
   }
   return a == b;
@@ -165,7 +165,7 @@ void Quantities::fold_started(const Case& setup) const {
 /// Takes a value into the number of values, their mean and the sum of squares about it (Welford 1962).
 static void fold_over(const QuantitySpec& q, std::int64_t step, double value, QuantityHistory& h) {
   constexpr double rounding = 1e-6;  // of times that are meant to be whole steps
-  if (std::isnan(value) || double(step) < (*q.over)[0] - rounding || double(step) > (*q.over)[1] + rounding)
+  if (std::isnan(value) || double(step) < q.over->from - rounding || double(step) > q.over->to + rounding)
     return;
   if (h == no_history) h = {};
   const double away = value - h[1];
@@ -216,7 +216,7 @@ double Quantities::physical(const QuantitySpec& q, double value) const {
 
 double Quantities::value(const Simulation& simulation, std::size_t i, const QuantityHistory& h) const {
   const QuantitySpec& q = specs_[i];
-  const auto of_steps = [&] { return q.deviation ? std::sqrt(h[2] / h[0]) : h[1]; };
+  const auto of_steps = [&] { return q.over->deviation ? std::sqrt(h[2] / h[0]) : h[1]; };
   return physical(q, !q.over           ? computations_[i]->value(simulation, q, h)
                      : h == no_history ? no_value
                                        : of_steps());

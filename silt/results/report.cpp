@@ -332,7 +332,7 @@ std::string meaning_of(const Case& setup, const QuantitySpec& q) {
   if (!q.over) return std::string(meaning);
   const auto time = [&](double steps) { return shown(setup.units.physical(steps, dimension::time)); };
   return fmt::format("{}; here the {} of what it is in the steps from {} to {}", meaning,
-                     q.deviation ? "standard deviation" : "mean", time((*q.over)[0]), time((*q.over)[1]));
+                     q.over->deviation ? "standard deviation" : "mean", time(q.over->from), time(q.over->to));
 }
 
 Json quantity_types_of(const Case& setup) {

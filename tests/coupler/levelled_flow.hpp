@@ -38,7 +38,6 @@ class LevelledFlow final : public Flow {
   void communicate() override {}
   void evaluate_forces(rigid::BodySet&) override {}
   void hold_bodies(bool) override {}
-  void set_schedule(LinkSchedule) override {}
   void resume(std::int64_t, rigid::FixedSum) override {}
   void take_over(const Flow&) override {}
   void start(rigid::BodySet&) override {}
