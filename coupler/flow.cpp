@@ -55,6 +55,7 @@ class FlowOf final : public Flow {
         map_(fluid_.domain(), exchange.world(), boxes(fluid_), lbm::link_reach(spec.coupling.wall_scheme)),
         fields_(make_fields<T>(fluid_, map_.blocks(), levels_.heat(0))),
         account_(*fields_, comm),
+        extent_(exchange.extent()),
         links_(spec.coupling, exchange.world(), fluid_, map_),
         drive_(spec, comm),
         forces_(spec.coupling, exchange, substeps, spec.fluid->relaxation_time),
@@ -84,7 +85,7 @@ class FlowOf final : public Flow {
 
   void map_bodies(rigid::BodySet& bodies, const BodyChanges& changes) override {
     cells_changed();
-    if (!holds_bodies_) renew_mapping_poses(bodies, links_.world(), links_.spec(), fluid_.passes());
+    if (!holds_bodies_) renew_mapping_poses(bodies, links_.world(), extent_, links_.spec(), fluid_.passes());
     map_(bodies);
     if (heat_) heat_->begin_step(bodies);
     std::uint64_t covered = 0, uncovered = 0;
@@ -256,6 +257,7 @@ class FlowOf final : public Flow {
   std::unique_ptr<FluidFields> fields_;
   std::vector<std::unique_ptr<CoarserFields>> coarser_;
   FlowAccount account_;
+  rigid::Extent extent_;
   FlowLinks<T> links_;
   TurnedCells<T> turned_{fluid_.device()};  // of the last mapping
   mutable FlowDrive drive_;

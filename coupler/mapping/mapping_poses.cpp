@@ -50,8 +50,8 @@ MappedMotion mapped_ahead(MappedMotion m) {
 
 }  // namespace
 
-void renew_mapping_poses(rigid::BodySet& bodies, const rigid::World& world, const CouplingSpec& coupling,
-                         std::int64_t step) {
+void renew_mapping_poses(rigid::BodySet& bodies, const rigid::World& world, const rigid::Extent& extent,
+                         const CouplingSpec& coupling, std::int64_t step) {
   const double held = held_share * coupling.remap_tolerance;
   const bool links_follow = lbm::follows_distance(coupling.wall_scheme);
   for (std::size_t row = 0; row < bodies.first_wall(); ++row) {
@@ -63,7 +63,7 @@ void renew_mapping_poses(rigid::BodySet& bodies, const rigid::World& world, cons
     MappedMotion& mapped = coupling_of(bodies, row).mapped;
     const Pose now{bodies.position[row], is_ball ? mapped.pose().orientation : bodies.orientation[row]};
     const Pose foreseen = mapped.pose_after(static_cast<double>(step) - mapped.middle());
-    const double off = (now.position - foreseen.position).norm() +
+    const double off = nearest_image(now.position - foreseen.position, extent).norm() +
                        radius * angle_between(now.orientation, foreseen.orientation);
     if (2 * off <= held && mapped.is_at_rest()) continue;
     if (step < mapped.steps.end && off <= unforeseen * held) continue;

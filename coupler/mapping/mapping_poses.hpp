@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "coupler/spec/flow_spec.hpp"
+#include "rigid/bodies/body_exchange.hpp"
 #include "rigid/bodies/body_set.hpp"
 #include "rigid/bodies/walls.hpp"
 #include "rigid/bodies/world.hpp"
@@ -14,9 +15,11 @@ namespace silt::coupler {
 /// Gives bodies new mapping poses at the first step of intervals of 3^k steps. The interval is the longest in
 /// which no point of the surface moves further than the tolerance (cells); a body that is off its predicted
 /// pose by more than a sixth of the tolerance is mapped earlier. Where distances are not updated between
-/// mappings, 0.15 of the tolerance applies. `step` is the number of steps done. All holders of a body get the
-/// same result, which depends on its state alone.
-void renew_mapping_poses(rigid::BodySet&, const rigid::World&, const CouplingSpec&, std::int64_t step);
+/// mappings, 0.15 of the tolerance applies. A body that crosses a periodic side keeps the pose before it.
+/// `step` is the number of steps done. All holders of a body get the same result, which depends on its state
+/// alone.
+void renew_mapping_poses(rigid::BodySet&, const rigid::World&, const rigid::Extent&, const CouplingSpec&,
+                         std::int64_t step);
 
 /// Times and poses at which a moving wall is mapped, a function of the step alone like its pose.
 class WallMapping {

@@ -67,7 +67,8 @@ std::set<std::array<int, 3>> cells_in_spheres(const Simulation& simulation) {
   const Scene& scene = simulation.scene();
   const rigid::World& world = scene.exchange->world();
   rigid::BodySet bodies = simulation.bodies();
-  coupler::renew_mapping_poses(bodies, world, scene.setup.coupling, simulation.steps_done());
+  coupler::renew_mapping_poses(bodies, world, scene.exchange->extent(), scene.setup.coupling,
+                               simulation.steps_done());
   std::set<std::array<int, 3>> cells;
   for (std::size_t row = 0; row < bodies.first_wall(); ++row) {
     const rigid::Vec3 centre = coupler::mapping_pose(bodies, row).position;

@@ -40,6 +40,7 @@ CouplingSpec within(double cells, ForceForm force = ForceForm::galilean) {
 struct Passage {
   rigid::World world;
   rigid::BodySet bodies;
+  rigid::Extent extent;
   int mappings = 0, steps = 0;
   double furthest_off = 0, furthest_from_foreseen = 0;
   Vec3 mean_off = Vec3::Zero();  // of its centre from where it is mapped
@@ -58,7 +59,7 @@ struct Passage {
   void run(int n, const CouplingSpec& coupling = within(tolerance)) {
     for (; steps < n; ++steps) {
       const Pose before = mapping_pose(bodies, 0);
-      renew_mapping_poses(bodies, world, coupling, steps);
+      renew_mapping_poses(bodies, world, extent, coupling, steps);
       const MappedMotion& mapped = coupling_of(bodies, 0).mapped;
       const Pose now = bodies.pose(0);
       mappings += mapped.pose() != before;
@@ -67,6 +68,7 @@ struct Passage {
           std::max(furthest_from_foreseen, furthest(now, mapped.pose_after(steps - mapped.middle())));
       mean_off += (bodies.position[0] - mapped.position()) / n;
       rigid::drift(bodies, bodies.owned, 1);
+      extent.wrap(bodies.position[0], bodies.image[0]);
     }
   }
 };
@@ -123,6 +125,15 @@ TEST(MappingPoses, ABodyThatIsNotWhereItWasForeseenIsMappedInBetween) {
   p.run(82 + 12);
   EXPECT_EQ(p.mappings, before + 1);
   EXPECT_LE(p.furthest_from_foreseen, 1.1 * held + 0.002);
+}
+
+TEST(MappingPoses, ABodyThatCrossesAPeriodicSideIsNotMappedForThat) {
+  Passage straight(rigid::Box{half}, {0.003, 0, -0.001}, {0, 0, 0}), across = straight;
+  across.extent = {{20, 20, 20}, {true, false, true}};
+  straight.run(19000), across.run(19000);
+  EXPECT_EQ(across.bodies.image[0][0], 2);
+  EXPECT_EQ(across.bodies.image[0][2], -1);
+  EXPECT_EQ(across.mappings, straight.mappings);
 }
 
 TEST(MappingPoses, ABodyThatStopsIsMappedWhereItRests) {
