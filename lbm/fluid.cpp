@@ -10,44 +10,6 @@
 namespace silt::lbm {
 
 namespace {
-/// Returns the faces of a block that touch blocks of other ranks.
-ShellFaces shell_of(const Domain& domain, const BlockPlace& place) {
-  ShellFaces shell;
-  for (int axis = 1; axis < 3; ++axis)
-    for (int high = 0; high < 2; ++high) {
-      CellBox beyond = place.box;
-      beyond.lower[axis] += high ? beyond.size[axis] : -1;
-      beyond.size[axis] = 1;
-      beyond.lower = domain.wrapped(beyond.lower);
-      if (!domain.inside(beyond.lower)) continue;
-      bool& of_face = (axis == 1 ? shell.y : shell.z)[high];
-      domain.for_blocks_meeting(beyond,
-                                [&](const BlockPlace& there) { of_face |= there.rank != place.rank; });
-    }
-  return shell;
-}
-
-/// Moves the populations at the ends of the rows of a block.
-template <class T>
-void close_rows(Block<T>& block, Parity parity) {
-  if (block.row_ends(parity).empty()) return;
-  for (int z = 0; z < block.size().z; ++z)
-    for (int y = 0; y < block.size().y; ++y) {
-      T* const first = block.data() + block.cell(0, y, z);
-      for (const RowEnd<T>& end : block.row_ends(parity))
-        first[end.to] = end.wall ? first[end.from] + end.addend : first[end.from];
-    }
-}
-
-template <class T>
-std::vector<PassOrder> orders_of(const Domain& domain, MPI_Comm comm) {
-  const int rank = parallel::rank_of(comm);
-  std::vector<PassOrder> orders;
-  for (const BlockPlace& place : domain.blocks_of(rank))
-    orders.emplace_back(place.box.size, sizeof(T), shell_of(domain, place));
-  return orders;
-}
-
 /// Returns the blocks whose arrays a new fluid may take. Populations of a fluid in its other parity would lie
 /// elsewhere in the same array.
 template <class T>
@@ -69,15 +31,9 @@ Fluid<T>::Fluid(const Domain& domain, const CollisionSpec& spec, MPI_Comm comm, 
       rates_(std::make_unique<CollisionRates<T>>(spec)),
       comm_(comm),
       device_(device),
-      blocks_(local_blocks<T, D3Q19>(domain, parallel::rank_of(comm), device, blocks_to_take(before),
-                                     &passed_whole_)),
-      orders_(orders_of<T>(domain, comm)),
-      idle_(blocks_.size(), 0),
-      in_parts_(blocks_.size(), 1),
-      halo_(domain_, comm, blocks_, orders_, spec.force, device) {
-  for (const SharedArray<T>& shared : passed_whole_)
-    std::fill(in_parts_.begin() + shared.first, in_parts_.begin() + shared.end, 0);
-}
+      blocks_(local_blocks<T, D3Q19>(domain, parallel::rank_of(comm), device, blocks_to_take(before))),
+      pass_(domain, comm, device, *rates_, blocks_),
+      halo_(domain_, comm, blocks_, pass_.orders(), spec.force, device) {}
 
 template <class T>
 Fluid<T>::~Fluid() = default;
@@ -96,8 +52,7 @@ void Fluid<T>::carry(Carried& carried, const HeatSpec& heat, std::span<Block<T, 
   heat_rates_ = std::make_unique<HeatRates<T>>(heat, spec_);
   rates_->heat = heat_rates_.get();
   for (std::size_t b = 0; b < blocks_.size(); ++b) blocks_[b].carry(blocks[b]);
-  passed_whole_.clear();  // cells of no block have no temperature
-  std::ranges::fill(in_parts_, 1);
+  pass_.pass_no_array_whole();  // cells of no block have no temperature
 }
 
 template <class T>
@@ -107,19 +62,14 @@ void Fluid<T>::set_side_velocity(int side, const std::array<double, 3>& velocity
 }
 
 template <class T>
-void Fluid<T>::take_excess() {
-  for (Block<T>& block : blocks_)
-    if (block.excess()) passes_on<T>(device_).take_excess(block, parity_);
-  wait(device_);
-}
-
-template <class T>
 void Fluid<T>::take_and_keep_excess() {
   if (is_given_up_) return;
   given_up_.resize(blocks_.size());
   for (std::size_t b = 0; b < blocks_.size(); ++b) keep_excess(b);
   is_given_up_ = true;
-  take_excess();
+  for (Block<T>& block : blocks_)
+    if (block.excess()) passes_on<T>(device_).take_excess(block, parity());
+  wait(device_);
 }
 
 /// Records the amounts that the cells of a block give up.
@@ -140,60 +90,9 @@ void Fluid<T>::keep_excess(std::size_t b) {
 
 template <class T>
 void Fluid<T>::begin_pass() {
-  fast_cells_.clear();
-  for (std::size_t b = 0; b < blocks_.size(); ++b)
-    for (const RowRange& rows : orders_[b].shell())
-      if (parts(int(b)) > 0) pass_over(int(b), blocks_[b], rows);
-  for (std::size_t k = 0; k < passed_whole_.size(); ++k) {
-    const SharedArray<T>& shared = passed_whole_[k];
-    const Int3 size = shared.whole.size();
-    pass_over(-1 - int(k), passed_whole_[k].whole, {0, size.y, 0, size.z});
-    for (int b = shared.first; b < shared.end; ++b) close_rows(blocks_[b], parity_);
-  }
-  halo_.start(flipped(parity_));
-  if (carried_) carried_->start_exchange(flipped(parity_));
-}
-
-template <class T>
-void Fluid<T>::collide_rows(int b, RowRange rows) {
-  pass_over(b, blocks_[b], rows);
-  halo_.progress();
-}
-
-template <class T>
-void Fluid<T>::pass_over(int number, Block<T>& block, RowRange rows) {
-  constexpr int period = WatchedPlanes::period;
-  const int first = int(passes_ % period) - block.box().lower.z % period;
-  const int watched = (first + period) % period;
-  passes_on<T>(device_).stream_collide(block, parity_, *rates_, rows, {fast_list(device_), number, watched});
-}
-
-template <class T>
-void Fluid<T>::end_pass() {
-  parity_ = flipped(parity_), ++passes_;
-  for (const auto& [number, fast] : take_fast_cells(device_))
-    if (number >= 0)
-      fast_cells_.push_back({number, blocks_[number].cell_at(fast.cell), fast.speed});
-    else
-      see_fast(passed_whole_[-1 - number], fast);
-}
-
-/// Cells that are of no block are at rest again if one of them is too fast.
-template <class T>
-void Fluid<T>::see_fast(SharedArray<T>& shared, const FastCell& fast) {
-  const auto block_of = [&](Int3 cell) {
-    int b = shared.first;
-    while (b < shared.end && !blocks_[b].box().contains(cell)) ++b;
-    return b;
-  };
-  Block<T>& whole = shared.whole;
-  const Int3 at = whole.box().lower + whole.cell_at(fast.cell);
-  if (const int b = block_of(at); b < shared.end)
-    return fast_cells_.push_back({b, at - blocks_[b].box().lower, fast.speed});
-  for_cells({}, whole.size(), [&](Int3 x) {
-    if (block_of(whole.box().lower + x) < shared.end) return;
-    for (int i = 0; i < D3Q19::directions; ++i) whole.data()[whole.arriving(i, parity_) + whole.cell(x)] = 0;
-  });
+  pass_.begin();
+  halo_.start(flipped(parity()));
+  if (carried_) carried_->start_exchange(flipped(parity()));
 }
 
 template <class T>
@@ -201,7 +100,7 @@ void Fluid<T>::stream_collide() {
   begin_pass();
   for (int b = 0; b < int(blocks_.size()); ++b) {
     if (parts(b) == 0) continue;
-    const RowRange inner = orders_[b].inner();
+    const RowRange inner = pass_order(b).inner();
     const int slices = device_ == Device::gpu ? 1 : 8;  // between checks for messages
     const int planes = std::max(1, (inner.z1 - inner.z0 + slices - 1) / slices);
     for (int z = inner.z0; z < inner.z1; z += planes)
@@ -215,7 +114,7 @@ void Fluid<T>::read(int b, const CellBox& box, int i, double* g) const {
   for (int z = 0; z < box.size.z; ++z)
     for (int y = 0; y < box.size.y; ++y, g += box.size.x) {
       const T* const row =
-          blocks_[b].data() + blocks_[b].arriving(i, parity_) + blocks_[b].cell(box.lower + Int3{0, y, z});
+          blocks_[b].data() + blocks_[b].arriving(i, parity()) + blocks_[b].cell(box.lower + Int3{0, y, z});
       std::copy_n(row, box.size.x, g);
     }
 }
@@ -236,7 +135,7 @@ auto Fluid<T>::for_arriving(int b, Int3 x, Sum&& sum) const {
   const Block<T>& block = blocks_[b];
   const T* g[D3Q19::directions];
   for (int i = 0; i < D3Q19::directions; ++i)
-    g[i] = block.data() + block.arriving(i, parity_) + block.cell(x);
+    g[i] = block.data() + block.arriving(i, parity()) + block.cell(x);
   return sum(g);
 }
 
@@ -254,7 +153,7 @@ typename ListedCells<T>::Block Fluid<T>::listed_block(int b) {
   Block<T>& block = blocks_[b];
   typename ListedCells<T>::Block listed{{}, {}, block.data(), block.excess(), block.stress_share()};
   for (int i = 0; i < D3Q19::directions; ++i)
-    listed.arriving[i] = block.arriving(i, parity_), listed.step[i] = block.step(i);
+    listed.arriving[i] = block.arriving(i, parity()), listed.step[i] = block.step(i);
   return listed;
 }
 
@@ -297,13 +196,13 @@ void Fluid<T>::moments(int b, const CellBox& box, MomentArrays& moments) const {
 template <class T>
 CellTotals Fluid<T>::totals(int b, const LocalRows& of) const {
   CellTotals found;
-  passes_on<T>(Device::cpu).total_rows(blocks_[b], parity_, {&of, 1}, spec_.force, &found);
+  passes_on<T>(Device::cpu).total_rows(blocks_[b], parity(), {&of, 1}, spec_.force, &found);
   return found;
 }
 
 template <class T>
 void Fluid<T>::totals(int b, std::span<const LocalRows> of, CellTotals* totals_of) const {
-  passes_on<T>(device_).total_rows(blocks_[b], parity_, of, spec_.force, totals_of);
+  passes_on<T>(device_).total_rows(blocks_[b], parity(), of, spec_.force, totals_of);
 }
 
 template <class T>
@@ -314,11 +213,6 @@ void Fluid<T>::give_masses(std::span<const LocalCell> cells, std::span<const std
   cell_masses_.host().assign(masses.begin(), masses.end());
   passes_on<T>(device_).give_masses(listed(cells, listed_), cell_masses_.send());
   wait(device_);
-}
-
-template <class T>
-void Fluid<T>::set_equilibrium(int b, Int3 x, double rho, const std::array<double, 3>& u) {
-  for (int i = 0; i < D3Q19::directions; ++i) arriving(b, x, i) = T(equilibrium(i, rho, u.data()));
 }
 
 template <class T>

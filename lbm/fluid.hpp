@@ -11,10 +11,9 @@
 #include "lbm/blocks/domain.hpp"
 #include "lbm/blocks/local_blocks.hpp"
 #include "lbm/blocks/moments.hpp"
-#include "lbm/blocks/pass_order.hpp"
 #include "lbm/collision/collision_model.hpp"
-#include "lbm/collision/stream_collide.hpp"
 #include "lbm/exchange/halo.hpp"
+#include "lbm/passes/dense_pass.hpp"
 #include "lbm/passes/passes.hpp"
 
 namespace silt::lbm {
@@ -58,7 +57,7 @@ class Fluid {
   const CollisionSpec& spec() const { return spec_; }
   std::vector<Block<T>>& blocks() { return blocks_; }
   const std::vector<Block<T>>& blocks() const { return blocks_; }
-  Parity parity() const { return parity_; }
+  Parity parity() const { return pass_.parity(); }
   const Halo<T>& halo() const { return halo_; }
   MPI_Comm comm() const { return comm_; }
   Device device() const { return device_; }
@@ -81,10 +80,8 @@ class Fluid {
       blocks_[b].hold_excess(range, T(spec_.bulk_stress_given_up()), device_);
   }
   /// Subtracts the excess of all cells now instead of at the next collision: the populations that arrive are
-  /// then final, but no longer those that links returned.
-  void take_excess();
-  /// Like take_excess(), but keeps the amounts for given_up() until forget_given_up(); until then it does
-  /// nothing again.
+  /// then final, but no longer those that links returned. Keeps the amounts for given_up() until
+  /// forget_given_up(); until then it does nothing again.
   void take_and_keep_excess();
   void forget_given_up() { is_given_up_ = false; }
   /// Returns what populations along c_i and against it (i > 0) of a cell lost in take_and_keep_excess().
@@ -93,49 +90,41 @@ class Fluid {
     return given_up_[b][cell][i < 7 ? 0 : 1];
   }
   /// Lets a block without fluid cells skip collisions; its slots then hold no valid values.
-  void set_idle(int b, bool idle) { idle_[b] = idle; }
-  std::span<const char> idle() const { return idle_; }
+  void set_idle(int b, bool idle) { pass_.set_idle(b, idle); }
+  std::span<const char> idle() const { return pass_.idle(); }
   /// Collides and streams all blocks that are not idle, and flips the parity. Messages to other ranks leave
   /// as soon as their values are written. Call exchange() next.
   void stream_collide();
   /// The same pass in pieces, with other work in between: begin_pass(), then collide() for the parts of each
   /// block (pass_order.hpp) in their order, then end_pass().
   void begin_pass();
-  int parts(int b) const { return idle_[b] || !in_parts_[b] ? 0 : orders_[b].parts(); }
-  void collide(int b, int part) { collide_rows(b, orders_[b].rows_of(part)); }
-  void end_pass();
-  /// Returns the number of passes, which selects the planes watched in a pass (WatchedPlanes).
-  std::int64_t passes() const { return passes_; }
-  void set_passes(std::int64_t done) { passes_ = done; }
-  /// The cells of watched planes, solid ones included, whose speed was above that of sound or not a number
-  /// when the last pass began.
-  struct Fast {
-    int block;
-    Int3 cell;
-    double speed;
-  };
-  const std::vector<Fast>& fast_cells() const { return fast_cells_; }
-  const PassOrder& pass_order(int b) const { return orders_[b]; }
-  std::span<const PassOrder> pass_orders() const { return orders_; }
+  int parts(int b) const { return pass_.parts(b); }
+  void collide(int b, int part) { collide_rows(b, pass_order(b).rows_of(part)); }
+  void end_pass() { pass_.end(); }
+  std::int64_t passes() const { return pass_.passes(); }
+  void set_passes(std::int64_t done) { pass_.set_passes(done); }
+  const std::vector<typename DensePass<T>::Fast>& fast_cells() const { return pass_.fast_cells(); }
+  const PassOrder& pass_order(int b) const { return pass_.orders()[b]; }
+  std::span<const PassOrder> pass_orders() const { return pass_.orders(); }
   /// Completes the pass: sends the remaining messages, waits for all, fills or returns ghost slots, and
   /// applies the walls of the domain. Cut links at the rim of blocks come after it.
   void exchange() {
-    halo_.exchange(blocks_, idle_, parity_);
+    halo_.exchange(blocks_, idle(), parity());
     if (carried_) carried_->exchange();
   }
 
   T& arriving(int b, Int3 local_cell, int i) {
-    return blocks_[b].data()[blocks_[b].arriving(i, parity_) + blocks_[b].cell(local_cell)];
+    return blocks_[b].data()[blocks_[b].arriving(i, parity()) + blocks_[b].cell(local_cell)];
   }
   T arriving(int b, Int3 local_cell, int i) const {
-    return blocks_[b].data()[blocks_[b].arriving(i, parity_) + blocks_[b].cell(local_cell)];
+    return blocks_[b].data()[blocks_[b].arriving(i, parity()) + blocks_[b].cell(local_cell)];
   }
   /// Copy population i that arrives at the cells of a box of local cells, x fastest.
   void read(int b, const CellBox&, int i, double* g) const;
   void write(int b, const CellBox&, int i, const double* g);
   /// Returns the population that left a cell along i in the last pass; valid until the next one.
   T leaving(int b, Int3 local_cell, int i) const {
-    return blocks_[b].data()[blocks_[b].leaving(i, parity_) + blocks_[b].cell(local_cell)];
+    return blocks_[b].data()[blocks_[b].leaving(i, parity()) + blocks_[b].cell(local_cell)];
   }
   Moments moments(int b, Int3 local_cell) const;
   /// Returns the moments of single cells, in order, after giving up their excess; valid until the next call.
@@ -158,16 +147,12 @@ class Fluid {
   CellTotals totals(int b, const LocalRows&) const;
   void totals(int b, std::span<const LocalRows>, CellTotals*) const;
   std::array<double, 3> velocity(const Moments& m) const { return velocity_of(m, spec_.force); }
-  void set_equilibrium(int b, Int3 local_cell, double density_deviation,
-                       const std::array<double, 3>& velocity);
   /// Returns half the amount that the force adds to population i of fluid at rest.
   double half_push(int i) const { return lbm::half_push(spec_.force, i); }
   std::size_t bytes() const;
 
  private:
-  void collide_rows(int b, RowRange);
-  void pass_over(int number, Block<T>&, RowRange);
-  void see_fast(SharedArray<T>&, const FastCell&);
+  void collide_rows(int b, RowRange rows) { pass_.collide(b, rows), halo_.progress(); }
   template <class Sum>
   auto for_arriving(int b, Int3 local_cell, Sum&& sum) const;
   void keep_excess(std::size_t b);
@@ -179,13 +164,8 @@ class Fluid {
   Carried* carried_ = nullptr;
   MPI_Comm comm_;
   Device device_;
-  std::vector<SharedArray<T>> passed_whole_;
   std::vector<Block<T>> blocks_;
-  std::vector<PassOrder> orders_;      // of the blocks
-  std::vector<char> idle_, in_parts_;  // in_parts_: not of an array that is passed whole
-  Parity parity_ = Parity::settled;
-  std::int64_t passes_ = 0;
-  std::vector<Fast> fast_cells_;
+  DensePass<T> pass_;
   CellLists<T> listed_{device_};  // this and the following: single cells for passes
   Mirror<Moments> cell_moments_{device_};
   Mirror<std::int64_t> cell_masses_{device_};

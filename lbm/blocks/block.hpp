@@ -39,6 +39,8 @@ struct RowEnd {
   std::ptrdiff_t from, to;
   bool wall;
   T addend;
+  /// Moves the population; `first` is the place of the row's first cell.
+  SILT_DEVICE void move(T* first) const { first[to] = wall ? first[from] + addend : first[from]; }
 };
 
 template <class T, class Lattice = D3Q19>
@@ -159,6 +161,10 @@ class Block {
   void add_row_end(Parity p, const RowEnd<T>& end) { row_ends_[int(p)].push_back(end); }
   void clear_row_ends() {
     for (auto& ends : row_ends_) ends.clear();
+  }
+  /// Moves the populations at the ends of the row that begins with the cell at this offset.
+  [[gnu::always_inline]] void close_row(std::ptrdiff_t first, Parity parity) {
+    for (const RowEnd<T>& end : row_ends(parity)) end.move(first_ + first);
   }
 
  private:

@@ -11,22 +11,6 @@
 
 namespace silt::lbm {
 
-/// An array that blocks [first, end) of a rank share, and the box of its cells. A pass goes over all of them
-/// where that takes less time than over each of the blocks; nobody reads those that are of no block.
-template <class T, class Lattice = D3Q19>
-struct SharedArray {
-  Block<T, Lattice> whole;
-  int first, end;
-};
-
-/// Returns the time of a pass over a box, in updates of a cell: a row takes whole vectors, and as long again
-/// as one of them to begin.
-template <class T>
-std::int64_t time_of_pass(const CellBox& box) {
-  constexpr int vector = 64 / sizeof(T);
-  return std::int64_t{box.size.y} * box.size.z * ((box.size.x + vector - 1) / vector + 1) * vector;
-}
-
 /// Returns a block of all cells of an array: a new one, or that of a block of `before` if it was made for
 /// this box and none of `blocks` has it.
 template <class T, class Lattice>
@@ -43,11 +27,10 @@ Block<T, Lattice> whole_array(const CellBox& box, Device device, std::span<const
 /// need no exchange among them. At least half of the cells of an array belong to its blocks.
 template <class T, class Lattice>
 void add_shared(std::span<const BlockPlace> places, Device device, std::span<const Block<T, Lattice>> before,
-                std::vector<Block<T, Lattice>>& blocks, std::vector<SharedArray<T, Lattice>>* passed_whole) {
+                std::vector<Block<T, Lattice>>& blocks) {
   Int3 low = places[0].box.lower, high = low;
-  std::int64_t cells = 0, time = 0;
+  std::int64_t cells = 0;
   for (const BlockPlace& place : places) {
-    time += time_of_pass<T>(place.box);
     for (int d = 0; d < 3; ++d) {
       low[d] = std::min(low[d], place.box.lower[d]);
       high[d] = std::max(high[d], place.box.lower[d] + place.box.size[d]);
@@ -56,28 +39,23 @@ void add_shared(std::span<const BlockPlace> places, Device device, std::span<con
   }
   const CellBox all{low, high - low};
   if (2 * cells >= all.cells()) {
-    Block<T, Lattice> whole = whole_array(all, device, before, blocks);
-    const int first = int(blocks.size());
+    const Block<T, Lattice> whole = whole_array(all, device, before, blocks);
     for (const BlockPlace& place : places) blocks.emplace_back(whole, place.box);
-    if (passed_whole && device == Device::cpu && time_of_pass<T>(all) < time)
-      passed_whole->push_back({std::move(whole), first, int(blocks.size())});
   } else {
-    add_shared(places.first(places.size() / 2), device, before, blocks, passed_whole);
-    add_shared(places.subspan(places.size() / 2), device, before, blocks, passed_whole);
+    add_shared(places.first(places.size() / 2), device, before, blocks);
+    add_shared(places.subspan(places.size() / 2), device, before, blocks);
   }
 }
 
 /// Makes the local blocks. Those of level 0 share no array with one another: cut links write cells that other
 /// blocks hold. Arrays are taken from `before`, blocks of another cut, where it has some for the same boxes.
-/// Appends the arrays that are best passed whole, if they are asked for.
 template <class T, class Lattice>
 std::vector<Block<T, Lattice>> local_blocks(const Domain& domain, int rank, Device device,
-                                            std::span<const Block<T, Lattice>> before = {},
-                                            std::vector<SharedArray<T, Lattice>>* passed_whole = nullptr) {
+                                            std::span<const Block<T, Lattice>> before = {}) {
   const std::vector<BlockPlace> places = domain.blocks_of(rank);
   std::vector<Block<T, Lattice>> blocks;
   if (domain.level() > 0 && !places.empty())
-    add_shared<T, Lattice>(places, device, before, blocks, passed_whole);
+    add_shared<T, Lattice>(places, device, before, blocks);
   else
     for (const BlockPlace& place : places) blocks.push_back(whole_array(place.box, device, before, blocks));
   return blocks;

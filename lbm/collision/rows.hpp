@@ -30,13 +30,6 @@ struct FirstLanes {
     return inside ? inner : outer;
   }
 };
-/// Moves the populations at the ends of a row (Block::row_ends) that begins with the cell at offset `first`.
-template <class Block>
-inline void close_row(Block& block, std::ptrdiff_t of_row, Parity parity) {
-  auto* const first = block.data() + of_row;
-  for (const auto& end : block.row_ends(parity))
-    first[end.to] = end.wall ? first[end.from] + end.addend : first[end.from];
-}
 #endif
 
 }  // namespace silt::lbm::SILT_BUILD

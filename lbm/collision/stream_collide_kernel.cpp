@@ -72,8 +72,8 @@ template <class Model, bool source, bool with_excess, class T, class Pass, class
       const std::ptrdiff_t first = pass.block.cell(0, y, z), end = first + whole;
       for (std::ptrdiff_t x = first; x < end; x += width) collide_at(x, AllLanes{});
       if (whole < nx) collide_at(end, pass.rest_of_row);
-      close_row(pass.block, first, pass.parity);
-      if (auto* const carried = pass.block.temperature()) close_row(*carried, first, pass.parity);
+      pass.block.close_row(first, pass.parity);
+      if (auto* const carried = pass.block.temperature()) carried->close_row(first, pass.parity);
     }
 }
 

@@ -105,11 +105,7 @@ struct CloseRows {
   int count = 0;
   RowEnd<T> ends[10];  // five populations leave at each end
   static constexpr int together = 1;
-  SILT_DEVICE void operator()(int k, int row, int) const {
-    const RowEnd<T> end = ends[k];
-    T* const first = data + cells.row_at(row);
-    first[end.to] = end.wall ? first[end.from] + end.addend : first[end.from];
-  }
+  SILT_DEVICE void operator()(int k, int row, int) const { ends[k].move(data + cells.row_at(row)); }
 };
 
 template <class T, class Lattice>

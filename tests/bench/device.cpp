@@ -83,8 +83,8 @@ std::vector<std::int64_t> totals(Device device) {
   const lbm::Int3 n{100, 48, 16};
   lbm::Fluid<T> fluid(lbm::Domain(n, {}, std::nullopt, 1), {0.6, 3. / 16}, MPI_COMM_SELF, device);
   lbm::for_cells({}, n, [&](lbm::Int3 x) {
-    fluid.set_equilibrium(0, x, 1e-3 * std::sin(x.x + 2.0 * x.y),
-                          {0.01 * std::sin(0.3 * x.z), 0.02 * std::cos(0.2 * x.x), 0});
+    lbm::testing::set_equilibrium(fluid, 0, x, 1e-3 * std::sin(x.x + 2.0 * x.y),
+                                  {0.01 * std::sin(0.3 * x.z), 0.02 * std::cos(0.2 * x.x), 0});
   });
   std::pmr::vector<lbm::LocalRows> rows(memory_of(device));
   for (int z = 0; z < n.z; ++z)

@@ -19,6 +19,7 @@
 #include "tests/bench/main.hpp"
 #include "tests/bench/periodic_box.hpp"
 #include "tests/bench/work.hpp"
+#include "tests/lbm/fluid_cells.hpp"
 
 namespace silt::bench {
 namespace {
@@ -89,8 +90,9 @@ void require_same_flow(const Variant& variant) {
   };
   for_cells([&](lbm::Int3 x) {
     const double k = 2 * M_PI / n, u = 0.05;
-    fluid.set_equilibrium(0, x, 0.01 * std::sin(k * x.z),
-                          {u * std::sin(k * x.y), u * std::cos(k * x.z), u * std::sin(k * (x.x + x.y))});
+    lbm::testing::set_equilibrium(
+        fluid, 0, x, 0.01 * std::sin(k * x.z),
+        {u * std::sin(k * x.y), u * std::cos(k * x.z), u * std::sin(k * (x.x + x.y))});
   });
   const auto wrapped = [](lbm::Int3 x) { return lbm::Int3{(x.x + n) % n, (x.y + n) % n, (x.z + n) % n}; };
   for_cells([&](lbm::Int3 x) {

@@ -132,7 +132,9 @@ double pipe_error(WallScheme scheme, double radius) {
       const double r = std::hypot(x.x + 0.5 - cx, x.y + 0.5 - cy) / radius;
       return speed * (1 - r * r);
     };
-    flow.for_fluid([&](Int3 x, Point) { flow.fluid().set_equilibrium(0, x, 0, {0, 0, exact(x) - g / 2}); });
+    flow.for_fluid([&](Int3 x, Point) {
+      testing::set_equilibrium(flow.fluid(), 0, x, 0, {0, 0, exact(x) - g / 2});
+    });
     for (int t = 0; t < int(1.5 * radius * radius / nu); ++t) flow.step();
     double square = 0;
     int count = 0;
@@ -159,7 +161,7 @@ TEST(CutLinks, PipeConvergesWithSecondOrder) {
 TEST(CutLinks, FluidAtRestStaysAtRest) {
   for (int s = 0; s < int(wall_scheme_names.size()); ++s) {
     WalledBox flow(oblique_channel(), WallScheme(s), {0.8, 1.0 / 6, Collision::trt, {}});
-    flow.for_fluid([&](Int3 x, Point) { flow.fluid().set_equilibrium(0, x, 0.01, {}); });
+    flow.for_fluid([&](Int3 x, Point) { testing::set_equilibrium(flow.fluid(), 0, x, 0.01, {}); });
     for (int t = 0; t < 100; ++t) flow.step();
     double worst = 0;
     flow.for_fluid([&](Int3 x, Point) {

@@ -29,6 +29,11 @@ void step(Fluid<T>& fluid) {
   fluid.exchange();
 }
 
+template <class T>
+void set_equilibrium(Fluid<T>& fluid, int b, Int3 x, double rho, const std::array<double, 3>& u) {
+  for (int i = 0; i < D3Q19::directions; ++i) fluid.arriving(b, x, i) = T(equilibrium(i, rho, u.data()));
+}
+
 /// Calls f(block, local cell, global cell) for every cell of this rank.
 template <class T, class F>
 void for_all_cells(Fluid<T>& fluid, F&& f) {

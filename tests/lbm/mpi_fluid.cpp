@@ -63,8 +63,8 @@ std::uint64_t stirred(const AcrossRows& across, Int3 cells, const Cutting& cut, 
   Fluid<T> fluid(Domain(cut(cells, size), s, size),
                  {flow.tau, 3. / 16, flow.model, {flow.force, 2 * flow.force, 0}, 0.1}, comm, flow.device);
   for_all_cells(fluid, [&](int b, Int3 x, Int3 g) {
-    fluid.set_equilibrium(b, x, 1e-3 * std::sin(g.x + 2.0 * g.y),
-                          {0.01 * std::sin(3.0 * g.z), 0.02 * std::cos(2.0 * g.x), 0});
+    set_equilibrium(fluid, b, x, 1e-3 * std::sin(g.x + 2.0 * g.y),
+                    {0.01 * std::sin(3.0 * g.z), 0.02 * std::cos(2.0 * g.x), 0});
   });
   for (int t = 0; t < steps; ++t) step(fluid);
   return fingerprint(fluid);
@@ -96,7 +96,7 @@ TEST(Fluid, ADeviceSeesTheSameFastCells) {
     Fluid<float> fluid(Domain({9, 5, 20}, {}, std::nullopt, ranks()), {0.6}, MPI_COMM_WORLD, device);
     for_all_cells(fluid, [&](int b, Int3 x, Int3 g) {
       const double speed = g.x == 4 && g.z % 3 == 0 ? 0.7 : g == Int3{7, 2, 16} ? NAN : 0;
-      fluid.set_equilibrium(b, x, 0, {speed, 0, 0});
+      set_equilibrium(fluid, b, x, 0, {speed, 0, 0});
     });
     fluid.stream_collide();
     std::vector<std::tuple<int, int, int, int, std::uint64_t>> found;

@@ -17,7 +17,7 @@ std::uint64_t stirred(const CutTree& tree, const Sides& sides, MPI_Comm comm, De
   LevelledFlow<T> flow(tree, sides, {0.6, 1. / 6, Collision::trt, {1e-5, 0, 2e-5}}, 2, comm, device);
   flow.for_all([](Fluid<T>& fluid, int b, Int3 x, const Vector& at, int) {
     const double rho = 0.01 * std::sin(at[0] + 2 * at[1]), u = 0.05 * std::cos(at[2] - at[0]);
-    fluid.set_equilibrium(b, x, rho, {u, -u, u / 2});
+    set_equilibrium(fluid, b, x, rho, {u, -u, u / 2});
   });
   flow.step(12);
   return flow.fingerprint();

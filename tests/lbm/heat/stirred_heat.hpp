@@ -11,7 +11,7 @@ using Velocity = std::array<double, 3>;
 template <class T, class Heat, class Stream>
 void set(Fluid<T>& fluid, Temperature<T>& heat, Heat&& t, Stream&& u) {
   for_all_cells(fluid, [&](int b, Int3 x, Int3 g) {
-    fluid.set_equilibrium(b, x, 0, u(g));
+    set_equilibrium(fluid, b, x, 0, u(g));
     heat.set(b, x, t(g), u(g));
   });
 }
