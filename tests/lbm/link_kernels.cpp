@@ -145,6 +145,27 @@ std::array<double, 6> force_of(const CutLinks<T>& links, const SurfaceMotion& mo
   return force;
 }
 
+/// In fluid at rest a link under bounce-back returns what its surface pushes and nothing beyond; each gives
+/// what the surface owes by it.
+template <class T>
+void expect_excess_of_what_is_owed() {
+  const CutLinks<T> links = wall_links<T>(WallScheme::bounce_back);
+  constexpr int owed = 17;  // quanta
+  const SurfaceMotion motion{{small, -2 * small, 3 * small}, {small, small, -small}, owed};
+  Block<T> block = block_under<T>(1);
+  LinkSums sums;
+  const LinkSlots slots = link_slots(block, Parity::settled);
+  apply_cut_links<T>({block, slots, links, links.groups[0]}, motion, ForceForm::exact, sums);
+  std::int64_t given = 0;
+  for (std::size_t k = 0; k < block.excess_cells(); ++k) given += block.excess()[k];
+  EXPECT_EQ(given, -owed * std::int64_t(links.groups[0].count));
+}
+
+TEST(LinkExcess, UnderBounceBackIsWhatTheSurfaceOwes) {
+  expect_excess_of_what_is_owed<float>();
+  expect_excess_of_what_is_owed<double>();
+}
+
 /// Each link's term of the force is off by half its quantum, that of the resistance by two of its own.
 template <class T>
 void expect_slope_of_force(WallScheme scheme) {
