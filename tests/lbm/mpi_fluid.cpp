@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <functional>
+#include <map>
 
 #include "lbm/blocks/equal_cut.hpp"
 #include "tests/lbm/fluid_cells.hpp"
@@ -108,6 +109,20 @@ TEST(Fluid, ADeviceSeesTheSameFastCells) {
   };
   EXPECT_EQ(fast(Device::cpu), fast(Device::host));
   EXPECT_GT(tests::largest_of_ranks(double(fast(Device::host).size())), 0);
+}
+
+TEST(Fluid, EveryPlaneIsWatchedOnceAPeriod) {
+  Fluid<float> fluid(Domain({9, 5, 20}, {}, std::nullopt, ranks()), {0.6}, MPI_COMM_WORLD);
+  for_all_cells(fluid, [&](int b, Int3 x, Int3) { set_equilibrium(fluid, b, x, 0, {0.7, 0, 0}); });
+  std::map<std::pair<int, int>, int> seen;  // by block and plane
+  for (int pass = 0; pass < WatchedPlanes::period; ++pass) {
+    fluid.stream_collide();
+    for (const auto& [block, cell, speed] : fluid.fast_cells()) ++seen[{block, cell.z}];
+    fluid.exchange();
+  }
+  for (int b = 0; b < int(fluid.blocks().size()); ++b)
+    for (int z = 0; z < fluid.blocks()[b].size().z; ++z)
+      EXPECT_EQ((seen[{b, z}]), fluid.blocks()[b].size().x * fluid.blocks()[b].size().y);
 }
 
 TEST(Fluid, SameBitsForEveryRankCountAndLayout) {
