@@ -74,11 +74,12 @@ TEST(WallQuantities, SidesBearThePressureOfTheirOwnFace) {
     for (int side = 0; side < 6; ++side)
       c.run += fmt::format(
           "[[quantities]]\nname = \"{0}\"\ntype = \"fluid-force\"\nside = \"{0}\"\naxis = \"{1}\"\n",
-          side_names[side], "xyz"[axis]);
+          side_names[Side(side)], "xyz"[axis]);
     const std::vector<double> force = c.values(MPI_COMM_WORLD);
     const double weight = 1e-5 * 8 * 9 * 10;
     for (int side = 0; side < 6; ++side)
-      EXPECT_NEAR(force[side], side / 2 == axis ? weight / 2 : 0, 1e-6 * weight) << axis << side_names[side];
+      EXPECT_NEAR(force[side], side / 2 == axis ? weight / 2 : 0, 1e-6 * weight)
+          << axis << side_names[Side(side)];
   }
 }
 
