@@ -94,7 +94,7 @@ class FieldsOf final : public FluidFields {
       if (lbm::D3Q19::c[i][axis] == (upper ? 1 : -1)) across.push_back(i);
     for_layer(axis, upper ? domain().cells()[axis] - 1 : 0, [&](int b, Int3 low, Int3 high) {
       add_exchanged(across, b, low, high, width() * width(), sums);
-      for (const int i : across) take_from_other_sides(axis, i, b, low, high, sums);
+      for (const int i : across) leave_to_other_side(axis, i, b, low, high, sums);
     });
     return sums;
   }
@@ -192,19 +192,21 @@ class FieldsOf final : public FluidFields {
     for (std::size_t k = 0; k < across.size(); ++k)
       for (int d = 0; d < 3; ++d) sums[d] += times * lbm::D3Q19::c[across[k]][d] * exchanged[k];
   }
-  /// Subtracts from the sums links along i that cross an earlier side, too: as in the halo, a link through
-  /// several sides belongs to the first reflecting one in the order of axes.
-  void take_from_other_sides(int axis, int i, int b, Int3 low, Int3 high,
-                             std::array<rigid::FixedSum, 3>& sums) const {
+  /// Of links along i that cross another wall, too, leaves that wall the component along its normal: so the
+  /// pressure at an edge acts on both walls, across each.
+  void leave_to_other_side(int axis, int i, int b, Int3 low, Int3 high,
+                           std::array<rigid::FixedSum, 3>& sums) const {
     const lbm::CellBox& box = block(b);
-    for (int d = 0; d < axis; ++d) {
+    for (int d = 0; d < 3; ++d) {
       const int along = lbm::D3Q19::c[i][d];
-      if (along == 0 || domain().side(d, along > 0).kind != lbm::SideKind::bounce) continue;
+      if (d == axis || along == 0 || domain().side(d, along > 0).kind != lbm::SideKind::bounce) continue;
       if (along < 0)
         high[d] = box.lower[d] == 0 ? 1 : 0;
       else
         low[d] = box.lower[d] + box.size[d] == domain().cells()[d] ? high[d] - 1 : high[d];
-      add_exchanged(std::span(&i, 1), b, low, high, -width() * width(), sums);
+      std::array<rigid::FixedSum, 3> shared{};
+      add_exchanged(std::span(&i, 1), b, low, high, width() * width(), shared);
+      sums[d] -= shared[d];
     }
   }
   void set(int b, const lbm::CellBox& box, int i, const double* g) override {

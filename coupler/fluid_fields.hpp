@@ -88,7 +88,8 @@ class FluidFields {
   virtual std::uint64_t hash() const = 0;
   /// Returns this rank's share of the force of the fluid on a side of the domain in the last step by momentum
   /// exchange: the sum of c (f out + f back) over its links across that side (method.md, equation 1), in
-  /// lbm::link_quantum, units of the finest lattice. Zero if the side is not a wall.
+  /// lbm::link_quantum, units of the finest lattice; of a link that crosses two walls each has the component
+  /// along its normal. Zero if the side is not a wall.
   virtual std::array<rigid::FixedSum, 3> side_force(int axis, bool upper) const = 0;
   /// Returns this rank's share of the sum of temperatures over fluid cells, and of the heat that the fluid
   /// lost over a side of the domain in the last step, both in lbm::heat_quantum, units of the finest lattice.

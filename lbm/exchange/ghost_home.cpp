@@ -1,5 +1,7 @@
 #include "lbm/exchange/ghost_home.hpp"
 
+#include <limits>
+
 namespace silt::lbm {
 
 template <class Lattice>
@@ -7,12 +9,17 @@ Home home_of(const Domain& domain, Int3 g, int j) {
   if (domain.inside(g)) return {HomeKind::slot, g, j};
   Int3 cell = g, direction = Lattice::c[j];
   Home outlet{HomeKind::slot, {}, 0};
+  double pressure = std::numeric_limits<double>::infinity();
   for (int d = 0; d < 3; ++d) {
     if (domain.periodic(d) || (cell[d] >= 0 && cell[d] < domain.cells()[d])) continue;
     const bool upper = cell[d] >= domain.cells()[d];
-    const SideKind kind = domain.side(d, upper).kind;
+    const SideCondition& side = domain.side(d, upper);
+    const SideKind kind = side.kind;
     if (kind == SideKind::bounce) return {HomeKind::bounce, g - Lattice::c[j], opposite(j), 2 * d + upper};
-    if (is_outlet(kind)) outlet = {HomeKind::outlet, g - Lattice::c[j], opposite(j), 2 * d + upper};
+    if (is_outlet(kind) && side.value <= pressure) {  // where two meet the lesser pressure holds
+      outlet = {HomeKind::outlet, g - Lattice::c[j], opposite(j), 2 * d + upper};
+      pressure = side.value;
+    }
     if (kind == SideKind::free_slip) {  // mirrors cell and direction
       cell[d] = upper ? 2 * domain.cells()[d] - 1 - cell[d] : -1 - cell[d];
       direction[d] = -direction[d];

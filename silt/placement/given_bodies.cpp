@@ -92,6 +92,18 @@ std::string in_the_domain(const Case& setup, const std::string& key, const BodyS
               : "; with origin = \"centre\" the position is that of the centre");
 }
 
+/// Returns the box of a body: of a mesh that of its corners, not the wider one of its turned box.
+rigid::BoundingBox exact_box(const rigid::Shape& shape, const rigid::Pose& pose) {
+  const auto* const mesh = std::get_if<rigid::Mesh>(&shape);
+  if (!mesh) return rigid::bounding_box(shape, pose);
+  rigid::BoundingBox box = rigid::BoundingBox::empty();
+  for (const Vec3& corner : mesh->surface->vertices()) {
+    const Vec3 x = pose.to_world(corner);
+    box.add({x, x});
+  }
+  return box;
+}
+
 }  // namespace
 
 std::string fault_of_place(const Case& setup, const BodySpec& body, const std::string& key, double time) {
@@ -100,7 +112,7 @@ std::string fault_of_place(const Case& setup, const BodySpec& body, const std::s
   for (int d = 0; d < 3; ++d)
     if (!(centre[d] >= 0 && centre[d] <= size[d])) return in_the_domain(setup, key, body);
   if (body.motion == Motion::fixed) return "";
-  const auto box = rigid::bounding_box(setup.shapes[body.shape], body.pose);
+  const auto box = exact_box(setup.shapes[body.shape], body.pose);
   for (int d = 0; d < 3; ++d) {
     const double low = setup.boundary[2 * d].stops_bodies() ? -box.lower[d] : 0;
     const double high = setup.boundary[2 * d + 1].stops_bodies() ? box.upper[d] - size[d] : 0;

@@ -61,6 +61,28 @@ TEST(WallQuantities, StressOfPlaneCouetteFlow) {
 }
 
 /// A ball of twice the fluid's density on the floor presses with its weight less its buoyancy.
+/// At rest in a closed box the pressure balances the body force: floor and ceiling bear half of it each, and
+/// the other sides nothing of it, edges included, whatever the direction.
+TEST(WallQuantities, SidesBearThePressureOfTheirOwnFace) {
+  for (int axis = 0; axis < 3; ++axis) {
+    CaseText c;
+    c.domain = domain_of({8, 9, 10}, "\"no-slip\"");
+    c.fluid = fmt::format("[fluid]\nrelaxation_time = 1\nprecision = \"double\"\nbody_force = [{}, {}, {}]\n",
+                          axis == 0 ? 1e-5 : 0, axis == 1 ? 1e-5 : 0, axis == 2 ? 1e-5 : 0);
+    c.shapes = c.bodies = "";
+    c.run = "[run]\nsteps = 4000\n";
+    for (int side = 0; side < 6; ++side)
+      c.run += fmt::format(
+          "[[quantities]]\nname = \"{0}\"\ntype = \"fluid-force\"\nside = \"{0}\"\naxis = \"{1}\"\n",
+          side_names[Side(side)], "xyz"[axis]);
+    const std::vector<double> force = c.values(MPI_COMM_WORLD);
+    const double weight = 1e-5 * 8 * 9 * 10;
+    for (int side = 0; side < 6; ++side)
+      EXPECT_NEAR(force[side], side / 2 == axis ? weight / 2 : 0, 1e-6 * weight)
+          << axis << side_names[Side(side)];
+  }
+}
+
 TEST(WallQuantities, StressOfABallOnTheFloor) {
   CaseText c = couette("type = \"wall-stress\"\nside = \"z-low\"\naxis = \"z\"");
   c.domain =

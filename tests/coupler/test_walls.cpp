@@ -281,6 +281,22 @@ TEST(MeshBodies, ABallOfTrianglesMovesAsASphere) {
   EXPECT_LT((ball - sphere).norm(), 2e-3 * sphere.norm()) << ball.transpose() << "; " << sphere.transpose();
 }
 
+/// A turned ball of triangles may touch a side: the corners of its turned box, which are beyond, are not its
+/// own.
+TEST(MeshBodies, ATurnedBallMayStartBesideASide) {
+  CaseText c;
+  c.domain = domain_of({28, 26, 24}, "\"no-slip\"");
+  c.shapes = shape_of("body", "mesh", "file = \"ball.ply\"\nscale = 5");
+  const auto at = [&](double z) {
+    c.bodies = body_of(
+        "body", 2,
+        fmt::format("orientation = {{ axis = [1, 1, 0], degrees = 45 }}\nposition = [14, 13, {}]", z));
+    return read_with(c, {{"ball.ply", ply_of(rigid::testing::icosphere(1, 4))}});
+  };
+  Simulation(at(5.01), MPI_COMM_SELF);
+  EXPECT_THROW(Simulation(at(4.9), MPI_COMM_SELF), std::exception);
+}
+
 /// Largest difference of the velocities over the largest velocity, where both have fluid.
 double difference(const Simulation& a, const Simulation& b) {
   double apart = 0, largest = 0;

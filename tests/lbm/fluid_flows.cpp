@@ -178,15 +178,18 @@ double wrong_at_first(const std::array<SideCondition, 6>& s, Expected&& expected
   return largest_of_ranks(wrong);
 }
 
-/// One of the sides moves, the others rest.
-std::array<SideCondition, 6> one_moves(int axis, bool upper, int along, double speed) {
+/// One of the sides moves, the others rest, or are mirrors.
+std::array<SideCondition, 6> one_moves(int axis, bool upper, int along, double speed,
+                                       SideKind others = SideKind::bounce) {
   std::array<SideCondition, 6> s;
-  s.fill(no_slip);
+  s.fill({others});
+  s[2 * axis + upper] = no_slip;
   s[2 * axis + upper].velocity[along] = speed;
   return s;
 }
 
-// c u along the links that met the face of the lid, nothing along those that met an edge.
+// c u along the links that met the face of the lid, nothing along those that met an edge, with another side
+// or with the mirror image of the lid, which comes the other way.
 TEST(Fluid, ASideThatSlidesLeavesItsEdgesAtRest) {
   constexpr double speed = 0.01;
   for (int axis = 0; axis < 3; ++axis)
@@ -198,9 +201,28 @@ TEST(Fluid, ASideThatSlidesLeavesItsEdgesAtRest) {
           const bool off_lid = upper ? from[axis] >= closed[axis] : from[axis] < 0;
           return off_lid && met == 1 ? D3Q19::c[i][along] * speed : 0;
         };
-        EXPECT_LT(wrong_at_first(one_moves(axis, upper, along, speed), expected), 1e-15)
-            << axis << upper << along;
+        for (const SideKind others : {SideKind::bounce, SideKind::free_slip})
+          EXPECT_LT(wrong_at_first(one_moves(axis, upper, along, speed, others), expected), 1e-15)
+              << axis << upper << along;
       }
+}
+
+// Half of what left returns with the pressure of the outlet, where two meet with the lesser one, whatever
+// axes they lie across.
+TEST(Fluid, AtTheEdgeOfTwoOutletsTheLesserPressureHolds) {
+  constexpr double pressure[3] = {0.03, 0.01, 0.02};
+  std::array<SideCondition, 6> s;
+  s.fill(no_slip);
+  for (int d = 0; d < 3; ++d) s[2 * d + 1].kind = SideKind::pressure, s[2 * d + 1].value = pressure[d];
+  const auto expected = [&](Int3 from, int) {
+    double least = 1;
+    for (int d = 0; d < 3; ++d) {
+      if (from[d] < 0) return 0.;
+      if (from[d] >= closed[d]) least = std::min(least, pressure[d]);
+    }
+    return least < 1 ? least / 3 : 0;
+  };
+  EXPECT_LT(wrong_at_first(s, expected), 1e-15);
 }
 
 // Fluid flows in through a side up to its edges.
