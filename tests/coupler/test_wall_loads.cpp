@@ -60,7 +60,6 @@ TEST(WallQuantities, StressOfPlaneCouetteFlow) {
   EXPECT_NEAR(quantity_of(couette("type = \"relative-viscosity\"\naxis = \"z\"")), 1, 1e-7);
 }
 
-/// A ball of twice the fluid's density on the floor presses with its weight less its buoyancy.
 /// At rest in a closed box the pressure balances the body force: floor and ceiling bear half of it each, and
 /// the other sides nothing of it, edges included, whatever the direction.
 TEST(WallQuantities, SidesBearThePressureOfTheirOwnFace) {
@@ -83,6 +82,7 @@ TEST(WallQuantities, SidesBearThePressureOfTheirOwnFace) {
   }
 }
 
+/// A ball of twice the fluid's density on the floor presses with its weight less its buoyancy.
 TEST(WallQuantities, StressOfABallOnTheFloor) {
   CaseText c = couette("type = \"wall-stress\"\nside = \"z-low\"\naxis = \"z\"");
   c.domain =
