@@ -65,7 +65,7 @@ TEST(WallQuantities, StressOfPlaneCouetteFlow) {
 TEST(WallQuantities, SidesBearThePressureOfTheirOwnFace) {
   for (int axis = 0; axis < 3; ++axis) {
     CaseText c;
-    c.domain = domain_of({8, 9, 10}, "\"no-slip\"");
+    c.domain = domain_of({8, 10, 12}, "\"no-slip\"");  // odd numbers of cells keep a wave of period 2
     c.fluid = fmt::format("[fluid]\nrelaxation_time = 1\nprecision = \"double\"\nbody_force = [{}, {}, {}]\n",
                           axis == 0 ? 1e-5 : 0, axis == 1 ? 1e-5 : 0, axis == 2 ? 1e-5 : 0);
     c.shapes = c.bodies = "";
@@ -75,7 +75,7 @@ TEST(WallQuantities, SidesBearThePressureOfTheirOwnFace) {
           "[[quantities]]\nname = \"{0}\"\ntype = \"fluid-force\"\nside = \"{0}\"\naxis = \"{1}\"\n",
           side_names[Side(side)], "xyz"[axis]);
     const std::vector<double> force = c.values(MPI_COMM_WORLD);
-    const double weight = 1e-5 * 8 * 9 * 10;
+    const double weight = 1e-5 * 8 * 10 * 12;
     for (int side = 0; side < 6; ++side)
       EXPECT_NEAR(force[side], side / 2 == axis ? weight / 2 : 0, 1e-6 * weight)
           << axis << side_names[Side(side)];

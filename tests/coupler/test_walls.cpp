@@ -8,11 +8,14 @@
 #include <cmath>
 #include <numbers>
 
+#include "coupler/flow.hpp"
 #include "lbm/walls/cut_links.hpp"
 #include "lbm/walls/wall_scheme.hpp"
 #include "silt/case/case.hpp"
 #include "silt/case/case_check.hpp"
+#include "silt/case/case_error.hpp"
 #include "silt/case/quantity_spec.hpp"
+#include "silt/placement/given_bodies.hpp"
 #include "silt/simulation.hpp"
 #include "tests/coupler/single_cells.hpp"
 #include "tests/errors.hpp"
@@ -287,14 +290,15 @@ TEST(MeshBodies, ATurnedBallMayStartBesideASide) {
   CaseText c;
   c.domain = domain_of({28, 26, 24}, "\"no-slip\"");
   c.shapes = shape_of("body", "mesh", "file = \"ball.ply\"\nscale = 5");
-  const auto at = [&](double z) {
+  const auto start_at = [&](double z) {
     c.bodies = body_of(
         "body", 2,
         fmt::format("orientation = {{ axis = [1, 1, 0], degrees = 45 }}\nposition = [14, 13, {}]", z));
-    return read_with(c, {{"ball.ply", ply_of(rigid::testing::icosphere(1, 4))}});
+    const Case scene = read_with(c, {{"ball.ply", ply_of(rigid::testing::icosphere(1, 4))}});
+    require_sound_start(scene, coupler::make_domain(scene, 1), MPI_COMM_SELF);
   };
-  Simulation(at(5.01), MPI_COMM_SELF);
-  EXPECT_THROW(Simulation(at(4.9), MPI_COMM_SELF), std::exception);
+  start_at(5.01);
+  EXPECT_THROW(start_at(4.9), CaseError);
 }
 
 /// Largest difference of the velocities over the largest velocity, where both have fluid.
