@@ -90,7 +90,7 @@ struct Passes {
   void (*carry_packets)(const BorderPatches<T>&, std::span<const typename BorderPatches<T>::Carried>);
   void (*cross_border)(const BorderPatches<T>&, const BorderLists<T>&,
                        std::span<const typename BorderPatches<T>::Passing>);
-  /// Writes the moments of single cells, or only their density deviations; the other pointer is null.
+  /// Writes the moments of single cells.
   void (*gather_moments)(const ListedCells<T>&, Moments*);
   /// Adds masses (quanta) to single cells, which may be listed repeatedly.
   void (*give_masses)(const ListedCells<T>&, const std::int64_t*);

@@ -12,9 +12,7 @@ import tempfile
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 from silt_runs import report_of, run  # noqa: E402, I001
 from case_text import case_text  # noqa: E402
-from random_scene import STONE, Scene, mesh_text  # noqa: E402
-
-REFUSED, STOPPED = 2, 3  # exit codes: a scene that is no case, or that a guard stops
+from random_scene import REFUSED, STONE, STOPPED, Scene, mesh_text  # noqa: E402
 
 
 def states(silt, scene, folder):

@@ -1,6 +1,11 @@
 """Scenes put together at random from what cases can hold, one a seed: the tables of a case, for case_text."""
 import random
 
+import silt_results
+from silt_runs import run
+
+REFUSED, STOPPED = 2, 3  # exit codes: a scene that is no case, or that a guard stops
+
 
 def mesh_text(vertices, triangles):
     """The text of a PLY file."""
@@ -18,6 +23,17 @@ SHAPES = [dict(type="sphere", diameter=7), dict(type="box", edges=[7, 6, 8]), di
           dict(type="polyhedron", vertices=[[4, 0, 0], [-3, 3, 0], [-3, -3, 1], [0, 0, 4], [0, 1, -4]]),
           dict(type="compound", parts=[dict(type="sphere", diameter=6, position=[-2, 0, 0]), dict(type="box", edges=[6, 5, 6], position=[2, 1, 0.5]),
                                        dict(type="cylinder", diameter=3, length=8, position=[0, -1, 1], orientation=[0.6, 0, 0.8])])]
+
+
+def result(silt, folder, text, mesh=STONE):
+    """Runs a case in a folder of its own. Returns the exit code, its results (None if it is refused or stopped) and messages."""
+    folder.mkdir()
+    (folder / "case.toml").write_text(text)
+    (folder / "stone.ply").write_text(mesh_text(*mesh))
+    done = run(silt, "run", folder, code=None)
+    if done.returncode not in (0, REFUSED, STOPPED):
+        raise SystemExit(f"exit code {done.returncode}: {done.stderr[-600:]}\n{text}")
+    return done.returncode, (silt_results.open(folder) if done.returncode == 0 else None), done.stderr
 
 
 class Scene(random.Random):

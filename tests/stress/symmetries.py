@@ -22,15 +22,13 @@ import tempfile
 import numpy as np
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-from silt_runs import run  # noqa: E402, I001
-import silt_results  # noqa: E402
+import silt_runs  # noqa: E402, F401, I001 (the path)
 from silt_results.surfaces import rotations  # noqa: E402
 from case_text import case_text  # noqa: E402
 from crowd import Crowd  # noqa: E402
-from random_scene import STONE, Scene, mesh_text  # noqa: E402
+from random_scene import STONE, Scene, result  # noqa: E402
 from symmetry import AXES, Symmetry  # noqa: E402
 
-REFUSED, STOPPED = 2, 3  # exit codes: a scene that is no case, or that a guard stops
 AXIAL = ("angular_velocity", "torque", "contact_torque", "spring_torque")
 POLAR = ("velocity", "force", "contact_force", "spring_force", "buoyancy")
 COUNTS = ("bodies", "bodies_arrived", "bodies_refused", "bodies_left", "fluid_cells", "links", "covered", "uncovered", "contacts",
@@ -94,18 +92,6 @@ def continued(tables):
     return tables | dict(fluid=fluid, bodies=list(kinds.values()))
 
 
-def result(silt, tables, mesh, folder):
-    """Runs a case and opens its results: None if the case is refused or stopped. Returns the exit code and messages, too."""
-    folder.mkdir()
-    text = case_text("A symmetry", **tables)
-    (folder / "case.toml").write_text(text)
-    (folder / "stone.ply").write_text(mesh_text(*mesh))
-    done = run(silt, "run", folder, code=None)
-    if done.returncode not in (0, REFUSED, STOPPED):
-        raise SystemExit(f"exit code {done.returncode}: {done.stderr[-600:]}\n{text}")
-    return (silt_results.open(folder) if done.returncode == 0 else None), done.returncode, done.stderr
-
-
 def turns(bodies):
     """Yields the rotation of each body since it is there, at each time."""
     first = {}
@@ -162,8 +148,8 @@ def compare(silt, tables, symmetry, also_continued=False):
             runs = []
             for name, its, mesh in (("before", stage, STONE), ("after", symmetry.scene(stage), symmetry.mesh(*STONE))):
                 initial = dict(initial={"from": f"../{name}0/out"}) if number else {}
-                runs.append(result(silt, its | initial, mesh, pathlib.Path(folder) / f"{name}{number}"))
-            (before, code, said), (after, other_code, also_said) = runs
+                runs.append(result(silt, pathlib.Path(folder) / f"{name}{number}", case_text("A symmetry", **(its | initial)), mesh))
+            (code, before, said), (other_code, after, also_said) = runs
             if code != other_code:
                 return {"exit code": abs(code - other_code)}, said + also_said
             if before is None:

@@ -13,12 +13,10 @@ import tempfile
 import numpy as np
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-from silt_runs import run  # noqa: E402, I001
-import silt_results  # noqa: E402
-from case_text import LATTICE, case_text, si  # noqa: E402
-from random_scene import STONE, Scene, mesh_text  # noqa: E402
+import silt_runs  # noqa: E402, F401, I001 (the path)
+from case_text import case_text, si  # noqa: E402
+from random_scene import Scene, result  # noqa: E402
 
-REFUSED, STOPPED = 2, 3  # exit codes: a scene that is no case, or that a guard stops
 BASE = dict(m=2.**-11, s=2.**-13, kg=2.**10 * 2.**-33, K=1.0)  # a fluid of 1024 kg/m3
 CAPACITY = 2.**12                                               # of the fluid, J/(kg K)
 DERIVED = {"N": "kg m/s2", "Pa": "kg/m/s2", "W": "kg m2/s3", "J": "kg m2/s2", "rad": "1"}
@@ -102,17 +100,6 @@ def quantities(tables):
     return [dict(name=f"q{n}") | one for n, one in enumerate(found)]
 
 
-def result(silt, folder, units, tables):
-    folder.mkdir()
-    text = case_text("Units", units=units, **tables)
-    (folder / "case.toml").write_text(text)
-    (folder / "stone.ply").write_text(mesh_text(*STONE))
-    done = run(silt, "run", folder, code=None)
-    if done.returncode not in (0, REFUSED, STOPPED):
-        raise SystemExit(f"exit code {done.returncode}: {done.stderr[-600:]}\n{text}")
-    return done.returncode, (silt_results.open(folder) if done.returncode == 0 else None), done.stderr + text
-
-
 def differences(lattice, physical):
     """Yields what is not the same but for its unit."""
     if lattice.report["state_hash"] != physical.report["state_hash"]:
@@ -155,13 +142,14 @@ def main():
         if not (tables := scene_of(seed)):
             continue
         with tempfile.TemporaryDirectory(prefix="silt-units-") as folder:
-            code, lattice, said = result(silt, pathlib.Path(folder) / "lattice", LATTICE, tables)
-            other, physical, also_said = result(silt, pathlib.Path(folder) / "si", si(BASE["m"], BASE["s"]), tables_in_si(tables))
+            texts = case_text("Units", **tables), case_text("Units", units=si(BASE["m"], BASE["s"]), **tables_in_si(tables))
+            (code, lattice, said), (other, physical, also_said) = (
+                result(silt, pathlib.Path(folder) / name, text) for name, text in zip(("lattice", "si"), texts))
             wrong = [f"exit codes {code} and {other}"] if code != other else list(differences(lattice, physical)) if lattice else []
             compared += lattice is not None and physical is not None
         if wrong:
             faults += 1
-            print(f"seed {seed}:", *wrong, f"{said}\n{also_said}", sep="\n", flush=True)
+            print(f"seed {seed}:", *wrong, said, also_said, *texts, sep="\n", flush=True)
     print(f"{count} scenes, {compared} accepted and compared, {faults} with a fault")
     sys.exit(faults > 0 or compared == 0)
 
