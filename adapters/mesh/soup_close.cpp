@@ -48,8 +48,8 @@ class Neighbours {
       throw std::invalid_argument("more than two triangles meet in " + of(crowded) +
                                   ": bodies that touch along an edge, or a wall inside; take them apart");
     if (open.count > 0)
-      throw std::invalid_argument("the surface is not closed: one triangle only has " + of(open) +
-                                  "; close its holes");
+      throw std::invalid_argument("the surface is not closed: it ends at " + of(open) +
+                                  "; close its holes, and merge corners that should be one");
   }
   std::uint32_t beyond(std::uint32_t triangle, int k) const { return beyond_[triangle][k]; }
 

@@ -114,11 +114,15 @@ struct StartSpec {
 
 // The sides of the domain and the curved walls in it: domain.boundary and [[walls]].
 
-/// A wall of triangles from a file.
-struct MeshWall : rigid::MeshWallSpec {
+/// A file of triangles.
+struct MeshFile {
   std::string file, contents;  // contents: "1280 triangles in 1 shell", and repairs
-  std::string table;           // of its motion; "": none
-  int table_headings = 0;      // number of heading lines
+};
+
+/// A wall of triangles from a file.
+struct MeshWall : rigid::MeshWallSpec, MeshFile {
+  std::string table;       // of its motion; "": none
+  int table_headings = 0;  // number of heading lines
 };
 
 /// A curved wall of the domain, for fluid and bodies alike.
@@ -170,6 +174,7 @@ struct BodyCatalogue {
   // material 0 is "default": that of walls, and of bodies that name none
   std::vector<std::string> shape_names, material_names;
   rigid::ShapeList shapes;                      // each about its centre of mass
+  std::map<std::string, MeshFile> meshes;       // of shapes, by their names
   std::vector<rigid::Vec3> shape_origins;       // origins of the case, in the frames of the shapes
   std::vector<rigid::Material> pair_materials;  // material_names.size()^2
   // names of [[bodies]] and [[fill]] entries ("light spheres", by default the shape's name); entries of one

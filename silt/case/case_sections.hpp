@@ -78,8 +78,8 @@ struct ReadMotion {
 ReadMotion read_motion(TableReader&);
 std::vector<KeySection> wall_sections();
 void read_walls(TableReader& root, Case&);  // [[walls]]; after the materials
-/// Reads the shape of a body of type "mesh"; returns a sphere if its file is wrong (reported).
-rigid::Shape read_mesh_body(TableReader&);
+/// Reads the last shape of a case, of type "mesh"; returns a sphere if its file is wrong (reported).
+rigid::Shape read_mesh_body(TableReader&, Case&);
 /// Reads a polyhedron from a file; null if it is wrong (reported).
 std::shared_ptr<const rigid::PolyhedronMesh> read_polyhedron_file(TableReader&);
 

@@ -61,6 +61,10 @@ std::string lines_text(std::uint64_t numbers, int headings) {
   return fmt::format("{} lines of numbers, {} of headings", numbers, headings);
 }
 
+void add_file(const MeshFile& mesh, Table& table) {
+  table.line("  of " + mesh.file, mesh.contents);
+}
+
 void add_wall(const CurvedWall& wall, Table& table) {
   if (const auto* tube = wall.tube())
     return table.quantity(fmt::format("tube '{}', radius", wall.name), tube->tube.radius, dimension::length);
@@ -72,7 +76,7 @@ void add_wall(const CurvedWall& wall, Table& table) {
       sides.push_back(fmt::format("{} to {}", shown(box.lower[d] * scale), shown(box.upper[d] * scale)));
     return joined(sides);
   });
-  table.line("  of " + mesh.file, mesh.contents);
+  add_file(mesh, table);
   if (!mesh.table.empty())
     table.line("  moved by " + mesh.table, lines_text(mesh.motion.table.size(), mesh.table_headings));
 }
@@ -186,6 +190,8 @@ void add_kind(const Case& setup, Table& table, const std::string& name, const En
   table.line(name, fmt::format("{} of shape '{}' ({})",
                                kind.count > 0 ? fmt::to_string(kind.count) : "those of initial.from,",
                                setup.shape_names[kind.shape], rigid::shape_name(shape)));
+  if (const auto mesh = setup.meshes.find(setup.shape_names[kind.shape]); mesh != setup.meshes.end())
+    add_file(mesh->second, table);
   table.quantity(smallest == kind.shape ? "  cells across" : "  cells across, smallest",
                  rigid::least_width(setup.shapes[smallest]), dimension::length);
   table.line("  density ratio", "", shown(kind.density));

@@ -162,9 +162,10 @@ rigid::Compound read_compound(TableReader& table) {
   return compound;
 }
 
-rigid::Shape read_shape(TableReader& table, const std::string& type) {
+/// Reads the last shape of a case.
+rigid::Shape read_shape(TableReader& table, const std::string& type, Case& setup) {
   if (type == rigid::Compound::name) return read_compound(table);
-  if (type == rigid::Mesh::name) return read_mesh_body(table);
+  if (type == rigid::Mesh::name) return read_mesh_body(table, setup);
   return read_convex(table, type);
 }
 
@@ -225,7 +226,7 @@ void read_shapes(TableReader& root, Case& setup) {
     else
       type = table.choice("type", shape_types());
     if (type)
-      shape = read_shape(table, *type);
+      shape = read_shape(table, *type, setup);
     else
       table.judge_no_keys();
     // about its centre of mass, however far from the origin of the case

@@ -58,8 +58,8 @@ TEST(ReadPolyhedron, SaysWhatIsWrongWithTheSurface) {
   auto open = cube_facets();
   open.pop_back();
   EXPECT_EQ(refusal(stl_text(open)),
-            "the surface is not closed: one triangle only has 3 edges, the first from [0, 0, 1] to [0, 1, "
-            "1]; close its holes");
+            "the surface is not closed: it ends at 3 edges, the first from [0, 0, 1] to [0, 1, 1]; close its "
+            "holes, and merge corners that should be one");
   EXPECT_EQ(refusal(stl_text({cube_facets()[0]})), "it has 1 triangles; a closed surface has at least 4");
   // the top drawn down to a point below its middle: a dent of a pyramid, 1/3 x 1/2
   auto dented = cube_facets();

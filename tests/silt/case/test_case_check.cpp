@@ -11,7 +11,7 @@
 #include "silt/case/case_check.hpp"
 #include "silt/placement/obstacles.hpp"
 #include "tests/rigid/shapes/solids.hpp"
-#include "tests/silt/case/case_text.hpp"
+#include "tests/silt/case/mesh_case.hpp"
 
 namespace silt::testing {
 namespace {
@@ -335,6 +335,21 @@ TEST(BodyCheck, LeastWidths) {
   // a regular tetrahedron is narrowest between two opposite edges: a / sqrt 2
   EXPECT_DOUBLE_EQ(
       rigid::least_width(rigid::testing::tetrahedron({1, 1, 1}, {-1, 1, -1}, {1, -1, -1}, {-1, -1, 1})), 2);
+}
+
+/// A tetrahedron, one triangle of which is turned inward and one there twice, is mended alike as body and
+/// wall.
+TEST(CaseCheck, SaysWhatWasMendedInAFile) {
+  const std::string tetrahedron =
+      "v 0 0 0\nv 8 0 0\nv 0 8 0\nv 0 0 8\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 1 4 3\nf 2 4 3\n";
+  CaseText c = mesh_case("a.obj", "solid = \"inside\"\nposition = [2, 2, 2]");
+  c.shapes = "[[shapes]]\nname = \"chip\"\ntype = \"mesh\"\nfile = \"b.obj\"\n";
+  c.bodies = body_of("chip", 1.2, "position = [16, 16, 16]\n");
+  const std::string table = derived_table(read_with(c, {{"a.obj", tetrahedron}, {"b.obj", tetrahedron}}));
+  for (const char* file : {"a.obj", "b.obj"})
+    EXPECT_TEXT(table,
+                file + std::string("                4 triangles in 1 shell, 1 duplicate triangles left ") +
+                    "out, 1 triangles turned over");
 }
 
 }  // namespace
