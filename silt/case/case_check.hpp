@@ -104,6 +104,10 @@ inline constexpr double unseen = 1e-6;
 /// The deviation of the density above which the fluid is noticeably compressible.
 inline constexpr double doubtful_deviation = 0.02;
 
+/// Returns what is wrong where a speed (cells per step) carries heat across cells too fast for its scheme;
+/// "": nothing.
+std::string doubt_of_heat(const Case&, double speed);
+
 /// Reports a speed (cells per step) of a key that is too high, with a suitable time step.
 void check_speed(Diagnostics&, const std::string& key, double speed);
 

@@ -188,20 +188,22 @@ void check_weight(const Case& setup, Diagnostics& findings) {
 
 void check_fall(const Case& setup, Diagnostics& findings, const Fall& fall) {
   const double gravity = setup.gravity.norm(), speed = speed_of(setup, fall, gravity);
+  const std::string key = fall.entry + ".density";
+  const std::string found =
+      fmt::format("{} comes to {} cells a step{} as it {} (a sphere of its volume)", fall.entry, shown(speed),
+                  in_si(setup, speed), fall.density > 1 ? "falls" : "rises");
+  if (const std::string doubt = doubt_of_heat(setup, speed); !doubt.empty())
+    findings.warning(key, "{}, {}", found, doubt);
   if (!(speed > doubtful_velocity * (1 + unseen))) return;
   const auto is_slow = [&](double share) {
     return speed_of(setup, fall, share * gravity) <= doubtful_velocity;
   };
-  const std::string key = fall.entry + ".density";
   const std::string slip = density_slip(setup, key, setup.units.physical(fall.density, dimension::density));
   // shorter steps, or (in lattice units) less gravity
   const std::string cure = setup.units.si ? (slip.empty() ? "" : slip + "; else ") +
                                                 time_step_cure(setup, doubtful_velocity / speed)
                                           : fmt::format("use {} times as much gravity.acceleration",
                                                         shown(rounded_down(last_for_which(is_slow, 1, 60))));
-  const std::string found =
-      fmt::format("{} comes to {} cells a step{} as it {} (a sphere of its volume)", fall.entry, shown(speed),
-                  in_si(setup, speed), fall.density > 1 ? "falls" : "rises");
   if (speed > impossible_velocity)
     findings.error(key, "{}; at most {} is possible: {}", found, impossible_velocity,
                    units_first(setup, cure));

@@ -17,6 +17,7 @@ struct GivenHeat : coupler::HeatSpec {
   double prandtl = 0;
   rigid::Vec3 mean_gradient = rigid::Vec3::Zero();
 };
+constexpr double stable_peclet = 30;  // cell Péclet number from which waves grow (method-heat.md)
 constexpr std::tuple heat_keys{
     Key{"thermal_diffusivity", &lbm::HeatSpec::diffusivity, Number{dimension::viscosity, range::above(0)},
         "how fast heat spreads in the fluid", "one of two"},
@@ -242,20 +243,27 @@ void read_heat(TableReader& root, Case& setup) {
   setup.heat = heat;
 }
 
+std::string doubt_of_heat(const Case& setup, double speed) {
+  const double found = setup.heat ? speed / setup.heat->diffusivity : 0;
+  if (found <= stable_peclet) return "";
+  return fmt::format("a cell Péclet number u/D of {}; above {} waves of temperature grow: use smaller cells",
+                     shown(found), stable_peclet);
+}
+
 void find_heat_faults(const Case& setup, Diagnostics& findings) {
   if (!setup.heat) return check_fields(setup, findings);
   check_constant_gravity(setup, findings);
   check_mean_gradient(setup, findings);
-  constexpr double measured = 10, stable = 30;  // cell Péclet numbers (method-heat.md)
+  constexpr double measured = 10;  // cell Péclet number (method-heat.md)
   const double found = cell_peclet(setup);
   const double in_widest = found * (setup.coarsening ? 1 << setup.coarsening->levels : 1);
   const char* const key = setup.places.count("heat.prandtl") ? "heat.prandtl" : "heat.thermal_diffusivity";
-  if (in_widest > stable)
+  if (in_widest > stable_peclet)
     findings.error(
         key,
         "the cell Péclet number u/D is {} in the widest cells at the largest speed given; above {} waves "
         "grow: use smaller cells",
-        shown(in_widest), stable);
+        shown(in_widest), stable_peclet);
   else if (found > measured)
     findings.warning(
         key,

@@ -48,10 +48,11 @@ struct Standing {
   double pressure_drop(double speed, double viscosity, double area) const {
     constexpr double densest = 0.64;
     if (volume == 0) return 0;
+    const auto drag = [&](double solid) {
+      return 3 * std::numbers::pi * viscosity * speed * drag_of_many(solid, speed * largest / viscosity);
+    };
     const double solid = std::min(volume / (area * (high - low)), densest);
-    const double drag =
-        3 * std::numbers::pi * viscosity * speed * drag_of_many(solid, speed * largest / viscosity);
-    return (drag * of_fixed + std::min(drag * of_free, weight)) / area;
+    return (drag(solid) * of_fixed + std::min(drag(densest) * of_free, weight)) / area;
   }
 };
 

@@ -47,7 +47,8 @@ std::optional<Diagnostic> time_warning(const Case&, const RunEstimate&);
 
 /// Warns if bodies in the stream of an inlet make the pressure drop so large that the fluid is noticeably
 /// compressible. Their drag follows Beetstra, van der Hoef and Kuipers (AIChE J. 53 (2007) 489) at the solid
-/// fraction between the first and the last body; that of free bodies is at most their weight in the fluid.
+/// fraction between the first and the last body, for free bodies at that of a packing, into which they
+/// settle; theirs is at most their weight in the fluid.
 std::optional<Diagnostic> pressure_warning(const Case&, const rigid::BodySet&, const rigid::World&);
 
 /// Warns if bodies, as spheres of the same volume, cover a part of an inlet at the start: nothing flows in

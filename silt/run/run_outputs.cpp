@@ -225,12 +225,19 @@ std::string doubt_of_mass(const Simulation& simulation) {
       100 * taken / fluid);
 }
 
+std::string doubt_of_fastest(const Simulation& simulation) {
+  const double speed = simulation.fluid_speed();
+  const std::string doubt = doubt_of_heat(simulation.setup(), speed);
+  return doubt.empty() ? doubt : fmt::format("the fluid came to {} cells a step, {}", shown(speed), doubt);
+}
+
 }  // namespace
 
 std::vector<std::string> warnings_of(const Simulation& simulation) {
   std::vector<std::string> doubts{doubt_of_sweeps(simulation)};
   if (simulation.scene().flow)
-    doubts.push_back(doubt_of_density(simulation)), doubts.push_back(doubt_of_mass(simulation));
+    for (const auto doubt_of : {doubt_of_density, doubt_of_mass, doubt_of_fastest})
+      doubts.push_back(doubt_of(simulation));
   std::erase(doubts, "");
   return doubts;
 }

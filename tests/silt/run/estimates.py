@@ -1,9 +1,11 @@
 #!/usr/bin/python3
 """estimates.py SILT: what `silt check` foresees of memory and disk is within a factor of 2 of a run, and it
 foresees time for output (how much: tests/stress/time_of_output.py). More than the disk has, or years, are
-warned of, and a pressure that compresses the fluid."""
+warned of, and a pressure that compresses the fluid, and heat carried too fast."""
+import math
 import re
 import resource
+import statistics
 import unittest
 
 from silt_test import CASE, SiltTest
@@ -75,6 +77,26 @@ steps = 4000
         self.assertLess(abs(float(foreseen[1]) / found - 1), 0.35, f"foreseen {foreseen[1]} %, found {found} %")
         self.assertIsNone(self.column(0.02 * float(foreseen[2])**2))  # drag here is of the first power of the speed
         self.assertIsNone(self.column(0.02, "free"))  # they weigh less than that
+
+    def test_bodies_that_fall_compress_it_by_their_weight(self):
+        """However slow the stream is: they hang in the fluid, spread over the column, until they have settled."""
+        self.write((self.COLUMN % (1e-3, 1e-3, "free", ", ".join(f"[6, 6, {12 + 9 * k}]" for k in range(9)))).replace("-1e-5", "-1.2e-3"))
+        foreseen = float(re.search(self.FORESEEN, self.silt("check", self.case).stdout)[1])
+        weight = 9 * 4 / 3 * math.pi * 4**3 * 0.5 * 1.2e-3
+        self.assertLess(abs(foreseen / (100 * 3 * weight / 144) - 1), 0.02)
+        self.silt("run", self.case, "--steps", 1300, "--set", "output.report={ every = 50 }")  # twice the time of sound there and back
+        found = 100 * (statistics.mean(float(row["max_density"]) for row in self.rows("series.csv")) - 1)
+        self.assertLess(abs(foreseen / found - 1), 0.35, f"foreseen {foreseen} %, found {found} %")
+
+    def test_heat_that_a_ball_carries_too_far(self):
+        """It is warned of before the run, for the ball, and after it, for the fluid that the ball moves."""
+        for diffusivity, far in ((1e-4, True), (0.1, False)):
+            heat = f"[heat]\nthermal_diffusivity = {diffusivity}\n[gravity]"
+            self.write(CASE.replace("[gravity]", heat).replace("velocity = [0.02, 0, 0]\n", "").replace("-1e-4", "-1e-3"))
+            said = self.silt("run", self.case, "--overwrite", "--steps", 1000).stdout
+            self.assertEqual(self.report()["max_velocity_lattice"] > 30 * diffusivity, far)
+            for warned in ("bodies.0. comes to", "the fluid came to"):
+                self.assertEqual(bool(re.search(warned + ".* above 30 waves of temperature grow", said)), far, said)
 
     def test_bodies_that_cover_an_inlet(self):
         """As much less flows in as is foreseen, and none of a ball that leaves half a diameter."""
