@@ -14,6 +14,7 @@
 #include "silt/results/checkpoint.hpp"
 #include "silt/results/flow_fields.hpp"
 #include "silt/results/report.hpp"
+#include "silt/run/run_estimate.hpp"
 #include "silt/simulation.hpp"
 
 namespace silt {
@@ -238,6 +239,10 @@ std::vector<std::string> warnings_of(const Simulation& simulation) {
   if (simulation.scene().flow)
     for (const auto doubt_of : {doubt_of_density, doubt_of_mass, doubt_of_fastest})
       doubts.push_back(doubt_of(simulation));
+  const Scene& scene = simulation.scene();
+  if (scene.setup.has_free_bodies())  // others were there at the start
+    if (const auto covered = inlet_warning(scene.setup, scene.bodies, scene.world, scene.comm))
+      doubts.push_back(covered->text);
   std::erase(doubts, "");
   return doubts;
 }

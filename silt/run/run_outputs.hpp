@@ -63,8 +63,8 @@ class RunOutputs {
 };
 
 /// Returns the warnings about doubtful results at the end of a run, one text each for contact sweeps that
-/// ended far from convergence in a step, a fluid that was noticeably compressible at a check, and mass that
-/// cells took without a fluid neighbour. Collective.
+/// ended far from convergence in a step, a fluid that was noticeably compressible or carried heat too fast at
+/// a check, mass that cells took without a fluid neighbour, and free bodies that cover an inlet. Collective.
 std::vector<std::string> warnings_of(const Simulation&);
 
 }  // namespace silt

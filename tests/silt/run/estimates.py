@@ -108,6 +108,9 @@ steps = 4000
             self.assertEqual((bool(foreseen), bool(re.search(covered, run.stdout + run.stderr))), (wanted, wanted))
             found = 100 * (1 - self.report()["quantities"]["rate"] / (0.01 * 144))
             self.assertLess(abs(found - float(foreseen[1] if foreseen else 0)), 2.5, found)
+        self.write((self.COLUMN % (1e-3, 1e-3, "free", "[6, 6, 9]")).replace("-1e-5", "-1.2e-3"))  # it falls onto the inlet
+        self.assertNotRegex(self.silt("check", self.case).stdout, covered)
+        self.assertRegex(self.silt("run", self.case, "--overwrite").stdout, covered)
 
     def test_output_takes_time(self):
         """Whatever is written adds to what is foreseen."""
