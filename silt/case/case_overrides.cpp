@@ -25,7 +25,9 @@ Node parsed_value(const std::string& text, const Place& place) {
   try {
     return adapters::parse_value(is_bare_string(text) ? '"' + text + '"' : text, place);
   } catch (const adapters::SyntaxError& error) {
-    throw CaseError(place, fmt::format("'{}' is not a TOML value: {}", text, error.what()));
+    throw CaseError(place, fmt::format("'{}' is not a TOML value, such as 0.7, true, \"text\", [1, 2, 3] or "
+                                       "{{ every = 10 }}: {}",
+                                       text, error.what()));
   }
 }
 

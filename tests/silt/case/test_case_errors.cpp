@@ -248,6 +248,7 @@ TEST(CaseErrors, OverridesAreNamedInMessages) {
   EXPECT_EQ(c.fault({"run.steps.x=2"}), "--set run.steps.x=2: 'x' lies below a value that is an integer");
   EXPECT_TEXT(c.fault({"fluid.visc=0.1"}), "did you mean 'kinematic_viscosity'?");
   EXPECT_TEXT(c.fault({"domain.size=[1, 2"}), "'[1, 2' is not a TOML value");
+  EXPECT_TEXT(c.fault({"fluid.relaxation_time=0,7"}), "'0,7' is not a TOML value, such as 0.7");
 }
 
 TEST(CaseErrors, WhatIsTakenAwayMustBeThere) {
