@@ -20,9 +20,15 @@ void for_rows(Visit&& visit) {
     std::ranges::for_each(family, visit);
 }
 
+/// Returns the types of all families. Means over steps take the key `time`; values of every step are
+/// stepwise.
 std::vector<QuantityType> types_of_rows() {
   std::vector<QuantityType> types;
-  for_rows([&](const Quantity& row) { types.push_back(row.type); });
+  for_rows([&](const Quantity& row) {
+    QuantityType& type = types.emplace_back(row.type);
+    if (row.computation.in_last_step) type.keys |= Q::time;
+    if (row.computation.in_step.of) type.needs |= Q::stepwise;
+  });
   return types;
 }
 

@@ -57,7 +57,7 @@ struct Computation {
   bool gathers() const { return (observe || fold) && !of_start; }
 };
 
-/// A row of a family. Means over steps take the key `time`; values of every step are stepwise.
+/// A row of a family.
 struct Quantity {
   QuantityType type;
   Computation computation;
@@ -65,8 +65,6 @@ struct Quantity {
   constexpr Quantity(std::string_view name, Dimension dimension, unsigned keys, unsigned needs,
                      const Computation& by, std::string_view meaning, std::string_view unit = "")
       : type{name, dimension, keys, needs, meaning, unit}, computation(by) {
-    if (by.in_last_step) type.keys |= Q::time;
-    if (by.in_step.of) type.needs |= Q::stepwise;
     computation.type = name;
   }
 };
