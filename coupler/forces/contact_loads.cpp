@@ -24,10 +24,9 @@ void for_remembered(const ContactsInStep& step, Visit&& visit) {
   for (std::size_t row = 0; row < bodies.owned; ++row)
     for (const StoredImpulse& s : bodies.stored_impulses[row]) {
       const auto [a, b] = std::minmax({bodies.id[row], s.partner});
-      const auto of_pair =
-          std::ranges::equal_range(step.contacts, std::tuple(a, b, s.image), {}, &Contact::pair);
-      const auto c = std::ranges::find(of_pair, s.feature, &Contact::feature);
-      if (c != of_pair.end()) visit(row, a == bodies.id[row], *c, s.impulse);
+      const auto key = std::tuple(a, b, s.image, s.feature & ~rigid::lubrication_feature);
+      const auto c = std::ranges::lower_bound(step.contacts, key, {}, &Contact::key);
+      if (c != step.contacts.end() && c->key() == key) visit(row, a == bodies.id[row], *c, s.impulse);
     }
 }
 

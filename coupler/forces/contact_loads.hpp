@@ -39,7 +39,7 @@ inline std::array<double, 6> symmetric_product(const rigid::Vec3& a, const rigid
 /// The contacts of a sub-step, after the velocities are final and before the second half of the drift.
 struct ContactsInStep {
   const rigid::BodySet& bodies;
-  std::span<const rigid::Contact> contacts;    // sorted by pair
+  std::span<const rigid::Contact> contacts;    // sorted by key
   std::span<const rigid::OtherImpulse> other;  // impulses that bodies do not store
 };
 
