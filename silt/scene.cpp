@@ -232,6 +232,7 @@ void Scene::take_saved_bodies(const coupler::SavedBodies& saved) {
 }
 
 void Scene::take_placed_bodies(const std::vector<CentredShape>& shapes, rigid::BodyId first_id) {
+  require_sound_start(setup, domain, comm);
   const PlacedBodies placed = place_bodies(setup, domain, comm, &bodies);
   at_start.first_free_id = placed.next_id + first_id - 1;
   std::size_t row = bodies.owned;

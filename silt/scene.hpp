@@ -34,9 +34,9 @@ class Scene {
  public:
   /// The case must have passed check_case. With `saved` the scene has these bodies, each saved on exactly one
   /// rank, instead of the case's, and the saved levels of cells; with a first id also those of the case, from
-  /// this id on. The flow is at rest and not started. Collective. Throws on every rank: CaseError if a fill
-  /// does not fit, std::invalid_argument for a domain that cannot be cut for this number of ranks, or an
-  /// unknown backend or resolver.
+  /// this id on. The flow is at rest and not started. Collective. Throws on every rank: CaseError if given
+  /// bodies overlap or a fill does not fit, std::invalid_argument for a domain that cannot be cut for this
+  /// number of ranks, or an unknown backend or resolver.
   Scene(Case, MPI_Comm, const coupler::SavedBodies* saved = nullptr, const SavedLevels& = {},
         rigid::BodyId first_id = 0);
 

@@ -10,6 +10,7 @@
 #include "coupler/forces/fluid_forces.hpp"
 #include "coupler/state_hash.hpp"
 #include "cpu/isa.hpp"
+#include "lbm/blocks/excess.hpp"
 #include "parallel/collectives.hpp"
 #include "silt/case/case.hpp"
 #include "silt/case/case_check.hpp"
@@ -290,10 +291,12 @@ Balance Simulation::balance() const {
   Balance b;
   struct {
     rigid::FixedVec3 momentum;
-    rigid::FixedSum scale = 0;  // sum of |m v|
+    rigid::FixedSum scale = 0;      // sum of |m v|
+    rigid::FixedSum mass_owed = 0;  // to the fluid, in quanta of an excess
   } mine;
   const rigid::BodySet& bodies = scene_.bodies;
   for (std::size_t row = 0; row < bodies.owned; ++row) {
+    mine.mass_owed += coupler::coupling_of(bodies, row).mass_owed.all;
     if (!bodies.is_dynamic(row)) continue;
     Vec3 p = bodies.mass[row] * bodies.velocity[row];
     mine.scale += rigid::to_fixed(p.norm());
@@ -309,7 +312,9 @@ Balance Simulation::balance() const {
     const Vec3 fluid(totals.momentum[0], totals.momentum[1], totals.momentum[2]);
     b.momentum += fluid;
     b.momentum_scale += fluid.norm();
-    b.mass_deviation = totals.mass_deviation;
+    const bool single = setup().fluid->precision == coupler::Precision::single_;
+    const double quantum = single ? lbm::excess_quantum<float> : lbm::excess_quantum<double>;
+    b.mass_deviation = totals.mass_deviation + double(all.mass_owed) * quantum;
     b.fluid_cells = static_cast<double>(totals.fluid_cells);
   }
   return b;

@@ -25,7 +25,7 @@ namespace silt {
 
 /// The mass and momentum of a whole scene at one time.
 struct Balance {
-  double mass_deviation = 0, fluid_cells = 0;
+  double mass_deviation = 0, fluid_cells = 0;  // with the mass that bodies owe the fluid
   // of fluid and free bodies, corrected for bodies that arrived or left
   rigid::Vec3 momentum = rigid::Vec3::Zero();
   double momentum_scale = 0;  // |momentum of the fluid| + sum over bodies of |m v|

@@ -24,7 +24,7 @@ void for_remembered(const ContactsInStep& step, Visit&& visit) {
   for (std::size_t row = 0; row < bodies.owned; ++row)
     for (const StoredImpulse& s : bodies.stored_impulses[row]) {
       const auto [a, b] = std::minmax({bodies.id[row], s.partner});
-      const auto key = std::tuple(a, b, s.image, s.feature);
+      const auto key = std::tuple(a, b, s.image, s.feature & ~rigid::lubrication_feature);
       const auto c = std::ranges::lower_bound(step.contacts, key, {}, &Contact::key);
       if (c != step.contacts.end() && c->key() == key) visit(row, a == bodies.id[row], *c, s.impulse);
     }

@@ -61,8 +61,9 @@ struct Contact {
   NormalTurns normal_turns = NormalTurns::never;  // set for cohesive pairs
 
   auto pair() const { return std::tuple(a, b, image); }
-  /// The order in which contacts are solved and summed on any number of ranks.
-  auto key() const { return std::tuple(a, b, image, feature); }
+  /// The order in which contacts are solved and summed on any number of ranks, in which films make no
+  /// difference.
+  auto key() const { return std::tuple(a, b, image, feature & ~lubrication_feature); }
 };
 
 /// Calls visit(k, contacts) for each pair of bodies in sorted contacts; k is the index of its first contact.

@@ -214,7 +214,8 @@ bool SffdResolver::is_link(const Pair& p) const {
 /// Sweeps over chains until they converge. A load passes a chain body by body, the slower the larger the mass
 /// ratio; a bed distributes it. Returns the number of sweeps; afterwards all pairs are in the lanes again.
 int SffdResolver::settle_links(const Step& step) {
-  for (const Pair& p : pairs_) lanes_.read_impulses(p.place, impulses_of(p));
+  for (Pair& p : pairs_)
+    lanes_.read_impulses(p.place, impulses_of(p)), p.rolling = lanes_.read_rolling(p.place);
   share_pair_numbers(step);
   for (const std::size_t row : involved_) bodies_[row].pairs = 0;
   for (Pair& p : pairs_) {
@@ -297,8 +298,8 @@ bool SffdResolver::is_mostly_impact(const Pair& p, std::size_t k) const {
 /// `by_sink`: sum over the pair's impacts, on the second body; it acts at the first body's centre.
 void SffdResolver::add_other_impulses(const Pair& p, const Vec3& by_sink, StepVelocities& velocities) const {
   const PairLanes::Rolling rolling = lanes_.read_rolling(p.place);
-  const Vec3 impulse = rolling.impulse + by_sink;
-  const Vec3 moment = rolling.moment - p.contacts[0].r_a.cross(impulse);
+  const Vec3 impulse = rolling.impulse + p.rolling.impulse + by_sink;
+  const Vec3 moment = rolling.moment + p.rolling.moment - p.contacts[0].r_a.cross(impulse);
   if (!impulse.isZero(0) || !moment.isZero(0))
     velocities.other_impulses.push_back({p.first, impulse, moment});
   for (std::size_t k = 0; k < p.contacts.size(); ++k) {

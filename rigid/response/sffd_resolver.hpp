@@ -34,6 +34,7 @@ class SffdResolver : public ContactResolver {
     const Material* material = nullptr;  // null: no rolling resistance and no pull
     Vec3 together = Vec3::Zero();        // see PairToSolve
     PairLanes::Place place{};
+    PairLanes::Rolling rolling{};  // what it had before chains were swept alone
   };
   struct Sweeps {
     int most, accelerated;

@@ -219,7 +219,6 @@ PreparedRun prepare_scene(const RunOptions& options, MPI_Comm comm) {
   PreparedRun prepared;
   const auto setup = judged_once(options.directory, comm, prepared,
                                  [&](CaseSource& source) { return read_case(source, options.overrides); });
-  require_sound_start(*setup, coupler::make_domain(*setup, parallel::ranks_of(comm)), comm);
   if (const auto reader = checkpoint_of_start(*setup, comm, prepared.warnings)) {
     prepared.started_from = reader->path().lexically_normal();
     prepared.simulation = simulation_from(*reader, std::move(*setup), comm);

@@ -25,7 +25,8 @@ class Crowd(random.Random):
         self.tables, self.size = tables, np.array(tables["domain"]["size"])
         self.periodic = np.array([tables["domain"]["boundary"][axis] == "periodic" for axis in AXES])
         self.shapes = {shape["name"]: shape for shape in tables["shapes"]}
-        self.placed = [(wall["position"], np.eye(3), dict(type="mesh")) for wall in tables.get("walls", []) if wall["type"] == "mesh"]
+        self.placed = [(wall["position"], np.eye(3), dict(type="mesh")) for wall in tables.get("walls", []) if wall.get("solid") == "inside"]
+        self.vessels = [wall for wall in tables.get("walls", []) if wall.get("solid") == "outside"]
         self.tubes = [wall for wall in tables.get("walls", []) if wall["type"] == "tube"]
 
     def direction(self):
@@ -47,6 +48,9 @@ class Crowd(random.Random):
         for tube in self.tubes:
             across = np.array([axis != tube["axis"] for axis in AXES])
             if np.linalg.norm(across * (body[0] - tube["point"])) > tube["radius"] - 5.5:
+                return False
+        for vessel in self.vessels:  # whose corners are 2.5 off its middle, at least
+            if any(n @ (body[0] - vessel["position"]) + self.reach(body, n) > 2.5 * vessel["scale"] for n in (*np.eye(3), *-np.eye(3))):
                 return False
         for other in self.placed:
             way = self.way(other[0], body[0])
@@ -72,7 +76,7 @@ class Crowd(random.Random):
             if self.placed and self.random() < 0.8:
                 other = self.choice(self.placed)
                 body[0] = other[0] + n * (self.reach(other, n) + self.reach(body, -n) + gap)
-            elif not self.periodic.all():
+            elif not self.periodic.all() and not self.vessels:
                 n = self.choice([1, -1]) * np.eye(3)[self.choice(np.flatnonzero(~self.periodic))]
                 body[0] = np.where(n == 0, body[0], self.reach(body, -n) + gap if n.sum() > 0 else self.size - self.reach(body, -n) - gap)
             body[0] = np.where(self.periodic, body[0] % self.size, body[0])
@@ -104,7 +108,7 @@ class Crowd(random.Random):
         for body in self.tables.get("bodies", []):
             entries += self.body(body, **({"orientation": body["orientation"]} if "orientation" in body else {}))
         for fill in self.tables.get("fill", []):
-            kept = {key: fill[key] for key in ("shape", "density", "temperature", "heat_capacity", "heat_source") if key in fill}
+            kept = {key: fill[key] for key in ("shape", "material", "density", "temperature", "heat_capacity", "heat_source") if key in fill}
             for _ in range(0 if "every" in fill else fill["count"]):
                 orientation = dict(axis=self.direction().tolist(), degrees=self.uniform(0, 180))
                 entries += self.body(kept, **({} if fill.get("orientation") == "aligned" else dict(orientation=orientation)))

@@ -25,11 +25,12 @@ SHAPES = [dict(type="sphere", diameter=7), dict(type="box", edges=[7, 6, 8]), di
                                        dict(type="cylinder", diameter=3, length=8, position=[0, -1, 1], orientation=[0.6, 0, 0.8])])]
 
 
-def result(silt, folder, text, mesh=STONE):
+def result(silt, folder, text, mesh=STONE, again=STONE):
     """Runs a case in a folder of its own. Returns the exit code, its results (None if it is refused or stopped) and messages."""
     folder.mkdir()
     (folder / "case.toml").write_text(text)
-    (folder / "stone.ply").write_text(mesh_text(*mesh))
+    for name, surface in (("stone", mesh), ("again", again)):
+        (folder / f"{name}.ply").write_text(mesh_text(*surface))
     done = run(silt, "run", folder, code=None)
     if done.returncode not in (0, REFUSED, STOPPED):
         raise SystemExit(f"exit code {done.returncode}: {done.stderr[-600:]}\n{text}")

@@ -36,21 +36,40 @@ COUNTS = ("bodies", "bodies_arrived", "bodies_refused", "bodies_left", "fluid_ce
 
 
 def quantities(tables):
-    """Forces on sides and walls, and heat."""
+    """Forces on sides, walls and all bodies, and heat."""
     bearers = [dict(side=f"{axis}-{end}") for axis, sides in tables["domain"]["boundary"].items() if sides != "periodic"
                for end, side in zip(("low", "high"), sides) if side["type"] in ("no-slip", "moving")]
     fluid = [dict(type="fluid-force", axis=axis) | bearer for bearer in bearers for axis in AXES]
-    walls = [dict(type=f"{of}-{what}", axis=axis, wall=wall["name"]) for wall in tables.get("walls", [])
-             for of in ("fluid", "contact")[:2 if tables["bodies"] else 1] for what in ("force", "torque") for axis in AXES]
+    walls = [dict(type=f"fluid-{what}", axis=axis, wall=wall["name"]) for wall in tables.get("walls", []) for what in ("force", "torque") for axis in AXES]
+    run = dict(over=[0, tables["run"]["steps"]])  # what contacts do changes from step to step
+    contacts = [dict(type="contact-force", axis=axis) | run | of for of in [*bearers, *(dict(wall=wall["name"]) for wall in tables.get("walls", [])), {}]
+                for axis in AXES] if tables["bodies"] else []
+    contacts += [one | dict(type="contact-torque") for one in contacts if "side" not in one]
     of_all = ("heat-flow", "mean-temperature", "stored-heat")[0 if tables["bodies"] else 1:]
     heat = [dict(type="heat-flow") | bearer for bearer in bearers] + [dict(type=name) for name in of_all]
-    found = (fluid + walls if "fluid" in tables else []) + (heat if "heat" in tables else [])
+    found = (fluid + walls if "fluid" in tables else []) + contacts + (heat if "heat" in tables else [])
     return [dict(name=f"q{n}") | quantity for n, quantity in enumerate(found)]
+
+
+def is_in_vessel(tables):
+    return any(wall.get("solid") == "outside" for wall in tables.get("walls", []))
+
+
+def with_more(tables, draw):
+    """The tables with what only scenes of listed bodies can have: a vessel around them, and bodies of two materials."""
+    size = tables["domain"]["size"]
+    if not tables.get("walls") and draw.random() < 0.15:
+        tables["walls"] = [dict(type="mesh", file="stone.ply", solid="outside", scale=min(size) / 7.5, position=[n / 2 + draw.uniform(-0.2, 0.2) for n in size])]
+    if draw.random() < 0.3:
+        tables["material_pairs"] = [dict(between=["grit", "default"], friction=0.2), dict(between=["grit", "grit"], friction=0.6, restitution=0.3)]
+        for key in ("bodies", "fill"):
+            tables[key] = [entry | dict(material=draw.choice(["default", "grit"])) for entry in tables.get(key, [])]
+    return tables
 
 
 def scene_of(seed):
     """The tables of a scene without what is not symmetric."""
-    tables = Scene(seed).tables()
+    tables = with_more(Scene(seed).tables(), random.Random(f"more {seed}"))
     crowd = Crowd(seed, tables)
     for n, wall in enumerate(tables.get("walls", [])):
         wall["name"] = f"wall {n}"
@@ -75,7 +94,7 @@ def symmetry_of(seed, tables):
     signs = [draw.choice([1, -1]) for _ in AXES]
     unit = 4 * 2 ** tables["coarsening"]["levels"] if "coarsening" in tables else 1
     tubes = {wall["axis"] for wall in tables.get("walls", []) if wall["type"] == "tube"}
-    boxes = tables["fill"] or tables.get("outflow") or tables.get("coarsening", {}).get("fine")
+    boxes = tables["fill"] or tables.get("outflow") or tables.get("coarsening", {}).get("fine") or is_in_vessel(tables)
     shift = [0, 0, 0]
     for a, d in enumerate(order):
         if tables["domain"]["boundary"][AXES[d]] == "periodic" and not boxes and tubes <= {AXES[d]}:
@@ -85,7 +104,7 @@ def symmetry_of(seed, tables):
 
 def continued(tables):
     """The tables of a case, a more viscous one, that begins with the end of another one: a kind of bodies is named once."""
-    kept = ("shape", "name", "density", "motion", "locked", "temperature", "heat_capacity", "heat_source")
+    kept = ("shape", "name", "material", "density", "motion", "locked", "temperature", "heat_capacity", "heat_source")
     kinds = {body.get("name", body["shape"]): {key: body[key] for key in kept if key in body} for body in tables["bodies"]}
     fluid = {key: value for key, value in tables["fluid"].items() if key not in ("initial", "quiet_start")}
     fluid["relaxation_time"] *= 1.1
@@ -130,14 +149,19 @@ def differences(symmetry, tables, before, after):
 
 
 def changes(tables, report):
-    """Yields what has to stay as it is, and by how much it did not: mass in a closed box (without bodies, which owe some of it where
-    they touch, and without walls that move: method-walls.md, mass), and momentum where no force is from outside."""
+    """Yields what has to stay as it is, and by how much it did not: mass in a closed box without walls that move (method-walls.md), momentum
+    where no force is from outside; and forces of contacts on all bodies, sides and walls together, without a fluid, which has a share of
+    impacts, and without free-slip sides, which do not tell what they bear."""
     kinds = {side["type"] for sides in tables["domain"]["boundary"].values() if sides != "periodic" for side in sides}
     moving = any("motion" in wall for wall in tables.get("walls", []))
-    if "fluid" in tables and not moving and not tables["bodies"] and not kinds & {"velocity-inlet", "pressure-outlet"} and not tables["fill"] and not tables.get("outflow"):
+    if "fluid" in tables and not moving and not kinds & {"velocity-inlet", "pressure-outlet"}:
         yield "mass", abs(report["mass_drift"] + report["mass_taken"])
     if report["momentum_drift"] is not None and tables.get("coupling", {}).get("force", "exact") == "exact":
         yield "momentum", report["momentum_drift"]
+    if "fluid" not in tables and "free-slip" not in kinds and tables["contacts"]["resolver"] == "sffd":
+        for axis in AXES:
+            yield f"contact-force of all {axis}", abs(sum(report["quantities"][q["name"]] or 0 for q in tables["quantities"]
+                                                          if q["type"] == "contact-force" and q["axis"] == axis))
 
 
 def compare(silt, tables, symmetry, also_continued=False):

@@ -10,6 +10,7 @@
 #include "silt/case/case.hpp"
 #include "silt/case/case_check.hpp"
 #include "silt/placement/obstacles.hpp"
+#include "silt/simulation.hpp"
 #include "tests/rigid/shapes/solids.hpp"
 #include "tests/silt/case/mesh_case.hpp"
 
@@ -207,6 +208,12 @@ TEST(CaseCheck, TouchingBodiesAreLegal) {
   EXPECT_EQ(warnings(c), "");
   c.shapes = "[[shapes]]\nname = \"ball\"\ntype = \"box\"\nedges = [8, 8, 8]\n";
   EXPECT_EQ(warnings(c), "");
+}
+
+TEST(CaseCheck, ASimulationRefusesBodiesThatOverlap) {
+  CaseText c;
+  c.bodies = body_of("ball", 1, "positions = [[16, 16, 4], [16, 16, 11.9]]");
+  EXPECT_THROW(c.start(MPI_COMM_SELF), CaseError);
 }
 
 TEST(CaseCheck, ProgrammedCasesAreJudgedToo) {  // what a file cannot say, a Case made by a program can
