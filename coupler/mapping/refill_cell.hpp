@@ -109,10 +109,10 @@ struct RefillCells {
     std::uint32_t next = face.first_place;
     NeighbourMeans means;
     for (int i = 1; i < lbm::D3Q19::directions; ++i)
-      if (neighbours >> i & 1)
-        means.add(face.neighbours >> i & 1 ? elsewhere[faces.places[next++]]
-                                           : of.block.moments_at(offset + std::uint32_t(of.block.step[i])),
-                  force);
+      if (face.neighbours >> i & 1)
+        means.add(elsewhere[faces.places[next++]], force);
+      else if (neighbours >> i & 1)
+        means.add(of.block.moments_at(offset + std::uint32_t(of.block.step[i])), force);
     means.finish();
     return means;
   }
