@@ -50,12 +50,16 @@ void FlowSums::add(const FlowSums& other) {
   max_excess_ = std::max(max_excess_, other.max_excess_);
   speed_squared_.see(other.speed_squared_.value, other.speed_squared_.cell);
   deficit_.see(other.deficit_.value, other.deficit_.cell);
+  cold_.see(other.cold_.value, other.cold_.cell);
+  heat_.see(other.heat_.value, other.heat_.cell);
   first_bad_ = std::min(first_bad_, other.first_bad_);
 }
 
 void FlowSums::see(Int3 g, const lbm::CellTotals& t) {
   speed_squared_.see(t.speed_squared, index_of(g));
   deficit_.see(-t.least_deviation, index_of(g));
+  cold_.see(-t.least_temperature, index_of(g));
+  heat_.see(t.most_temperature, index_of(g));
 }
 
 FlowTotals FlowSums::over_ranks(MPI_Comm comm) const {
@@ -74,9 +78,8 @@ FlowTotals FlowSums::over_ranks(MPI_Comm comm) const {
   const auto in_all = [](const parallel::WideSum& sum, double quantum) {
     return double(sum.value()) * quantum;
   };
-  Extreme speed_squared = speed_squared_, deficit = deficit_;
-  speed_squared.over_ranks(comm);
-  deficit.over_ranks(comm);
+  Extreme speed_squared = speed_squared_, deficit = deficit_, cold = cold_, heat = heat_;
+  for (Extreme* const extreme : {&speed_squared, &deficit, &cold, &heat}) extreme->over_ranks(comm);
   const auto bad = std::int64_t(parallel::least_over_ranks(comm, std::uint64_t(first_bad_)));
   FlowTotals t;
   t.fluid_cells = sums.cells, t.forces = sums.forces;
@@ -92,6 +95,8 @@ FlowTotals FlowSums::over_ranks(MPI_Comm comm) const {
   t.finite = bad == none;
   t.bad_cell = cell_at(bad), t.fastest_cell = cell_at(speed_squared.cell);
   t.thinnest_cell = cell_at(deficit.cell);
+  t.min_temperature = -cold.value, t.coldest_cell = cell_at(cold.cell);
+  t.max_temperature = heat.value, t.hottest_cell = cell_at(heat.cell);
   return t;
 }
 
@@ -109,7 +114,7 @@ lbm::Int3 FlowSums::cell_at(std::int64_t index) const {
 
 namespace {
 
-/// Sums a block's fluid cells in runs; then finds the fastest and the thinnest cell within their runs.
+/// Sums a block's fluid cells in runs; then finds the cells with extremes within their runs.
 template <class T>
 class BlockSums {
  public:
@@ -123,12 +128,19 @@ class BlockSums {
   void add(const BlockMap& map) {
     for_fluid_runs(map, CellTotals::most_cells, memory_of(fluid_.device()),
                    [&](std::span<const Run> runs) { add(runs); });
-    see(fastest_, &CellTotals::speed_squared), see(thinnest_, &CellTotals::least_deviation);
+    for (const Extreme& extreme : extremes_) see(extreme);
   }
 
  private:
   using CellTotals = lbm::CellTotals;
   using Run = lbm::LocalRows;
+  /// The largest, or with the sign -1 the least, of a value so far, and the first run that has it.
+  struct Extreme {
+    double CellTotals::*of;
+    int sign;
+    double value = CellTotals().*of;
+    Run run{{}, 0, 0};
+  };
 
   void add(std::span<const Run> runs) {
     found_.resize(runs.size());
@@ -138,9 +150,8 @@ class BlockSums {
   void add(const Run& run, const CellTotals& t) {
     if (!t.sound) return for_cells_of(run, [&](Int3 x) { add_cell(x); });
     sums_.add(run.cells * run.rows, t);
-    if (t.speed_squared > extremes_.speed_squared) extremes_.speed_squared = t.speed_squared, fastest_ = run;
-    if (t.least_deviation < extremes_.least_deviation)
-      extremes_.least_deviation = t.least_deviation, thinnest_ = run;
+    for (Extreme& e : extremes_)
+      if (e.sign * (t.*e.of) > e.sign * e.value) e.value = t.*e.of, e.run = run;
   }
   template <class Visit>
   void for_cells_of(const Run& run, Visit&& visit) const {
@@ -154,12 +165,11 @@ class BlockSums {
     sums_.see(lower_ + x, t);
   }
   /// Adds the first cell of a run that has the run's extreme.
-  void see(const Run& run, double CellTotals::*extreme) {
-    const double value = extremes_.*extreme;
-    for (Int3 x = run.first; x.y < run.first.y + run.rows; ++x.y) {
-      if (fluid_.totals(block_, {x, run.cells}).*extreme != value) continue;
+  void see(const Extreme& e) {
+    for (Int3 x = e.run.first; x.y < e.run.first.y + e.run.rows; ++x.y) {
+      if (fluid_.totals(block_, {x, e.run.cells}).*e.of != e.value) continue;
       CellTotals t = fluid_.totals(block_, {x, 1});
-      while (t.*extreme != value) ++x.x, t = fluid_.totals(block_, {x, 1});
+      while (t.*e.of != e.value) ++x.x, t = fluid_.totals(block_, {x, 1});
       return sums_.see(lower_ + x, t);
     }
   }
@@ -169,8 +179,10 @@ class BlockSums {
   const Int3 lower_;
   FlowSums& sums_;
   std::pmr::vector<CellTotals> found_;  // of the current runs
-  Run fastest_{{}, 0, 0}, thinnest_{{}, 0, 0};
-  CellTotals extremes_;
+  std::array<Extreme, 4> extremes_{{{&CellTotals::speed_squared, 1},
+                                    {&CellTotals::least_deviation, -1},
+                                    {&CellTotals::least_temperature, -1},
+                                    {&CellTotals::most_temperature, 1}}};
 };
 
 }  // namespace

@@ -33,9 +33,10 @@ struct FlowTotals {
   std::array<double, 3> momentum{};  // sum of c g (no half force)
   double energy = 0;                 // kinetic, of density 1
   double max_speed = 0, min_density = 0, max_density = 0;
+  double min_temperature = 0, max_temperature = 0;  // as in lbm::CellTotals
   bool finite = true;  // false: some value is not a number (global cell in bad_cell)
   // global, of the finest lattice; the first of equal ones
-  lbm::Int3 bad_cell{}, fastest_cell{}, thinnest_cell{};
+  lbm::Int3 bad_cell{}, fastest_cell{}, thinnest_cell{}, coldest_cell{}, hottest_cell{};
 };
 
 /// Sums over cells. Each cell is rounded once to whole quanta (lbm::CellTotals). The sums have 128 bits,
@@ -45,7 +46,7 @@ class FlowSums {
   /// `cells` is the size of the domain in cells of the level.
   explicit FlowSums(lbm::Int3 cells, int level = 0) : cells_(cells), level_(level) {}
   void add(lbm::Int3 global_cell, const lbm::Moments&, const std::array<double, 3>& velocity);
-  /// Adds cells with sound totals. Call see() for the places of the fastest and the thinnest cell.
+  /// Adds cells with sound totals. Call see() for the places of cells with extremes.
   void add(int cells, const lbm::CellTotals&);
   void see(lbm::Int3 global_cell, const lbm::CellTotals& of_the_cell);
   /// Adds the sums of another level of the same domain.
@@ -77,7 +78,8 @@ class FlowSums {
   int level_;
   std::uint64_t count_ = 0, forces_ = 0;
   rigid::FixedSum mass_ = 0, mass_square_ = 0, momentum_[3] = {}, energy_ = 0, energy_rest_ = 0;
-  Extreme speed_squared_{-1}, deficit_{lowest};  // deficit and excess of the density
+  // of the square of the speed; deficit and excess of the density, and of the temperature
+  Extreme speed_squared_{-1}, deficit_{lowest}, cold_{lowest}, heat_{lowest};
   double max_excess_ = lowest;
   std::int64_t first_bad_ = none;  // index of a global cell
 };

@@ -137,10 +137,15 @@ std::string remedy_at(const Scene& scene, const Neighbours& near, double speed) 
                      speed_remedy(scene.setup, 1, 0));
 }
 
-std::string fluid_text(const Scene& scene, lbm::Int3 cell, const std::string& what, double speed) {
-  const Neighbours near = neighbours_of(scene, cell);
-  return fmt::format("the fluid at {}{}; {}", place_text(scene, cell, near), what,
-                     remedy_at(scene, near, speed));
+/// A cell at fault and the fault; the remedy, if it is not that of a flow.
+struct FluidFault {
+  lbm::Int3 cell;
+  std::string what, remedy = {};
+};
+std::string fluid_text(const Scene& scene, const FluidFault& fault, double speed) {
+  const Neighbours near = neighbours_of(scene, fault.cell);
+  return fmt::format("the fluid at {}{}; {}", place_text(scene, fault.cell, near), fault.what,
+                     fault.remedy.empty() ? remedy_at(scene, near, speed) : fault.remedy);
 }
 
 std::string speed_text(const Case& setup, double speed, double limit) {
@@ -148,11 +153,32 @@ std::string speed_text(const Case& setup, double speed, double limit) {
                      in_si(setup, speed), shown(limit));
 }
 
-/// A cell at fault and the fault.
-struct FluidFault {
-  lbm::Int3 cell;
-  std::string what;
-};
+/// Returns what to change when temperatures grow in flow of this speed.
+std::string heat_remedy(const Case& setup, double speed) {
+  const std::string waves = doubt_of_heat(setup, speed);
+  return waves.empty() ? "use smaller cells, or lower what warms the fluid" : waves;
+}
+
+std::string temperature_text(const Case& setup, double temperature, const TemperatureLimits& possible) {
+  const double reference = setup.heat->reference;
+  if (!std::isfinite(temperature)) return ", has a temperature that is not a number";
+  return fmt::format(", has a temperature of {}{}; {} to {} are possible", shown(reference + temperature),
+                     setup.units.si ? " K" : "", shown(reference + possible.least),
+                     shown(reference + possible.most));
+}
+
+std::optional<FluidFault> fault_of_heat(const Case& setup, const coupler::FlowTotals& totals) {
+  if (!setup.heat) return {};
+  const TemperatureLimits possible = possible_temperatures(setup);
+  const auto fault = [&](double temperature, lbm::Int3 cell) {
+    return FluidFault{cell, temperature_text(setup, temperature, possible),
+                      heat_remedy(setup, totals.max_speed)};
+  };
+  if (!(totals.max_temperature <= possible.most)) return fault(totals.max_temperature, totals.hottest_cell);
+  if (!(totals.min_temperature >= possible.least)) return fault(totals.min_temperature, totals.coldest_cell);
+  return {};
+}
+
 std::optional<FluidFault> fault_of(const Case& setup, const coupler::FlowTotals& totals) {
   if (!totals.finite) return FluidFault{totals.bad_cell, ", is not a number"};
   if (!(totals.max_speed <= highest_speed))
@@ -161,7 +187,7 @@ std::optional<FluidFault> fault_of(const Case& setup, const coupler::FlowTotals&
     return FluidFault{
         totals.thinnest_cell,
         fmt::format(", has {} of its reference density; it must be above 0", shown(totals.min_density))};
-  return {};
+  return fault_of_heat(setup, totals);
 }
 
 /// Returns whether this rank has a cell of the finest lattice, or the coarse cell in its place.
@@ -178,8 +204,7 @@ bool holds(const coupler::Flow& flow, lbm::Int3 cell) {
 void check_flow(const Scene& scene, const coupler::FlowTotals& totals, std::int64_t step) {
   const std::optional<FluidFault> fault = fault_of(scene.setup, totals);
   if (!fault) return;
-  const std::string here =
-      holds(*scene.flow, fault->cell) ? fluid_text(scene, fault->cell, fault->what, totals.max_speed) : "";
+  const std::string here = holds(*scene.flow, fault->cell) ? fluid_text(scene, *fault, totals.max_speed) : "";
   throw CommonGuardStop(fmt::format("step {}: {}", step, parallel::text_of_first(scene.comm, here)));
 }
 
@@ -196,7 +221,7 @@ std::string too_fast_text(const Scene& scene, const coupler::FluidFields::Fast& 
   const std::string what = std::isfinite(fast.speed)
                                ? speed_text(scene.setup, fast.speed, lbm::speed_of_sound)
                                : ", is not a number";
-  return fmt::format("step {}: {}", step, fluid_text(scene, fast.cell, what, fast.speed));
+  return fmt::format("step {}: {}", step, fluid_text(scene, {fast.cell, what}, fast.speed));
 }
 
 std::string motion_text(const Case& setup, rigid::BodyId id, double speed, double limit, std::int64_t step) {

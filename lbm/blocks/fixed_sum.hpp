@@ -15,7 +15,6 @@ class FixedSum {
   using Real = typename VectorOf<T, n>::type;
 
   [[gnu::always_inline]] SILT_DEVICE void add(const Real& x) { sum_ += rounded(x); }
-  [[gnu::always_inline]] SILT_DEVICE void subtract(const Real& x) { sum_ -= rounded(x); }
   /// Returns the sum in quanta; `terms` is the number of terms added less the number of terms subtracted.
   SILT_DEVICE std::int64_t total(std::uint64_t terms) const {
     std::uint64_t all = 0;

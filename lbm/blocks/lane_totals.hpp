@@ -11,6 +11,33 @@
 
 namespace silt::lbm::SILT_BUILD {
 
+/// The least and the largest temperature of cells of a block; nothing where the fluid carries none.
+template <class T>
+class TemperatureRange {
+ public:
+  TemperatureRange(const Block<T>& block, Parity parity) {
+    if (const Block<T, D3Q7>* const of = block.temperature())
+      for (int i = 0; i < D3Q7::directions; ++i) g_[i] = of->data() + of->arriving(i, parity);
+  }
+  SILT_DEVICE void add(std::ptrdiff_t cell) {
+    if (!g_[0]) return;
+    T t = g_[0][cell];
+    for (int i = 1; i < D3Q7::directions; ++i) t += g_[i][cell];
+    numbers_ += t;
+    least_ = t < least_ ? t : least_;
+    most_ = t > most_ ? t : most_;
+  }
+  SILT_DEVICE void give(CellTotals& t) const {
+    if (!g_[0]) return;
+    t.least_temperature = double(least_);
+    t.most_temperature = numbers_ - numbers_ == 0 ? double(most_) : std::numeric_limits<double>::infinity();
+  }
+
+ private:
+  const T* g_[D3Q7::directions]{};  // populations that arrive at cell 0 of the block
+  T numbers_ = 0, least_ = std::numeric_limits<T>::max(), most_ = -least_;
+};
+
 /// Totals of n lanes. Values of a cell are in the precision of its populations, sums in quanta.
 template <class T, int n>
 class LaneTotals {

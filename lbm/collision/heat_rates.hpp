@@ -17,7 +17,6 @@ struct HeatSpec {
 
   constexpr double excess() const { return 4 * diffusivity; }          // τ_T⁻ − 1/2
   constexpr double relaxation_time() const { return 0.5 + excess(); }  // τ_T⁻
-  bool has_buoyancy() const { return buoyancy[0] != 0 || buoyancy[1] != 0 || buoyancy[2] != 0; }
   bool has_gradient() const { return gradient[0] != 0 || gradient[1] != 0 || gradient[2] != 0; }
   /// Returns c_i·G, for a direction of D3Q7.
   double gradient_along(int i) const {

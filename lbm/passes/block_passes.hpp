@@ -151,11 +151,16 @@ struct TotalRows {
   const T* g[D3Q19::directions];  // populations that arrive at cell 0 of the block
   std::ptrdiff_t row, plane;
   T half_force[3];
+  TemperatureRange<T> temperature;
   const LocalRows* rows;
   CellTotals* totals;
   TotalRows(const Block<T>& block, Parity parity, const std::array<double, 3>& force, const LocalRows* rows,
             CellTotals* totals)
-      : row(block.row_stride()), plane(block.plane_stride()), rows(rows), totals(totals) {
+      : row(block.row_stride()),
+        plane(block.plane_stride()),
+        temperature(block, parity),
+        rows(rows),
+        totals(totals) {
     for (int i = 0; i < D3Q19::directions; ++i) g[i] = block.data() + block.arriving(i, parity);
     for (int d = 0; d < 3; ++d) half_force[d] = T(0.5 * force[d]);
   }
@@ -163,12 +168,16 @@ struct TotalRows {
     const LocalRows& of = rows[k];
     const std::ptrdiff_t first = of.first.x + of.first.y * row + of.first.z * plane;
     LaneTotals<T, 1> own;
+    TemperatureRange<T> range = temperature;
     std::int64_t cells = 0;
     for (int y = 0; y < of.rows; ++y)
-      for (int x = team.lane; x < of.cells; x += team.size, ++cells)
+      for (int x = team.lane; x < of.cells; x += team.size, ++cells) {
         own.template add<false>(g, first + y * row + x, half_force);
+        range.add(first + y * row + x);
+      }
     CellTotals t;
     own.give(cells, t);
+    range.give(t);
     const auto sum = [](auto a, auto b) { return a + b; };
     const auto most = [](auto a, auto b) { return a > b ? a : b; };
     t.mass = team.joined(t.mass, sum), t.mass_square = team.joined(t.mass_square, sum);
@@ -177,6 +186,8 @@ struct TotalRows {
     t.speed_squared = team.joined(t.speed_squared, most);
     t.most_deviation = team.joined(t.most_deviation, most);
     t.least_deviation = -team.joined(-t.least_deviation, most);
+    t.most_temperature = team.joined(t.most_temperature, most);
+    t.least_temperature = -team.joined(-t.least_temperature, most);
     t.sound = team.joined(int(!t.sound), most) == 0;
     if (team.lane == 0) totals[k] = t;
   }

@@ -4,6 +4,7 @@
 #define SILT_AT_ONCE
 #include <vector>
 
+#include "lbm/blocks/lane_totals.hpp"
 #include "lbm/passes/level_border_patches.hpp"
 #include "lbm/passes/passes.hpp"
 
@@ -32,7 +33,11 @@ void total_rows(const Block<T>& block, Parity parity, std::span<const LocalRows>
     const T* g[D3Q19::directions];
     for (int i = 0; i < D3Q19::directions; ++i)
       g[i] = block.data() + block.arriving(i, parity) + block.cell(of.first);
-    *totals++ = moments_kernels<T>().total(g, {of.cells, of.rows, block.row_stride()}, force);
+    *totals = moments_kernels<T>().total(g, {of.cells, of.rows, block.row_stride()}, force);
+    TemperatureRange<T> range(block, parity);
+    if (block.temperature())
+      for_cells(of.first, of.first + Int3{of.cells, of.rows, 1}, [&](Int3 x) { range.add(block.cell(x)); });
+    range.give(*totals++);
   }
 }
 

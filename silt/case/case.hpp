@@ -278,8 +278,16 @@ double cell_reynolds(const Case&);
 
 /// Returns the cell Péclet number u / D at this speed; the case must have [heat].
 double cell_peclet(const Case&);
-/// Returns the largest difference between the temperatures of a case, including the reference temperature.
-double largest_difference(const coupler::HeatSpec&);
+/// A least and a largest temperature, less that of reference.
+struct TemperatureLimits {
+  double least, most;
+  double difference() const { return most - least; }
+};
+/// Returns those that a case gives, including the reference temperature.
+TemperatureLimits given_temperatures(const coupler::HeatSpec&);
+/// Returns those that fluid can have: as far outside those given as these are apart, since heat that is
+/// carried overshoots; where heat has other sources, the range of sums. The case must have [heat].
+TemperatureLimits possible_temperatures(const Case&);
 
 /// Returns the path of the key that says how viscous the fluid is; whether that is a viscosity.
 const char* viscosity_key(const Case&);

@@ -167,7 +167,7 @@ void add_heat(const Case& setup, Table& table) {
   buoyancy.cwiseAbs().maxCoeff(&axis);
   const double height = setup.cells[axis];
   table.line("Rayleigh number",
-             shown(buoyancy.norm() * largest_difference(*setup.heat) * height * height * height /
+             shown(buoyancy.norm() * given_temperatures(*setup.heat).difference() * height * height * height /
                    (viscosity * diffusivity)),
              fmt::format("of the height along {}", "xyz"[axis]));
 }

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 
+#include "lbm/heat/heat_links.hpp"
 #include "silt/case/case_check.hpp"
 #include "silt/case/case_sections.hpp"
 
@@ -171,7 +172,7 @@ void check_capacity(const Case& setup, Diagnostics& findings) {
 /// alone (method-heat.md). In lattice units only the product of expansion and gravity means something.
 void check_expansion(const Case& setup, Diagnostics& findings) {
   constexpr double most = 0.5;
-  const double difference = largest_difference(*setup.heat);
+  const double difference = given_temperatures(*setup.heat).difference();
   const double change = std::abs(setup.heat->expansion) * difference;
   if (!setup.units.si || setup.gravity.isZero(0) || change <= most * (1 + unseen)) return;
   findings.warning(
@@ -202,14 +203,25 @@ double cell_peclet(const Case& setup) {
   return fastest_given(setup) / setup.heat->diffusivity;
 }
 
-double largest_difference(const coupler::HeatSpec& heat) {
+TemperatureLimits given_temperatures(const coupler::HeatSpec& heat) {
   double least = std::min(heat.initial, 0.), most = std::max(heat.initial, 0.);
   const auto see = [&](const auto& all) {
     for (const auto& of : all)
       least = std::min(least, of.temperature.value_or(0)), most = std::max(most, of.temperature.value_or(0));
   };
   see(heat.sides), see(heat.kinds), see(heat.walls);
-  return most - least;
+  return {least, most};
+}
+
+TemperatureLimits possible_temperatures(const Case& setup) {
+  constexpr double range_of_sums = 0x1p62 * lbm::heat_quantum;
+  const coupler::HeatSpec& heat = *setup.heat;
+  const TemperatureLimits given = given_temperatures(heat);
+  const bool bounded = given.difference() > 0 && !setup.start && !heat.has_gradient() &&
+                       std::ranges::all_of(heat.sides, [](const auto& side) { return side.flux == 0; }) &&
+                       std::ranges::all_of(heat.kinds, [](const auto& kind) { return kind.source == 0; });
+  if (!bounded) return {-range_of_sums, range_of_sums};
+  return {given.least - given.difference(), given.most + given.difference()};
 }
 
 std::vector<KeySection> heat_sections() {

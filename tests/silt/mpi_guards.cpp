@@ -4,6 +4,7 @@
 #include <mpi.h>
 
 #include <functional>
+#include <limits>
 
 #include "coupler/flow.hpp"
 #include "silt/guard.hpp"
@@ -142,6 +143,36 @@ TEST(FaultWatch, StopsWithinTenStepsOfTheOnsetOnEveryRankAlike) {
 
 std::string stop_of(Simulation&& simulation, std::int64_t steps) {
   return tests::error_of<CommonGuardStop>([&] { simulation.run(steps); });
+}
+
+/// Fluid that is driven past a warm ball, until it carries heat faster than heat spreads.
+CaseText warm_ball_in_a_stream() {
+  return ball_in("relaxation_time = 0.8\nbody_force = [3e-4, 2e-4, 0]\n", 1,
+                 "motion = \"fixed\"\ntemperature = 1\n", "[heat]\nthermal_diffusivity = 1e-4\n");
+}
+
+TEST(TemperatureGuard, TellsOfWavesOnEveryRankAlike) {
+  constexpr int steps = 1000;
+  const CaseText c = warm_ball_in_a_stream();
+  const std::string found = stop_of(c.start(MPI_COMM_WORLD), steps);
+  EXPECT_TEXT(found, "has a temperature of ");
+  EXPECT_TEXT(found, "; -1 to 2 are possible; ");
+  EXPECT_TEXT(found, "waves of temperature grow: use smaller cells");
+  const std::size_t alone =
+      tests::alone([&] { return std::hash<std::string>()(stop_of(c.start(MPI_COMM_SELF), steps)); });
+  EXPECT_EQ(std::hash<std::string>()(found), alone) << found;
+  EXPECT_EQ(stop_of(c.start(MPI_COMM_WORLD, {"heat.thermal_diffusivity=0.02"}), 480), "");
+}
+
+/// A temperature on which no force depends spoils nothing else.
+TEST(TemperatureGuard, TellsOfWhatIsNotANumber) {
+  for (const char* device : {"run.device=cpu", "run.device=host"}) {
+    Simulation s = warm_ball_in_a_stream().start(MPI_COMM_WORLD, {"fluid.body_force=[0, 0, 0]", device});
+    coupler::FluidFields& fields = s.scene().flow->fields();
+    const double none = std::numeric_limits<double>::quiet_NaN();
+    if (fields.blocks() > 0) fields.write(0, {{1, 1, 1}, {1, 1, 1}}, lbm::D3Q19::directions, &none);
+    EXPECT_TEXT(stop_of(std::move(s), 96), "has a temperature that is not a number");
+  }
 }
 
 TEST(EnergyGuard, AGasByFfdIsStoppedOnEveryRankAndBySffdGoesOn) {
