@@ -8,10 +8,10 @@
 
 #include "silt/simulation.hpp"
 #include "tests/bench/bound.hpp"
-#include "tests/bench/main.hpp"
+#include "tests/bench/figures.hpp"
 #include "tests/silt/case/case_text.hpp"
 
-namespace silt::bench {
+namespace silt::bench::bed {
 namespace {
 
 // Steps: the bodies get going; one sample, an even number and whole rounds of mapping (mapping_poses.cpp).
@@ -64,6 +64,8 @@ std::string stage_shares(const coupler::StageSeconds& before, const coupler::Sta
   return text;
 }
 
+}  // namespace
+
 void run(const Options& o) {
   require_no_others(o);
   const int repetitions = o.quick ? 1 : 7;
@@ -104,9 +106,4 @@ void run(const Options& o) {
   out.write(o.json);
 }
 
-}  // namespace
-}  // namespace silt::bench
-
-int main(int argc, char** argv) {
-  return silt::bench::main_of(argc, argv, silt::bench::run);
-}
+}  // namespace silt::bench::bed

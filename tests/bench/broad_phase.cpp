@@ -11,7 +11,7 @@
 #include "adapters/automatic/collision_factory.hpp"
 #include "tests/bench/figures.hpp"
 
-namespace silt::bench {
+namespace silt::bench::broad_phase {
 namespace {
 
 using namespace rigid;
@@ -90,23 +90,17 @@ void compare(Moving scene, Figures& out) {
 }
 
 }  // namespace
-}  // namespace silt::bench
 
-int main(int argc, char** argv) {
-  using namespace silt::bench;
-  try {
-    const Options options = options_of(argc, argv);
-    require_no_others(options);
-    Figures out;
-    compare(cloud("a fifth full", 10000, 0.2, 0, 1), out);
-    if (!options.quick) compare(cloud("a fifth full", 100000, 0.2, 0, 1), out);
-    compare(cloud("one in 500 30 x larger", 10000, 0.4, 500, 30), out);
-    if (!options.quick) compare(cloud("one in 500 30 x larger", 100000, 0.4, 500, 30), out);
-    constexpr double aspect = 20, bounding_over_fibre = 2. / 3 * aspect * aspect;  // volumes
-    compare(cloud("fibres, 20 to 1", 10000, 0.05 * bounding_over_fibre, 0, 1), out);
-    out.write(options.json);
-  } catch (const std::exception& e) {
-    fprintf(stderr, "%s\n", e.what());
-    return 2;
-  }
+void run(const Options& options) {
+  require_no_others(options);
+  Figures out;
+  compare(cloud("a fifth full", 10000, 0.2, 0, 1), out);
+  if (!options.quick) compare(cloud("a fifth full", 100000, 0.2, 0, 1), out);
+  compare(cloud("one in 500 30 x larger", 10000, 0.4, 500, 30), out);
+  if (!options.quick) compare(cloud("one in 500 30 x larger", 100000, 0.4, 500, 30), out);
+  constexpr double aspect = 20, bounding_over_fibre = 2. / 3 * aspect * aspect;  // volumes
+  compare(cloud("fibres, 20 to 1", 10000, 0.05 * bounding_over_fibre, 0, 1), out);
+  out.write(options.json);
 }
+
+}  // namespace silt::bench::broad_phase

@@ -1,7 +1,7 @@
 // The flow between close surfaces on the lattice: the force on a sphere that is made to approach a
 // plate, or its equal, or to slide along a plate, so slowly that nothing moves, against Stokes flow.
 //
-//   bench_close_range wall|plate|pair|slide SCHEME DIAMETER BOX [RELAXATION_TIME] < SAMPLES
+//   benchmarks close_range wall|plate|pair|slide SCHEME DIAMETER BOX [RELAXATION_TIME] < SAMPLES
 //
 // BOX: edge of the periodic box in diameters. RELAXATION_TIME: 2. Samples: a line each, the normal of the gap
 // and the place of its middle in its cell (three numbers each, 0: the cell's centre), gap in cells. "wall":
@@ -20,15 +20,15 @@
 
 #include "coupler/forces/gap_cells.hpp"
 #include "rigid/math/types.hpp"
-#include "silt/run/run.hpp"
 #include "silt/simulation.hpp"
+#include "tests/bench/figures.hpp"
 #include "tests/coupler/forces/approach_series.hpp"
 #include "tests/silt/case/case_text.hpp"
 
-using namespace silt;
-using rigid::Vec3;
-
+namespace silt::bench::close_range {
 namespace {
+
+using rigid::Vec3;
 
 constexpr double speed = 1e-6;
 double relaxation_time = 2, viscosity = 0.5;
@@ -153,18 +153,16 @@ Resistance exact(const std::string& kind, double gap, double radius) {
 
 }  // namespace
 
-int main(int argc, char** argv) {
-  silt::start_mpi(&argc, &argv);
-  if (argc != 5 && argc != 6)
-    return std::fputs(
-               "usage: bench_close_range wall|plate|pair|slide SCHEME DIAMETER BOX [RELAXATION_TIME] "
-               "< SAMPLES\n",
-               stderr),
-           2;
-  if (argc == 6) set_relaxation_time(std::stod(argv[5]));
-  const std::string kind = argv[1], scheme = argv[2];
-  const double diameter = std::stod(argv[3]), radius = diameter / 2;
-  const int box = static_cast<int>(std::round(std::stod(argv[4]) * diameter));
+void run(const Options& options) {
+  const auto& given = options.others;
+  if (given.size() != 4 && given.size() != 5)
+    throw std::invalid_argument(
+        "usage: benchmarks close_range wall|plate|pair|slide SCHEME DIAMETER BOX [RELAXATION_TIME] < "
+        "SAMPLES");
+  if (given.size() == 5) set_relaxation_time(std::stod(given[4]));
+  const std::string kind = given[0], scheme = given[1];
+  const double diameter = std::stod(given[2]), radius = diameter / 2;
+  const int box = static_cast<int>(std::round(std::stod(given[3]) * diameter));
   const std::string start = head(scheme, box, kind == "wall" ? "no-slip" : "periodic", diameter);
   Approach s;
   while (std::cin >> s.direction[0] >> s.direction[1] >> s.direction[2] >> s.offset[0] >> s.offset[1] >>
@@ -180,5 +178,6 @@ int main(int argc, char** argv) {
                              cells(kind, s, radius, box), r.torque, theory.torque)
               << std::endl;
   }
-  MPI_Finalize();
 }
+
+}  // namespace silt::bench::close_range

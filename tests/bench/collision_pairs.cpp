@@ -10,9 +10,12 @@
 
 #include "adapters/automatic/collision_factory.hpp"
 #include "tests/adapters/collision_scenes.hpp"
+#include "tests/bench/figures.hpp"
 
-namespace silt::tests {
+namespace silt::bench::collision_pairs {
 namespace {
+
+using namespace tests;
 
 template <class Use>
 void for_each_pair(Use use) {
@@ -38,7 +41,7 @@ Row measure(std::string_view name, Kind a, Kind b) {
   auto backend = adapters::make_backend(name), timed = adapters::make_backend(name);
   Row row;
   int shallow = 0;
-  for (const Scene& s : random_scenes()) {
+  for (const tests::Scene& s : random_scenes()) {
     if (s.a != a || s.b != b) continue;
     const auto before = backend->counters().fallbacks;
     row.worst = std::max(row.worst, std::abs(deepest(collide(*backend, s.pair)).gap - s.reference.gap));
@@ -69,11 +72,11 @@ void print_table() {
 }
 
 }  // namespace
-}  // namespace silt::tests
 
-int main(int argc, char** argv) {
-  if (argc != 3 || std::strcmp(argv[1], "--table"))
-    return std::fputs("usage: bench_collision_pairs --table N\n", stderr), 2;
-  setenv("SILT_SCENES", argv[2], 1);
-  silt::tests::print_table();
+void run(const Options& options) {
+  if (options.others.size() != 1) throw std::invalid_argument("usage: benchmarks collision_pairs N");
+  setenv("SILT_SCENES", options.others[0].c_str(), 1);
+  print_table();
 }
+
+}  // namespace silt::bench::collision_pairs

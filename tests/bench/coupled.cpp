@@ -18,12 +18,12 @@
 
 #include "lbm/fluid.hpp"
 #include "tests/bench/bound.hpp"
-#include "tests/bench/main.hpp"
+#include "tests/bench/figures.hpp"
 #include "tests/bench/moving_layers.hpp"
 #include "tests/bench/periodic_box.hpp"
 #include "tests/bench/work.hpp"
 
-namespace silt::bench {
+namespace silt::bench::coupled {
 namespace {
 
 using coupler::Stage, coupler::StageSeconds, coupler::stage_names;
@@ -211,17 +211,17 @@ bool wanted(const std::string& key, const std::string& only) {
   return only.empty();
 }
 
-/// Takes --only TEXT from the options.
-std::string wanted_scenes(Options& options) {
-  if (options.others.size() != 2 || options.others[0] != "--only") return "";
-  const std::string only = options.others[1];
-  options.others.clear();
-  return only;
+/// Returns the text of --only, the option that this benchmark has.
+std::string wanted_scenes(const Options& options) {
+  if (options.others.size() == 2 && options.others[0] == "--only") return options.others[1];
+  require_no_others(options);
+  return "";
 }
 
-void run(Options options) {
+}  // namespace
+
+void run(const Options& options) {
   const std::string only = wanted_scenes(options);
-  require_no_others(options);
   const Plan plan = options.quick ? Plan{96, 3} : Plan{160, 5};
   Report report(plan, peak_gflops<float>());
   std::map<std::string, std::vector<Layers>> groups;  // by case, body and box
@@ -237,9 +237,4 @@ void run(Options options) {
   report.write(options.json);
 }
 
-}  // namespace
-}  // namespace silt::bench
-
-int main(int argc, char** argv) {
-  return silt::bench::main_of(argc, argv, silt::bench::run);
-}
+}  // namespace silt::bench::coupled

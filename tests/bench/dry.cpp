@@ -19,7 +19,7 @@
 #include "tests/bench/figures.hpp"
 #include "tests/bench/silt_world.hpp"
 
-namespace silt::bench {
+namespace silt::bench::dry {
 namespace {
 
 constexpr double dt = 1e-3;  // s
@@ -194,6 +194,8 @@ struct Sweeps {
   int spheres_deepest = 4, boxes_deepest = 2;
 };
 
+}  // namespace
+
 void run(const Options& o) {
   const bool scan = o.others == std::vector<std::string>{"--scan"};
   if (!scan && !o.others.empty())
@@ -225,15 +227,4 @@ void run(const Options& o) {
   out.write(o.json);
 }
 
-}  // namespace
-}  // namespace silt::bench
-
-int main(int argc, char** argv) {
-  setvbuf(stdout, nullptr, _IOLBF, 0);
-  try {
-    silt::bench::run(silt::bench::options_of(argc, argv));
-  } catch (const std::exception& e) {
-    fprintf(stderr, "%s\n", e.what());
-    return 2;
-  }
-}
+}  // namespace silt::bench::dry

@@ -16,12 +16,12 @@
 #include <string>
 
 #include "tests/bench/bound.hpp"
-#include "tests/bench/main.hpp"
 #include "tests/bench/periodic_box.hpp"
+#include "tests/bench/wait_asleep.hpp"
 #include "tests/bench/work.hpp"
 #include "tests/lbm/fluid_cells.hpp"
 
-namespace silt::bench {
+namespace silt::bench::fluid {
 namespace {
 
 struct Variant {
@@ -274,6 +274,8 @@ void all_ranks(int n, int ranks, const Plan& plan, double peak, bool loud, Figur
   if (key == "fluid.single") out.figures["fluid.two_rank_efficiency"] = efficiency;
 }
 
+}  // namespace
+
 void run(const Options& o) {
   require_no_others(o);
   int rank = 0, ranks = 1;
@@ -298,9 +300,4 @@ void run(const Options& o) {
   if (loud) out.write(o.json);
 }
 
-}  // namespace
-}  // namespace silt::bench
-
-int main(int argc, char** argv) {
-  return silt::bench::main_of(argc, argv, silt::bench::run);
-}
+}  // namespace silt::bench::fluid

@@ -44,9 +44,9 @@ inline std::map<std::string, double> read_counts(const std::filesystem::path& fo
   return counts;
 }
 
-/// Returns the instructions of the pieces that this program runs when it is given `argument`.
+/// Returns the instructions of the pieces that this program runs when it is given `arguments`.
 /// std::runtime_error without valgrind.
-inline std::map<std::string, double> count_instructions(const std::string& argument) {
+inline std::map<std::string, double> count_instructions(const std::string& arguments) {
   namespace fs = std::filesystem;
   if (std::system("command -v valgrind >/dev/null") != 0)
     throw std::runtime_error(
@@ -56,7 +56,7 @@ inline std::map<std::string, double> count_instructions(const std::string& argum
   const fs::path folder = pattern;
   const std::string command =
       "SILT_LAST_CACHE=near valgrind -q --tool=callgrind --instr-atstart=no --callgrind-out-file=" +
-      (folder / "counts").string() + " " + fs::read_symlink("/proc/self/exe").string() + " " + argument +
+      (folder / "counts").string() + " " + fs::read_symlink("/proc/self/exe").string() + " " + arguments +
       " >/dev/null";
   const int code = std::system(command.c_str());
   const auto counts = read_counts(folder);

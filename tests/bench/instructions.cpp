@@ -14,11 +14,10 @@
 #include "tests/bench/figures.hpp"
 #include "tests/bench/instruction_count.hpp"
 #include "tests/bench/layers.hpp"
-#include "tests/bench/main.hpp"
 #include "tests/bench/periodic_box.hpp"
 #include "tests/silt/case/case_text.hpp"
 
-namespace silt::bench {
+namespace silt::bench::instructions {
 namespace {
 
 const lbm::Int3 box = Layers{}.cells();
@@ -98,10 +97,12 @@ void pieces() {
   }
 }
 
+}  // namespace
+
 void run(const Options& o) {
   if (o.others == std::vector<std::string>{"--pieces"}) return pieces();
   require_no_others(o);
-  const auto counts = count_instructions("--pieces");
+  const auto counts = count_instructions("instructions --pieces");
   Figures out;
   const auto add = [&](const std::string& key, double value) {
     printf("%-32s %8.2f\n", key.c_str(), value);
@@ -119,9 +120,4 @@ void run(const Options& o) {
   out.write(o.json);
 }
 
-}  // namespace
-}  // namespace silt::bench
-
-int main(int argc, char** argv) {
-  return silt::bench::main_of(argc, argv, silt::bench::run);
-}
+}  // namespace silt::bench::instructions

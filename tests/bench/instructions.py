@@ -1,7 +1,7 @@
 #!/usr/bin/python3
-"""instructions.py BENCH_INSTRUCTIONS RECORD [--record]
+"""instructions.py BENCHMARKS RECORD [--record]
 
-Counts instructions a cell, a link and a pair of cylinders (bench_instructions, by callgrind) and compares
+Counts instructions a cell, a link and a pair of cylinders (benchmarks instructions, by callgrind) and compares
 them with those in RECORD. More than `tolerance` above the record fails: something became dearer. As much
 below it fails too, so that the record follows. --record writes the record anew."""
 import json
@@ -14,7 +14,7 @@ import tomllib
 bench, record = sys.argv[1], pathlib.Path(sys.argv[2])
 with tempfile.TemporaryDirectory() as folder:
     out = pathlib.Path(folder) / "figures.json"
-    subprocess.run([bench, "--json", out], check=True)
+    subprocess.run([bench, "instructions", "--json", out], check=True)
     found = json.loads(out.read_text())["figures"]
 
 known = tomllib.loads(record.read_text())

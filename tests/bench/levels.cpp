@@ -11,12 +11,11 @@
 
 #include "lbm/levels/levels.hpp"
 #include "tests/bench/figures.hpp"
-#include "tests/bench/main.hpp"
 #include "tests/bench/periodic_box.hpp"
 #include "tests/bench/work.hpp"
 #include "tests/lbm/levelled_cut.hpp"
 
-namespace silt::bench {
+namespace silt::bench::levels {
 namespace {
 
 constexpr lbm::CollisionSpec trt{0.8, 3. / 16, lbm::Collision::trt, {}};
@@ -71,6 +70,8 @@ void measure(int n, const Options& o, Figures& out) {
                                     {"share_highest", share.highest()}}));
 }
 
+}  // namespace
+
 void run(const Options& o) {
   require_no_others(o);
   Figures out;
@@ -81,9 +82,4 @@ void run(const Options& o) {
   out.write(o.json);
 }
 
-}  // namespace
-}  // namespace silt::bench
-
-int main(int argc, char** argv) {
-  return silt::bench::main_of(argc, argv, silt::bench::run);
-}
+}  // namespace silt::bench::levels

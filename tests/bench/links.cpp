@@ -20,10 +20,9 @@
 #include "silt/simulation.hpp"
 #include "tests/bench/figures.hpp"
 #include "tests/bench/layers.hpp"
-#include "tests/bench/main.hpp"
 #include "tests/silt/case/case_text.hpp"
 
-namespace silt::bench {
+namespace silt::bench::links {
 namespace {
 
 using Group = coupler::BlockLinks<float>::Group;
@@ -144,6 +143,8 @@ std::array<Spread, costs> measured(Links& links, int turns) {
   return cost;
 }
 
+}  // namespace
+
 void run(const Options& o) {
   require_no_others(o);
   Figures out;
@@ -165,9 +166,4 @@ void run(const Options& o) {
   out.write(o.json);
 }
 
-}  // namespace
-}  // namespace silt::bench
-
-int main(int argc, char** argv) {
-  return silt::bench::main_of(argc, argv, silt::bench::run);
-}
+}  // namespace silt::bench::links

@@ -7,10 +7,9 @@
 #include "silt/simulation.hpp"
 #include "tests/bench/figures.hpp"
 #include "tests/bench/layers.hpp"
-#include "tests/bench/main.hpp"
 #include "tests/silt/case/case_text.hpp"
 
-namespace silt::bench {
+namespace silt::bench::memory {
 namespace {
 
 /// Bytes, now and at most so far (the kernel's own count).
@@ -24,6 +23,8 @@ double resident(const char* line) {
     }
   throw std::runtime_error("no /proc/self/status");
 }
+
+}  // namespace
 
 void run(const Options& o) {
   require_no_others(o);
@@ -47,9 +48,4 @@ void run(const Options& o) {
   out.write(o.json);
 }
 
-}  // namespace
-}  // namespace silt::bench
-
-int main(int argc, char** argv) {
-  return silt::bench::main_of(argc, argv, silt::bench::run);
-}
+}  // namespace silt::bench::memory

@@ -1,5 +1,5 @@
 // Times of contacts with meshes, by the tree of each backend:
-//   bench_mesh_pairs [TRIANGLES ACROSS]
+//   benchmarks mesh_pairs [TRIANGLES ACROSS]
 // The floor has 2 n n triangles on its upper side (n = 100), bodies on it are some 1, 4 and 16 triangles
 // across.
 #include <chrono>
@@ -9,9 +9,10 @@
 #include "adapters/automatic/collision_factory.hpp"
 #include "rigid/collision/mesh_contacts.hpp"
 #include "rigid/shapes/shape.hpp"
+#include "tests/bench/figures.hpp"
 #include "tests/rigid/shapes/meshes.hpp"
 
-namespace silt::tests {
+namespace silt::bench::mesh_pairs {
 namespace {
 
 using namespace rigid;
@@ -55,7 +56,7 @@ Pose place(int p, double n, double height) {
 }
 
 void on_floor(int n) {
-  const MeshFeatures floor(Mesh{shared(testing::random_slab(n, n / 4.0, n, 1))});
+  const MeshFeatures floor(Mesh{shared(rigid::testing::random_slab(n, n / 4.0, n, 1))});
   for (const double size : {1.0, 4.0, 16.0})
     for (const Row& row : bodies(size)) {
       std::printf("| %s, %.0f triangles across, on a floor |", row.name, size);
@@ -74,7 +75,7 @@ void on_floor(int n) {
 }
 
 void rings() {
-  const MeshFeatures ring(Mesh{shared(testing::torus_mesh(1, 0.2, 48, 24))});
+  const MeshFeatures ring(Mesh{shared(rigid::testing::torus_mesh(1, 0.2, 48, 24))});
   std::printf("| ring in ring, 2304 triangles each |");
   std::vector<ContactPoint> points;
   for (const char* name : backends) {
@@ -90,11 +91,11 @@ void rings() {
 }
 
 }  // namespace
-}  // namespace silt::tests
 
-int main(int argc, char** argv) {
+void run(const Options& options) {
   std::printf("| pair, ns | analytic | auto, bullet | fcl |\n|---|---|---|---|\n");
-  silt::tests::on_floor(argc > 1 ? std::atoi(argv[1]) : 100);
-  silt::tests::rings();
-  return 0;
+  on_floor(options.others.empty() ? 100 : std::stoi(options.others[0]));
+  rings();
 }
+
+}  // namespace silt::bench::mesh_pairs

@@ -55,9 +55,11 @@ table = {}
 with tempfile.TemporaryDirectory() as scratch:
     folder = pathlib.Path(scratch)
     for name, keys in expected.items():
-        command = [*start.get(name, []), bench / f"bench_{name}", "--quick", "--json", folder / f"{name}.json"]
+        program = [bench / "bench_device"] if name == "device" else [bench / "benchmarks", name]
+        options = ["--quick", "--json", folder / f"{name}.json"]
+        command = [*start.get(name, []), *program, *options]
         if name == "scaling":  # starts the benchmark itself, on 1 to 8 ranks
-            command = [root / "tests" / "bench" / "scaling.py", *command, "--out", folder / name]
+            command = [root / "tests" / "bench" / "scaling.py", bench / "benchmarks", *options, "--out", folder / name]
         subprocess.run([*command, *only.get(name, [])], check=True)
         result = json.loads((folder / f"{name}.json").read_text())
         figures, table[name] = result["figures"], result["table"]

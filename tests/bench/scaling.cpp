@@ -5,7 +5,8 @@
 // Where there is a core for each rank, all ranks and the first one alone take turns, with the bandwidth bound
 // (bound.hpp) of as many cores; where there is not, nothing is timed. Either way what the ranks sent is
 // compared with what they should have by step_traffic.hpp, exactly.
-//   mpirun -n P build/release/tests/bench_scaling [--quick] [--json FILE]      (scripts/bench scaling: all P)
+//   mpirun -n P build/release/tests/benchmarks scaling [--quick] [--json FILE]      (scripts/bench scaling:
+//   all P)
 #include <sys/resource.h>
 
 #include <array>
@@ -19,11 +20,11 @@
 #include "tests/bench/bound.hpp"
 #include "tests/bench/figures.hpp"
 #include "tests/bench/layers.hpp"
-#include "tests/bench/main.hpp"
 #include "tests/bench/step_traffic.hpp"
+#include "tests/bench/wait_asleep.hpp"
 #include "tests/silt/case/case_text.hpp"
 
-namespace silt::bench {
+namespace silt::bench::scaling {
 namespace {
 
 using coupler::Stage, coupler::stage_names;
@@ -274,6 +275,8 @@ class Ranks {
   std::string time_line_;
 };
 
+}  // namespace
+
 void run(const Options& options) {
   require_no_others(options);
   Figures out;
@@ -287,9 +290,4 @@ void run(const Options& options) {
   if (rank_in(MPI_COMM_WORLD) == 0) out.write(options.json);
 }
 
-}  // namespace
-}  // namespace silt::bench
-
-int main(int argc, char** argv) {
-  return silt::bench::main_of(argc, argv, [](const auto& options) { silt::bench::run(options); });
-}
+}  // namespace silt::bench::scaling

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """scaling.py PROGRAM [--quick] [--json FILE] [--out FOLDER]
 
-The paper's scaling study: runs PROGRAM (bench_scaling) on 1, 2, ... ranks, timed as long as there is a core
+The paper's scaling study: runs PROGRAM (benchmarks) on 1, 2, ... ranks, timed as long as there is a core
 for each, up to 64 for what they send and hold, and leaves FOLDER/README.md (scaling-out) with tables and
 plots.
 
@@ -38,7 +38,7 @@ def run(program, ranks, quick, folder):
     """Returns what the program says on so many ranks."""
     file = folder / f"{ranks}.json"
     command = ["mpirun", "-n", str(ranks), "--oversubscribe", "--quiet", *(["--allow-run-as-root"] if os.geteuid() == 0 else []),
-               program, "--json", file, *(["--quick"] if quick else [])]
+               program, "scaling", "--json", file, *(["--quick"] if quick else [])]
     subprocess.run(command, check=True)
     return json.loads(file.read_text())
 

@@ -7,10 +7,9 @@
 
 #include "tests/bench/figures.hpp"
 #include "tests/bench/instruction_count.hpp"
-#include "tests/bench/main.hpp"
 #include "tests/bench/skip_rows.hpp"
 
-namespace silt::bench {
+namespace silt::bench::skip {
 namespace {
 
 constexpr int warm_up = 4, counted = 4;  // steps
@@ -38,11 +37,13 @@ Spread times(Row& row, bool quick) {
   return ratio(scene, driver);
 }
 
+}  // namespace
+
 void run(const Options& o) {
   if (o.others == std::vector<std::string>{"--pieces"}) return pieces();
   const bool timed = o.others != std::vector<std::string>{"--instructions"};
   if (timed) require_no_others(o);
-  const auto counts = count_instructions("--pieces");
+  const auto counts = count_instructions("skip --pieces");
   Figures out;
   for (Row& row : skip_rows()) {
     const auto count = [&](const std::string& which) {
@@ -65,9 +66,4 @@ void run(const Options& o) {
   out.write(o.json);
 }
 
-}  // namespace
-}  // namespace silt::bench
-
-int main(int argc, char** argv) {
-  return silt::bench::main_of(argc, argv, silt::bench::run);
-}
+}  // namespace silt::bench::skip

@@ -1,8 +1,8 @@
 // Drag of cubic arrays of spheres in Stokes flow against theory, for choosing wall schemes: where the spheres
 // sit in the grid must not matter, how they are arranged, nor whether they move through the grid.
 //
-//   bench_walls still  --phi 0.064,0.343 --diameters 6,8 [--lattice fcc] [--offsets 8] [--set key=value]...
-//   bench_walls moving --phi ... --diameters ... [--speed 0.005] [--boost 0.05] ...
+//   benchmarks walls still  --phi 0.064,0.343 --diameters 6,8 [--lattice fcc] [--offsets 8] [--set
+//   key=value]... benchmarks walls moving --phi ... --diameters ... [--speed 0.005] [--boost 0.05] ...
 //
 // Diameters are changed slightly so that the period is a whole number of cells. `moving`: the array crosses
 // the grid obliquely in a fluid at rest; with --boost both move along with that velocity besides.
@@ -13,14 +13,14 @@
 #include <map>
 #include <sstream>
 
-#include "silt/run/run.hpp"
 #include "silt/simulation.hpp"
+#include "tests/bench/figures.hpp"
 #include "tests/silt/case/case_text.hpp"
 
-using namespace silt;
-using rigid::Vec3;
-
+namespace silt::bench::walls {
 namespace {
+
+using rigid::Vec3;
 
 // K = F/(6 pi mu a U) by solid fraction. Simple cubic: within 1e-6 of Zick and Homsy's (1982) digits up to
 // 0.45. The others were computed by scripts/accuracy/stokes_periodic.py: the last digits given are uncertain.
@@ -40,7 +40,7 @@ const std::map<std::string, std::vector<Vec3>> lattices = {
     {"bcc", {Vec3(0, 0, 0), Vec3(0.5, 0.5, 0.5)}},
     {"fcc", {Vec3(0, 0, 0), Vec3(0.5, 0.5, 0), Vec3(0.5, 0, 0.5), Vec3(0, 0.5, 0.5)}}};
 
-struct Options {
+struct Study {
   bool moving = false;
   std::vector<double> phi = {0.064}, diameters = {8};
   int offsets = 8;
@@ -56,12 +56,12 @@ std::vector<double> numbers(const std::string& list) {
   return all;
 }
 
-Options options_of(int argc, char** argv) {
-  Options o;
-  if (argc < 2) throw std::invalid_argument("still or moving?");
-  o.moving = std::string(argv[1]) == "moving";
-  for (int k = 2; k + 1 < argc; k += 2) {
-    const std::string key = argv[k], value = argv[k + 1];
+Study study_of(const std::vector<std::string>& given) {
+  Study o;
+  if (given.empty()) throw std::invalid_argument("still or moving?");
+  o.moving = given[0] == "moving";
+  for (std::size_t k = 1; k + 1 < given.size(); k += 2) {
+    const std::string &key = given[k], &value = given[k + 1];
     if (key == "--phi")
       o.phi = numbers(value);
     else if (key == "--diameters")
@@ -111,7 +111,7 @@ std::string list(const Vec3& x) {
   return text;
 }
 
-Simulation scene(const Array& a, const Options& o, const Vec3& offset, const Vec3& force, const Vec3& fluid,
+Simulation scene(const Array& a, const Study& o, const Vec3& offset, const Vec3& force, const Vec3& fluid,
                  const Vec3& body) {
   const std::string l = std::to_string(a.period);
   char diameter[40];
@@ -156,7 +156,7 @@ struct Still {
   double measured;  // of K from the force on the links and g times the sphere's volume: also sees that the
                     // number of cells the force acts on is not the true volume
 };
-Still still_error(const Array& a, const Options& o, const Vec3& offset) {
+Still still_error(const Array& a, const Study& o, const Vec3& offset) {
   const double nu = (o.tau - 0.5) / 3, u = 0.012 * nu, g = a.force(u, nu);  // Reynolds number 0.012 D
   const Vec3 force(g, 0, 0), fluid(u / (1 - a.phi), 0, 0);
   Simulation s = scene(a, o, offset, force, fluid, Vec3::Zero());
@@ -182,7 +182,7 @@ struct Moving {
   double error, noise;
 };
 /// The sphere crosses several cells obliquely; means over time after it has settled.
-Moving moving_error(const Array& a, const Options& o, const Vec3& offset) {
+Moving moving_error(const Array& a, const Study& o, const Vec3& offset) {
   const double nu = (o.tau - 0.5) / 3;
   const Vec3 direction = Vec3(1, 0.853, 0.641).normalized(), relative = o.speed * direction;
   const Vec3 frame = o.boost * Vec3(0.7, 0.513, -0.497).normalized(), body = frame - relative;
@@ -217,7 +217,7 @@ struct Spread {
   double width() const { return 100 * (high - low); }
 };
 
-void report(const Array& a, const Options& o) {
+void report(const Array& a, const Study& o) {
   Spread error, other;
   for (int n = 1; n <= o.offsets; ++n) {
     if (o.moving) {
@@ -239,10 +239,10 @@ void report(const Array& a, const Options& o) {
 
 }  // namespace
 
-int main(int argc, char** argv) {
-  silt::start_mpi(&argc, &argv);
-  const Options o = options_of(argc, argv);
+void run(const Options& options) {
+  const Study o = study_of(options.others);
   for (const double d : o.diameters)
     for (const double phi : o.phi) report(Array(o.lattice, phi, d), o);
-  MPI_Finalize();
 }
+
+}  // namespace silt::bench::walls
