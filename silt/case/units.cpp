@@ -7,14 +7,18 @@
 namespace silt {
 namespace {
 
-/// SI units with names; torque stands for energy, which has the same dimension.
+/// SI units with names.
 struct Named {
   Dimension dimension;
   const char* name;
 };
-constexpr Named named[] = {{dimension::force, "N"},      {dimension::torque, "N m"},
-                           {dimension::pressure, "Pa"},  {dimension::dynamic_viscosity, "Pa s"},
-                           {dimension::velocity, "m/s"}, {{2, -3, 1}, "W"}};
+constexpr Named named[] = {{dimension::force, "N"},
+                           {dimension::torque, "N m"},
+                           {dimension::energy, "J"},
+                           {dimension::pressure, "Pa"},
+                           {dimension::dynamic_viscosity, "Pa s"},
+                           {dimension::velocity, "m/s"},
+                           {{2, -3, 1}, "W"}};
 
 }  // namespace
 

@@ -9,13 +9,14 @@ namespace silt {
 
 struct Dimension {  // exponents of length, time, mass
   int length, time, mass;
+  bool is_energy = false;  // else the same exponents are those of a torque
   bool operator==(const Dimension&) const = default;
 };
 namespace dimension {
 inline constexpr Dimension none{0, 0, 0}, length{1, 0, 0}, time{0, 1, 0}, velocity{1, -1, 0},
     acceleration{1, -2, 0}, momentum{1, -1, 1}, viscosity{2, -1, 0}, dynamic_viscosity{-1, -1, 1},
     density{-3, 0, 1}, mass{0, 0, 1}, force{1, -2, 1}, torque{2, -2, 1}, angular_velocity{0, -1, 0},
-    energy{2, -2, 1}, pressure{-1, -2, 1};
+    energy{2, -2, 1, true}, pressure{-1, -2, 1};
 }
 
 struct Units {

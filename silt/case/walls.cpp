@@ -46,14 +46,17 @@ using rigid::Vec3;
 std::string contents_of(const adapters::ReadMesh& read) {
   std::string text = fmt::format("{} triangles in {} {}", read.surface->triangles().size(),
                                  read.closed.shells, read.closed.shells == 1 ? "shell" : "shells");
-  const std::pair<std::size_t, const char*> more[] = {
-      {read.closed.hollows, "of them hollows"},
-      {read.welded.degenerate, "degenerate triangles left out"},
-      {read.welded.duplicate, "duplicate triangles left out"},
-      {read.welded.thin, "triangles of fins and membranes left out"},
-      {read.closed.turned, "triangles turned over"}};
-  for (const auto& [count, what] : more)
-    if (count > 0) text += fmt::format(", {} {}", count, what);
+  struct {
+    std::size_t count;
+    const char *one, *several;
+  } const more[] = {{read.closed.hollows, "of them a hollow", "of them hollows"},
+                    {read.welded.degenerate, "degenerate triangle left out", "degenerate triangles left out"},
+                    {read.welded.duplicate, "duplicate triangle left out", "duplicate triangles left out"},
+                    {read.welded.thin, "triangle of fins and membranes left out",
+                     "triangles of fins and membranes left out"},
+                    {read.closed.turned, "triangle turned over", "triangles turned over"}};
+  for (const auto& [count, one, several] : more)
+    if (count > 0) text += fmt::format(", {} {}", count, count == 1 ? one : several);
   return text;
 }
 

@@ -245,11 +245,15 @@ PreparedRun prepare_run(const RunOptions& options, MPI_Comm comm, const fs::path
 PreparedRun prepare_resume(const RunOptions& options, MPI_Comm comm, const fs::path& folder) {
   require_folder(folder);
   auto there = adapters::list_checkpoints(folder);
-  if (there.empty() && !options.checkpoint)
+  const bool is_nothing = there.empty() && !options.checkpoint;
+  ReadyFolder ready;
+  if (!is_nothing ||
+      fs::exists(folder))  // where a run may be before its first checkpoint, which the lock tells
+    ready = folder_on_rank_0(comm, [&] { return return_to_result_folder(folder); });
+  if (is_nothing)
     throw std::runtime_error(
         fmt::format("{}: there is no checkpoint to go on from; start the run with: silt run {}",
                     folder.string(), options.directory.string()));
-  ReadyFolder ready = folder_on_rank_0(comm, [&] { return return_to_result_folder(folder); });
   if (options.checkpoint) there = {{0, *options.checkpoint}};
   const auto first_sound = first_sound_checkpoint(there, comm, ready.note);
   const adapters::CheckpointReader& reader = *first_sound;

@@ -25,7 +25,7 @@ UNITS = {  # of the keys of a case, by what they mean; keys of the same name in 
     "m": "size position positions ends length spacing shift gap margin distance radius diameter diameters edges vertices point points "
          "line box smallest largest amplitude hamaker_gap lubrication_min_gap at",
     "m/s": "velocity superficial_velocity swirl noise", "m/s2": "acceleration body_force", "1/s": "angular_velocity frequency", "s": "time from",
-    "kg/m3": "density", "Pa": "pressure", "m2/s": "kinematic_viscosity thermal_diffusivity", "N": "cohesion", "N m": "hamaker",
+    "kg/m3": "density", "Pa": "pressure", "m2/s": "kinematic_viscosity thermal_diffusivity", "N": "cohesion", "J": "hamaker",
     "N/m": "stiffness", "N s/m": "damping", "K": "temperature", "K/m": "mean_gradient", "heat/m2/s": "heat_flux", "heat/s": "heat_source",
     "heat/kg/K": "heat_capacity", "1/K": "expansion"}
 UNIT_OF = {key: unit for unit, keys in UNITS.items() for key in keys.split()}
