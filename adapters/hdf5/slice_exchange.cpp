@@ -4,6 +4,7 @@
 #include <cstring>
 #include <exception>
 #include <limits>
+#include <memory>
 #include <numeric>
 #include <stdexcept>
 #include <tuple>
@@ -126,13 +127,12 @@ std::vector<std::byte> SliceExchange::from_slice(std::size_t element,
 namespace {
 
 /// Calls take(piece) for the pieces of a rank, up to an empty one.
-void receive_from(parallel::Transfers& transfers, int rank, std::vector<std::byte>& room,
-                  const UsePiece& take) {
+void receive_from(parallel::Transfers& transfers, int rank, std::span<std::byte> room, const UsePiece& take) {
   for (std::size_t bytes = 1; bytes > 0;) {
-    transfers.receive(rank, std::span(room));
+    transfers.receive(rank, room);
     transfers.wait();
     bytes = transfers.bytes_received(0);
-    if (bytes > 0) take(std::span(room).first(bytes));
+    if (bytes > 0) take(room.first(bytes));
   }
 }
 
@@ -140,11 +140,11 @@ void receive_from(parallel::Transfers& transfers, int rank, std::vector<std::byt
 template <class Piece>
 void send_pieces(MPI_Comm comm, std::size_t longest, const UsePiece& take, Piece&& piece) {
   const bool takes = parallel::rank_of(comm) == 0;
-  std::vector<std::byte> room;
+  std::unique_ptr<std::byte[]> room;  // not cleared: most pieces are far shorter
   parallel::Transfers transfers(comm, pieces_tag);
   parallel::together(comm, [&] {
     transfers.reserve(1);
-    if (takes) room.resize(longest);
+    if (takes) room = std::make_unique_for_overwrite<std::byte[]>(longest);
   });
   for (std::size_t k = 0; !takes; ++k) {
     const std::span<const std::byte> mine = piece(k);
@@ -164,7 +164,7 @@ void send_pieces(MPI_Comm comm, std::size_t longest, const UsePiece& take, Piece
     };
     for (std::size_t k = 0; takes && !piece(k).empty(); ++k) attempt(piece(k));
     for (int from = 1; takes && from < parallel::ranks_of(comm); ++from)
-      receive_from(transfers, from, room, attempt);
+      receive_from(transfers, from, std::span(room.get(), longest), attempt);
     if (failed) std::rethrow_exception(failed);
   });
 }
