@@ -69,7 +69,18 @@ class FieldsOf final : public FluidFields {
   }
   rigid::FixedSum heat() const override {
     rigid::FixedSum sum = 0;
-    for_fluid_cells(maps(), [&](int b, Int3 x) { sum += lbm::heat_quanta(temperature_->at(b, x)); });
+    for (int b = 0; b < blocks(); ++b) {
+      const lbm::Block<T, lbm::D3Q7>& of = temperature_->blocks()[b];
+      const T* g[lbm::D3Q7::directions];
+      for (int i = 0; i < lbm::D3Q7::directions; ++i) g[i] = of.data() + of.arriving(i, fluid_.parity());
+      for_fluid_runs_of(b, {}, block(b).size, [&](std::ptrdiff_t first, int cells) {
+        for (std::ptrdiff_t k = first; k < first + cells; ++k) {
+          double temperature = 0;
+          for (const T* const population : g) temperature += population[k];
+          sum += lbm::heat_quanta(temperature);
+        }
+      });
+    }
     return sum * volume();
   }
   rigid::FixedSum side_heat(int axis, bool upper) const override {
