@@ -1,5 +1,6 @@
 #include "rigid/math/exact_sum.hpp"
 
+#include <bit>
 #include <limits>
 
 namespace silt::rigid {
@@ -13,10 +14,11 @@ void ExactSum::add(double x) {
     ++parts_[digits];
     return;
   }
-  int exponent = 0;
-  const double mantissa = std::frexp(std::abs(x), &exponent);
-  auto bits = static_cast<std::uint64_t>(std::ldexp(mantissa, 53));  // x is bits * 2^(exponent - 53)
-  int at = exponent - 53 - lowest;
+  constexpr int mantissa_bits = 52, exponent_of_one = 1023;
+  const auto word = std::bit_cast<std::uint64_t>(std::abs(x));
+  // A normal x is bits * 2^(lowest + at). Those below 2^-1022 are less than a quantum, with these bits, too.
+  std::uint64_t bits = (word & ((std::uint64_t{1} << mantissa_bits) - 1)) | std::uint64_t{1} << mantissa_bits;
+  int at = int(word >> mantissa_bits) - exponent_of_one - mantissa_bits - lowest;
   if (at < 0) {
     bits = at > -64 ? bits >> -at : 0;
     at = 0;
