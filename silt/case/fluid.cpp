@@ -92,8 +92,8 @@ constexpr std::tuple fluid_keys{
         "mean velocity over all cells (0 in bodies) to which the body force is controlled, along the axes "
         "where it is not 0"},
     Key{"body_force_on_bodies", &coupler::FluidSpec::body_force_on_bodies, Flag{},
-        "true where the body force stands for a pressure gradient: free bodies feel the force on the fluid "
-        "they displace",
+        "true where the body force stands for a pressure gradient, or for the weight of the fluid along a "
+        "slope: free bodies feel the force on the fluid they displace",
         nullptr,
         Rule{If::idle,
              [](const coupler::FluidSpec& f) { return f.body_force_on_bodies && !f.has_body_force(); },
@@ -153,7 +153,8 @@ constexpr std::tuple coupling_keys{
         "whether the drag of a step acts on the velocities at its end or at its start", nullptr,
         unless_bodies_are_free},
     Key{"force", &coupler::CouplingSpec::force, Choice{coupler::force_form_names},
-        "momentum exchange; \"exact\" conserves momentum: comparison"},
+        "momentum exchange; \"exact\" conserves momentum, and has the lift on bodies in a stream: "
+        "comparison"},
     Key{"remap_tolerance", &coupler::CouplingSpec::remap_tolerance,
         Number{dimension::none, range::between(0, 0.4), "cells"},
         "largest distance of a surface from where its cells were last determined, at most 0.4; 0.15 of it "
