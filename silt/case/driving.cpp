@@ -288,12 +288,12 @@ void check_lift(const Case& setup, Diagnostics& findings) {
     return entry.is_free() && speed * diameter * diameter > least_reynolds * nu * narrowest(setup) &&
            terminal_velocity(diameter, entry.density, setup.gravity.norm(), nu) < slow * speed;
   };
-  const std::vector<Entry> entries = entries_of(setup);
-  if (const auto found = std::ranges::find_if(entries, is_lifted); found != entries.end())
-    findings.warning(found->key,
-                     "{} hardly falls or rises, so that lift decides where in the stream it goes, and {} = "
-                     "\"galilean\" carries it too near to a wall: use \"exact\"",
-                     found->key, key);
+  for (const std::vector<Entry>& entries : {entries_of(setup), continued_entries_of(setup)})
+    if (const auto found = std::ranges::find_if(entries, is_lifted); found != entries.end())
+      findings.warning(found->key,
+                       "{} hardly falls or rises, so that lift decides where in the stream it goes, and {} = "
+                       "\"galilean\" carries it too near to a wall: use \"exact\"",
+                       found->key, key);
 }
 
 /// Checks that a prescribed mean velocity is low enough and along periodic axes.

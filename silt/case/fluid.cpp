@@ -9,19 +9,6 @@
 
 namespace silt {
 
-double fastest_given(const Case& setup) {
-  double fastest =
-      setup.fluid ? std::max(setup.fluid->initial.largest_speed(), setup.fluid->superficial_velocity.norm())
-                  : 0;
-  for (const coupler::BoundarySpec& side : setup.boundary) fastest = std::max(fastest, side.largest_speed());
-  for (const Entry& entry : entries_of(setup)) fastest = std::max(fastest, entry.velocity.norm());
-  return fastest;
-}
-
-double cell_reynolds(const Case& setup) {
-  return fastest_given(setup) / setup.fluid->kinematic_viscosity;
-}
-
 double measured_reynolds(lbm::Collision model) {
   return lbm::model_of(model).lasts_to;
 }
@@ -141,8 +128,7 @@ constexpr std::tuple gravity_keys{
 bool has_moving_surfaces(const Case& setup) {
   const auto moves = [](const BodySpec& body) { return body.motion != rigid::Motion::fixed; };
   const auto mesh_moves = [](const CurvedWall& wall) { return wall.mesh() && wall.moves(); };
-  return !setup.fills.empty() || setup.any_given(moves) || std::ranges::any_of(setup.continued, moves) ||
-         std::ranges::any_of(setup.walls, mesh_moves);
+  return !setup.fills.empty() || setup.any_given(moves) || std::ranges::any_of(setup.walls, mesh_moves);
 }
 constexpr IdleInCase unless_bodies_are_free{
     [](const Case& setup) { return setup.has_surfaces() && !setup.has_free_bodies(); }, no_free_bodies};
