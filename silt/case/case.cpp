@@ -100,4 +100,27 @@ std::vector<Entry> continued_entries_of(const Case& setup) {
   return entries;
 }
 
+double fastest_given(const Case& setup) {
+  double fastest = 0;
+  if (setup.fluid)
+    fastest = std::max(setup.fluid->initial.largest_speed(), setup.fluid->superficial_velocity.norm());
+  for (const coupler::BoundarySpec& side : setup.boundary) fastest = std::max(fastest, side.largest_speed());
+  for (const Entry& entry : entries_of(setup)) {
+    const double radius = rigid::bounding_radius(setup.shapes[entry.shape]);
+    fastest = std::max(fastest, entry.velocity.norm() + radius * entry.angular_velocity.norm());
+  }
+  for (const auto& [kind, motion] : setup.kind_motions)
+    fastest =
+        std::max(fastest, motion.speed_bound(rigid::bounding_radius(setup.shapes[setup.kind_shapes[kind]])));
+  for (const CurvedWall& wall : setup.walls)
+    fastest =
+        std::max(fastest, wall.mesh() ? wall.mesh()->motion.speed_bound(wall.mesh()->reach())
+                                      : std::abs(wall.tube()->angular_velocity) * wall.tube()->tube.radius);
+  return fastest;
+}
+
+double cell_reynolds(const Case& setup) {
+  return fastest_given(setup) / setup.fluid->kinematic_viscosity;
+}
+
 }  // namespace silt

@@ -203,20 +203,22 @@ struct CaseBodies {
     for (const BodySpec& body : bodies) f(body, std::uint64_t{1});
     for (const FiledBodies& file : filed) f(file.alike, file.contents.points);
   }
+  /// Returns whether a test holds for bodies of any [[bodies]] entry, those of another run included.
   template <class Test>
   bool any_given(Test&& test) const {
-    return std::ranges::any_of(bodies, test) ||
+    return std::ranges::any_of(bodies, test) || std::ranges::any_of(continued, test) ||
            std::ranges::any_of(filed, [&](const FiledBodies& file) { return test(file.alike); });
   }
   bool has_free_bodies() const {
     const auto free = [](const BodySpec& body) { return body.motion == rigid::Motion::free; };
-    return !fills.empty() || any_given(free) || std::ranges::any_of(continued, free);
+    return !fills.empty() || any_given(free);
   }
   bool bodies_come() const {
     return std::ranges::any_of(fills, [](const FillSpec& fill) { return fill.every > 0; });
   }
   bool has_sizes() const {  // within a kind
-    return std::ranges::any_of(fills, [](const FillSpec& fill) { return fill.sizes.size() > 1; });
+    const auto many = [](const auto& entry) { return entry.sizes.size() > 1; };
+    return std::ranges::any_of(fills, many) || std::ranges::any_of(continued, many);
   }
 };
 
@@ -270,7 +272,7 @@ std::vector<rigid::BoundingBox> entrances_of(const Case&);
 /// periodic axes (shifted by whole periods).
 void put_at(BodySpec&, const rigid::Vec3& point, const rigid::Extent&);
 
-/// Returns the largest speed of sides, bodies and initial fluid in a case, in lattice units.
+/// Returns the largest speed of sides, walls, bodies and initial fluid that a case gives, in lattice units.
 double fastest_given(const Case&);
 
 /// Returns the cell Reynolds number u / nu at this speed.

@@ -86,13 +86,17 @@ void check_margin(const Case& setup, Diagnostics& findings, const std::string& k
 }
 
 void check_speeds(const Case& setup, Diagnostics& findings) {
-  for (const Entry& entry : entries_of(setup)) {
-    check_velocities(findings, entry.key + ".", entry.shape, entry.velocity, entry.angular_velocity);
+  const auto check_motion = [&](const Entry& entry) {
     if (const auto found = setup.kind_motions.find(entry.kind);
         setup.fluid && found != setup.kind_motions.end() && entry.motion == rigid::Motion::prescribed)
       check_speed(findings, entry.key + ".motion",
                   found->second.speed_bound(rigid::bounding_radius(setup.shapes[entry.shape])));
+  };
+  for (const Entry& entry : entries_of(setup)) {
+    check_velocities(findings, entry.key + ".", entry.shape, entry.velocity, entry.angular_velocity);
+    check_motion(entry);
   }
+  for (const Entry& entry : continued_entries_of(setup)) check_motion(entry);
 }
 
 constexpr double digit_rounding = 1e-9;  // relative to two digits

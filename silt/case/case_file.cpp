@@ -161,7 +161,7 @@ void read_sections(TableReader reader, Case& setup) {
   read_coarsening(reader, setup);
   read_output(reader, setup);
   add_masks(setup);
-  choose_collision(setup);
+  if (reader.context().errors.empty()) choose_collision(setup);
   read_quantities(reader, setup);
 }
 

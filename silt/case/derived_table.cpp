@@ -276,8 +276,13 @@ void add_bodies(const Case& setup, Table& table) {
   if (given > most_lines) table.line("", fmt::format("and {} more entries", given - most_lines));
   for (const Entry& entry : entries)
     volume += static_cast<double>(entry.count) * rigid::mass_properties(setup.shapes[entry.shape]).volume;
-  for (const Entry& entry : continued_entries_of(setup))
-    add_kind(setup, table, fmt::format("{} {}", entry.key, setup.kind_names[entry.kind]), entry, entry.shape);
+  const std::vector<Entry> continued = continued_entries_of(setup);
+  for (std::size_t i = 0; i < continued.size(); ++i) {
+    Entry all = continued[i];
+    all.shape = setup.continued[i].shape;
+    add_kind(setup, table, fmt::format("{} {}", all.key, setup.kind_names[all.kind]), all,
+             continued[i].shape);
+  }
   for (std::size_t i = 0; i < setup.fills.size(); ++i) {
     const FillSpec& fill = setup.fills[i];
     Entry all{fill, fmt::format("fill[{}]", i)};

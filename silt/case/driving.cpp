@@ -246,6 +246,56 @@ void check_flow(const Case& setup, Diagnostics& findings) {
                                         : fmt::format("use {} times as much", shown(rounded_down(factor)))));
 }
 
+/// Warns where free bodies do not feel the force that drives the fluid and the case does not say so.
+void check_push(const Case& setup, Diagnostics& findings) {
+  constexpr const char* key = "fluid.body_force_on_bodies";
+  if (!setup.fluid->has_body_force() || !setup.has_free_bodies() || setup.places.count(key)) return;
+  findings.warning(
+      setup.places.count("fluid.body_force") ? "fluid.body_force" : "fluid.superficial_velocity",
+      "free bodies do not feel the body force that drives the fluid; as a pressure gradient, or as the "
+      "weight of the fluid along a slope, it acts on them, too: use {} = true (or false, if they are not "
+      "to feel it)",
+      key);
+}
+
+/// Returns the least distance between sides or walls of a tube; infinite without them.
+double narrowest(const Case& setup) {
+  double width = endless;
+  for (int d = 0; d < 3; ++d)
+    if (!setup.periodic(d)) width = std::min(width, double(setup.cells[d]));
+  for (const CurvedWall& wall : setup.walls)
+    if (const rigid::TubeWallSpec* tube = wall.tube()) width = std::min(width, 2 * tube->tube.radius);
+  return width;
+}
+
+/// Returns the largest speed that is given to the fluid, or that it has in laminar flow; lattice units.
+double speed_of_stream(const Case& setup) {
+  const coupler::FluidSpec& fluid = *setup.fluid;
+  double speed =
+      std::max({fluid.initial.largest_speed(), fluid.superficial_velocity.norm(), laminar_speed(setup)});
+  for (const coupler::BoundarySpec& side : setup.boundary) speed = std::max(speed, side.largest_speed());
+  return speed;
+}
+
+/// Warns of bodies that inertial lift carries across a stream, for which the galilean form is wrong.
+void check_lift(const Case& setup, Diagnostics& findings) {
+  constexpr const char* key = "coupling.force";
+  constexpr double least_reynolds = 0.5, slow = 0.01;  // of u d^2 / (nu H); of the speed
+  if (setup.coupling.force == coupler::ForceForm::exact || setup.places.count(key)) return;
+  const double nu = setup.fluid->kinematic_viscosity, speed = speed_of_stream(setup);
+  const auto is_lifted = [&](const Entry& entry) {
+    const double diameter = sphere_of_volume(setup.shapes[entry.shape]);
+    return entry.is_free() && speed * diameter * diameter > least_reynolds * nu * narrowest(setup) &&
+           terminal_velocity(diameter, entry.density, setup.gravity.norm(), nu) < slow * speed;
+  };
+  for (const std::vector<Entry>& entries : {entries_of(setup), continued_entries_of(setup)})
+    if (const auto found = std::ranges::find_if(entries, is_lifted); found != entries.end())
+      findings.warning(found->key,
+                       "{} hardly falls or rises, so that lift decides where in the stream it goes, and {} = "
+                       "\"galilean\" carries it too near to a wall: use \"exact\"",
+                       found->key, key);
+}
+
 /// Checks that a prescribed mean velocity is low enough and along periodic axes.
 void check_control(const Case& setup, Diagnostics& findings) {
   constexpr const char* key = "fluid.superficial_velocity";
@@ -322,6 +372,8 @@ void find_driving_faults(const Case& setup, Diagnostics& findings) {
   check_over_time(setup, findings);
   check_weight(setup, findings);
   check_flow(setup, findings);
+  check_push(setup, findings);
+  check_lift(setup, findings);
   if (setup.gravity.norm() == 0) return;
   for (const Fall& fall : expected_falls(setup)) check_fall(setup, findings, fall);
 }

@@ -9,19 +9,6 @@
 
 namespace silt {
 
-double fastest_given(const Case& setup) {
-  double fastest =
-      setup.fluid ? std::max(setup.fluid->initial.largest_speed(), setup.fluid->superficial_velocity.norm())
-                  : 0;
-  for (const coupler::BoundarySpec& side : setup.boundary) fastest = std::max(fastest, side.largest_speed());
-  for (const Entry& entry : entries_of(setup)) fastest = std::max(fastest, entry.velocity.norm());
-  return fastest;
-}
-
-double cell_reynolds(const Case& setup) {
-  return fastest_given(setup) / setup.fluid->kinematic_viscosity;
-}
-
 double measured_reynolds(lbm::Collision model) {
   return lbm::model_of(model).lasts_to;
 }
@@ -92,8 +79,8 @@ constexpr std::tuple fluid_keys{
         "mean velocity over all cells (0 in bodies) to which the body force is controlled, along the axes "
         "where it is not 0"},
     Key{"body_force_on_bodies", &coupler::FluidSpec::body_force_on_bodies, Flag{},
-        "true where the body force stands for a pressure gradient: free bodies feel the force on the fluid "
-        "they displace",
+        "true where the body force stands for a pressure gradient, or for the weight of the fluid along a "
+        "slope: free bodies feel the force on the fluid they displace",
         nullptr,
         Rule{If::idle,
              [](const coupler::FluidSpec& f) { return f.body_force_on_bodies && !f.has_body_force(); },
@@ -141,8 +128,7 @@ constexpr std::tuple gravity_keys{
 bool has_moving_surfaces(const Case& setup) {
   const auto moves = [](const BodySpec& body) { return body.motion != rigid::Motion::fixed; };
   const auto mesh_moves = [](const CurvedWall& wall) { return wall.mesh() && wall.moves(); };
-  return !setup.fills.empty() || setup.any_given(moves) || std::ranges::any_of(setup.continued, moves) ||
-         std::ranges::any_of(setup.walls, mesh_moves);
+  return !setup.fills.empty() || setup.any_given(moves) || std::ranges::any_of(setup.walls, mesh_moves);
 }
 constexpr IdleInCase unless_bodies_are_free{
     [](const Case& setup) { return setup.has_surfaces() && !setup.has_free_bodies(); }, no_free_bodies};
@@ -153,7 +139,8 @@ constexpr std::tuple coupling_keys{
         "whether the drag of a step acts on the velocities at its end or at its start", nullptr,
         unless_bodies_are_free},
     Key{"force", &coupler::CouplingSpec::force, Choice{coupler::force_form_names},
-        "momentum exchange; \"exact\" conserves momentum: comparison"},
+        "momentum exchange; \"exact\" conserves momentum, and has the lift on bodies in a stream: "
+        "comparison"},
     Key{"remap_tolerance", &coupler::CouplingSpec::remap_tolerance,
         Number{dimension::none, range::between(0, 0.4), "cells"},
         "largest distance of a surface from where its cells were last determined, at most 0.4; 0.15 of it "

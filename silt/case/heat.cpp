@@ -138,8 +138,7 @@ void check_mean_gradient(const Case& setup, Diagnostics& findings) {
   const auto moves = [&](const BodySpec& body) {
     return body.motion != rigid::Motion::fixed && is_warm(body);
   };
-  if (setup.heat->has_gradient() && (setup.any_given(moves) || std::ranges::any_of(setup.continued, moves) ||
-                                     std::ranges::any_of(setup.fills, is_warm)))
+  if (setup.heat->has_gradient() && (setup.any_given(moves) || std::ranges::any_of(setup.fills, is_warm)))
     findings.error(key, "{} is given, and bodies of a temperature move; they must be fixed, or insulating",
                    key);
 }

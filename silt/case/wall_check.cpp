@@ -132,19 +132,6 @@ bool check_place_at(const Case& setup, Diagnostics& findings, std::size_t index,
   return good;
 }
 
-/// Returns the largest speed of a point of the wall at sampled instants.
-double fastest(const Case& setup, const MeshWall& wall) {
-  double speed = 0;
-  const auto look = [&](double time) {
-    const auto v = wall.motion.velocity_at(time);
-    speed = std::max(speed, v.linear.norm() + v.angular.norm() * wall.reach());
-  };
-  for (int k = 0; k <= looks; ++k) look(static_cast<double>(setup.steps) * k / looks);
-  for (std::size_t k = 0; k + 1 < wall.motion.table.size(); ++k)
-    look(0.5 * (wall.motion.table[k].time + wall.motion.table[k + 1].time));
-  return speed;
-}
-
 void check_mesh(const Case& setup, Diagnostics& findings, std::size_t index, const MeshWall& wall) {
   if (!check_scale(setup, findings, index, wall)) return;
   const int instants = wall.motion.moves() ? looks : 0;
@@ -152,7 +139,8 @@ void check_mesh(const Case& setup, Diagnostics& findings, std::size_t index, con
     if (!check_place_at(setup, findings, index, wall, std::floor(double(setup.steps) * k / looks))) break;
   if (!setup.fluid) return;
   check_features(setup, findings, index, wall);
-  if (wall.motion.moves()) check_speed(findings, wall_key(index, "motion"), fastest(setup, wall));
+  if (wall.motion.moves())
+    check_speed(findings, wall_key(index, "motion"), wall.motion.speed_bound(wall.reach()));
 }
 
 /// Warns of an axis and point of a wall that neither rotation nor torques use.

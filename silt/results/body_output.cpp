@@ -1,5 +1,6 @@
 #include "silt/results/body_output.hpp"
 
+#include <algorithm>
 #include <limits>
 
 #include "adapters/hdf5/scene_file.hpp"
@@ -63,9 +64,11 @@ void describe(const MeshWall& mesh, const InCaseUnits& physical, SceneGroup& wal
 /// Returns the names of kinds with bodies of prescribed motion, each once.
 std::vector<std::string> driven_kinds(const Case& setup) {
   std::vector<bool> driven(setup.kind_names.size(), false);
-  setup.for_each_given([&](const BodySpec& body, std::uint64_t) {
+  const auto look = [&](const BodySpec& body, std::uint64_t = 1) {
     if (body.motion != rigid::Motion::free) driven[body.kind] = true;
-  });
+  };
+  setup.for_each_given(look);
+  std::ranges::for_each(setup.continued, look);
   std::vector<std::string> names;
   for (std::size_t k = 0; k < driven.size(); ++k)
     if (driven[k]) names.push_back(setup.kind_names[k]);
@@ -169,6 +172,7 @@ std::vector<adapters::BodyKind> drawn_kinds(const Case& setup) {
       k.parts.push_back(tessellation(*mesh->surface, cell));
   };
   setup.for_each_given([&](const BodySpec& body, std::uint64_t) { describe(body.kind, body.density); });
+  for (const BodySpec& body : setup.continued) describe(body.kind, body.density);
   for (const FillSpec& fill : setup.fills) describe(fill.kind, fill.density);
   return kinds;
 }

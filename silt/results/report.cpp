@@ -115,14 +115,15 @@ Json sizes_of(const Simulation& simulation) {
   for (std::size_t row = 0; row < scene.bodies.owned; ++row) ++counts[scene.bodies.shape[row]];
   parallel::sum_over_ranks(scene.comm, std::span(counts));
   Json sizes = Json::object();
-  for (const FillSpec& fill : setup.fills) {
-    if (fill.sizes.size() == 1) continue;
-    Json& of_kind = sizes[setup.kind_names[fill.kind]];
-    for (const FillSize& size : fill.sizes)
+  const auto add = [&](const auto& entry) {
+    if (entry.sizes.size() == 1) return;
+    Json& of_kind = sizes[setup.kind_names[entry.kind]];
+    for (const FillSize& size : entry.sizes)
       of_kind.push_back(
           Json::array({setup.units.physical(sphere_of_volume(setup.shapes[size.shape]), dimension::length),
                        counts[size.shape]}));
-  }
+  };
+  std::ranges::for_each(setup.continued, add), std::ranges::for_each(setup.fills, add);
   return sizes;
 }
 

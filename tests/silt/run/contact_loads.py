@@ -2,11 +2,12 @@
 """contact_loads.py SILT: contact force and torque, mass and buoyancy in bodies.h5 against mechanics, the same
 bits on any ranks."""
 import math
+import re
 import unittest
 
 import numpy as np
-from silt_test import SiltTest
-from silt_runs import WALLS_ACROSS_Z, body_of, domain_of, shape_of  # on the path by silt_test
+from silt_test import SiltTest, script
+from silt_runs import WALLS_ACROSS_Z, body_of, domain_of, entry_of, shape_of  # on the path by silt_test
 
 import silt_results  # on the path by silt_test
 
@@ -129,6 +130,26 @@ position = [26, 8, 8]
         self.assertGreater(np.abs(forces[:, 0]).max(), 1e-3 * MASS)
         self.near(forces[:, 0], -forces[:, 1], 1e-12)
         self.assertTrue(np.isnan(forces[:, 2]).all())
+
+    def test_mass_that_a_wall_sweeps_beside_a_body_is_told(self):
+        """A cube that pushes a box: as a wall it takes none of the fluid in front of the box, as a body it does."""
+        script("make_mesh", "cube", self.case / "cube.obj")  # two across
+        box = shape_of("box", "box", "edges = [8, 8, 8]") + body_of("box", 1.5, "position = [20.05, 12, 12]")
+        begin, end = domain_of([48, 24, 24], '"no-slip"') + "[fluid]\nrelaxation_time = 0.8\n", "[run]\nsteps = 200\n"
+        pusher = 'file = "cube.obj"\nscale = 4\nposition = [12, 12, 12]\nmotion = { velocity = [0.02, 0, 0] }\n'
+        wall = entry_of("walls", ['type = "mesh"', 'solid = "inside"']) + pusher
+        file, scale, place, motion = pusher.splitlines(keepends=True)
+        body = shape_of("pusher", "mesh", file + scale) + body_of("pusher", 1, place + motion)
+        lost = {}
+        for scene in (wall, body):
+            self.write(begin + box + scene + end)
+            said = self.silt("run", self.case, "--overwrite").stdout
+            found = re.search("warning: the fluid lost (\\S+) % of its mass", said)
+            lost[scene] = found and float(found[1])
+            self.assertNotIn("compressible", said)
+        self.assertIsNone(lost[body])
+        swept = 100 * 8 * 8 * 0.02 * 200 / (48 * 24 * 24 - 2 * 8**3)
+        self.assertTrue(lost[wall] and 0.8 < lost[wall] / swept < 1, (lost, swept))
 
     def test_the_same_on_any_ranks(self):
         moving = WET.replace("position =", "velocity = [0.05, 0.02, 0]\nposition =")

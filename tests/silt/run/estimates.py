@@ -8,7 +8,8 @@ import resource
 import statistics
 import unittest
 
-from silt_test import CASE, SiltTest
+from silt_test import CASE, SiltTest, script
+from silt_runs import fill_of, shape_of  # on the path by silt_test
 
 
 def number(said, name):
@@ -119,6 +120,17 @@ steps = 4000
         for output in ("report={ every = 1 }", "fields={ every = 3 }", "checkpoint={ every = 1 }", "slices=[{ name = 'a', every = 1, box = [[0, 40, 0], [1e4, 40, 1e4]] }]"):
             said = self.silt("check", self.case, "--set", f"output.{output}").stdout
             self.assertGreater(number(said, "  of it for output"), alone, output)
+
+    def test_contacts_of_meshes_take_time(self):
+        """A bed of rings takes hundreds of times as long as one of balls, by its contacts of triangles."""
+        script("make_mesh", "torus", self.case / "ring.stl", "--radius", 3, "--tube", 1.2, "--triangles", 800)
+        dry = CASE.split("[fluid]")[0].replace("[24, 16, 16]", "[60, 60, 60]").replace("blocks = [6, 8, 16]\n", "")
+        dry += "[gravity]\nacceleration = [0, 0, -1e-4]\n" + fill_of("ring", 2, 60) + "[run]\nsteps = 1000\n"
+        took = []
+        for ring in (shape_of("ring", "sphere", "radius = 4.2"), shape_of("ring", "mesh", 'file = "ring.stl"')):
+            self.write(dry + ring)
+            took.append(number(self.silt("check", self.case).stdout, "time"))
+        self.assertGreater(took[1], 30 * took[0])
 
     def test_shares_of_ranks(self):
         """All the work that is no cell's is in one corner: of two equal halves one has nearly all of it, of

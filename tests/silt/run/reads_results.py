@@ -12,6 +12,7 @@ import numpy as np
 from silt_test import CASE, ROOT, SiltTest, script
 
 import silt_results  # on the path by silt_test
+from silt_runs import entry_of
 from silt_results import structure
 
 
@@ -62,6 +63,27 @@ density = 2000
 positions = [[0.01, 0.02, 0.02], [0.05, 0.02, 0.02], [0.06, 0.06, 0.02]]
 orientation = [1, 1, 3]""", "CLUBS": "positions = [[0.01, 0.03, 0.08], [0.04, 0.07, 0.06]]\nangular_velocity = [1, 2, 3]",
           "BALLS": "positions = [[0.02, 0.08, 0.02], [0.07, 0.05, 0.05], [0.08, 0.08, 0.09]]\nvelocity = [0.1, 0.07, 0]"}
+
+
+class BodiesOfAnotherRun(SiltTest):
+    def test_are_described_as_they_were_there(self):
+        """Names, surfaces and sizes, and which kinds do not move freely."""
+        sizes = "diameter = { table = [[3, 1], [5, 1]] }"
+        begin, end = CASE.split("[[bodies]]")[0], "[run]\nsteps = 2\n[output]\nbodies = { every = 2 }\ncheckpoint = { every = 2 }\n"
+        posts, grains = (entry_of("bodies", ['shape = "ball"', "density = 1.5", f'name = "{name}"']) for name in ("posts", "grains"))
+        fill = grains.replace("bodies", "fill") + f"count = 8\n{sizes}\n"
+        self.write(begin + posts + 'motion = "fixed"\nposition = [12, 8, 8]\n' + fill + end)
+        self.silt("run", self.case)
+        self.write(begin + posts + 'motion = "fixed"\n' + grains + sizes + f'\n{end}[initial]\nfrom = "out"\n')
+        self.silt("run", self.case, "--out", self.case / "next")
+        was, now = silt_results.open(self.case), silt_results.open(self.case / "next")
+        self.assertEqual(list(now.bodies.kinds), ["posts", "grains"])
+        for ours, theirs in zip(was.bodies.meshes, now.bodies.meshes):
+            self.assertEqual([len(part["triangles"]) for part in ours], [len(part["triangles"]) for part in theirs])
+        self.assertEqual(now.report["sizes"], was.report["sizes"])
+        self.assertTrue((now.bodies.at(0)["scale"] == was.bodies.at(-1)["scale"]).all())
+        self.assertEqual(sum(count for _, count in now.report["sizes"]["grains"]), 8)
+        self.assertEqual((was.scene.driven, now.scene.driven), (["posts"], ["posts"]))
 
 
 class PositionFiles(SiltTest):
