@@ -67,7 +67,7 @@ double seconds_of_a_cell() {
 }
 
 /// Returns the cost of a contact of a shape relative to spheres: convex parts meet one by one, flat faces in
-/// four points, ellipsoids need a search, meshes meet triangle by triangle (bench_mesh_pairs).
+/// four points, ellipsoids need a search, meshes meet triangle by triangle (benchmarks mesh_pairs).
 double contact_factor(const rigid::Shape& shape) {
   if (std::holds_alternative<rigid::Mesh>(shape)) return 200;
   double dearest = 1;
