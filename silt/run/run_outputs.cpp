@@ -242,8 +242,7 @@ std::string doubt_of_walls(const Simulation& simulation) {
   if (!(std::fabs(lost) > noticeable)) return "";
   return fmt::format(
       "the fluid {} {:.2f} % of its mass, as a wall that moves beside a body, with no cell between them, "
-      "takes "
-      "none back for what it sweeps there: give the wall as [[bodies]] with the same file and motion",
+      "takes none back for what it sweeps there: give the wall as [[bodies]] with the same file and motion",
       lost > 0 ? "lost" : "gained", 100 * std::fabs(lost));
 }
 
