@@ -388,8 +388,8 @@ TEST(CaseCheck, SaysWhatWasMendedInAFile) {
   const std::string table = derived_table(read_with(c, {{"a.obj", tetrahedron}, {"b.obj", tetrahedron}}));
   for (const char* file : {"a.obj", "b.obj"})
     EXPECT_TEXT(table,
-                file + std::string("                4 triangles in 1 shell, 1 duplicate triangles left ") +
-                    "out, 1 triangles turned over");
+                file + std::string("                4 triangles in 1 shell, 1 duplicate triangle left ") +
+                    "out, 1 triangle turned over");
 }
 
 }  // namespace
