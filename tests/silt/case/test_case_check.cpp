@@ -387,9 +387,9 @@ TEST(CaseCheck, SaysWhatWasMendedInAFile) {
   c.bodies = body_of("chip", 1.2, "position = [16, 16, 16]\n");
   const std::string table = derived_table(read_with(c, {{"a.obj", tetrahedron}, {"b.obj", tetrahedron}}));
   for (const char* file : {"a.obj", "b.obj"})
-    EXPECT_TEXT(table,
-                file + std::string("                4 triangles in 1 shell, 1 duplicate triangle left ") +
-                    "out, 1 triangle turned over");
+    EXPECT_TEXT(table, file +
+                           std::string("                4 triangles in 1 shell, 1 duplicate triangle left ") +
+                           "out, 1 triangle turned over");
 }
 
 }  // namespace
