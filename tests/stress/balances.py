@@ -68,8 +68,8 @@ def simpler(tables, draw):
         tables["springs"] = [without(spring, "damping") for spring in tables["springs"]]
     for spring in tables["springs"]:
         others = [body for body in tables["bodies"] if body.get("name", spring["body"]) != spring["body"]]
-        if others:
-            spring |= dict(to=others[0]["name"], ends=[spring["ends"][0], others[0]["position"]])
+        ends = [spring["ends"][0], others[0]["position"] if others else spring["ends"][1]]
+        spring |= (dict(to=others[0]["name"]) if others else {}) | dict(ends=[[x + 1, y - 0.5, z + 0.75] for x, y, z in ends])  # beside the middles
     return tables
 
 
