@@ -188,7 +188,7 @@ def of_bodies(record, one):
         return np.degrees(np.arctan2(down[a] * m[b] - down[b] * m[a], down[a] * m[a] + down[b] * m[b]))
     found = {"max-speed": lambda: max(np.linalg.norm(rows["velocity"], axis=1).max() for rows in times),
              "max-height-after": lambda: max(rows["position"][:, d].max() for rows in times[start:]),
-             "rebound-ratio": lambda: max(0, *(speeds(rows).max() for rows in times)) / -min(0, *(speeds(rows).min() for rows in times)),
+             "rebound-ratio": lambda: max(0, *(speeds(rows).max() for rows in times)) / (-min(0, *(speeds(rows).min() for rows in times)) or np.nan),
              "discharge-rate": lambda: (below(last) - below(times[start])) / (record.steps - start),
              "momentum-change": lambda: (momentum(free[-1]) - momentum(free[0])) / (free[0]["mass"] * np.linalg.norm(free[0]["velocity"], axis=1)).sum(),
              "energy-change": lambda: energy(free[-1]) / energy(free[0]) - 1, "energy-growth": lambda: max(map(energy, free)) / energy(free[0]) - 1,
@@ -233,7 +233,7 @@ def samples(record):
     fields = {field.step: field for field in record.run.fields} if record.is_wet else {}
     for part in map(Field, record.run.folder.glob("slice_part_*.hdf")):
         box = tuple(slice(int(a), int(a) + n) for a, n in zip(part.lower + 0.5, part.size))
-        for name in part.names:
+        for name in part.names if np.max(part.spacing) == 1 else ():  # else there are coarse cells only
             yield f"slice: {name}", part[name] - fields[part.step][name][box]
     if "mean" in record.tables["output"]:
         yield from means(record.run.mean, [field for step, field in sorted(fields.items()) if step >= record.tables["output"]["mean"]["from"]])
@@ -242,7 +242,7 @@ def samples(record):
         for k, x in enumerate(np.stack([probes.of(axis)[n] for axis in AXES], axis=1)):
             at = np.floor(x - 0.5).astype(int)
             box = tuple(slice(a, a + 2) for a in at)
-            if (at >= 0).all() and (at + 2 <= field.size).all() and is_fluid(field)[box].all() and not np.ptp(field["level"][box]):
+            if (at >= 0).all() and (at + 2 <= field.size).all() and is_fluid(field)[box].all() and not field["level"][box].any():
                 shares = np.prod(np.meshgrid(*([1 - a, a] for a in x - 0.5 - at), indexing="ij"), axis=0)
                 yield "probe: density", np.tensordot(shares, field["density"][box], 3) - probes.of("density")[n][k]
                 yield "probe: velocity", np.tensordot(shares, field["velocity"][box], 3) - [probes.of(f"velocity.{axis}")[n][k] for axis in AXES]
