@@ -48,12 +48,31 @@ rigid::World make_world(const Case& setup, const std::vector<CentredShape>& shap
   return world;
 }
 
-std::array<rigid::WallSpec, 6> walls_of(const Case& setup) {
+/// Adds the material of free-slip sides, and returns it: the default one, but without friction, since a body
+/// and its mirror image do not slide on one another.
+int add_smooth_material(rigid::World& world) {
+  const int smooth = world.material_count++;
+  const std::vector<rigid::Material> given = std::move(world.materials);
+  world.materials.clear();
+  for (int i = 0; i <= smooth; ++i)
+    for (int j = 0; j <= smooth; ++j) {
+      rigid::Material pair = given[(i % smooth) * smooth + j % smooth];
+      if (i == smooth || j == smooth) pair.friction = pair.twisting_friction = 0;
+      world.materials.push_back(pair);
+    }
+  return smooth;
+}
+
+std::array<rigid::WallSpec, 6> walls_of(const Case& setup, rigid::World& world) {
   std::array<rigid::WallSpec, 6> walls;
+  int smooth = 0;
   for (int side = 0; side < 6; ++side) {
     const coupler::BoundarySpec& boundary = setup.boundary[side];
     walls[side].solid = boundary.stops_bodies();
     if (boundary.is_wall()) walls[side].velocity = boundary.velocity;
+    if (boundary.kind != coupler::BoundaryKind::free_slip) continue;
+    if (smooth == 0) smooth = add_smooth_material(world);
+    walls[side].material = smooth;
   }
   return walls;
 }
@@ -78,7 +97,7 @@ Scene::Scene(Case given, MPI_Comm communicator, const coupler::SavedBodies* save
   if (saved) take_saved_bodies(*saved);
   if (!saved || first_id > 0) take_placed_bodies(shapes, std::max<rigid::BodyId>(first_id, 1));
   count_bodies();
-  if (setup.has_bodies()) rigid::add_walls(bodies, world, extent_of(setup), walls_of(setup));
+  if (setup.has_bodies()) rigid::add_walls(bodies, world, extent_of(setup), walls_of(setup, world));
   for (std::size_t k = 0; k < setup.walls.size(); ++k) {
     if (const MeshWall* mesh = setup.walls[k].mesh()) {
       rigid::add_wall(bodies, world, *mesh);

@@ -74,6 +74,35 @@ TEST(DryStability, ThirtyBoxesCarryOneOfTenThousandTimesTheirMass) {
   EXPECT_LT(drift_of(stack(std::vector<double>(31, 0.0), 1e4), 5000), 1e-5);
 }
 
+/// A ball that a free-slip side throws back, or that meets its mirror image at the plane of that side.
+CaseText thrown_back(bool image) {
+  CaseText c;
+  c.fluid.clear();
+  c.domain = domain_of({40, 40, 40}, std::string("{ x = \"periodic\", y = \"periodic\", z = ") +
+                                         (image ? "\"periodic\" }" : "\"free-slip\" }"));
+  c.rest = "[contacts]\nfriction = 0.5\ntwisting_friction = 0.2\nrestitution = 0.6\n";
+  c.shapes = sphere_of("ball", 6);
+  c.bodies = body_of("ball", 2,
+                     "position = [20, 20, 4]\nvelocity = [0.02, 0.01, -0.05]\nangular_velocity = [0.02, "
+                     "0.03, 0.01]");
+  if (image)
+    c.bodies += body_of("ball", 2,
+                        "position = [20, 20, 36]\nvelocity = [0.02, 0.01, 0.05]\nangular_velocity = "
+                        "[-0.02, -0.03, 0.01]");
+  return c;
+}
+
+TEST(FreeSlipSides, ThrowABodyBackAsItsMirrorImageDoes) {
+  Simulation at_side = thrown_back(false).start(MPI_COMM_SELF),
+             at_image = thrown_back(true).start(MPI_COMM_SELF);
+  at_side.run(60), at_image.run(60);
+  const rigid::BodySet &a = at_side.bodies(), &b = at_image.bodies();
+  EXPECT_NEAR(a.velocity[0].z(), 0.6 * 0.05, 1e-9);
+  EXPECT_LT((a.velocity[0] - b.velocity[0]).norm(), 1e-12);
+  EXPECT_LT((a.angular_velocity[0] - b.angular_velocity[0]).norm(), 1e-12);
+  EXPECT_LT((a.angular_velocity[0] - Vec3(0.02, 0.03, 0.01)).norm(), 1e-12);
+}
+
 double kinetic_energy(const Simulation& simulation) {
   double sum = 0;
   for (std::size_t row = 0; row < simulation.bodies().owned; ++row)

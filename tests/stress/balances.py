@@ -284,7 +284,7 @@ def mass(record):
 
 
 def contacts(record):
-    """Contacts act on all bodies, sides and walls with forces whose sum is zero (a fluid gets a share of impacts). They press sides and rub by Coulomb's law.
+    """Contacts act on all bodies, sides and walls with forces whose sum is zero (a fluid gets a share of impacts). They press sides and rub by Coulomb's law, on free-slip sides not at all.
     They do no work but that of what is driven; restitution sees the velocity before the kick, so work is that along the mean of both velocities of a step, up to that of a kick alone."""
     tables, laws = record.tables, record.tables["contacts"]
     if laws["resolver"] != "sffd" or not record.entries:
@@ -297,7 +297,8 @@ def contacts(record):
         press = values[1:, d] * (1 if name.endswith("high") else -1)
         if not pulls:
             yield "pull at a side", np.minimum(press, 0)
-            yield "friction at a side", np.maximum(np.linalg.norm(np.delete(values[1:], d, axis=1), axis=1) - friction * press, 0)
+            most = 0 if side["type"] == "free-slip" else friction * press
+            yield "friction at a side", np.maximum(np.linalg.norm(np.delete(values[1:], d, axis=1), axis=1) - most, 0)
         if side["type"] == "moving":
             work += values @ side["velocity"] * share(side.get("over_time"), np.arange(len(work)) - 0.5)
     if record.is_wet:
