@@ -107,7 +107,8 @@ def figures(tables, draw):
         more = {"max-height-after": dict(time=10), "rebound-ratio": dict(height=n / 3), "discharge-rate": dict(time=10, height=n / 2), "bed-angle": centre,
                 "weight-torque": centre, "pressure-drop": dict(at=[n * draw.random(), n * draw.random()]), "flow-rate": dict(at=n * draw.random())}
         keys = {} if name in ("drift", "max-speed", "energy-change", "energy-growth", "kinetic-energy", "dissipation") else dict(axis=axis)
-        body = dict(body=draw.choice(kinds)) if kinds and draw.random() < 0.5 and name not in ("kinetic-energy", "dissipation", "pressure-drop", "flow-rate") else {}
+        is_of_fluid = name in ("kinetic-energy", "dissipation", "pressure-drop", "flow-rate")
+        body = dict(body=draw.choice(kinds)) if kinds and draw.random() < 0.5 and not is_of_fluid else {}
         found.append(dict(type=name) | keys | more.get(name, {}) | body)
     return found
 
@@ -123,7 +124,8 @@ def scene(seed):
     tables["output"] = dict(bodies=dict(every=every, contacts=True), checkpoint=dict(every=steps // 4, keep=9), report=dict(every=every),
                             series=[one for one in series if one["columns"]])
     if "fluid" in tables:
-        fields = dict(quantities=["velocity", "density", "pressure", "shear-rate", *(["temperature"] if "heat" in tables else [])], precision="double", every=steps // 4)
+        names = ["velocity", "density", "pressure", "shear-rate", *(["temperature"] if "heat" in tables else [])]
+        fields = dict(quantities=names, precision="double", every=steps // 4)
         probes = dict(name="line", line=[[2, 3, 4], [n - 3.25 for n in size]], count=9, every=steps // 4, quantities=["velocity", "density"])
         cells = dict(name="cells", box=[[0, 0, 0], size], every=every, quantities=["body-id"])
         tables["output"] |= dict(fields=fields, probes=[probes], slices=[cells, fields | dict(name="part", box=[[0, 4, 8], [16, 20, 24]])])
@@ -284,8 +286,9 @@ def mass(record):
 
 
 def contacts(record):
-    """Contacts act on all bodies, sides and walls with forces whose sum is zero (a fluid gets a share of impacts). They press sides and rub by Coulomb's law, on free-slip sides not at all.
-    They do no work but that of what is driven; restitution sees the velocity before the kick, so work is that along the mean of both velocities of a step, up to that of a kick alone."""
+    """Contacts act on all bodies, sides and walls with forces whose sum is zero (a fluid gets a share of impacts). They press sides
+    and rub by Coulomb's law, on free-slip sides not at all. They do no work but that of what is driven; restitution sees the velocity
+    before the kick, so work is that along the mean of both velocities of a step, up to that of a kick alone."""
     tables, laws = record.tables, record.tables["contacts"]
     if laws["resolver"] != "sffd" or not record.entries:
         return
@@ -310,14 +313,16 @@ def contacts(record):
             mean = 0.5 * (old[motion] + now[motion])
             work[n] += np.nansum(now[load] * mean)
             for k in np.flatnonzero(~now["is_free"]):
-                work[n] += sum(values[n] * mean[k, AXES.index(one["axis"])] for one, values in record.sees(type=f"contact-{what}", body=now["entry"][k]["name"]))
+                of_body = record.sees(type=f"contact-{what}", body=now["entry"][k]["name"])
+                work[n] += sum(values[n] * mean[k, AXES.index(one["axis"])] for one, values in of_body)
         kicks = record.gravity(n - 0.5) + now.get("spring_force", 0 * now["velocity"]) / now["mass"][:, None]
         yield "work of contacts", max(work[n] - (now["mass"] @ kicks**2).sum(), 0)
 
 
 def again(record):
     """Figures of the report and of series.csv, computed again."""
-    rough = 1e-6 if any(shape["type"] == "compound" for shape in record.tables["shapes"]) or any(entry.get("locked") for entry in record.entries.values()) else 1
+    is_rough = any(shape["type"] == "compound" for shape in record.tables["shapes"]) or any(entry.get("locked") for entry in record.entries.values())
+    rough = 1e-6 if is_rough else 1
     for one in record.tables["quantities"]:
         found = of_bodies(record, one) if record.entries else None
         found = of_fluid(record, one) if found is None else found

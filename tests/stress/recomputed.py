@@ -64,7 +64,8 @@ def solid(shape):
     edges, diameters = np.array(shape.get("edges", [0] * 3)), np.array(shape.get("diameters", [0] * 3))
     across = barrel * r * r / 4 + ball * r * r / 5
     found = dict(sphere=lambda: middle(ball, *[ball * r * r / 5] * 3), cylinder=lambda: middle(barrel, *[barrel * r * r / 4] * 2, barrel * h * h / 12),
-                 capsule=lambda: middle(barrel + ball, across, across, barrel * h * h / 12 + ball * ends), box=lambda: middle(edges.prod(), *edges.prod() * edges**2 / 12),
+                 capsule=lambda: middle(barrel + ball, across, across, barrel * h * h / 12 + ball * ends),
+                  box=lambda: middle(edges.prod(), *edges.prod() * edges**2 / 12),
                  ellipsoid=lambda: middle(np.pi / 6 * diameters.prod(), *np.pi / 6 * diameters.prod() * diameters**2 / 20),
                  mesh=lambda: polyhedron(*STONE), polyhedron=lambda: polyhedron(*hull(shape["vertices"])), compound=lambda: compound(shape["parts"]))
     return found[shape["type"]]()
@@ -154,7 +155,8 @@ def kinetic(rows):
 def of_bodies(record, one):
     """The value of a figure of bodies by its definition; None: it has none, or steps between were not written."""
     d, kind, start = AXES.index(one.get("axis", "z")), one["type"], one.get("time", 0)
-    times = [{key: value[[entry is record.entries.get(one.get("body"), entry) for entry in rows["entry"]]] for key, value in rows.items()} for rows in record.bodies]
+    of_kind = [[entry is record.entries.get(one.get("body"), entry) for entry in rows["entry"]] for rows in record.bodies]
+    times = [{key: value[those] for key, value in rows.items()} for rows, those in zip(record.bodies, of_kind)]
     first, last = times[0], times[-1]
     _, i, j = np.intersect1d(first["id"], last["id"], return_indices=True)
     if kind in AT_END and len(last["id"]):
