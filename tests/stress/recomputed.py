@@ -65,7 +65,7 @@ def solid(shape):
     across = barrel * r * r / 4 + ball * r * r / 5
     found = dict(sphere=lambda: middle(ball, *[ball * r * r / 5] * 3), cylinder=lambda: middle(barrel, *[barrel * r * r / 4] * 2, barrel * h * h / 12),
                  capsule=lambda: middle(barrel + ball, across, across, barrel * h * h / 12 + ball * ends),
-                  box=lambda: middle(edges.prod(), *edges.prod() * edges**2 / 12),
+                 box=lambda: middle(edges.prod(), *edges.prod() * edges**2 / 12),
                  ellipsoid=lambda: middle(np.pi / 6 * diameters.prod(), *np.pi / 6 * diameters.prod() * diameters**2 / 20),
                  mesh=lambda: polyhedron(*STONE), polyhedron=lambda: polyhedron(*hull(shape["vertices"])), compound=lambda: compound(shape["parts"]))
     return found[shape["type"]]()
