@@ -53,8 +53,11 @@ class Faults(SiltTest):
 
     def test_resume_beside_a_run_before_its_first_checkpoint(self):
         self.write(ENDLESS.replace("every = 250", "every = 100000000"))
-        self.wait_for(self.out / "run.lock", self.start("run", self.case))
+        first = self.start("run", self.case)
+        self.wait_for(self.out / "run.lock", first)
         self.assertIn(f"{self.out}: a run is writing here", self.silt("resume", self.case, code=2).stderr)
+        first.kill()
+        first.wait(60)
 
     def test_a_guard_speaks_beside_leftovers(self):
         """The ranks of a guard agree by this file who speaks."""
