@@ -230,7 +230,7 @@ CaseText tower(double heavy) {
 }
 
 TEST(OverlapGuard, IsToldOnEveryRankWithACure) {
-  constexpr int steps = 1000;
+  constexpr int steps = 300;  // it is told at 120
   const std::string found = stop_of(tower(1e3).start(MPI_COMM_WORLD), steps);
   EXPECT_TEXT(found, "deeper than half the width of one (4)");
   EXPECT_TEXT(found, "raise contacts.sweeps (now 16) or contacts.substeps (now 1)");
