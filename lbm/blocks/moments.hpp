@@ -51,8 +51,8 @@ struct CellTotals {
   std::int64_t energy = 0, energy_rest = 0;  // energy_rest: the remainder of energy, in finer quanta
   double speed_squared = -1;                 // the maximum
   double least_deviation = std::numeric_limits<double>::max(), most_deviation = -least_deviation;
-  /// Of the temperature that the fluid carries, if any, less that of reference; infinite for what is not a
-  /// number.
+  /// The extremes of the temperature that the fluid carries, less that of reference. The largest is infinite
+  /// if a cell's is not a number.
   double least_temperature = std::numeric_limits<double>::max(), most_temperature = -least_temperature;
   bool sound = true;  // false: a cell is not a number or beyond the limits, and the sums are invalid
 };
