@@ -24,25 +24,39 @@ namespace {
 /// Large pages that are inaccessible except while passes run. A pool above it requests few large pieces.
 class LockedMemory final : public std::pmr::memory_resource {
  public:
+  /// Changes the access to all of it. A call of the system for each allocation would take most of a pass.
   void lock(bool locked) {
-    for (const auto& [memory, bytes] : all_)
+    if (std::exchange(has_changed_, false)) find_spans();
+    for (const auto& [memory, bytes] : spans_)
       mprotect(memory, bytes, locked ? PROT_NONE : PROT_READ | PROT_WRITE);
   }
   /// Allocates memory with the bytes of a file; null if it cannot.
   void* of_file(int file, std::size_t bytes) {
     void* const memory = mmap(nullptr, bytes, PROT_NONE, MAP_SHARED, file, 0);
     if (memory == MAP_FAILED) return nullptr;
-    all_[memory] = bytes;
+    add(memory, bytes);
     return memory;
   }
   bool has(const void* at) const {
-    auto next = all_.upper_bound(const_cast<void*>(at));
+    auto next = all_.upper_bound(static_cast<char*>(const_cast<void*>(at)));
     if (next == all_.begin()) return false;
     --next;
-    return static_cast<const char*>(at) < static_cast<const char*>(next->first) + next->second;
+    return at < next->first + next->second;
   }
 
  private:
+  void add(void* memory, std::size_t bytes) {
+    all_[static_cast<char*>(memory)] = bytes;
+    has_changed_ = true;
+  }
+  void find_spans() {
+    spans_.clear();
+    for (const auto& [memory, bytes] : all_)
+      if (!spans_.empty() && spans_.back().first + spans_.back().second == memory)
+        spans_.back().second += bytes;
+      else
+        spans_.emplace_back(memory, bytes);
+  }
   static std::size_t whole(std::size_t bytes) { return (bytes + host_page - 1) / host_page * host_page; }
   void* do_allocate(std::size_t bytes, std::size_t) override {
     char* const from = static_cast<char*>(
@@ -54,18 +68,21 @@ class LockedMemory final : public std::pmr::memory_resource {
 #if defined(MADV_HUGEPAGE)
     madvise(memory, whole(bytes), MADV_HUGEPAGE);
 #endif
-    all_[memory] = whole(bytes);
+    add(memory, whole(bytes));
     return memory;
   }
   void do_deallocate(void* memory, std::size_t bytes, std::size_t) override {
     munmap(memory, whole(bytes));
-    all_.erase(memory);
+    all_.erase(static_cast<char*>(memory));
+    has_changed_ = true;
   }
   bool do_is_equal(const std::pmr::memory_resource& other) const noexcept override {
     return this == &other;
   }
 
-  std::map<void*, std::size_t> all_;
+  std::map<char*, std::size_t> all_;
+  std::vector<std::pair<char*, std::size_t>> spans_;  // all of it, allocations side by side as one
+  bool has_changed_ = false;
 };
 
 LockedMemory& locked_memory() {
