@@ -73,6 +73,7 @@ std::array<rigid::WallSpec, 6> walls_of(const Case& setup, rigid::World& world) 
     if (boundary.kind != coupler::BoundaryKind::free_slip) continue;
     if (smooth == 0) smooth = add_smooth_material(world);
     walls[side].material = smooth;
+    walls[side].mirrors = true;
   }
   return walls;
 }

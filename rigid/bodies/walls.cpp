@@ -53,7 +53,8 @@ void add_walls(BodySet& bodies, World& world, const Extent& extent, const std::a
     wall.motion = spec.velocity.isZero(0) ? Motion::fixed : Motion::prescribed;
     wall.position[axis] = upper ? extent.size[axis] : 0.0;
     Eigen::Map<Vec3>{wall.velocity} = spec.velocity;
-    append(bodies, world, HalfSpace{Vec3::Unit(axis) * (upper ? -1.0 : 1.0)}, spec.material, wall);
+    append(bodies, world, HalfSpace{Vec3::Unit(axis) * (upper ? -1.0 : 1.0), spec.mirrors}, spec.material,
+           wall);
   }
   bodies.reindex();
 }

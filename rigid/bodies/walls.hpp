@@ -15,6 +15,7 @@ namespace silt::rigid {
 struct WallSpec {
   bool solid = false;
   int material = 0;
+  bool mirrors = false;          // a plane of symmetry
   Vec3 velocity = Vec3::Zero();  // of the surface, tangential: the wall slides in its own plane
 };
 

@@ -30,7 +30,9 @@ bool DetectContacts::has_lubrication(const ContactPoint& point, bool with_mesh) 
   });
 }
 
-/// Adds the lubrication film if both surfaces are smooth and curve away from each other.
+/// Adds the lubrication film if both surfaces are smooth and curve away from each other. At a plane of symmetry
+/// it is the film between a body and its mirror image, which is twice as wide, closes twice as fast and does not
+/// slide; the little that it resists rotation is left out.
 void DetectContacts::add_lubrication(const Pair& p, const Piece& a, const Piece& b, const ContactPoint& point,
                                      Contact& c) const {
   if (!a.of->is_smooth(a.index) || !b.of->is_smooth(b.index)) return;
@@ -42,10 +44,13 @@ void DetectContacts::add_lubrication(const Pair& p, const Piece& a, const Piece&
   if (!of_a || !of_b) return;
   const double opening = n.dot(bodies.velocity_at(p.row_b, c.r_b) - bodies.velocity_at(p.row_a, c.r_a));
   const Vec3 middle = bodies.position[p.row_a] + 0.5 * (point.on_a + point.on_b);
-  const LubricatedGap gap{point.gap, p.call.dt * opening, *of_a, *of_b, middle, n, b.of->half_space};
+  LubricatedGap gap{point.gap, p.call.dt * opening, *of_a, *of_b, middle, n, b.of->half_space};
+  if (b.of->mirrors)
+    gap = {2 * gap.width, 2 * gap.travel, *of_a, *of_a, bodies.position[p.row_a] + point.on_b, n};
   const double sum = gap.curvature_sum();
   if (sum > 0 && gap.curvature_product() >= least_roundness * sum * sum)
     c.lubrication = (*p.call.world.lubrication)(gap);
+  if (b.of->mirrors) c.lubrication = {2 * c.lubrication.normal, 0, 0, 2 * c.lubrication.leaving};
   if (c.lubrication) c.feature |= lubrication_feature;
 }
 

@@ -8,6 +8,7 @@ ShapeParts::ShapeParts(const Shape& shape, bool with_curvature)
     : parts(convex_parts(shape)),
       sphere(is_sphere(shape)),
       half_space(std::holds_alternative<HalfSpace>(shape)),
+      mirrors(half_space && std::get<HalfSpace>(shape).mirrors),
       plain(parts.size() == 1 && parts[0].pose == Pose{}),
       smooth(std::ranges::any_of(parts, [](const Part& part) { return rigid::is_smooth(part.shape); })) {
   for (const Part& part : parts) radii.push_back(reach({part.shape, Pose{}}));

@@ -16,7 +16,7 @@ struct ShapeParts {
 
   std::vector<Part> parts;
   std::vector<double> radii;  // bounding radius of each part about its own origin
-  bool sphere, half_space;
+  bool sphere, half_space, mirrors;
   std::optional<Tube> tube;                      // if set, there are no parts
   std::shared_ptr<const MeshFeatures> mesh;      // if set, there are no parts
   std::shared_ptr<const FacetCurvature> facets;  // of the mesh, if prepared with curvature

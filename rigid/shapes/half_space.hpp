@@ -9,6 +9,7 @@ namespace silt::rigid {
 struct HalfSpace {
   static constexpr std::string_view name = "half-space";
   Vec3 normal;
+  bool mirrors = false;  // a plane of symmetry: what touches it touches its mirror image
   bool operator==(const HalfSpace&) const = default;
   static constexpr std::tuple<> fields{};  // cases give half-spaces as sides of the domain
 

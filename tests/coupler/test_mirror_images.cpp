@@ -144,5 +144,33 @@ TEST(BodiesAtFreeSlipSides, AreAsAccurateAsElsewhereWithAnyWallScheme) {
   }
 }
 
+/// A ball that turns about its way to a plane of symmetry a quarter of a cell away.
+CaseText ball_close_to_plane(bool whole) {
+  CaseText c;
+  c.domain = domain_of({20, 20, whole ? 2 * half_of_cells : half_of_cells},
+                       whole ? "\"periodic\"" : R"({ x = "periodic", y = "periodic", z = "free-slip" })");
+  c.fluid = "[fluid]\nrelaxation_time = 0.7\nprecision = \"double\"\n";
+  c.rest = "[coupling]\nwall_scheme = \"bounce-back\"\n";
+  c.shapes = sphere_of("ball", 6);
+  const Moving ball{"ball", {10.2, 9.7, 3.25}, {0.004, -0.003, -0.02}, {0, 0, 0.01}};
+  c.bodies = ball.text("free") + (whole ? ball.mirrored().text("free") : "");
+  return c;
+}
+
+/// Cells that the ball leaves are filled from fewer neighbours at the side, with or without the film.
+TEST(BodiesAtFreeSlipSides, AreSlowedByTheFilmToTheirImage) {
+  const auto velocity_after = [](bool whole, const Overrides& changes) {
+    Simulation s = ball_close_to_plane(whole).start(MPI_COMM_SELF, changes);
+    s.run(3);
+    return Vec3(s.bodies().velocity[s.bodies().row_of(1)]);
+  };
+  const auto by_film = [&](bool whole) -> Vec3 {
+    return velocity_after(whole, {}) - velocity_after(whole, {"coupling.lubrication=false"});
+  };
+  const Vec3 at_side = by_film(false), at_image = by_film(true);
+  EXPECT_GT(at_image.norm(), 0.02 * 0.02);  // of a velocity of 0.02
+  EXPECT_LT((at_side - at_image).norm(), 1e-3 * at_image.norm());
+}
+
 }  // namespace
 }  // namespace silt::coupler::testing
