@@ -21,8 +21,6 @@ constexpr hsize_t least_rows = 1 << 12, most_rows = 1 << 20;
 
 /// Returns the columns of BodyRow in /bodies.
 std::vector<Column> body_columns(const BodySeriesInfo& info) {
-  const std::string &l = info.length, &t = info.time, &m = info.mass;
-  const std::string force = m + " " + l + "/" + t + "^2", torque = m + " " + l + "^2/" + t + "^2";
   std::vector<Column> columns;
   const auto add = [&](const char* name, auto member, const std::string& unit = "",
                        const std::string& meaning = "") {
@@ -30,7 +28,7 @@ std::vector<Column> body_columns(const BodySeriesInfo& info) {
   };
   const auto add_wrench = [&](const std::string& prefix, Wrench BodyRow::*of, const std::string& meaning) {
     for (const auto& [name, part, unit] :
-         {std::tuple{"force", &Wrench::force, force}, {"torque", &Wrench::torque, torque}}) {
+         {std::tuple{"force", &Wrench::force, info.force}, {"torque", &Wrench::torque, info.torque}}) {
       columns.push_back(hdf5::column_of<Wrench>(prefix + name, part, unit, meaning));
       columns.back().offset += hdf5::offset_of<BodyRow>(of);
     }
@@ -38,16 +36,16 @@ std::vector<Column> body_columns(const BodySeriesInfo& info) {
   add("id", &BodyRow::id);
   add("kind", &BodyRow::kind);
   add("image", &BodyRow::image, "periods");
-  add("position", &BodyRow::position, l);
+  add("position", &BodyRow::position, info.length);
   add("orientation", &BodyRow::orientation, "quaternion w, x, y, z");
-  add("velocity", &BodyRow::velocity, l + "/" + t);
-  add("angular_velocity", &BodyRow::angular_velocity, "rad/" + t);
+  add("velocity", &BodyRow::velocity, info.length + "/" + info.time);
+  add("angular_velocity", &BodyRow::angular_velocity, "rad/" + info.time);
   add_wrench("", &BodyRow::load,
              "what the fluid gave the body in the step, and what a program added; without gravity and "
              "without the fluid's hydrostatic pressure");
-  add("mass", &BodyRow::mass, m);
+  add("mass", &BodyRow::mass, info.mass);
   if (info.columns.buoyancy)
-    add("buoyancy", &BodyRow::buoyancy, force,
+    add("buoyancy", &BodyRow::buoyancy, info.force,
         "of the fluid's hydrostatic pressure: the weight of the fluid displaced, upwards");
   if (info.columns.scale)
     add("scale", &BodyRow::scale, "1", "lengths of the body over those of the surface of its kind");
@@ -108,7 +106,7 @@ void write_kinds(File& file, const BodySeriesInfo& info) {
   };
   write("bounding_radius", H5T_IEEE_F64LE, radii, info.length,
         "largest distance of a point of the body from its centre of mass");
-  write("density", H5T_IEEE_F64LE, densities, info.mass + "/" + info.length + "^3", "mass over volume");
+  write("density", H5T_IEEE_F64LE, densities, info.density, "mass over volume");
   write("part_kind", H5T_STD_I32LE, all.part_kind, "", "kind that each convex part belongs to");
   write("vertex", H5T_IEEE_F32LE, all.vertices, info.length,
         "vertices of the parts' surfaces in the frame of the body, origin at its centre of mass");

@@ -58,8 +58,8 @@ struct BodyColumns {
 struct BodySeriesInfo {
   std::vector<BodyKind> kinds;
   std::array<double, 3> domain_lower{0, 0, 0}, domain_upper{0, 0, 0};
-  // Units of the case, SI: "m", "s", "kg"; lattice: "cells", "steps", "reference masses".
-  std::string length = "cells", time = "steps", mass = "reference masses";
+  // The names of the units of the case.
+  std::string length = "m", time = "s", mass = "kg", density = "kg/m3", force = "N", torque = "N m";
   BodyColumns columns;
 };
 

@@ -114,7 +114,10 @@ adapters::BodySeriesInfo series_info(const Simulation& simulation) {
   for (int d = 0; d < 3; ++d) info.domain_upper[d] = setup.cells[d] * setup.units.cell_size;
   info.length = setup.units.unit_text(dimension::length);
   info.time = setup.units.unit_text(dimension::time);
-  if (setup.units.si) info.mass = setup.units.unit_text(dimension::mass);
+  info.mass = setup.units.unit_text(dimension::mass);
+  info.density = setup.units.unit_text(dimension::density);
+  info.force = setup.units.unit_text(dimension::force);
+  info.torque = setup.units.unit_text(dimension::torque);
   info.kinds = drawn_kinds(setup);
   return info;
 }

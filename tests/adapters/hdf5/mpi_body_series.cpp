@@ -25,15 +25,11 @@ adapters::TriangleMesh tetrahedron(double height) {
 }
 
 /// Kinds of one part, two parts and none.
-const adapters::BodySeriesInfo info{{{"light", 0.5, 800, {tetrahedron(1)}},
-                                     {"heavy \u2605", 0.7, 1200, {tetrahedron(1), tetrahedron(1.5)}},
-                                     {"without a mesh", 0.7, 1200, {}}},
-                                    {0, 0, 0},
-                                    {10, 10, 20},
-                                    "m",
-                                    "s",
-                                    "kg",
-                                    {.contacts = true}};
+const adapters::BodySeriesInfo info{.kinds = {{"light", 0.5, 800, {tetrahedron(1)}},
+                                              {"heavy \u2605", 0.7, 1200, {tetrahedron(1), tetrahedron(1.5)}},
+                                              {"without a mesh", 0.7, 1200, {}}},
+                                    .domain_upper = {10, 10, 20},
+                                    .columns = {.contacts = true}};
 
 /// This rank's share of the bodies of a step: their number and owners change from step to step.
 std::vector<BodyRow> bodies(int step, int rank, int ranks) {

@@ -42,7 +42,7 @@ for ranks in (1, 3):
         series = BodySeries(folder + "/bodies.h5")
         check(series)
         assert over_time.check(folder) == {"bodies.vtkhdf": len(series)}
-        assert len(series) == 10 and series.unit("velocity") == "m/s" and series.unit("torque") == "kg m^2/s^2"
+        assert len(series) == 10 and series.unit("velocity") == "m/s" and series.unit("torque") == "N m"
         assert series.kinds == ["light", "heavy \u2605", "without a mesh"] and series.provenance["title"] == "\u00e4"
         assert [len(parts) for parts in series.meshes] == [1, 2, 0]
         for height, part in zip((1, 1, 1.5), series.meshes[0] + series.meshes[1]):
