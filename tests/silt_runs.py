@@ -10,7 +10,7 @@ import tempfile
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 SCRIPTS = ROOT / "scripts"
 MPIRUN = ["mpirun", "--oversubscribe", "--allow-run-as-root", "--quiet"]
-ENVIRONMENT = dict(os.environ, OMPI_MCA_mpi_yield_when_idle="1", OMPI_MCA_rmaps_base_oversubscribe="1", SILT_PLAIN="1")
+ENVIRONMENT = dict(os.environ, OMPI_MCA_rmaps_base_oversubscribe="1", SILT_PLAIN="1")
 sys.path[:0] = [str(SCRIPTS / "accuracy"), str(SCRIPTS)]
 signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell has its jobs in the background ignore it, and theirs
 

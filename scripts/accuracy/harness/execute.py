@@ -8,7 +8,7 @@ import traceback
 from problem import Outcome
 
 LOG_LINES = 12  # of the end of a failed run's output
-ENVIRONMENT = {"OMPI_MCA_mpi_yield_when_idle": "1", "SILT_PLAIN": "1"}
+ENVIRONMENT = {"SILT_PLAIN": "1"}
 
 
 class RunFailed(Exception):
