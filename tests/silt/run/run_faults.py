@@ -200,6 +200,8 @@ class Faults(SiltTest):
             self.assertIn(f"passed over: cannot use the checkpoint {newest}", said)
             self.assertIn("goes on from step 50", said)
             self.assertEqual(self.report()["state_hash"], reference)
+        said = self.silt("resume", self.case, "--out", self.out / "none at all", code=2).stderr
+        self.assertIn(f"no checkpoint to go on from; start the run with: silt run {self.case} --out '{self.out}/none at all'", said)
         newest.write_bytes(b"no checkpoint")
         self.assertIn(str(before), self.silt("resume", self.case, "--checkpoint", newest, code=2).stderr)
 
