@@ -143,6 +143,20 @@ void check_reach(const Case& setup, Diagnostics& findings, const Entry& body) {
                    in_metres(setup, across));
 }
 
+/// Where a body reaches its own periodic image, its ends have the lip of edges (method-walls.md).
+void check_endless(const Case& setup, Diagnostics& findings, const BodySpec& body) {
+  const rigid::Shape& shape = setup.shapes[body.shape];
+  const auto parts = rigid::convex_parts(shape);
+  if (parts.size() != 1 || rigid::is_smooth(parts.front().shape)) return;
+  const rigid::BoundingBox box = rigid::bounding_box(shape, body.pose);
+  for (int d = 0; d < 3; ++d)
+    if (setup.periodic(d) && box.upper[d] - box.lower[d] > setup.cells[d] - 1)
+      findings.warning(fmt::format("bodies[{}].shape", body.entry),
+                       "bodies[{}] reaches its own image beyond the periodic side {}, and its ends are edges "
+                       "there, which add drag: use a shape of type = \"mesh\", whose edges do not",
+                       body.entry, "xyz"[d]);
+}
+
 /// A body that moves must find room between the walls, and must not meet itself across a border.
 void check_room(const Case& setup, Diagnostics& findings, const Entry& body) {
   const rigid::Shape& shape = setup.shapes[body.shape];
@@ -353,8 +367,11 @@ void find_body_faults(const Case& setup, Diagnostics& findings) {
     if (entry.largest && entry.motion != rigid::Motion::fixed) check_room(setup, findings, entry);
     if (entry.largest && entry.motion == rigid::Motion::fixed) check_reach(setup, findings, entry);
   }
-  if (setup.fluid)
+  if (setup.fluid) {
     for (const Entry& entry : continued_entries_of(setup)) check_cells_across(setup, findings, entry);
+    for (const BodySpec& body : setup.bodies)
+      if (body.motion == rigid::Motion::fixed) check_endless(setup, findings, body);
+  }
   check_backend(setup, findings);
   for (std::size_t i = 0; i < setup.fills.size(); ++i) check_fill(setup, findings, i);
   if (!has_errors(findings.list)) check_fill_rooms(setup, findings);

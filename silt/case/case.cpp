@@ -28,6 +28,14 @@ bool is_loaded(const Case& setup) {
   return false;
 }
 
+double fastest_of_sides_and_start(const Case& setup) {
+  double fastest = 0;
+  if (setup.fluid)
+    fastest = std::max(setup.fluid->initial.largest_speed(), setup.fluid->superficial_velocity.norm());
+  for (const coupler::BoundarySpec& side : setup.boundary) fastest = std::max(fastest, side.largest_speed());
+  return fastest;
+}
+
 }  // namespace
 
 bool begins_at_rest(const Case& setup) {
@@ -101,10 +109,7 @@ std::vector<Entry> continued_entries_of(const Case& setup) {
 }
 
 double fastest_given(const Case& setup) {
-  double fastest = 0;
-  if (setup.fluid)
-    fastest = std::max(setup.fluid->initial.largest_speed(), setup.fluid->superficial_velocity.norm());
-  for (const coupler::BoundarySpec& side : setup.boundary) fastest = std::max(fastest, side.largest_speed());
+  double fastest = fastest_of_sides_and_start(setup);
   for (const Entry& entry : entries_of(setup)) {
     const double radius = rigid::bounding_radius(setup.shapes[entry.shape]);
     fastest = std::max(fastest, entry.velocity.norm() + radius * entry.angular_velocity.norm());
@@ -119,8 +124,12 @@ double fastest_given(const Case& setup) {
   return fastest;
 }
 
+/// Bodies and walls are in the finest cells; sides and the initial fluid may be in the widest, where the
+/// viscosity is that much smaller.
 double cell_reynolds(const Case& setup) {
-  return fastest_given(setup) / setup.fluid->kinematic_viscosity;
+  const int widest = setup.coarsening ? 1 << setup.coarsening->levels : 1;
+  return std::max(fastest_given(setup), fastest_of_sides_and_start(setup) * widest) /
+         setup.fluid->kinematic_viscosity;
 }
 
 }  // namespace silt

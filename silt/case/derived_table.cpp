@@ -142,7 +142,8 @@ void add_fluid(const Case& setup, Table& table) {
   if (fastest > 0) {
     table.quantity("largest given speed", fastest, dimension::velocity);
     table.line("  its Mach number", "", shown(fastest * std::sqrt(3.)));
-    table.line("  its cell Reynolds number", "", shown(cell_reynolds(setup)));
+    table.line("  its cell Reynolds number", setup.coarsening ? "largest of all widths" : "",
+               shown(cell_reynolds(setup)));
   }
   if (fluid.body_force.norm() > 0)
     table.quantity("body force", fluid.body_force.norm(), dimension::acceleration);

@@ -325,9 +325,10 @@ void check_collision(const Case& setup, Diagnostics& findings) {
   const double found = cell_reynolds(setup), measured = measured_reynolds(setup.fluid->collision);
   if (found > measured)
     findings.warning("fluid.collision",
-                     "the cell Reynolds number u/nu is {} at the largest speed given; {} was measured to "
+                     "the cell Reynolds number u/nu is {} at the largest speed given{}; {} was measured to "
                      "last up to {} (scripts/stability): use {}smaller cells",
-                     shown(found), model.name, shown(measured),
+                     shown(found), setup.coarsening ? " (of sides and of the start in the widest cells)" : "",
+                     model.name, shown(measured),
                      model.has_eddies() ? "" : "fluid.collision = \"regularised\" or ");
   check_flow_between_walls(setup, findings);
   if (!possible_magic.holds(setup.fluid->magic))

@@ -172,6 +172,12 @@ void check_place(const Case& setup, Diagnostics& findings, const QuantitySpec& q
                    "{}.axis is {}, across which nothing is sheared; both sides there must be walls (no-slip "
                    "or moving), of different velocities",
                    entry, "xyz"[quantity.axis]);
+  else if (type.asks_for(Q::sheared) && (low.over_time.amplitude != 0 || high.over_time.amplitude != 0))
+    findings.warning(
+        entry + ".type",
+        "{}.type is \"{}\", but a wall oscillates: where the walls are as fast as one another the "
+        "quantity is infinite, and its mean says nothing; use \"wall-stress\" in [[output.series]]",
+        entry, quantity.type);
   if (type.takes(Q::bearer)) check_bearer(setup, findings, quantity, entry);
   const int cells = setup.cells[quantity.axis];
   for (const double at : {quantity.height, quantity.second_height})

@@ -3,7 +3,10 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <cctype>
 #include <cmath>
+#include <cstring>
 #include <thread>
 
 #include "adapters/automatic/collision_factory.hpp"
@@ -23,6 +26,16 @@ namespace silt {
 namespace fs = std::filesystem;
 
 namespace {
+
+/// Returns an argument, quoted for a shell if necessary.
+std::string quoted(const std::string& argument) {
+  const auto plain = [](unsigned char c) { return std::isalnum(c) || std::strchr("/._-+=:,@%", c); };
+  const std::string path = argument.starts_with('-') ? "./" + argument : argument;
+  if (!path.empty() && std::all_of(path.begin(), path.end(), plain)) return path;
+  std::string text = "'";
+  for (const char c : path) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return text + "'";
+}
 
 /// Throws errors of building the scene early, while ranks can still report them together.
 void require_buildable(const Case& setup, int ranks) {
@@ -209,6 +222,10 @@ std::string PreparedRun::text_of_end() const {
                      simulation->steps_done(), setup.steps);
 }
 
+std::string arguments_of(const RunOptions& options) {
+  return quoted(options.directory.string()) + (options.out ? " --out " + quoted(options.out->string()) : "");
+}
+
 fs::path result_folder(const RunOptions& options) {
   if (options.out) return *options.out;
   const bool is_file = options.directory.extension() == ".toml";
@@ -253,7 +270,7 @@ PreparedRun prepare_resume(const RunOptions& options, MPI_Comm comm, const fs::p
   if (is_nothing)
     throw std::runtime_error(
         fmt::format("{}: there is no checkpoint to go on from; start the run with: silt run {}",
-                    folder.string(), options.directory.string()));
+                    folder.string(), arguments_of(options)));
   if (options.checkpoint) there = {{0, *options.checkpoint}};
   const auto first_sound = first_sound_checkpoint(there, comm, ready.note);
   const adapters::CheckpointReader& reader = *first_sound;

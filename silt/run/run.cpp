@@ -5,9 +5,7 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cstdio>
-#include <cstring>
 #include <fstream>
 #include <iterator>
 
@@ -27,16 +25,6 @@ namespace silt {
 namespace fs = std::filesystem;
 
 namespace {
-
-/// Returns an argument, quoted for a shell if necessary.
-std::string quoted(const std::string& argument) {
-  const auto plain = [](unsigned char c) { return std::isalnum(c) || std::strchr("/._-+=:,@%", c); };
-  const std::string path = argument.starts_with('-') ? "./" + argument : argument;
-  if (!path.empty() && std::all_of(path.begin(), path.end(), plain)) return path;
-  std::string text = "'";
-  for (const char c : path) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return text + "'";
-}
 
 class Run {
  public:
@@ -69,8 +57,7 @@ Run::Run(PreparedRun prepared, const fs::path& folder, const RunOptions& options
     : prepared_(std::move(prepared)),
       simulation_(*prepared_.simulation),
       folder_(folder),
-      resume_with_(quoted(options.directory.string()) +
-                   (options.out ? " --out " + quoted(options.out->string()) : "")),
+      resume_with_(arguments_of(options)),
       stop_request_(simulation_.scene().comm, options.time_limit),
       reunion_(reunion),
       progress_(prepared_.extent(), simulation_.scene().rank() == 0),

@@ -39,6 +39,9 @@ std::string examine_case(const RunOptions&);
 /// Returns the folder for results: the option, or else DIRECTORY/out.
 std::filesystem::path result_folder(const RunOptions&);
 
+/// Returns what names the case and its folder of results on a command line, quoted for a shell.
+std::string arguments_of(const RunOptions&);
+
 /// Returns the derived table of a case (a folder with a case.toml, or a .toml file) and a list of the results
 /// in its folder `out`, or, for another folder, the list alone. Throws CaseError or std::runtime_error.
 std::string describe_case(const std::filesystem::path&);

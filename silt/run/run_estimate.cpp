@@ -35,11 +35,11 @@ constexpr double file_row_of_a_body = 184, file_buoyancy_of_a_body = 24, file_co
 constexpr double multireflection_link = 1.27;  // relative to other schemes
 // Costs of output in collision steps of one cell in single precision: per cell of a field; per number of it,
 // plain or a derivative, with packing; per population in a checkpoint with its checksum; per body there; per
-// row of bodies.h5; per cell of a report, of a quantity of the flow, of the final hash; per first-touched
-// byte.
+// row of bodies.h5; per cell of a report, of a quantity of the flow, of a stress, of the final hash; per
+// first-touched byte.
 constexpr double of_a_field_cell = 2.5, of_a_number = 1.8, of_a_derivative = 5.6, of_a_population = 5,
                  of_a_saved_body = 600, of_a_row = 300, of_a_report_cell = 1.2, of_a_flow_cell = 3,
-                 of_a_hashed_cell = 6, of_a_new_byte = 0.07;
+                 of_a_stress_cell = 5, of_a_hashed_cell = 6, of_a_new_byte = 0.07;
 // Costs in seconds; the last two per body in a report and in each of its quantities, and per sampled body.
 constexpr double seconds_of_a_start = 0.1, seconds_of_a_report = 0.1e-3, seconds_of_a_file = 2e-3,
                  seconds_of_all_rows = 1e-3, seconds_of_a_checkpoint = 20e-3;
@@ -173,22 +173,36 @@ double seconds_of_fields(const FieldsSpec& fields, double cell) {
   return seconds_of_a_file + cells_of(fields) * steps * cell;
 }
 
+/// Returns in how many steps a quantity is computed for its mean and for rows of series.
+double steps_computed(const Case& setup, const QuantitySpec& q) {
+  const auto steps = double(setup.steps);
+  double computed = q.over ? std::max(0., std::min(q.over->to, steps) - q.over->from) : 0;
+  for (const ColumnsSpec& series : setup.output.series)
+    if (std::ranges::count(series.columns, q.name))
+      computed += times(series, setup.steps, false) * double(series.mean_of);
+  return std::min(computed, steps);
+}
+
 /// Returns the seconds of all output on one rank; `cell` is the time per cell and step in single precision,
 /// `share` as in disk_needed.
 double seconds_of_output(const Case& setup, double bodies, double cell, double share) {
   const OutputSpec& output = setup.output;
   const double cells = setup.fluid ? share * setup.volume() : 0;
   const int words = setup.fluid && setup.fluid->precision == coupler::Precision::double_ ? 2 : 1;
-  double report_cell = words * of_a_report_cell, report_body = seconds_of_a_reported_body;
+  double report_cell = words * of_a_report_cell, report_body = seconds_of_a_reported_body, of_means = 0;
   for (const QuantitySpec& q : setup.quantities) {
     if (q.type == "dissipation") report_cell += of_a_flow_cell;
+    if (q.type == "viscous-stress")
+      of_means +=
+          steps_computed(setup, q) * share * (q.box.upper - q.box.lower).prod() * of_a_stress_cell * cell;
     report_body += q.type == "packing-fraction" ? seconds_of_a_sampled_body : seconds_of_a_reported_body;
   }
   const double report = seconds_of_a_report + bodies * report_body + cells * report_cell * cell;
   const double checkpoint =
       seconds_of_a_checkpoint +
       (cells * populations_of(setup) * words * of_a_population + bodies * of_a_saved_body) * cell;
-  double seconds = times(output.report, setup.steps, true) * report + cells * of_a_hashed_cell * cell +
+  double seconds = of_means + times(output.report, setup.steps, true) * report +
+                   cells * of_a_hashed_cell * cell +
                    times(output.checkpoint, setup.steps, false) * checkpoint;
   if (bodies > 0)
     seconds += times(output.bodies, setup.steps, true) * (seconds_of_all_rows + bodies * of_a_row * cell);

@@ -9,7 +9,7 @@ import sys
 import time
 import unittest
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "coupler/run"))
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "silt/run"))
 import estimates  # noqa: E402
 from estimates import number  # noqa: E402
 from silt_test import SiltTest  # noqa: E402

@@ -92,6 +92,24 @@ TEST(DerivedTable, TheLargestGivenSpeedIsThatOfAnythingThatMoves) {
   EXPECT_EQ(c.read().fluid->collision, lbm::Collision::regularised);
 }
 
+/// In the units of cells four times as wide the viscosity is a quarter, and a speed is the same.
+TEST(DerivedTable, CellReynoldsNumberIsThatOfTheWidestCellsForAStreamAndOfTheFinestForABody) {
+  const auto of = [](const std::string& stream, const std::string& velocity) {
+    CaseText c;
+    c.domain = domain_of({96, 96, 96});
+    c.fluid = "[fluid]\nkinematic_viscosity = 0.008\ncollision = \"auto\"\n" + stream;
+    c.rest = "[coarsening]\nlevels = 2\ndistance = 16\n";
+    c.bodies = body_of("ball", 1, "position = [48, 48, 48]\n" + velocity);
+    return c.read();
+  };
+  const Case stream = of("initial = { type = \"uniform\", velocity = [0.05, 0, 0] }\n", "");
+  EXPECT_NEAR(cell_reynolds(stream), 25, 1e-9);
+  EXPECT_EQ(stream.fluid->collision, lbm::Collision::regularised);
+  const Case body = of("", "velocity = [0.05, 0, 0]\n");
+  EXPECT_NEAR(cell_reynolds(body), 6.25, 1e-9);
+  EXPECT_EQ(body.fluid->collision, lbm::Collision::trt);
+}
+
 /// In fluid at rest the Nusselt number is 2, and of a sphere h (V/A)/k is its sixth times the conductivity of
 /// the fluid over that of the body.
 TEST(DerivedTable, SaysWhatABodyOfOneTemperatureMustConduct) {

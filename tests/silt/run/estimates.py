@@ -120,6 +120,8 @@ steps = 4000
         for output in ("report={ every = 1 }", "fields={ every = 3 }", "checkpoint={ every = 1 }", "slices=[{ name = 'a', every = 1, box = [[0, 40, 0], [1e4, 40, 1e4]] }]"):
             said = self.silt("check", self.case, "--set", f"output.{output}").stdout
             self.assertGreater(number(said, "  of it for output"), alone, output)
+        stress = "quantities=[{ name = 'a', type = 'viscous-stress', component = 'xz', over = [0, 1e4] }]"
+        self.assertGreater(number(self.silt("check", self.case, "--set", stress).stdout, "  of it for output"), 10 * alone)
 
     def test_contacts_of_meshes_take_time(self):
         """A bed of rings takes hundreds of times as long as one of balls, by its contacts of triangles."""

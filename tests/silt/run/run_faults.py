@@ -11,7 +11,7 @@ import subprocess
 import time
 import unittest
 
-from silt_test import CASE, ENVIRONMENT, SILT, UNSTABLE, SiltTest
+from silt_test import CASE, ENVIRONMENT, SILT, UNSTABLE, SiltTest, script
 
 ENDLESS = CASE.replace("steps = 60", "steps = 100000000").replace("fields = { every = 20 }\n", "").replace(
     "every = 25, keep = 3", "every = 250, keep = 3")
@@ -82,6 +82,24 @@ class Faults(SiltTest):
             self.assertEqual(process.returncode, 4, errors)
             self.assertIn(f"told to stop by SIG{name}{why} at step", errors)
             self.assertTrue((self.out / f"checkpoint_{self.report()['steps']:012d}.h5").exists())
+
+    def test_the_signal_of_scancel_that_submit_names_comes_to_ranks_by_mpirun(self):
+        """The ranks stand still for longer than mpirun waits before it kills."""
+        name, = re.findall(r"scancel\s--signal=(\w+)\s--batch", script("submit", "--help"))
+        self.write(ENDLESS)
+        process = self.start("run", self.case, ranks=2)
+        self.wait_for(self.out / "bodies.h5", process)
+        ranks = [int(child) for child in pathlib.Path(f"/proc/{process.pid}/task/{process.pid}/children").read_text().split()]
+        for rank in ranks:
+            os.kill(rank, signal.SIGSTOP)
+        process.send_signal(getattr(signal, f"SIG{name}"))
+        time.sleep(3)
+        self.assertIsNone(process.poll())
+        for rank in ranks:
+            os.kill(rank, signal.SIGCONT)
+        _, errors = process.communicate(timeout=60)
+        self.assertEqual(process.returncode, 4, errors)
+        self.assertTrue((self.out / f"checkpoint_{self.report()['steps']:012d}.h5").exists())
 
     def test_nobody_needs_to_read_what_a_run_prints(self):
         read, write = os.pipe()
@@ -200,6 +218,8 @@ class Faults(SiltTest):
             self.assertIn(f"passed over: cannot use the checkpoint {newest}", said)
             self.assertIn("goes on from step 50", said)
             self.assertEqual(self.report()["state_hash"], reference)
+        said = self.silt("resume", self.case, "--out", self.out / "none at all", code=2).stderr
+        self.assertIn(f"no checkpoint to go on from; start the run with: silt run {self.case} --out '{self.out}/none at all'", said)
         newest.write_bytes(b"no checkpoint")
         self.assertIn(str(before), self.silt("resume", self.case, "--checkpoint", newest, code=2).stderr)
 
