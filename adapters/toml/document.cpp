@@ -202,7 +202,6 @@ Node parse_value(std::string_view text, const Place& place) {
   try {
     require_ascii_outside_strings(text, place.file);
     const auto table = ::toml::parse("value = " + std::string(text));
-    if (table.size() != 1) throw SyntaxError(place, "more than one value");
     Node node = converted(*table.get("value"), place.file);
     stamp(node, place);
     return node;

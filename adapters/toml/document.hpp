@@ -55,7 +55,7 @@ struct SyntaxError : std::runtime_error {
 
 /// Parses the root table of a document; `file` only labels places. Throws SyntaxError.
 Node parse_document(std::string_view text, const std::string& file);
-/// Parses one TOML value, such as the right-hand side of `--set key=value`. Throws SyntaxError.
+/// Parses a TOML value of one line, such as the right-hand side of `--set key=value`. Throws SyntaxError.
 Node parse_value(std::string_view text, const Place&);
 
 }  // namespace silt::adapters

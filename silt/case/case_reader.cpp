@@ -216,7 +216,7 @@ std::optional<std::string> TableReader::string(std::string_view key) {
   const Node* node = find(key);
   if (!node) return {};
   if (node->kind == Node::Kind::string && !node->string.empty()) return node->string;
-  refuse(key, "a string");
+  refuse(key, "a string that is not empty");
   return {};
 }
 

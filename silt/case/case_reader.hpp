@@ -192,7 +192,6 @@ struct Flag {
 struct Text {
   auto read(TableReader& table, const char* key) const { return table.string(key); }
   std::string type() const { return "string"; }
-  static std::string text(const std::string& s) { return s; }
 };
 template <class Enum, std::size_t count>
 struct Choice {

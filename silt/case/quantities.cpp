@@ -19,7 +19,8 @@ struct KeyOf {
 
 constexpr std::tuple every_type_keys{
     HandKey{"name", "string", "", required, "name of the quantity in report.json"},
-    HandKey{"type", "type of quantity", "", required, "one of the table below, which has its other keys"},
+    HandKey{"type", "type of quantity", "", required,
+            "one of those listed in cases/README.md, with its other keys"},
     HandKey{"over", "[from, to]", "s", "none",
             "for types that have a value in every step: their mean from one time to another"},
     HandKey{"deviation", "boolean", "", "false", "with over: the standard deviation instead of the mean"}};

@@ -20,7 +20,8 @@ using rigid::Vec3;
 
 constexpr std::tuple shape_keys{
     HandKey{"name", "string", "", required, "name of the shape, to which bodies refer"},
-    HandKey{"type", "type of shape", "", required, "one of the table below, which has its other keys"},
+    HandKey{"type", "type of shape", "", required,
+            "one of those listed in cases/README.md, with its other keys"},
     HandKey{"radius", "number", "m", "one of two", "size of a round shape"},
     HandKey{"diameter", "number", "m", "one of two", "size of a round shape"},
     HandKey{"length", "number", "m", required,
@@ -147,6 +148,9 @@ std::vector<std::string> shape_types() {
 rigid::Compound read_compound(TableReader& table) {
   rigid::Compound compound;
   table.need("parts", "a list of tables, { type = \"capsule\", ..., orientation = [1, 0, 0] }");
+  if (const Node* given = table.find("parts");
+      given && given->kind == Node::Kind::array && given->children.empty())
+    table.refuse("parts", "a list of at least one table");
   for (TableReader& part : table.tables("parts")) {
     part.need("type", "one of " + joined(convex_names()));
     const auto type = part.choice("type", convex_names());
@@ -157,8 +161,6 @@ rigid::Compound read_compound(TableReader& table) {
     pose.orientation = read_orientation(part);
     compound.parts.push_back({read_convex(part, *type), pose});
   }
-  if (compound.parts.empty() && table.has("parts"))
-    table.fail("parts", "{} has no usable part", table.path("parts"));
   return compound;
 }
 

@@ -201,11 +201,8 @@ rigid::Shape read_mesh_body(TableReader& table, Case& setup) {
   require(table, std::get<0>(mesh_file_keys));
   rigid::Shape shape = rigid::Sphere{1};
   with_surface(table, adapters::read_mesh, [&](const adapters::ReadMesh& read, const std::string& name) {
-    const rigid::Mesh mesh{read.surface, false};
-    if (!(mesh.mass_properties().volume > 0))
-      throw std::invalid_argument("it encloses no volume: a body needs some");
     setup.meshes[setup.shape_names.back()] = {name, contents_of(read)};
-    shape = mesh;
+    shape = rigid::Mesh{read.surface, false};
   });
   return shape;
 }
@@ -230,14 +227,15 @@ void read_walls(TableReader& root, Case& setup) {
     CurvedWall wall;
     read_keys(table, wall, wall_keys);
     const auto type = table.choice("type", types);
-    if (!type) table.judge_no_keys();
     wall.name = read_new_name(table, names, "wall", table.path());
     const int material = read_name(table, "material", setup.material_names, "material").value_or(0);
     if (type == rigid::Mesh::name) {
       MeshWall mesh = read_mesh_wall(table);
       if (mesh.mesh.surface) wall.surface = std::move(mesh);  // else the fault has been reported
-    } else {
+    } else if (type) {
       wall.surface = read_tube_wall(table);
+    } else {
+      table.judge_no_keys();
     }
     std::visit([&](auto& of_kind) { of_kind.material = material; }, wall.surface);
     setup.walls.push_back(std::move(wall));

@@ -297,10 +297,12 @@ void find_overlaps(const Case& setup, const std::vector<GivenBody>& given, const
   });
 }
 
-void throw_faults(const Case& setup, MPI_Comm comm, std::vector<BodyFault> mine, const std::string& key) {
+/// Throws the first faults of all ranks, at a key or else at the positions of each body.
+void throw_faults(const Case& setup, MPI_Comm comm, std::vector<BodyFault> mine, const char* key = nullptr) {
   std::vector<Diagnostic> list;
   for (const BodyFault& fault : first_faults(comm, std::move(mine), most_messages))
-    list.push_back({Diagnostic::Severity::error, setup.place(key), fault.text});
+    list.push_back({Diagnostic::Severity::error,
+                    setup.place(key ? key : position_key(setup, entry_of(setup, fault.body))), fault.text});
   if (!list.empty()) throw CaseError(std::move(list));
 }
 
@@ -326,19 +328,14 @@ void require_room_beside(std::span<const rigid::BodyRecord> there, bool walls_ar
   around.messages.exchange_sparse();
   around.messages.for_received<rigid::BodyRecord>(
       [&](const rigid::BodyRecord& r, int) { find_overlaps(setup, given, grid, r, overlaps); });
-  throw_faults(setup, comm, std::move(overlaps), "bodies");
+  throw_faults(setup, comm, std::move(overlaps));
 }
 
 void require_sound_start(const Case& setup, const lbm::Domain& domain, MPI_Comm comm) {
   Surroundings around(setup, domain, comm, 1);
   const std::vector<GivenBody> bodies = given_bodies(setup, around);
-  std::vector<BodyFault> faults = first_faults(comm, faults_of_places(setup, bodies), most_messages);
-  if (faults.empty()) faults = first_faults(comm, faults_of_pairs(setup, bodies), most_messages);
-  std::vector<Diagnostic> list;
-  for (const BodyFault& fault : faults)
-    list.push_back({Diagnostic::Severity::error,
-                    setup.place(position_key(setup, entry_of(setup, fault.body))), fault.text});
-  if (!list.empty()) throw CaseError(std::move(list));
+  throw_faults(setup, comm, faults_of_places(setup, bodies));
+  throw_faults(setup, comm, faults_of_pairs(setup, bodies));
 }
 
 void add_filed_bodies(const Case& setup, Surroundings& around, std::vector<GivenBody>& bodies,

@@ -64,14 +64,19 @@ Exit info(const CommandLine& line, bool loud) {
 
 /// Prints every key of a case whose path begins with a text, one per line.
 Exit keys(const std::string& beginning, bool loud) {
+  if (!loud) return Exit::done;
+  bool found = false;
   for (const KeySection& section : case_keys())
     for (const KeyText& key : section.keys) {
       const std::string path = section.path + (section.path.empty() ? "" : ".") + key.name;
-      if (!loud || !path.starts_with(beginning)) continue;
+      if (!path.starts_with(beginning)) continue;
+      found = true;
       fmt::print("{}  {}{}{}; default {}: {}\n", path, key.type, key.unit.empty() ? "" : ", ", key.unit,
                  key.fallback, key.meaning);
     }
-  return Exit::done;
+  if (found) return Exit::done;
+  fmt::print(stderr, "no key of a case begins with '{}'; `silt keys` lists all\n", beginning);
+  return Exit::bad_case;
 }
 
 /// Accepts positive numbers, but not nan as CLI::PositiveNumber does, and without its message about the

@@ -267,10 +267,12 @@ PreparedRun prepare_resume(const RunOptions& options, MPI_Comm comm, const fs::p
   if (!is_nothing ||
       fs::exists(folder))  // where a run may be before its first checkpoint, which the lock tells
     ready = folder_on_rank_0(comm, [&] { return return_to_result_folder(folder); });
-  if (is_nothing)
+  if (is_nothing) {
+    parallel::on_rank_0(comm, [&] { read_source(options.directory); });  // throws if there is no such case
     throw std::runtime_error(
         fmt::format("{}: there is no checkpoint to go on from; start the run with: silt run {}",
                     folder.string(), arguments_of(options)));
+  }
   if (options.checkpoint) there = {{0, *options.checkpoint}};
   const auto first_sound = first_sound_checkpoint(there, comm, ready.note);
   const adapters::CheckpointReader& reader = *first_sound;

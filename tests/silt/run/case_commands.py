@@ -202,6 +202,8 @@ class Commands(SiltTest):
 
     def test_a_wrong_word_gets_the_nearest(self):
         self.assertIn("did you mean 'check'?", self.silt("chek", self.case, code=2).stderr)
+        self.assertIn("no key of a case begins with 'flud'", self.silt("keys", "flud", code=2).stderr)
+        self.assertIn("fluid.density", self.silt("keys", "fluid").stdout)
         self.assertRegex(self.silt("--version").stdout, r"silt .*\n.*Open MPI.*HDF5.*Bullet.*FCL")
 
 

@@ -34,7 +34,8 @@ class Program(SiltTest):
         next_case = self.case.parent / "next"
         next_case.mkdir()
         text = CASE.replace("velocity = [0.02, 0, 0]\npositions = [[6, 8, 8], [18, 8, 9]]", "").replace("0.8", "1.1")
-        (next_case / "case.toml").write_text(text + '\n[initial]\nfrom = "../case/out"\n')
+        text += '\n[initial]\nfrom = "../case/out"\n'
+        (next_case / "case.toml").write_text(text)
         def fault(*options):
             """Returns what a check and a run of the next case complain of."""
             said = [self.silt(command, next_case, *options, code=2).stderr for command in ("check", "run")]
@@ -50,8 +51,10 @@ class Program(SiltTest):
             self.assertRegex(fault("--set", option), f"the case cannot begin with the checkpoint .*: {what}; give the case what that run had, or let it begin with another run")
         for key in ("velocity=[0.01,0,0]", "angular_velocity=[0,0,0.01]", "orientation=[0,1,0,0]", "origin='given'"):
             self.assertIn(f"bodies[0].{key.split('=')[0]} has no effect: an entry without position names bodies of initial.from", fault("--set", "bodies[0]." + key))
-        beside = "bodies=[{name='ball', shape='ball', density=2}, {name='new', shape='ball', density=2, position=[6.5, 8, 11]}]"
-        self.assertRegex(fault("--set", beside), r"bodies\[1\].position: the body at .* overlaps body 1 \('ball'\) of initial.from, at .* by at least .* at the start; move it away")
+        beside = text + '[[bodies]]\nname = "new"\nshape = "ball"\ndensity = 2\nposition = [6.5, 8, 11]\n'
+        (next_case / "case.toml").write_text(beside)
+        self.assertRegex(fault(), rf"case.toml:{beside.count(chr(10))}:1: bodies\[1\].position: the body at .* overlaps body 1 \('ball'\) of initial.from, at .* by at least .* at the start; move it away")
+        (next_case / "case.toml").write_text(text)
         wall = "walls=[{ type='tube', radius=6, axis='z', point=[14.5, 8, 0] }]"
         self.assertIn("its [[walls]] are not where those of the case begin", fault("--set", wall))
         self.assertRegex(fault("--set", wall, "--unset", "fluid", "--unset", "output.fields"), r"body 1 \('ball'\) of initial.from is .*: the body reaches .* into the wall 'walls\[0\]'")
@@ -242,6 +245,7 @@ class Program(SiltTest):
         errors = self.silt("run", self.case, "--steps", 0, code=2).stderr
         self.assertEqual(errors.splitlines()[0], "--steps: 0 is not a number above 0")
         self.silt("resume", self.case, code=2)
+        self.assertIn("did you mean 'case'?", self.silt("resume", self.case.parent / "csae", ranks=2, code=2).stderr)
         self.write(CASE)
         self.assertIn("blocks", self.silt("run", self.case, "--set", "domain.blocks=[24, 16, 16]", ranks=2, code=2).stderr)
         self.assertIn("silt", self.silt("--version").stdout)
