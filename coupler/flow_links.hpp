@@ -45,12 +45,15 @@ class FlowLinks {
   template <class Built>
   void rebuild(const rigid::BodySet& bodies, Built&& built) {
     const lbm::WallFluid<T> wall_fluid(fluid_.spec());
+    const lbm::Domain& domain = fluid_.domain();
+    rigid::Vec3 periods;
+    for (int d = 0; d < 3; ++d) periods[d] = domain.periodic(d) ? domain.cells()[d] : 0;
     for (std::size_t b = 0; b < blocks_.size(); ++b) {
       const BlockMap& map = map_.blocks()[b];
       if (!map.changed) continue;
       fluid_.set_idle(int(b), !map.has_fluid());
       const lbm::PassOrder& order = fluid_.pass_order(int(b));
-      build_links<T>(map, world_, bodies, {spec_, wall_fluid, order, &meshes_, &mappings_[b]},
+      build_links<T>(map, world_, bodies, {spec_, wall_fluid, order, periods, &meshes_, &mappings_[b]},
                      blocks_[b].surfaces);
       blocks_[b].order_groups(order);
       blocks_[b].leave_to_device();

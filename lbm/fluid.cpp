@@ -33,7 +33,7 @@ Fluid<T>::Fluid(const Domain& domain, const CollisionSpec& spec, MPI_Comm comm, 
       device_(device),
       blocks_(local_blocks<T, D3Q19>(domain, parallel::rank_of(comm), device, blocks_to_take(before))),
       pass_(domain, comm, device, *rates_, blocks_),
-      halo_(domain_, comm, blocks_, pass_.orders(), spec.force, device) {}
+      halo_(domain_, comm, blocks_, pass_.orders(), {spec.force, spec.reversed_at_outlets()}, device) {}
 
 template <class T>
 Fluid<T>::~Fluid() = default;

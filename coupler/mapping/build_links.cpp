@@ -8,6 +8,7 @@
 #include "coupler/exchange/coupling_state.hpp"
 #include "coupler/mapping/bit_kernel.hpp"
 #include "coupler/mapping/crossing_links.hpp"
+#include "coupler/mapping/endless_shape.hpp"
 #include "coupler/mapping/link_groups.hpp"
 #include "coupler/mapping/measured_surface.hpp"
 #include "lbm/blocks/pass_order.hpp"
@@ -47,10 +48,10 @@ class LinkWriter {
         surface_(scheme, meshes, device),
         groups_(scheme) {}
 
-  /// Builds the links of a body, whose frame is already set, or has a device count them. `radius` is its
-  /// bounding radius, or 0 if its resistance is not needed.
-  void body(const BodyMask& mask, const rigid::Shape& shape, const MappedMotion& mapped, double radius,
-            SurfaceLinks<T>& surface) {
+  /// Builds the links of a body, whose frame is already set, or has a device count them if it may mark the
+  /// cells of this shape. `radius` is its bounding radius, or 0 if its resistance is not needed.
+  void body(const BodyMask& mask, const rigid::Shape& shape, bool may_mark, const MappedMotion& mapped,
+            double radius, SurfaceLinks<T>& surface) {
     mask_ = &mask;
     const BitFrame& frame = mask.frame();
     if (mask.any && (frame.pitch > 1 << lbm::place_x_bits || frame.size.y > 1 << lbm::place_y_bits))
@@ -58,7 +59,7 @@ class LinkWriter {
           "a body or wall of more than 4096 cells across a block; use smaller domain.blocks");
     lbm::CutLinks<T>& links = surface.links;
     const int exponent = lbm::resistance_exponent(radius);
-    if (mask.any && !mask.reflection.any() && surface_.leaves_to_device(shape)) {
+    if (mask.any && !mask.reflection.any() && may_mark && surface_.leaves_to_device(shape)) {
       surface_.leave_to_device(surface, shape, mask, mapped,
                                radius > 0 ? T(std::ldexp(1.0, -exponent)) : T(0));
       return counted_.push_back({&mask, &surface});
@@ -265,8 +266,10 @@ void write_links(const BlockMap& map, const rigid::World& world, const rigid::Bo
     const std::int32_t shape = bodies.shape[mask.row];
     const bool wants_resistance =
         mask.row < bodies.first_wall() && bodies.motion[mask.row] != rigid::Motion::fixed;
-    writer.body(mask, world.shapes[shape], coupling_of(bodies, mask.row).mapped,
-                wants_resistance ? world.bounding_radii[shape] : 0, surfaces[k]);
+    const std::optional<rigid::Shape> endless = endless_shape(world.shapes[shape], mask.pose, rules.periods);
+    writer.body(mask, endless ? *endless : world.shapes[shape], !endless,
+                coupling_of(bodies, mask.row).mapped, wants_resistance ? world.bounding_radii[shape] : 0,
+                surfaces[k]);
   });
   for (std::size_t k = 0; k < before.size(); ++k)
     if (!stays[k] && !map.masks_before[k].reflection.any())

@@ -62,17 +62,19 @@ SILT_DEVICE inline double wall_velocity_along(const std::array<SideCondition, 6>
 
 /// A population that left a cell of velocity u along c_j through an outlet, which returns one along -c_j.
 struct LeftThroughOutlet {
-  double value, twice_weight;  // 2 w_j
-  double along, square;        // c_j.u, 3/2 u.u
-  double sum;                  // of all populations that left the cell: of the temperature, this
+  double value, opposite;  // what left along c_j, and along -c_j
+  double twice_weight;     // 2 w_j
+  double along, square;    // c_j.u, 3/2 u.u
+  double sum;              // of all populations that left the cell: of the temperature, this
+  double reversed;         // AtOutlets
 };
 
-/// An outlet of given pressure, by anti bounce-back.
+/// An outlet of given pressure (method-fluid.md, equation 28a).
 struct PressureOutlet {
   double density_deviation;
   SILT_DEVICE double operator()(const LeftThroughOutlet& left) const {
     const double even = density_deviation + 4.5 * left.along * left.along - left.square;
-    return left.twice_weight * even - left.value;
+    return left.reversed * (left.twice_weight * even - left.value) + (1 - left.reversed) * left.opposite;
   }
 };
 

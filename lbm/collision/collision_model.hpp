@@ -43,6 +43,10 @@ struct CollisionSpec {
   constexpr double excess() const { return relaxation_time - 0.5; }
   /// Returns the share to which `regularised` relaxes high moments like trt (method.md, equation 26).
   constexpr double ghosts_as_trt() const { return std::clamp((excess() - 0.05) / 0.05, 0.0, 1.0); }
+  /// Returns the part of the even half that outlets reverse (method-fluid.md, equation 28a).
+  constexpr double reversed_at_outlets() const {
+    return 0.5 + 0.5 * std::clamp((excess() - 0.03) / 0.02, 0.0, 1.0);
+  }
   /// Returns tau_odd from `magic`, limited to what is stable.
   constexpr double stable_odd_relaxation_time() const {
     return 1 + std::min(magic / excess() - 0.5, 0.0) +

@@ -162,7 +162,7 @@ struct Halo<T, Lattice>::Builder {
       outlets[{here, home.side}].push_back(
           {run(here, g - Lattice::c[j], 0).first,
            {to.first, from.first, part(Lattice::c[j].x), part(Lattice::c[j].y), part(Lattice::c[j].z),
-            norm2(Lattice::c[j]) > 1}});
+            part(opposite(j))}});
     }
   }
 
@@ -193,8 +193,8 @@ struct Halo<T, Lattice>::Builder {
 
 template <class T, class Lattice>
 Halo<T, Lattice>::Halo(const Domain& domain, MPI_Comm comm, std::span<Block> blocks,
-                       std::span<const PassOrder> orders, const std::array<double, 3>& force, Device device)
-    : force_(force),
+                       std::span<const PassOrder> orders, const AtOutlets& at_outlets, Device device)
+    : at_outlets_(at_outlets),
       device_(device),
       slots_(comm, Lattice::directions, device),
       sources_(device),
@@ -228,10 +228,16 @@ void Halo<T, Lattice>::start(Parity parity) {
 
 template <class T, class Lattice>
 void Halo<T, Lattice>::apply_outlet(Block& block, const Outlet& o, Parity parity) const {
-  OutletCells<T, Lattice> cells{
-      block.data(), {}, {}, parity == Parity::crossed, o.cells.device(), o.links.device(), o.cells.size()};
+  OutletCells<T, Lattice> cells{block.data(),
+                                {},
+                                {},
+                                at_outlets_.reversed,
+                                parity == Parity::crossed,
+                                o.cells.device(),
+                                o.links.device(),
+                                o.cells.size()};
   for (int i = 0; i < Lattice::directions; ++i) cells.left[i] = block.leaving(i, parity) - block.slot(0);
-  for (int d = 0; d < 3; ++d) cells.half_force[d] = 0.5 * force_[d];
+  for (int d = 0; d < 3; ++d) cells.half_force[d] = 0.5 * at_outlets_.force[d];
   if constexpr (std::is_same_v<Lattice, D3Q7>)
     passes_on<T>(device_).return_temperature(cells, o.side);
   else

@@ -31,16 +31,16 @@ class Halo {
 
  public:
   /// Takes the local blocks in the order of domain.blocks_of(rank), and the orders of their passes; sets the
-  /// row ends of the blocks. `force` is the uniform acceleration.
-  Halo(const Domain&, MPI_Comm, std::span<Block> blocks, std::span<const PassOrder> orders,
-       const std::array<double, 3>& force, Device);
+  /// row ends of the blocks.
+  Halo(const Domain&, MPI_Comm, std::span<Block> blocks, std::span<const PassOrder> orders, const AtOutlets&,
+       Device);
   /// Sends the messages that the shells alone write. Call after the shells have collided; `parity` is the
   /// parity after the pass.
   void start(Parity parity);
   void progress() { slots_.progress(); }
   /// Completes the exchange after a pass. Idle blocks receive nothing: cut links cover every way into them.
   void exchange(std::span<Block> blocks, std::span<const char> idle, Parity parity);
-  void set_force(const std::array<double, 3>& force) { force_ = force; }
+  void set_force(const std::array<double, 3>& force) { at_outlets_.force = force; }
   /// Recomputes the addends of walls from the present velocities of the domain's sides.
   void take_side_velocities(const Domain&, std::span<Block> blocks);
   /// Returns the bytes sent per exchange (see SlotExchange::message_bytes).
@@ -62,7 +62,7 @@ class Halo {
 
   void apply_outlet(Block&, const Outlet&, Parity) const;
 
-  std::array<double, 3> force_;
+  AtOutlets at_outlets_;
   Device device_;
   SlotExchange<T> slots_;     // from homes to ghost slots; one array per block
   Mirror<const T*> sources_;  // of all blocks

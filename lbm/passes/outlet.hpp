@@ -1,5 +1,6 @@
 #pragma once
 // Computes the populations that outlets return (side_kinds.hpp), cell by cell, on any device.
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <utility>
@@ -11,10 +12,16 @@
 
 namespace silt::lbm {
 
+/// What outlets need of the collisions of the fluid.
+struct AtOutlets {
+  std::array<double, 3> force{};  // uniform acceleration
+  double reversed = 1;            // method-fluid.md, equation 28a
+};
+
 struct OutletLink {
   std::uint32_t ghost, home;  // slots of the population that left, and of the one that returns
   std::int8_t x, y, z;        // its direction
-  bool is_diagonal;
+  std::int8_t opposite;       // the opposite direction
 };
 /// A cell, by its Block::slot(0), and the range of its links.
 struct OutletCell {
@@ -26,7 +33,8 @@ struct OutletCells {
   T* slots;
   std::ptrdiff_t left[Lattice::directions];  // slot of the population that left along i, relative to slot(0)
   double half_force[3];
-  bool fill;  // write ghost slots; else homes
+  double reversed;  // AtOutlets
+  bool fill;        // write ghost slots; else homes
   const OutletCell* cells;
   const OutletLink* links;
   std::size_t count;
@@ -63,9 +71,11 @@ struct ReturnFromOutlet {
       const OutletLink link = of.links[n];
       constexpr double straight = 2 * Lattice::w(1), diagonal = 2 * Lattice::w(Lattice::directions - 1);
       const double cu = link.x * u[0] + link.y * u[1] + link.z * u[2];
-      const T from = of.slots[of.fill ? link.home : link.ghost];
+      const bool is_diagonal = link.x * link.x + link.y * link.y + link.z * link.z > 1;
+      const T from = of.slots[of.fill ? link.home : link.ghost],
+              back = of.slots[of.left[link.opposite] + at.cell];
       of.slots[of.fill ? link.ghost : link.home] =
-          T(returned({from, link.is_diagonal ? diagonal : straight, cu, rest, sum}));
+          T(returned({from, back, is_diagonal ? diagonal : straight, cu, rest, sum, of.reversed}));
     }
   }
 };

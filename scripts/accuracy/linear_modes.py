@@ -3,8 +3,8 @@
 
 What linear analysis says of the collision models and their walls. A model is a number, the magic of trt, or "regularised". Whether a disturbance of fluid at rest between two plane walls grows: the
 spectral radius of a step, less 1, for wall schemes, relaxation times and wall distances, over waves along the walls. How the
-decay of a shear wave far from walls depends on its direction (docs/method.md, equation 21). And up to which cell Reynolds
-number u / nu a uniform flow is stable.
+decay of a shear wave far from walls depends on its direction (docs/method.md, equation 21). Up to which cell Reynolds
+number u / nu a uniform flow is stable. And whether it stays so where it leaves through an outlet of given pressure.
 """
 import argparse
 
@@ -193,6 +193,33 @@ def critical_reynolds(flow, model):
     return low
 
 
+def reversed_at_outlets(tau):
+    """Returns the part of the even half that outlets reverse (equation 28a)."""
+    return 0.5 + 0.5 * min(1, max(0, (tau - 0.53) / 0.02))
+
+
+def outlet_growth(flow, reynolds, part=None, layers=8):
+    """Returns the largest growth a step, of waves along an outlet across x and the inlet before it, in a uniform flow (cells a step) of
+    regularised at u / nu = reynolds. part: of the even half that the outlet reverses, if not that of its relaxation time."""
+    tau = 0.5 + 3 * np.linalg.norm(flow) / reynolds
+    part, collide = reversed_at_outlets(tau) if part is None else part, collision(tau, REGULARISED, flow)
+    largest = 0
+    for wave in ((y, z) for y in (-np.pi / 2, *np.linspace(0, np.pi, 5)) for z in WAVES):
+        step = np.zeros((19, layers, 19, layers), complex)
+        for i, j in np.ndindex(19, layers):
+            source, out = j - C[i][0], OPPOSITE[i]
+            if 0 <= source < layers:
+                step[i, j, i, source] = np.exp(-1j * (wave[0] * C[i][1] + wave[1] * C[i][2]))
+            elif source < 0:
+                step[i, j, out, j] = 1
+            else:
+                step[i, j, :, j] = part * 2 * W[i] * (9 * (C[i] @ flow) * (C @ C[i]) - 3 * C @ flow)
+                step[i, j, out, j] -= part
+                step[i, j, i, j] += 1 - part
+        largest = max(largest, np.abs(np.linalg.eigvals(step.reshape(19 * layers, -1) @ np.kron(collide, np.eye(layers)))).max())
+    return largest - 1
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--magic", type=float, default=2 / 15)
@@ -211,6 +238,9 @@ def main():
     print("critical u / nu of uniform flow: along x at 0.05 and 0.1, (1,1,0), (1,1,1)")
     for model in (1 / 16, 1 / 12, 1 / 8, 2 / 15, 1 / 6, 3 / 16, REGULARISED):
         print(f"{model:.6}", *(f"{critical_reynolds(flow, model):5.0f}" for flow in FLOWS), flush=True)
+    print("growth of regularised before an outlet, at u / nu of 15, 20, 50, 200, 2000: by anti-bounce-back, and by equation 28a")
+    for flow in FLOWS:
+        print(np.round(flow, 3), *(f"{outlet_growth(flow, re, part):8.0e}" for part in (1, None) for re in (15, 20, 50, 200, 2000)), flush=True)
 
 
 if __name__ == "__main__":

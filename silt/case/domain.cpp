@@ -277,19 +277,6 @@ void check_pressure(const Case& setup, Diagnostics& findings, int side) {
                                           : "lower it"));
 }
 
-/// From a cell Reynolds number between 15 and 20 on the velocity along an outlet behind a wake grows to that
-/// of the stream, and falls by a factor of 1.7 a cell upstream.
-void check_outlet(const Case& setup, Diagnostics& findings, int side) {
-  constexpr double measured = 15;
-  if (cell_reynolds(setup) > measured)
-    findings.warning(
-        side_key(side),
-        "{} is a pressure-outlet, and the cell Reynolds number u/nu is {}: above {} velocities may "
-        "oscillate from cell to cell in the last ten cells before it; use smaller cells, or leave these "
-        "out of what is evaluated",
-        side_key(side), shown(cell_reynolds(setup)), shown(measured));
-}
-
 void check_flows(const Case& setup, Diagnostics& findings) {
   int inlet = -1;
   for (int side = 0; side < 6; ++side) {
@@ -302,7 +289,6 @@ void check_flows(const Case& setup, Diagnostics& findings) {
     if (!setup.fluid) continue;
     if (of.traits().has_velocity) check_velocity(setup, findings, side);
     if (of.traits().has_pressure) check_pressure(setup, findings, side);
-    if (of.is_outlet()) check_outlet(setup, findings, side);
     if (of.is_inlet()) inlet = side;
   }
   if (inlet >= 0 && std::ranges::none_of(setup.boundary, &coupler::BoundarySpec::is_outlet))

@@ -48,6 +48,8 @@ class Growth(unittest.TestCase):
         with unittest.mock.patch.object(modes, "EXCESS", -0.05):
             self.assertGreater(modes.growth("cli", 1, MAGIC, (0.02, 0.02)), 1e-3)
 
+FAST = np.array((0.1, 0, 0))
+
 
 class ShearWaves(unittest.TestCase):
 
@@ -81,6 +83,17 @@ class UniformFlow(unittest.TestCase):
     def test_is_not_with_that_of_parabolic(self):
         for flow in modes.FLOWS:
             self.assertGreater(modes.uniform_growth(flow, 20, 1 / 16), modes.NOTICED, flow)
+
+
+class Outlets(unittest.TestCase):
+
+    def test_let_waves_out_at_any_viscosity(self):
+        for flow, number in ((FAST, 20), (FAST, 200), (FAST / 2, 2000), (np.array((0.07, 0.07, 0)), 200)):
+            self.assertLess(modes.outlet_growth(flow, number), modes.NOTICED, (flow, number))
+
+    def test_of_anti_bounce_back_do_not(self):
+        self.assertGreater(modes.outlet_growth(FAST, 20, 1), 1e-3)
+        self.assertLess(modes.outlet_growth(FAST, 15, 1), modes.NOTICED)
 
 
 if __name__ == "__main__":

@@ -335,5 +335,36 @@ TEST(GapLinks, KnowTheWallOnTheOtherSide) {
   EXPECT_GT(slipping, 0);
 }
 
+/// Returns how much velocities vary along a rod across a periodic domain, over the largest.
+double variation_along(const std::string& rod, const std::string& device) {
+  CaseText c;
+  c.domain = domain_of({24, 8, 20}, "\"periodic\"");
+  c.fluid = "[fluid]\nrelaxation_time = 0.7\nprecision = \"double\"\nbody_force = [1e-5, 0, 0]\n";
+  c.shapes = rod;
+  c.bodies = body_of("rod", 1, "position = [9.2, 4, 10.3]\norientation = [0, 1, 0]\nmotion = \"fixed\"");
+  Simulation s = c.start(MPI_COMM_SELF, {"run.device=" + device});
+  s.run(200);
+  std::map<std::pair<int, int>, std::pair<Vec3, Vec3>> range;
+  double largest = 0, variation = 0;
+  const FluidFields& fields = s.scene().flow->fields();
+  for_each_cell(fields, [&](int b, lbm::Int3 cell, lbm::Int3 at) {
+    if (!fields.is_fluid(b, cell)) return;
+    const Vec3 u = velocity(fields, b, cell);
+    auto& [low, high] = range.try_emplace({at.x, at.z}, u, u).first->second;
+    low = low.cwiseMin(u), high = high.cwiseMax(u);
+    largest = std::max(largest, u.norm());
+  });
+  for (const auto& [column, of] : range) variation = std::max(variation, (of.second - of.first).norm());
+  return variation / largest;
+}
+
+TEST(Links, OfRodsThatReachTheirOwnImageAreAlikeAllAlong) {
+  for (const std::string device : {"cpu", "host"}) {
+    EXPECT_LT(variation_along(shape_of("rod", "cylinder", "diameter = 8\nlength = 8"), device), 1e-12);
+    EXPECT_LT(variation_along(shape_of("rod", "box", "edges = [7, 7, 8]"), device), 1e-12);
+  }
+  EXPECT_GT(variation_along(shape_of("rod", "cylinder", "diameter = 8\nlength = 7.9"), "cpu"), 0.01);
+}
+
 }  // namespace
 }  // namespace silt::coupler::testing
