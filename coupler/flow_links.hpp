@@ -53,7 +53,7 @@ class FlowLinks {
       if (!map.changed) continue;
       fluid_.set_idle(int(b), !map.has_fluid());
       const lbm::PassOrder& order = fluid_.pass_order(int(b));
-      build_links<T>(map, world_, bodies, {spec_, wall_fluid, order, periods, &meshes_, &mappings_[b]},
+      build_links<T>(map, world_, bodies, {spec_, wall_fluid, order, &meshes_, &mappings_[b], periods},
                      blocks_[b].surfaces);
       blocks_[b].order_groups(order);
       blocks_[b].leave_to_device();

@@ -8,7 +8,7 @@
 #include "coupler/exchange/coupling_state.hpp"
 #include "coupler/mapping/bit_kernel.hpp"
 #include "coupler/mapping/crossing_links.hpp"
-#include "coupler/mapping/endless_shape.hpp"
+#include "coupler/mapping/endless_cylinder.hpp"
 #include "coupler/mapping/link_groups.hpp"
 #include "coupler/mapping/measured_surface.hpp"
 #include "lbm/blocks/pass_order.hpp"
@@ -266,7 +266,8 @@ void write_links(const BlockMap& map, const rigid::World& world, const rigid::Bo
     const std::int32_t shape = bodies.shape[mask.row];
     const bool wants_resistance =
         mask.row < bodies.first_wall() && bodies.motion[mask.row] != rigid::Motion::fixed;
-    const std::optional<rigid::Shape> endless = endless_shape(world.shapes[shape], mask.pose, rules.periods);
+    const std::optional<rigid::Shape> endless =
+        endless_cylinder(world.shapes[shape], mask.pose, rules.periods);
     writer.body(mask, endless ? *endless : world.shapes[shape], !endless,
                 coupling_of(bodies, mask.row).mapped, wants_resistance ? world.bounding_radii[shape] : 0,
                 surfaces[k]);

@@ -18,9 +18,9 @@ struct LinkRules {
   const CouplingSpec& coupling;
   const lbm::WallFluid<T>& fluid;
   const lbm::PassOrder& sweep;
-  rigid::Vec3 periods = rigid::Vec3::Zero();  // of the domain, cells; 0: not periodic
   MeshDistances* meshes = nullptr;            // reuses its memory between mappings; null: own memory
   DeviceMapping<T>* device = nullptr;         // of the device for which links are built; null: CPU
+  rigid::Vec3 periods = rigid::Vec3::Zero();  // of the domain, cells; 0: not periodic
 };
 
 /// Builds the links of the block's masks, surface by surface, and under implicit coupling the resistance of

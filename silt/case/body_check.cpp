@@ -8,7 +8,7 @@
 #include <numbers>
 
 #include "adapters/automatic/collision_factory.hpp"
-#include "coupler/mapping/endless_shape.hpp"
+#include "coupler/mapping/endless_cylinder.hpp"
 #include "rigid/shapes/shape.hpp"
 #include "silt/case/case_check.hpp"
 #include "silt/case/case_sections.hpp"
@@ -144,15 +144,15 @@ void check_reach(const Case& setup, Diagnostics& findings, const Entry& body) {
                    in_metres(setup, across));
 }
 
-/// Where a body reaches its own periodic image, its ends have the lip of edges, but for cylinders and boxes
-/// along the axis (method-walls.md).
+/// Where a body reaches its own periodic image, its ends have the lip of edges, but for cylinders along
+/// the axis (method-walls.md).
 void check_endless(const Case& setup, Diagnostics& findings, const BodySpec& body) {
   const rigid::Shape& shape = setup.shapes[body.shape];
   const auto parts = rigid::convex_parts(shape);
   rigid::Vec3 periods;
   for (int d = 0; d < 3; ++d) periods[d] = setup.periodic(d) ? setup.cells[d] : 0;
   if (parts.size() != 1 || rigid::is_smooth(parts.front().shape) ||
-      coupler::endless_shape(shape, body.pose, periods))
+      coupler::endless_cylinder(shape, body.pose, periods))
     return;
   const rigid::BoundingBox box = rigid::bounding_box(shape, body.pose);
   for (int d = 0; d < 3; ++d)
