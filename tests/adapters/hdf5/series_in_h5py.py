@@ -52,7 +52,7 @@ for ranks in (1, 3):
             assert (part["triangle_normals"] == np.arange(4)[:, None]).all()
         with h5py.File(folder + "/bodies.h5") as f:  # the file says what its numbers mean
             assert f.attrs["format_version"] == 4 and f["kinds/vertex"].attrs["unit"] == b"m"
-            assert f["kinds/density"].attrs["unit"] == b"kg/m^3"
+            assert f["kinds/density"].attrs["unit"] == b"kg/m3"
             assert all(len(data.attrs["meaning"]) > 10 for data in f["kinds"].values())
         assert len(series.of_body(21, "position")[0]) == 6
         try:
