@@ -12,7 +12,7 @@
 
 namespace silt::lbm {
 
-/// What outlets need of the collisions of the fluid.
+/// The properties of the collisions that outlets need.
 struct AtOutlets {
   std::array<double, 3> force{};  // uniform acceleration
   double reversed = 1;            // method-fluid.md, equation 28a
