@@ -360,9 +360,8 @@ double variation_along(const std::string& rod, const std::string& device) {
 }
 
 TEST(Links, OfRodsThatReachTheirOwnImageAreAlikeAllAlong) {
-  for (const std::string device : {"cpu", "host"}) {
+  for (const std::string device : {"cpu", "host"})
     EXPECT_LT(variation_along(shape_of("rod", "cylinder", "diameter = 8\nlength = 8"), device), 1e-12);
-  }
   EXPECT_GT(variation_along(shape_of("rod", "cylinder", "diameter = 8\nlength = 7.9"), "cpu"), 0.01);
 }
 
